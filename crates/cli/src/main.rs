@@ -1,0 +1,3 @@
+//! The profidrive command.
+#![forbid(unsafe_code)]
+fn main() {}

@@ -1,0 +1,2 @@
+//! drive-client
+#![forbid(unsafe_code)]

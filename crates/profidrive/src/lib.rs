@@ -1,0 +1,4 @@
+//! profidrive
+#![no_std]
+#![forbid(unsafe_code)]
+extern crate alloc;

@@ -1,0 +1,13 @@
+//! PROFINET IO as a device and as a controller: protocol engines that take bytes and a time and give bytes, events
+//! and the next deadline. No socket, thread or clock inside.
+//!
+//! Knows nothing of drives; the drive profile is carried as records and cyclic data.
+#![no_std]
+#![forbid(unsafe_code)]
+extern crate alloc;
+
+mod endpoint;
+mod time;
+
+pub use endpoint::{Endpoint, IpSuite, MAX_FRAME, MacAddress, MacAddressError, Medium, RPC_PORT, Transmit};
+pub use time::Instant;

@@ -1,0 +1,2 @@
+//! virtual-drive
+#![forbid(unsafe_code)]
