@@ -1,3 +1,46 @@
-//! House tasks.
+//! House tasks: `cargo run -p xtask -- gen [--check]` writes (or compares) the generated tables,
+//! `cargo run -p xtask -- arrows` proves that the crates only depend on each other as ARCHITECTURE.md says.
 #![forbid(unsafe_code)]
-fn main() {}
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+mod arrows;
+mod csv;
+mod r#gen;
+
+/// A house task either works or says why not.
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+const USAGE: &str = "usage: cargo run -p xtask -- <task>
+  gen            write the generated tables from data/
+  gen --check    fail when a generated table is not up to date
+  arrows         fail when a crate depends on one it must not know";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match words.as_slice() {
+        ["gen"] => r#gen::run(&root(), r#gen::Mode::Write),
+        ["gen", "--check"] => r#gen::run(&root(), r#gen::Mode::Check),
+        ["arrows"] => arrows::run(&root()),
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The folder of the workspace, the parent of this package's folder.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
+}

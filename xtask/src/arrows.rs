@@ -1,0 +1,131 @@
+//! `arrows`: the crates may only know each other as the table below says; cargo's own metadata is the witness.
+
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::Outcome;
+
+/// Who may depend on whom inside the workspace (ARCHITECTURE.md draws it). Arrows only point down.
+const ALLOWED: &[(&str, &[&str])] = &[
+    ("profidrive", &[]),
+    ("profinet", &[]),
+    ("virtual-drive", &["profidrive", "profinet"]),
+    ("drive-client", &["profidrive", "profinet"]),
+    ("network", &["profinet"]),
+    (
+        "profidrive-cli",
+        &[
+            "profidrive",
+            "profinet",
+            "virtual-drive",
+            "drive-client",
+            "network",
+        ],
+    ),
+    ("xtask", &[]),
+];
+
+/// Outside crates that would bring sockets, threads or clocks into a protocol room.
+const NO_IO: &[&str] = &["profidrive", "profinet", "virtual-drive", "drive-client"];
+const IO_CRATES: &[&str] = &[
+    "libc",
+    "socket2",
+    "smoltcp",
+    "tokio",
+    "mio",
+    "nix",
+    "rustix",
+    "rand",
+    "getrandom",
+];
+
+/// Checks every dependency of every package of the workspace, development dependencies apart: tests may look across.
+pub fn run(root: &Path) -> Outcome<()> {
+    let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+        .args(["metadata", "--format-version", "1", "--no-deps", "--offline"])
+        .current_dir(root)
+        .output()?;
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned().into());
+    }
+    let wrong = violations(&serde_json::from_slice(&output.stdout)?)?;
+    if wrong.is_empty() {
+        println!("all arrows point down");
+        Ok(())
+    } else {
+        Err(wrong.join("\n").into())
+    }
+}
+
+fn violations(metadata: &Value) -> Outcome<Vec<String>> {
+    let packages = metadata["packages"]
+        .as_array()
+        .ok_or("cargo metadata has no packages")?;
+    let names: Vec<&str> = packages
+        .iter()
+        .filter_map(|package| package["name"].as_str())
+        .collect();
+    let mut wrong = Vec::new();
+    for package in packages {
+        let name = package["name"].as_str().unwrap_or_default();
+        let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| *known == name) else {
+            wrong.push(format!(
+                "{name} is not in the table of arrows (xtask/src/arrows.rs)"
+            ));
+            continue;
+        };
+        for dependency in package["dependencies"].as_array().into_iter().flatten() {
+            let other = dependency["name"].as_str().unwrap_or_default();
+            if dependency["kind"] == "dev" {
+                continue;
+            }
+            if names.contains(&other) && !allowed.contains(&other) {
+                wrong.push(format!("{name} must not depend on {other}"));
+            }
+            if NO_IO.contains(&name) && IO_CRATES.contains(&other) {
+                wrong.push(format!("{name} is free of I/O and must not depend on {other}"));
+            }
+        }
+    }
+    Ok(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn metadata(text: &str) -> Value {
+        serde_json::from_str(text).unwrap()
+    }
+
+    #[test]
+    fn an_upward_arrow_is_found() {
+        let found = violations(&metadata(
+            r#"{"packages":[{"name":"profinet","dependencies":[{"name":"profidrive","kind":null},{"name":"libc","kind":null}]},
+                {"name":"profidrive","dependencies":[]}]}"#,
+        ))
+        .unwrap();
+        assert_eq!(
+            found,
+            [
+                "profinet must not depend on profidrive",
+                "profinet is free of I/O and must not depend on libc"
+            ]
+        );
+    }
+
+    #[test]
+    fn development_dependencies_are_free_and_strangers_are_not() {
+        let found = violations(&metadata(
+            r#"{"packages":[{"name":"profinet","dependencies":[{"name":"network","kind":"dev"}]},
+                {"name":"network","dependencies":[]},{"name":"stranger","dependencies":[]}]}"#,
+        ))
+        .unwrap();
+        assert_eq!(
+            found,
+            ["stranger is not in the table of arrows (xtask/src/arrows.rs)"]
+        );
+    }
+}

@@ -1,0 +1,157 @@
+//! A small reader for the tables in `data/`: comma separated, first line names the columns, quotes around cells that
+//! hold commas or quotes (doubled), no line breaks inside cells.
+
+use std::path::Path;
+
+use crate::Outcome;
+
+/// One table with named columns.
+pub struct Table {
+    file: String,
+    columns: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+/// One row of a [`Table`].
+#[derive(Clone, Copy)]
+pub struct Row<'a> {
+    table: &'a Table,
+    /// Index of the row, 0 is the line below the column names.
+    index: usize,
+}
+
+impl Table {
+    /// Reads `root/file`.
+    pub fn read(root: &Path, file: &str) -> Outcome<Self> {
+        let text = std::fs::read_to_string(root.join(file)).map_err(|error| format!("{file}: {error}"))?;
+        Self::parse(file, &text)
+    }
+
+    /// Reads a table out of its text; `file` is for messages.
+    pub fn parse(file: &str, text: &str) -> Outcome<Self> {
+        let mut lines = text.lines().enumerate();
+        let (_, first) = lines.next().ok_or_else(|| format!("{file}: empty"))?;
+        let columns = split(first).map_err(|error| format!("{file}:1: {error}"))?;
+        let mut rows = Vec::new();
+        for (number, line) in lines {
+            if line.is_empty() {
+                continue;
+            }
+            let cells = split(line).map_err(|error| format!("{file}:{}: {error}", number + 1))?;
+            if cells.len() != columns.len() {
+                let message = format!(
+                    "{file}:{}: {} cells, {} columns",
+                    number + 1,
+                    cells.len(),
+                    columns.len()
+                );
+                return Err(message.into());
+            }
+            rows.push(cells);
+        }
+        Ok(Self {
+            file: file.to_owned(),
+            columns,
+            rows,
+        })
+    }
+
+    /// All rows in file order.
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        (0..self.rows.len()).map(|index| Row { table: self, index })
+    }
+}
+
+impl<'a> Row<'a> {
+    /// The text of a cell, empty when unknown.
+    pub fn text(self, column: &str) -> Outcome<&'a str> {
+        let Some(at) = self.table.columns.iter().position(|name| name == column) else {
+            return Err(format!("{}: no column {column}", self.table.file).into());
+        };
+        Ok(self
+            .table
+            .rows
+            .get(self.index)
+            .and_then(|cells| cells.get(at))
+            .map_or("", String::as_str))
+    }
+
+    /// The number in a cell; an error when it is empty or no number.
+    pub fn number<T: std::str::FromStr>(self, column: &str) -> Outcome<T> {
+        let text = self.text(column)?;
+        text.parse()
+            .map_err(|_| format!("{}: {column} is not a number: {text:?}", self.place()).into())
+    }
+
+    /// The number in a cell, `None` when the cell is empty.
+    pub fn optional<T: std::str::FromStr>(self, column: &str) -> Outcome<Option<T>> {
+        if self.text(column)?.is_empty() {
+            Ok(None)
+        } else {
+            self.number(column).map(Some)
+        }
+    }
+
+    /// File and line for messages.
+    pub fn place(self) -> String {
+        format!("{}:{}", self.table.file, self.index + 2)
+    }
+}
+
+fn split(line: &str) -> Outcome<Vec<String>> {
+    let mut cells = Vec::new();
+    let mut rest = line;
+    loop {
+        let cell;
+        if let Some(quoted) = rest.strip_prefix('"') {
+            let mut text = String::new();
+            let mut inside = quoted;
+            loop {
+                let end = inside.find('"').ok_or("a quoted cell has no end")?;
+                text.push_str(&inside[..end]);
+                inside = &inside[end + 1..];
+                match inside.strip_prefix('"') {
+                    Some(more) => {
+                        text.push('"');
+                        inside = more;
+                    }
+                    None => break,
+                }
+            }
+            cell = text;
+            rest = inside;
+        } else {
+            let end = rest.find(',').unwrap_or(rest.len());
+            cell = rest[..end].to_owned();
+            rest = &rest[end..];
+        }
+        cells.push(cell);
+        match rest.strip_prefix(',') {
+            Some(more) => rest = more,
+            None if rest.is_empty() => return Ok(cells),
+            None => return Err("text after the end of a quoted cell".into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_commas_and_empty_cells() {
+        let table = Table::parse("t", "a,b,c\n1,\"x, \"\"y\"\"\",\n").unwrap();
+        let row = table.rows().next().unwrap();
+        assert_eq!(row.number::<u16>("a").unwrap(), 1);
+        assert_eq!(row.text("b").unwrap(), "x, \"y\"");
+        assert_eq!(row.optional::<f64>("c").unwrap(), None);
+        assert!(row.text("d").is_err());
+    }
+
+    #[test]
+    fn a_short_row_is_refused() {
+        assert!(Table::parse("t", "a,b\n1\n").is_err());
+        assert!(Table::parse("t", "a\n\"1\n").is_err());
+        assert!(Table::parse("t", "a\n\"1\"2\n").is_err());
+    }
+}
