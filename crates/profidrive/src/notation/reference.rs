@@ -1,0 +1,436 @@
+//! A parameter as written by a person.
+
+use alloc::string::{String, ToString};
+use core::fmt;
+use core::str::FromStr;
+
+/// Which parameter, and which of its elements, as a person wrote it.
+///
+/// A name is not looked up here: the catalogue of the drive does that, so that the same text can mean the parameter
+/// of another maker.
+///
+/// ```
+/// use profidrive::notation::{ParameterReference, Target};
+/// let fault: ParameterReference = "r947[0..7]".parse()?;
+/// assert_eq!(fault.target, Target::Number(947));
+/// let elements = fault.elements.unwrap_or_default();
+/// assert_eq!((elements.first, elements.count), (0, 8));
+/// assert_eq!(fault.to_string(), "r0947[0..7]");
+/// # Ok::<(), profidrive::notation::ReferenceError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct ParameterReference {
+    /// The parameter.
+    pub target: Target,
+    /// The elements, where the text says which.
+    pub elements: Option<Elements>,
+    /// The letter in front of the number, where there was one.
+    pub prefix: Option<Prefix>,
+}
+
+/// A parameter by number or by the maker's name.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// Parameter number (PNU), 1 to 65535.
+    Number(u16),
+    /// The maker's name, as written.
+    Name(String),
+}
+
+/// A run of array elements; the first element of an array is number 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Elements {
+    /// Subindex of the first element.
+    pub first: u16,
+    /// How many, at least 1.
+    pub count: u16,
+}
+
+impl Default for Elements {
+    fn default() -> Self {
+        Self { first: 0, count: 1 }
+    }
+}
+
+/// `p` (writable) or `r` (read-only) in front of a number. What the drive says decides, not the letter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Prefix {
+    /// `p`: can be written.
+    Writable,
+    /// `r`: read-only.
+    ReadOnly,
+}
+
+/// Why a text is no parameter, with what to write instead.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReferenceError {
+    /// Nothing there.
+    #[error("no parameter given: write a name (DRV.ACC) or a number (930, p930, r947[0])")]
+    Empty,
+    /// PNU 0 or above 65535.
+    #[error("`{text}`: parameter numbers run from 1 to 65535")]
+    NumberRange {
+        /// The text as given.
+        text: String,
+    },
+    /// The bracket is not closed or has something else in it.
+    #[error("`{text}`: write one element as 947[0] and several as 947[0..7]")]
+    Elements {
+        /// The text as given.
+        text: String,
+    },
+    /// An element number above 65535, or a range that runs backwards.
+    #[error("`{text}`: elements run from 0 to 65535, the first of a range before the last")]
+    ElementRange {
+        /// The text as given.
+        text: String,
+    },
+    /// A character that is in no parameter name.
+    #[error("`{text}`: `{character}` is in no parameter name")]
+    Character {
+        /// The text as given.
+        text: String,
+        /// The first character that does not fit.
+        character: char,
+    },
+}
+
+impl ParameterReference {
+    /// The parameter `pnu` without elements.
+    #[must_use]
+    pub const fn number(pnu: u16) -> Self {
+        Self {
+            target: Target::Number(pnu),
+            elements: None,
+            prefix: None,
+        }
+    }
+}
+
+impl FromStr for ParameterReference {
+    type Err = ReferenceError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let whole = text.trim();
+        if whole.is_empty() {
+            return Err(ReferenceError::Empty);
+        }
+        let (head, bracket) = match whole.split_once('[') {
+            None => (whole, None),
+            Some((head, rest)) => {
+                let inner = rest.strip_suffix(']').ok_or_else(|| ReferenceError::Elements {
+                    text: whole.to_string(),
+                })?;
+                (head.trim_end(), Some(parse_elements(inner, whole)?))
+            }
+        };
+        let (target, dotted, prefix) = parse_head(head, whole)?;
+        let elements = match (dotted, bracket) {
+            (Some(_), Some(_)) => {
+                return Err(ReferenceError::Elements {
+                    text: whole.to_string(),
+                });
+            }
+            (dotted, bracket) => dotted.or(bracket),
+        };
+        Ok(Self {
+            target,
+            elements,
+            prefix,
+        })
+    }
+}
+
+type Head = (Target, Option<Elements>, Option<Prefix>);
+
+fn parse_head(head: &str, whole: &str) -> Result<Head, ReferenceError> {
+    if let Some(rest) = strip_word(head, "PNU") {
+        let (pnu, elements) = parse_numeric(rest, whole)?;
+        return Ok((Target::Number(pnu), elements, None));
+    }
+    if let Some(rest) = strip_word(head, "ID") {
+        // a Vacon application id is element `id` of the one parameter that carries them all
+        const VACON_DRIVE_PARAMETER: u16 = 10001;
+        let id = rest.parse().map_err(|_| ReferenceError::ElementRange {
+            text: whole.to_string(),
+        })?;
+        return Ok((
+            Target::Number(VACON_DRIVE_PARAMETER),
+            Some(Elements { first: id, count: 1 }),
+            None,
+        ));
+    }
+    let starts_with_digit = |text: &str| text.bytes().next().is_some_and(|b| b.is_ascii_digit());
+    if starts_with_digit(head) {
+        let (pnu, elements) = parse_numeric(head, whole)?;
+        return Ok((Target::Number(pnu), elements, None));
+    }
+    let prefix = match head.bytes().next() {
+        Some(b'p' | b'P') => Some(Prefix::Writable),
+        Some(b'r' | b'R') => Some(Prefix::ReadOnly),
+        _ => None,
+    };
+    if let (Some(_), Some(rest)) = (prefix, head.get(1..))
+        && starts_with_digit(rest)
+    {
+        let (pnu, elements) = parse_numeric(rest, whole)?;
+        return Ok((Target::Number(pnu), elements, prefix));
+    }
+    if head.is_empty() {
+        return Err(ReferenceError::Empty);
+    }
+    match head
+        .chars()
+        .find(|c| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-')))
+    {
+        Some(character) => Err(ReferenceError::Character {
+            text: whole.to_string(),
+            character,
+        }),
+        None => Ok((Target::Name(head.to_string()), None, None)),
+    }
+}
+
+/// `rest` of `PNU 922`, `pnu922`: the word, spaces or none, then a digit.
+fn strip_word<'a>(text: &'a str, word: &str) -> Option<&'a str> {
+    let (start, rest) = text.split_at_checked(word.len())?;
+    let rest = rest.trim_start();
+    (start.eq_ignore_ascii_case(word) && rest.bytes().next().is_some_and(|b| b.is_ascii_digit()))
+        .then_some(rest)
+}
+
+/// `922`, `922.0`, `0x39A`, `8-10`.
+fn parse_numeric(text: &str, whole: &str) -> Result<(u16, Option<Elements>), ReferenceError> {
+    let range = || ReferenceError::NumberRange {
+        text: whole.to_string(),
+    };
+    let valid = |pnu: u16| if pnu == 0 { Err(range()) } else { Ok(pnu) };
+    if let Some(hex) = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        check_digits(hex, whole, |c| c.is_ascii_hexdigit())?;
+        return Ok((valid(u16::from_str_radix(hex, 16).map_err(|_| range())?)?, None));
+    }
+    if let Some((group, index)) = text.split_once('-') {
+        // Danfoss group and number: 8-10 is PNU 810
+        check_digits(group, whole, |c| c.is_ascii_digit())?;
+        check_digits(index, whole, |c| c.is_ascii_digit())?;
+        let (group, index) = (
+            group.parse::<u16>().map_err(|_| range())?,
+            index.parse::<u16>().map_err(|_| range())?,
+        );
+        let pnu = group
+            .checked_mul(100)
+            .and_then(|n| n.checked_add(index))
+            .filter(|_| index < 100)
+            .ok_or_else(range)?;
+        return Ok((valid(pnu)?, None));
+    }
+    let (pnu, index) = match text.split_once('.') {
+        Some((pnu, index)) => (pnu, Some(index)),
+        None => (text, None),
+    };
+    check_digits(pnu, whole, |c| c.is_ascii_digit())?;
+    let pnu = valid(pnu.parse().map_err(|_| range())?)?;
+    let elements = index.map(|index| parse_elements(index, whole)).transpose()?;
+    Ok((pnu, elements))
+}
+
+fn check_digits(text: &str, whole: &str, allowed: impl Fn(char) -> bool) -> Result<(), ReferenceError> {
+    match text.chars().find(|&c| !allowed(c)) {
+        Some(character) => Err(ReferenceError::Character {
+            text: whole.to_string(),
+            character,
+        }),
+        None if text.is_empty() => Err(ReferenceError::NumberRange {
+            text: whole.to_string(),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn parse_elements(inner: &str, whole: &str) -> Result<Elements, ReferenceError> {
+    let form = || ReferenceError::Elements {
+        text: whole.to_string(),
+    };
+    let range = || ReferenceError::ElementRange {
+        text: whole.to_string(),
+    };
+    let number = |text: &str| {
+        let text = text.trim();
+        if text.is_empty() || !text.bytes().all(|b| b.is_ascii_digit()) {
+            return Err(form());
+        }
+        text.parse::<u16>().map_err(|_| range())
+    };
+    let Some((first, last)) = inner.split_once("..") else {
+        return Ok(Elements {
+            first: number(inner)?,
+            count: 1,
+        });
+    };
+    let (first, last) = (number(first)?, number(last)?);
+    let count = last
+        .checked_sub(first)
+        .and_then(|n| n.checked_add(1))
+        .ok_or_else(range)?;
+    Ok(Elements { first, count })
+}
+
+impl fmt::Display for ParameterReference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.target {
+            Target::Name(name) => f.write_str(name)?,
+            Target::Number(pnu) => match self.prefix {
+                Some(Prefix::Writable) => write!(f, "p{pnu:04}")?,
+                Some(Prefix::ReadOnly) => write!(f, "r{pnu:04}")?,
+                None => write!(f, "{pnu}")?,
+            },
+        }
+        self.elements.map_or(Ok(()), |elements| elements.fmt(f))
+    }
+}
+
+impl fmt::Display for Elements {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.count {
+            0 | 1 => write!(f, "[{}]", self.first),
+            count => write!(
+                f,
+                "[{}..{}]",
+                self.first,
+                u32::from(self.first) + u32::from(count) - 1
+            ),
+        }
+    }
+}
+
+/// A parameter number as it is printed: `p0922`, `r0947[0]`, and `0922` while it is not known whether it can be
+/// written.
+///
+/// ```
+/// use profidrive::notation::Shown;
+/// assert_eq!(Shown { pnu: 947, index: Some(0), writable: Some(false) }.to_string(), "r0947[0]");
+/// assert_eq!(Shown { pnu: 2108, index: None, writable: Some(true) }.to_string(), "p2108");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Shown {
+    /// Parameter number.
+    pub pnu: u16,
+    /// Element, for arrays.
+    pub index: Option<u16>,
+    /// From the description or the table of the drive.
+    pub writable: Option<bool>,
+}
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.writable {
+            Some(true) => f.write_str("p")?,
+            Some(false) => f.write_str("r")?,
+            None => {}
+        }
+        write!(f, "{:04}", self.pnu)?;
+        self.index.map_or(Ok(()), |index| write!(f, "[{index}]"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alloc::format;
+    use proptest::prelude::*;
+
+    fn number(text: &str) -> (u16, Option<(u16, u16)>) {
+        let reference: ParameterReference = text.parse().unwrap();
+        let Target::Number(pnu) = reference.target else {
+            panic!("{text} read as a name")
+        };
+        (pnu, reference.elements.map(|e| (e.first, e.count)))
+    }
+
+    #[test]
+    fn every_spelling_of_the_field() {
+        for text in [
+            "922", "p922", "P0922", "r922", "0922", "PNU 922", "pnu922", "0x39A", "0X39a", " 922 ",
+        ] {
+            assert_eq!(number(text), (922, None), "{text}");
+        }
+        for text in [
+            "922.0",
+            "PNU 922.0",
+            "p922[0]",
+            "922[0]",
+            "P0922.0",
+            "922 [0]",
+            "922[ 0 ]",
+        ] {
+            assert_eq!(number(text), (922, Some((0, 1))), "{text}");
+        }
+        assert_eq!(number("947[0..7]"), (947, Some((0, 8))));
+        assert_eq!(number("947[8..8]"), (947, Some((8, 1))));
+        assert_eq!(number("8-10"), (810, None));
+        assert_eq!(number("ID 1805"), (10001, Some((1805, 1))));
+        assert_eq!(number("65535"), (65535, None));
+    }
+
+    #[test]
+    fn names_keep_their_spelling() {
+        for text in [
+            "DRV.ACC",
+            "drv.acc",
+            "VL.CMD_32",
+            "PN.STW1",
+            "R.X",
+            "P",
+            "IDENT",
+            "PNUX",
+        ] {
+            let reference: ParameterReference = text.parse().unwrap();
+            assert_eq!(reference.target, Target::Name(text.into()), "{text}");
+        }
+        let reference: ParameterReference = "MT.P[2..3]".parse().unwrap();
+        assert_eq!(reference.elements, Some(Elements { first: 2, count: 2 }));
+        assert_eq!(reference.to_string(), "MT.P[2..3]");
+    }
+
+    #[test]
+    fn mistakes_are_explained() {
+        for (text, words) in [
+            ("", "no parameter given"),
+            ("0", "1 to 65535"),
+            ("65536", "1 to 65535"),
+            ("0x10000", "1 to 65535"),
+            ("0x", "1 to 65535"),
+            ("947[", "947[0]"),
+            ("947[]", "947[0]"),
+            ("947[a]", "947[0]"),
+            ("947[7..0]", "before the last"),
+            ("947[70000]", "0 to 65535"),
+            ("947.0[1]", "947[0]"),
+            ("8-100", "1 to 65535"),
+            ("93O", "`O`"),
+            ("DRV ACC", "` `"),
+            ("DRV.ACC=5", "`=`"),
+            ("[0]", "no parameter given"),
+        ] {
+            let error = text.parse::<ParameterReference>().unwrap_err().to_string();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn printed_form_reads_back(pnu in 1u16.., first in 0u16..1000, count in 1u16..300, letter in 0usize..3) {
+            let prefix = [None, Some(Prefix::Writable), Some(Prefix::ReadOnly)][letter];
+            let reference = ParameterReference {
+                target: Target::Number(pnu), elements: Some(Elements { first, count }), prefix,
+            };
+            prop_assert_eq!(format!("{reference}").parse::<ParameterReference>().unwrap(), reference);
+        }
+
+        #[test]
+        fn any_text_gives_an_answer(text in ".{0,24}") {
+            let _ = text.parse::<ParameterReference>();
+        }
+    }
+}
