@@ -57,7 +57,11 @@ impl FromStr for MacAddress {
             }
             *octet = u8::from_str_radix(part, 16).map_err(|_| MacAddressError)?;
         }
-        if parts.next().is_some() { Err(MacAddressError) } else { Ok(Self(mac)) }
+        if parts.next().is_some() {
+            Err(MacAddressError)
+        } else {
+            Ok(Self(mac))
+        }
     }
 }
 
@@ -74,8 +78,11 @@ pub struct IpSuite {
 
 impl IpSuite {
     /// No address.
-    pub const NONE: Self =
-        Self { address: Ipv4Addr::UNSPECIFIED, mask: Ipv4Addr::UNSPECIFIED, gateway: Ipv4Addr::UNSPECIFIED };
+    pub const NONE: Self = Self {
+        address: Ipv4Addr::UNSPECIFIED,
+        mask: Ipv4Addr::UNSPECIFIED,
+        gateway: Ipv4Addr::UNSPECIFIED,
+    };
 
     /// True when an address is set.
     #[must_use]

@@ -8,6 +8,7 @@ extern crate alloc;
 
 mod endpoint;
 mod time;
+pub mod wire;
 
 pub use endpoint::{Endpoint, IpSuite, MAX_FRAME, MacAddress, MacAddressError, Medium, RPC_PORT, Transmit};
 pub use time::Instant;

@@ -1,0 +1,10 @@
+//! What travels: views, builders and codes of every PROFINET PDU, without behaviour.
+//!
+//! Everything is decoded with a [`Reader`], which cannot read past the end and whose errors say where, and encoded
+//! into any [`Writer`]. Numbers are big-endian except in RPC headers.
+
+mod bytes;
+pub mod status;
+
+pub use bytes::{BufferTooSmall, ByteOrder, DecodeError, Problem, Reader, SliceWriter, Writer};
+pub use status::PnioStatus;
