@@ -1,0 +1,38 @@
+# The two commands of the README are `make demo` and `make test`.
+CARGO ?= cargo
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test setup bench fuzz fmt lint doc
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
+
+demo: ## find, read and run a virtual drive in memory: no root, no network, no hardware
+	@$(CARGO) run -q -p profidrive-cli --bin profidrive -- demo $(ARGS)
+
+test: setup ## everything that must pass
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy -q --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -q --workspace --no-deps
+	$(CARGO) run -q -p xtask -- gen --check
+	$(CARGO) run -q -p xtask -- arrows
+	$(CARGO) build -q --workspace --bins
+	$(CARGO) test --workspace
+
+setup: ## install what the tests need (Debian packages, Python peers under target/)
+	@tools/setup
+
+bench: setup ## figures of this machine, each beside its limit or peer
+	@tools/bench $(ARGS)
+
+fuzz: ## every fuzz target for SECONDS_EACH seconds (needs a nightly compiler)
+	@tools/fuzz $(SECONDS_EACH)
+
+fmt: ## format
+	$(CARGO) fmt --all
+
+lint: ## the lints of `make test`
+	$(CARGO) clippy --workspace --all-targets -- -D warnings
+
+doc: ## the documentation, in target/doc
+	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps

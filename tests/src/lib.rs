@@ -1,0 +1,17 @@
+//! What the whole-system tests stand on: namespaces of their own ([`Lab`]), programs in them ([`Running`]), captures at
+//! the controller's end ([`Capture`]) and an independent dissector that judges them ([`judge`]).
+//!
+//! Everything is bounded in time and cleaned up: the namespaces are tied to the life of the test process, a program in them
+//! dies with them. No real interface is ever touched.
+#![forbid(unsafe_code)]
+// A harness reports by panicking: that is how a test fails.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+pub mod judge;
+mod lab;
+mod process;
+mod programs;
+
+pub use lab::{Capture, Lab, Side};
+pub use process::{Finished, Running};
+pub use programs::{built, capture_files, peer, python, root, wait_until};

@@ -1,0 +1,209 @@
+//! A program that runs beside a test: bounded, watched, ended with everything it started.
+
+use std::fs::File;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::programs::wait_until;
+
+/// A program in the background. Dropping it kills it and all it started.
+#[derive(Debug)]
+pub struct Running {
+    name: String,
+    child: Child,
+    /// The program itself, a child of the tool that entered the namespace for it.
+    inner: Option<u32>,
+    out: PathBuf,
+    err: PathBuf,
+}
+
+/// What a program left behind.
+#[derive(Debug, Clone)]
+pub struct Finished {
+    /// Name for messages.
+    pub name: String,
+    /// Exit code; `None` when a signal ended it.
+    pub code: Option<i32>,
+    /// All it printed.
+    pub out: String,
+    /// All its complaints.
+    pub err: String,
+}
+
+impl Finished {
+    /// Fails the test unless the program ended with code 0.
+    #[track_caller]
+    pub fn ok(self) -> Self {
+        assert_eq!(
+            self.code,
+            Some(0),
+            "{} failed\n--- stdout\n{}--- stderr\n{}",
+            self.name,
+            self.out,
+            self.err
+        );
+        self
+    }
+
+    /// The JSON object on each line of the output that is one.
+    #[must_use]
+    pub fn json_lines(&self) -> Vec<serde_json::Value> {
+        self.out
+            .lines()
+            .filter_map(|line| serde_json::from_str(line).ok())
+            .collect()
+    }
+}
+
+impl Running {
+    /// Starts `command`; its output goes to `<log>.out` and `<log>.err`. `entered` says that the command is a tool that
+    /// forks the program proper.
+    pub(crate) fn start(name: &str, mut command: Command, log: &Path, entered: bool) -> Self {
+        let out = log.with_extension("out");
+        let err = log.with_extension("err");
+        command
+            .stdin(Stdio::piped())
+            .stdout(File::create(&out).unwrap())
+            .stderr(File::create(&err).unwrap())
+            .process_group(0);
+        let child = command
+            .spawn()
+            .unwrap_or_else(|e| panic!("cannot start {name}: {e}"));
+        let mut running = Self {
+            name: name.into(),
+            child,
+            inner: None,
+            out,
+            err,
+        };
+        if entered {
+            let outer = running.child.id();
+            let mut inner = None;
+            wait_until(Duration::from_secs(5), || {
+                inner = only_child(outer);
+                inner.is_some() || !Path::new(&format!("/proc/{outer}/exe")).exists()
+            });
+            running.inner = inner;
+        }
+        running
+    }
+
+    /// The process number of the program, as seen by the test.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.inner.unwrap_or_else(|| self.child.id())
+    }
+
+    /// What it printed so far.
+    #[must_use]
+    pub fn out(&self) -> String {
+        std::fs::read_to_string(&self.out).unwrap_or_default()
+    }
+
+    /// What it complained about so far.
+    #[must_use]
+    pub fn err(&self) -> String {
+        std::fs::read_to_string(&self.err).unwrap_or_default()
+    }
+
+    /// Waits until `text` was printed (on either stream).
+    #[track_caller]
+    pub fn wait_for(&mut self, text: &str, limit: Duration) {
+        let seen = wait_until(limit, || {
+            self.out().contains(text) || self.err().contains(text) || self.status().is_some()
+        });
+        assert!(
+            seen && (self.out().contains(text) || self.err().contains(text)),
+            "{} did not say {text:?} within {limit:?}\n--- stdout\n{}--- stderr\n{}",
+            self.name,
+            self.out(),
+            self.err()
+        );
+    }
+
+    /// Its exit status, once it ended.
+    pub fn status(&mut self) -> Option<ExitStatus> {
+        self.child.try_wait().unwrap()
+    }
+
+    /// Sends a signal by name (`INT`, `TERM`, `KILL`, `STOP`, `CONT`) to the program alone.
+    pub fn signal(&self, name: &str) {
+        let _ = Command::new("kill")
+            .args(["-s", name, &self.pid().to_string()])
+            .stderr(Stdio::null())
+            .status();
+    }
+
+    /// CPU time used so far, all threads.
+    #[must_use]
+    pub fn cpu(&self) -> Duration {
+        let nanos = std::fs::read_dir(format!("/proc/{}/task", self.pid()))
+            .map(|tasks| {
+                tasks
+                    .flatten()
+                    .filter_map(|task| std::fs::read_to_string(task.path().join("schedstat")).ok())
+                    .filter_map(|text| text.split(' ').next().and_then(|n| n.parse::<u64>().ok()))
+                    .sum()
+            })
+            .unwrap_or(0);
+        Duration::from_nanos(nanos)
+    }
+
+    /// Waits for the end; fails the test (and kills the program) when that takes longer than `limit`.
+    #[track_caller]
+    pub fn finish(mut self, limit: Duration) -> Finished {
+        let until = Instant::now() + limit;
+        while self.status().is_none() {
+            if Instant::now() > until {
+                let (out, err) = (self.out(), self.err());
+                self.kill();
+                panic!(
+                    "{} did not end within {limit:?}\n--- stdout\n{out}--- stderr\n{err}",
+                    self.name
+                );
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let code = self.status().and_then(|status| status.code());
+        Finished {
+            name: self.name.clone(),
+            code,
+            out: self.out(),
+            err: self.err(),
+        }
+    }
+
+    /// Asks it to end as Ctrl-C does, and waits.
+    #[track_caller]
+    pub fn interrupt(self, limit: Duration) -> Finished {
+        self.signal("INT");
+        self.finish(limit)
+    }
+
+    /// Ends it at once, without a chance to say goodbye.
+    pub fn kill(&mut self) {
+        if self.status().is_none() {
+            self.signal("KILL");
+            // then the tool around it and everything else of its process group
+            let group = format!("-{}", self.child.id());
+            let _ = Command::new("kill")
+                .args(["-s", "KILL", "--", &group])
+                .stderr(Stdio::null())
+                .status();
+            let _ = self.child.wait();
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+fn only_child(pid: u32) -> Option<u32> {
+    let text = std::fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}
