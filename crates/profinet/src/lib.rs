@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+pub mod cyclic;
 mod endpoint;
 mod time;
 pub mod wire;

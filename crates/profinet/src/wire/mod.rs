@@ -4,6 +4,8 @@
 //! into any [`Writer`]. Numbers are big-endian except in RPC headers.
 
 mod bytes;
+pub mod ethernet;
+pub mod rt;
 pub mod status;
 
 pub use bytes::{BufferTooSmall, ByteOrder, DecodeError, Problem, Reader, SliceWriter, Writer};

@@ -1,0 +1,607 @@
+//! Where each submodule's data and status lie in the process data of one direction.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+use super::timing::IocrError;
+use crate::wire::rt::{MAX_DATA_LENGTH, MIN_DATA_LENGTH};
+
+/// Direction of a cyclic connection, seen from the controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// Device to controller.
+    Input,
+    /// Controller to device.
+    Output,
+}
+
+/// Which data a submodule exchanges.
+///
+/// Source: IEC 61158-6-10, SubmoduleProperties bits 0 and 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum IoKind {
+    /// No data; its status still travels like that of an input without length.
+    None,
+    /// Input only.
+    Input,
+    /// Output only.
+    Output,
+    /// Both.
+    Both,
+}
+
+impl IoKind {
+    /// The kind that fits two lengths.
+    #[must_use]
+    pub const fn from_lengths(input: u16, output: u16) -> Self {
+        match (input > 0, output > 0) {
+            (false, false) => Self::None,
+            (true, false) => Self::Input,
+            (false, true) => Self::Output,
+            (true, true) => Self::Both,
+        }
+    }
+
+    /// Sends input data, be it of length 0.
+    #[must_use]
+    pub const fn has_input(self) -> bool {
+        !matches!(self, Self::Output)
+    }
+
+    /// Receives output data.
+    #[must_use]
+    pub const fn has_output(self) -> bool {
+        matches!(self, Self::Output | Self::Both)
+    }
+}
+
+/// One expected submodule with the lengths of its data in octets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct SubmoduleSize {
+    /// Application process identifier; 0 is the default one.
+    pub api: u32,
+    /// Slot.
+    pub slot: u16,
+    /// Subslot.
+    pub subslot: u16,
+    /// Which data it has.
+    pub kind: IoKind,
+    /// Input octets without IOPS.
+    pub input_length: u16,
+    /// Output octets without IOPS.
+    pub output_length: u16,
+}
+
+impl SubmoduleSize {
+    /// A submodule whose kind follows from its lengths.
+    #[must_use]
+    pub const fn new(api: u32, slot: u16, subslot: u16, input_length: u16, output_length: u16) -> Self {
+        let kind = IoKind::from_lengths(input_length, output_length);
+        Self {
+            api,
+            slot,
+            subslot,
+            kind,
+            input_length,
+            output_length,
+        }
+    }
+
+    /// Length of its data object of this direction; `None` if it has none.
+    #[must_use]
+    pub const fn data_length(&self, direction: Direction) -> Option<u16> {
+        match direction {
+            Direction::Input if self.kind.has_input() => Some(self.input_length),
+            Direction::Output if self.kind.has_output() => Some(self.output_length),
+            _ => None,
+        }
+    }
+
+    /// True if its IOCS travels in this direction: the status of the data that flows the other way.
+    #[must_use]
+    pub const fn has_status(&self, direction: Direction) -> bool {
+        match direction {
+            Direction::Input => self.kind.has_output(),
+            Direction::Output => self.kind.has_input(),
+        }
+    }
+}
+
+/// One entry of the lists of an IOCR block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ObjectPlace {
+    /// Application process identifier.
+    pub api: u32,
+    /// Slot.
+    pub slot: u16,
+    /// Subslot.
+    pub subslot: u16,
+    /// First octet in the process data.
+    pub offset: u16,
+}
+
+/// The data of one submodule; its IOPS is the octet behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct DataObject {
+    /// Application process identifier.
+    pub api: u32,
+    /// Slot.
+    pub slot: u16,
+    /// Subslot.
+    pub subslot: u16,
+    /// First octet of the data.
+    pub offset: u16,
+    /// Octets of data.
+    pub length: u16,
+}
+
+impl DataObject {
+    /// Where the IOPS octet is.
+    #[must_use]
+    pub const fn iops_offset(&self) -> u16 {
+        self.offset.saturating_add(self.length)
+    }
+}
+
+/// The IOCS octet of one submodule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct StatusObject {
+    /// Application process identifier.
+    pub api: u32,
+    /// Slot.
+    pub slot: u16,
+    /// Subslot.
+    pub subslot: u16,
+    /// The octet.
+    pub offset: u16,
+}
+
+/// The table of one direction's process data.
+///
+/// Source: IEC 61158-6-10, IOCRBlockReq with C_SDU of the RTC-PDU. The offsets are the controller's; they are checked,
+/// never recomputed.
+///
+/// ```
+/// use profinet::cyclic::{SubmoduleSize, pack};
+/// // a device access point without data, and a drive's telegram 1: two words each way
+/// let (input, output) =
+///     pack(&[SubmoduleSize::new(0, 0, 1, 0, 0), SubmoduleSize::new(0x3A00, 1, 1, 4, 4)]).unwrap();
+/// let telegram = input.data(1, 1).unwrap();
+/// assert_eq!((telegram.offset, telegram.iops_offset(), input.data_length()), (1, 5, 40));
+/// assert_eq!(output.data(1, 1).unwrap().offset, 2);
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Layout {
+    direction: Direction,
+    data_length: u16,
+    data: Vec<DataObject>,
+    status: Vec<StatusObject>,
+}
+
+impl Layout {
+    /// Builds and checks the table from the contents of an IOCR block and the expected submodules.
+    ///
+    /// # Errors
+    /// The [`IocrError`] with the ErrorCode2 a device answers. Data and IOPS outside the frame or on top of
+    /// something else are `DataOffset`, IOCS are `StatusOffset`.
+    pub fn new(
+        direction: Direction,
+        data_length: u16,
+        data: &[ObjectPlace],
+        status: &[ObjectPlace],
+        expected: &[SubmoduleSize],
+    ) -> Result<Self, IocrError> {
+        if !(MIN_DATA_LENGTH..=MAX_DATA_LENGTH).contains(&data_length) {
+            return Err(IocrError::DataLength(data_length));
+        }
+        if data.is_empty() && status.is_empty() {
+            return Err(IocrError::NumberOfApis);
+        }
+        let mut map = Occupied::new(data_length);
+        let mut layout = Self {
+            direction,
+            data_length,
+            data: Vec::new(),
+            status: Vec::new(),
+        };
+        for place in data {
+            let ObjectPlace {
+                api,
+                slot,
+                subslot,
+                offset,
+            } = *place;
+            let size = find(
+                expected,
+                place,
+                IocrError::DataSlot(slot),
+                IocrError::DataSubslot(slot, subslot),
+            )?;
+            let length = size
+                .data_length(direction)
+                .ok_or(IocrError::DataSubslot(slot, subslot))?;
+            if layout
+                .data
+                .iter()
+                .any(|d| (d.api, d.slot, d.subslot) == (api, slot, subslot))
+            {
+                return Err(IocrError::DataSubslot(slot, subslot));
+            }
+            let end = u32::from(length) + 1;
+            map.take(offset, end)
+                .ok_or(IocrError::DataOffset(slot, subslot, offset))?;
+            layout.data.push(DataObject {
+                api,
+                slot,
+                subslot,
+                offset,
+                length,
+            });
+        }
+        for place in status {
+            let ObjectPlace {
+                api,
+                slot,
+                subslot,
+                offset,
+            } = *place;
+            let missing = IocrError::StatusSubslot(slot, subslot);
+            let size = find(expected, place, IocrError::StatusSlot(slot), missing)?;
+            let twice = layout
+                .status
+                .iter()
+                .any(|s| (s.api, s.slot, s.subslot) == (api, slot, subslot));
+            if twice || !size.has_status(direction) {
+                return Err(missing);
+            }
+            map.take(offset, 1)
+                .ok_or(IocrError::StatusOffset(slot, subslot, offset))?;
+            layout.status.push(StatusObject {
+                api,
+                slot,
+                subslot,
+                offset,
+            });
+        }
+        Ok(layout)
+    }
+
+    /// Direction this table is for.
+    #[must_use]
+    pub const fn direction(&self) -> Direction {
+        self.direction
+    }
+
+    /// Octets of process data, status and gaps; the DataLength of the IOCR block.
+    #[must_use]
+    pub const fn data_length(&self) -> u16 {
+        self.data_length
+    }
+
+    /// All data objects in the order of the block.
+    #[must_use]
+    pub fn data_objects(&self) -> &[DataObject] {
+        &self.data
+    }
+
+    /// All IOCS in the order of the block.
+    #[must_use]
+    pub fn status_objects(&self) -> &[StatusObject] {
+        &self.status
+    }
+
+    /// The data object of a submodule.
+    #[must_use]
+    pub fn data(&self, slot: u16, subslot: u16) -> Option<&DataObject> {
+        self.data.iter().find(|d| d.slot == slot && d.subslot == subslot)
+    }
+
+    /// The IOCS of a submodule.
+    #[must_use]
+    pub fn status(&self, slot: u16, subslot: u16) -> Option<&StatusObject> {
+        self.status
+            .iter()
+            .find(|s| s.slot == slot && s.subslot == subslot)
+    }
+}
+
+fn find<'a>(
+    expected: &'a [SubmoduleSize],
+    place: &ObjectPlace,
+    no_slot: IocrError,
+    no_subslot: IocrError,
+) -> Result<&'a SubmoduleSize, IocrError> {
+    let mut why = IocrError::Api(place.api);
+    for size in expected.iter().filter(|s| s.api == place.api) {
+        if size.slot == place.slot {
+            if size.subslot == place.subslot {
+                return Ok(size);
+            }
+            why = no_subslot;
+        } else if why == IocrError::Api(place.api) {
+            why = no_slot;
+        }
+    }
+    Err(why)
+}
+
+/// Which octets of the process data are in use.
+struct Occupied(Vec<bool>);
+
+impl Occupied {
+    fn new(length: u16) -> Self {
+        Self(vec![false; usize::from(length)])
+    }
+
+    fn take(&mut self, offset: u16, length: u32) -> Option<()> {
+        let start = usize::from(offset);
+        let end = start.checked_add(usize::try_from(length).ok()?)?;
+        let range = self.0.get_mut(start..end)?;
+        if range.contains(&true) {
+            return None;
+        }
+        range.fill(true);
+        Some(())
+    }
+}
+
+/// Chooses the offsets as a controller: input table and output table.
+///
+/// For each submodule in the given order the entry of its input data comes first (data and IOPS in the input table,
+/// IOCS in the output table), then the entry of its output data the other way round. This reproduces the connect
+/// request of an S7-1500.
+///
+/// # Errors
+/// [`IocrError::DataLength`] with what would be needed (at most 65535) when a direction needs more than 1440 octets.
+pub fn pack(submodules: &[SubmoduleSize]) -> Result<(Layout, Layout), IocrError> {
+    let mut input = Packer::new(Direction::Input);
+    let mut output = Packer::new(Direction::Output);
+    for size in submodules {
+        if let Some(length) = size.data_length(Direction::Input) {
+            input.data(size, length);
+            output.status(size);
+        }
+        if let Some(length) = size.data_length(Direction::Output) {
+            input.status(size);
+            output.data(size, length);
+        }
+    }
+    Ok((input.finish()?, output.finish()?))
+}
+
+struct Packer {
+    layout: Layout,
+    next: u32,
+}
+
+impl Packer {
+    fn new(direction: Direction) -> Self {
+        Self {
+            layout: Layout {
+                direction,
+                data_length: 0,
+                data: Vec::new(),
+                status: Vec::new(),
+            },
+            next: 0,
+        }
+    }
+
+    fn place(&mut self, length: u32) -> u16 {
+        let at = u16::try_from(self.next).unwrap_or(u16::MAX);
+        self.next = self.next.saturating_add(length);
+        at
+    }
+
+    fn data(&mut self, size: &SubmoduleSize, length: u16) {
+        let offset = self.place(u32::from(length) + 1);
+        let SubmoduleSize {
+            api, slot, subslot, ..
+        } = *size;
+        self.layout.data.push(DataObject {
+            api,
+            slot,
+            subslot,
+            offset,
+            length,
+        });
+    }
+
+    fn status(&mut self, size: &SubmoduleSize) {
+        let offset = self.place(1);
+        let SubmoduleSize {
+            api, slot, subslot, ..
+        } = *size;
+        self.layout.status.push(StatusObject {
+            api,
+            slot,
+            subslot,
+            offset,
+        });
+    }
+
+    fn finish(mut self) -> Result<Layout, IocrError> {
+        let length = u16::try_from(self.next).unwrap_or(u16::MAX);
+        if length > MAX_DATA_LENGTH {
+            return Err(IocrError::DataLength(length));
+        }
+        self.layout.data_length = length.max(MIN_DATA_LENGTH);
+        Ok(self.layout)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    // the submodules of the captured S7-1500 connect
+    fn s7() -> Vec<SubmoduleSize> {
+        vec![
+            SubmoduleSize::new(0, 0, 1, 0, 0),
+            SubmoduleSize::new(0, 0, 0x8000, 0, 0),
+            SubmoduleSize::new(0, 0, 0x8001, 0, 0),
+            SubmoduleSize::new(0, 1, 1, 1, 0),
+            SubmoduleSize::new(0, 2, 1, 0, 1),
+            SubmoduleSize::new(0, 3, 1, 1, 1),
+            SubmoduleSize::new(0, 4, 1, 8, 8),
+        ]
+    }
+
+    fn places(layout: &Layout) -> (Vec<ObjectPlace>, Vec<ObjectPlace>) {
+        let data = layout.data_objects().iter();
+        let data = data.map(|d| ObjectPlace {
+            api: d.api,
+            slot: d.slot,
+            subslot: d.subslot,
+            offset: d.offset,
+        });
+        let status = layout.status_objects().iter();
+        let status = status.map(|d| ObjectPlace {
+            api: d.api,
+            slot: d.slot,
+            subslot: d.subslot,
+            offset: d.offset,
+        });
+        (data.collect(), status.collect())
+    }
+
+    #[test]
+    fn packing_reproduces_the_captured_connect() {
+        let (input, output) = pack(&s7()).unwrap();
+        let offsets: Vec<_> = input
+            .data_objects()
+            .iter()
+            .map(|d| (d.offset, d.iops_offset()))
+            .collect();
+        assert_eq!(offsets, [(0, 0), (1, 1), (2, 2), (3, 4), (6, 7), (9, 17)]);
+        let iocs: Vec<_> = input
+            .status_objects()
+            .iter()
+            .map(|s| (s.slot, s.offset))
+            .collect();
+        assert_eq!(iocs, [(2, 5), (3, 8), (4, 18)]);
+        let offsets: Vec<_> = output
+            .data_objects()
+            .iter()
+            .map(|d| (d.slot, d.offset, d.iops_offset()))
+            .collect();
+        assert_eq!(offsets, [(2, 4, 5), (3, 7, 8), (4, 10, 18)]);
+        let iocs: Vec<_> = output.status_objects().iter().map(|s| s.offset).collect();
+        assert_eq!(iocs, [0, 1, 2, 3, 6, 9]);
+        assert_eq!((input.data_length(), output.data_length()), (40, 40));
+    }
+
+    #[test]
+    fn a_packed_layout_passes_the_device_check() {
+        for (layout, direction) in [
+            (pack(&s7()).unwrap().0, Direction::Input),
+            (pack(&s7()).unwrap().1, Direction::Output),
+        ] {
+            let (data, status) = places(&layout);
+            assert_eq!(
+                Layout::new(direction, layout.data_length(), &data, &status, &s7()),
+                Ok(layout)
+            );
+        }
+    }
+
+    fn place(api: u32, slot: u16, subslot: u16, offset: u16) -> ObjectPlace {
+        ObjectPlace {
+            api,
+            slot,
+            subslot,
+            offset,
+        }
+    }
+
+    fn error(length: u16, data: &[ObjectPlace], status: &[ObjectPlace]) -> u8 {
+        Layout::new(Direction::Input, length, data, status, &s7())
+            .unwrap_err()
+            .code2()
+    }
+
+    #[test]
+    fn each_mistake_has_its_code() {
+        let good = [place(0, 1, 1, 0)];
+        assert_eq!(error(39, &good, &[]), 8);
+        assert_eq!(error(1441, &good, &[]), 8);
+        assert_eq!(error(40, &[], &[]), 19);
+        assert_eq!(error(40, &[place(1, 1, 1, 0)], &[]), 20);
+        assert_eq!(error(40, &[place(0, 9, 1, 0)], &[]), 22);
+        assert_eq!(error(40, &[place(0, 1, 2, 0)], &[]), 23);
+        assert_eq!(
+            error(40, &[place(0, 2, 1, 0)], &[]),
+            23,
+            "an output has no input data"
+        );
+        assert_eq!(
+            error(40, &[place(0, 1, 1, 0), place(0, 1, 1, 8)], &[]),
+            23,
+            "twice"
+        );
+        assert_eq!(
+            error(40, &[place(0, 1, 1, 39)], &[]),
+            24,
+            "its IOPS would be octet 40"
+        );
+        assert_eq!(error(40, &[place(0, 1, 1, 65535)], &[]), 24);
+        assert_eq!(
+            error(40, &[place(0, 1, 1, 0), place(0, 3, 1, 1)], &[]),
+            24,
+            "on an IOPS"
+        );
+        assert_eq!(error(40, &good, &[place(7, 2, 1, 2)]), 20);
+        assert_eq!(error(40, &good, &[place(0, 9, 1, 2)]), 26);
+        assert_eq!(error(40, &good, &[place(0, 2, 7, 2)]), 27);
+        assert_eq!(
+            error(40, &good, &[place(0, 1, 1, 2)]),
+            27,
+            "an input has no IOCS in the input frame"
+        );
+        assert_eq!(
+            error(40, &good, &[place(0, 2, 1, 2), place(0, 2, 1, 3)]),
+            27,
+            "twice"
+        );
+        assert_eq!(error(40, &good, &[place(0, 2, 1, 40)]), 28);
+        assert_eq!(error(40, &good, &[place(0, 2, 1, 1)]), 28, "on an IOPS");
+        let last = Layout::new(Direction::Input, 40, &[place(0, 1, 1, 38)], &[], &s7());
+        assert!(last.is_ok());
+    }
+
+    #[test]
+    fn too_much_data_is_said_so() {
+        let size = [SubmoduleSize::new(0, 1, 1, 1439, 0)];
+        assert_eq!(pack(&size).unwrap().0.data_length(), 1440);
+        let size = [
+            SubmoduleSize::new(0, 1, 1, 1439, 0),
+            SubmoduleSize::new(0, 2, 1, 0, 0),
+        ];
+        assert_eq!(pack(&size), Err(IocrError::DataLength(1441)));
+        let many = vec![SubmoduleSize::new(0, 1, 1, u16::MAX, u16::MAX); 70];
+        assert_eq!(pack(&many), Err(IocrError::DataLength(u16::MAX)));
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_is_packed_never_overlaps(lengths in proptest::collection::vec((0u16..30, 0u16..30), 1..20)) {
+            let sizes: Vec<_> = lengths.iter().zip(0u16..)
+                .map(|((i, o), slot)| SubmoduleSize::new(0, slot, 1, *i, *o)).collect();
+            let (input, output) = pack(&sizes).unwrap();
+            for (layout, direction) in [(input, Direction::Input), (output, Direction::Output)] {
+                let (data, status) = places(&layout);
+                if data.is_empty() && status.is_empty() { continue; }
+                prop_assert_eq!(Layout::new(direction, layout.data_length(), &data, &status, &sizes), Ok(layout));
+            }
+        }
+
+        #[test]
+        fn any_places_are_judged_without_panic(
+            data in proptest::collection::vec((0u16..6, 0u16..3, any::<u16>()), 0..6),
+            status in proptest::collection::vec((0u16..6, 0u16..3, 0u16..50), 0..6), length: u16) {
+            let to = |v: Vec<(u16, u16, u16)>| v.into_iter().map(|(s, b, o)| place(0, s, b, o)).collect::<Vec<_>>();
+            let _ = Layout::new(Direction::Output, length, &to(data), &to(status), &s7());
+        }
+    }
+}
