@@ -1,0 +1,70 @@
+//! What a drive model is on its field bus: numbers that a controller must match and a virtual drive must show.
+
+/// Identity and modules of a drive model.
+/// Source: `data/<model>/device.toml`, which says where each number is from.
+#[derive(Debug, Clone, Copy)]
+pub struct Device {
+    /// Vendor number on PROFINET, also PNU 964 index 0.
+    pub vendor_id: u16,
+    /// Device number of the vendor.
+    pub device_id: u16,
+    /// Name of the maker.
+    pub vendor: &'static str,
+    /// Type of station as told in discovery.
+    pub station_type: &'static str,
+    /// Order number.
+    pub order_id: &'static str,
+    /// Hardware revision.
+    pub hardware_revision: u16,
+    /// Software revision, major, minor, bug fix.
+    pub software_revision: [u8; 3],
+    /// Application process identifier of the drive, 0x3A00 for PROFIdrive.
+    pub api: u16,
+    /// PNU 964 index 1.
+    pub drive_unit_type: u16,
+    /// PNU 964 index 3, decimal YYYY.
+    pub firmware_year: u16,
+    /// PNU 964 index 4, decimal DDMM.
+    pub firmware_day_month: u16,
+    /// Module ident of the device access point, slot 0.
+    pub access_point_module: u32,
+    /// Submodule ident of slot 0 subslot 1.
+    pub access_point_submodule: u32,
+    /// Submodule ident of the interface, slot 0 subslot 0x8000.
+    pub interface_submodule: u32,
+    /// Submodule ident of the port, slot 0 subslot 0x8001.
+    pub port_submodule: u32,
+    /// Shortest update time in steps of 31.25 us.
+    pub min_device_interval: u16,
+    /// Telegram modules that can be plugged in slot 1.
+    pub telegrams: &'static [TelegramModule],
+}
+
+/// A module that carries one telegram, slot 1 subslot 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TelegramModule {
+    /// Number of the telegram, as in PNU 922.
+    pub telegram: u16,
+    /// Module ident.
+    pub module: u32,
+    /// Submodule ident.
+    pub submodule: u32,
+    /// Octets from the controller to the drive.
+    pub outputs: u16,
+    /// Octets from the drive to the controller.
+    pub inputs: u16,
+}
+
+impl Device {
+    /// The module of a telegram.
+    #[must_use]
+    pub fn telegram(&self, number: u16) -> Option<&'static TelegramModule> {
+        self.telegrams.iter().find(|module| module.telegram == number)
+    }
+
+    /// The telegram of a module ident.
+    #[must_use]
+    pub fn telegram_of_module(&self, module: u32) -> Option<&'static TelegramModule> {
+        self.telegrams.iter().find(|known| known.module == module)
+    }
+}

@@ -1,0 +1,258 @@
+//! What a drive model knows about itself: its parameters, fault numbers and modules, as tables.
+//!
+//! Generated from `data/` (`cargo run -p xtask -- gen`); the code here only finds things in the tables.
+//!
+//! ```
+//! use profidrive::catalogue::{AKD, Scaling};
+//! let acceleration = AKD.by_name("drv.acc").unwrap();
+//! assert_eq!(acceleration.pnu, 2108);
+//! assert_eq!(acceleration.engineering(3_000_000, &Scaling::default()), 3000.0); // rpm/s
+//! assert_eq!(AKD.by_pnu(2203).unwrap().choice(7), Some("To the zero angle of the feedback"));
+//! assert_eq!(AKD.nearest("DRV.AC", 1)[0].name, "DRV.ACC");
+//! ```
+
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+
+mod device;
+mod fault;
+mod generated_akd;
+mod nearest;
+mod parameter;
+
+pub use device::{Device, TelegramModule};
+pub use fault::FaultText;
+pub use generated_akd::AKD;
+pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
+
+/// The tables of one drive model.
+#[derive(Debug)]
+pub struct Catalogue {
+    /// Name of the model, for example `AKD`.
+    pub model: &'static str,
+    /// All parameters, ascending by PNU.
+    pub parameters: &'static [Parameter],
+    /// Fault and warning numbers with their meaning, ascending by number.
+    pub faults: &'static [FaultText],
+    /// Identity, modules and telegrams on the field bus.
+    pub device: Device,
+    /// Position in `parameters` plus one by PNU, 0 where there is none.
+    index: &'static [u16],
+    /// Positions in `parameters`, ordered by name without regard to case.
+    names: &'static [u16],
+}
+
+impl Catalogue {
+    /// The parameter with this number. Takes constant time.
+    #[must_use]
+    pub fn by_pnu(&self, pnu: u16) -> Option<&'static Parameter> {
+        self.position(pnu)
+            .and_then(|position| self.parameters.get(position))
+    }
+
+    /// Where in [`parameters`](Self::parameters) the parameter with this number is. Takes constant time.
+    #[must_use]
+    pub fn position(&self, pnu: u16) -> Option<usize> {
+        usize::from(*self.index.get(usize::from(pnu))?).checked_sub(1)
+    }
+
+    /// The parameter with this name, case does not matter. Where the maker gave one name to several numbers, the
+    /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all.
+    #[must_use]
+    pub fn by_name(&self, name: &str) -> Option<&'static Parameter> {
+        self.all_by_name(name).next()
+    }
+
+    /// All parameters with this name, case does not matter.
+    pub fn all_by_name(&self, name: &str) -> impl Iterator<Item = &'static Parameter> {
+        let named = |position: &u16| {
+            self.parameters
+                .get(usize::from(*position))
+                .map_or("", |found| found.name)
+        };
+        let start = self
+            .names
+            .partition_point(|position| compare(named(position), name) == Ordering::Less);
+        let end = self
+            .names
+            .partition_point(|position| compare(named(position), name) != Ordering::Greater);
+        let positions = self.names.get(start..end).unwrap_or_default();
+        positions
+            .iter()
+            .filter_map(|position| self.parameters.get(usize::from(*position)))
+    }
+
+    /// Up to `count` parameters whose names are nearest to a name that does not exist, best first; none when nothing
+    /// is near.
+    #[must_use]
+    pub fn nearest(&self, name: &str, count: usize) -> Vec<&'static Parameter> {
+        nearest::nearest(self.parameters, name, count)
+    }
+
+    /// Parameters whose name or description contains `text` (case does not matter), ascending by PNU.
+    pub fn filter<'a>(&self, text: &'a str) -> impl Iterator<Item = &'static Parameter> + use<'a> {
+        self.parameters
+            .iter()
+            .filter(move |parameter| contains(parameter.name, text) || contains(parameter.description, text))
+    }
+
+    /// Meaning of a fault number (`F702`) or, with `warning`, of a warning number (`n702`).
+    #[must_use]
+    pub fn fault(&self, number: u16, warning: bool) -> Option<&'static FaultText> {
+        let start = self.faults.partition_point(|fault| fault.number < number);
+        let same = self
+            .faults
+            .get(start..)?
+            .iter()
+            .take_while(|fault| fault.number == number);
+        same.into_iter().find(|fault| fault.warning == warning)
+    }
+}
+
+/// Order of two names without regard to ASCII case.
+fn compare(a: &str, b: &str) -> Ordering {
+    a.bytes()
+        .map(|byte| byte.to_ascii_uppercase())
+        .cmp(b.bytes().map(|byte| byte.to_ascii_uppercase()))
+}
+
+/// True when `text` contains `part` without regard to ASCII case.
+fn contains(text: &str, part: &str) -> bool {
+    let (text, part) = (text.as_bytes(), part.as_bytes());
+    part.is_empty()
+        || text
+            .windows(part.len())
+            .any(|window| window.eq_ignore_ascii_case(part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_parameter_is_found_by_number_and_by_name() {
+        assert_eq!(AKD.parameters.len(), 800);
+        for parameter in AKD.parameters {
+            assert_eq!(AKD.by_pnu(parameter.pnu).unwrap().pnu, parameter.pnu);
+            let lower = parameter.name.to_ascii_lowercase();
+            assert!(
+                AKD.all_by_name(&lower).any(|found| found.pnu == parameter.pnu),
+                "{}",
+                parameter.name
+            );
+        }
+        assert!(AKD.parameters.windows(2).all(|pair| pair[0].pnu < pair[1].pnu));
+        assert!(AKD.by_pnu(0).is_none() && AKD.by_pnu(2005).is_none() && AKD.by_pnu(u16::MAX).is_none());
+    }
+
+    #[test]
+    fn double_names_keep_all_their_numbers() {
+        let numbers = |name: &str| AKD.all_by_name(name).map(|found| found.pnu).collect::<Vec<_>>();
+        assert_eq!(numbers("DRV.CLRFAULTS"), [2111, 2112]);
+        assert_eq!(numbers("TEMP.POWER"), [2875, 2876, 2877]);
+        assert_eq!(numbers("HOME.MODE"), [2203, 1001]);
+        assert_eq!(numbers("NO.SUCH"), []);
+        assert_eq!(numbers(""), []);
+    }
+
+    #[test]
+    fn numbers_the_project_relies_on() {
+        let expected = [
+            (2108, "DRV.ACC"),
+            (2115, "DRV.DEC"),
+            (2110, "DRV.ACTIVE"),
+            (2118, "DRV.DIS"),
+            (2127, "DRV.EN"),
+            (2120, "DRV.DISSOURCES"),
+            (2131, "DRV.ICONT"),
+            (2132, "DRV.IPEAK"),
+            (2134, "DRV.MOTIONSTAT"),
+            (2135, "DRV.OPMODE"),
+            (2136, "DRV.RSTVAR"),
+            (2137, "DRV.STOP"),
+            (2157, "FBUS.PARAM01"),
+            (2158, "FBUS.PARAM02"),
+            (2214, "IL.CMD"),
+            (2216, "IL.FB"),
+            (2294, "PL.FB"),
+            (2403, "VBUS.VALUE"),
+            (2425, "VL.CMD_32"),
+            (2426, "VL.CMDU_32"),
+            (2428, "VL.FB_32"),
+            (2469, "DRV.NVSAVE"),
+            (2477, "DRV.FAULT1"),
+            (2486, "DRV.FAULT10"),
+            (2788, "DRV.NVLOAD"),
+            (3014, "PN.POSSCALE"),
+            (3022, "PN.TIMEOUTFTHRESH"),
+            (3064, "PN.VELSCALING"),
+            (3065, "PN.ACCSCALING"),
+        ];
+        for (pnu, name) in expected {
+            assert_eq!(AKD.by_pnu(pnu).unwrap().name, name);
+        }
+    }
+
+    #[test]
+    fn limits_and_defaults_agree_with_each_other_and_with_the_size() {
+        let scaling = Scaling::default();
+        for parameter in AKD.parameters {
+            let (low, high) = parameter.raw_limits(&scaling);
+            assert!(low <= high, "{parameter:?}");
+            let default = parameter.raw_default(&scaling);
+            assert!(
+                (low..=high).contains(&default),
+                "{} default {default} not in {low}..={high}",
+                parameter.name
+            );
+            for choice in parameter.choices {
+                assert!(
+                    parameter
+                        .size
+                        .range(parameter.signed)
+                        .contains(&i64::from(choice.value)),
+                    "{parameter:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn filter_looks_into_names_and_descriptions() {
+        let names: Vec<_> = AKD.filter("nvsave").map(|found| found.name).collect();
+        assert_eq!(names, ["DRV.NVSAVE"]);
+        assert!(AKD.filter("watchdog").any(|found| found.pnu == 3022));
+        assert_eq!(AKD.filter("").count(), 800);
+    }
+
+    #[test]
+    fn faults_and_warnings_are_told_apart() {
+        assert!(AKD.faults.windows(2).all(|pair| pair[0].number <= pair[1].number));
+        assert!(
+            AKD.fault(702, false)
+                .unwrap()
+                .meaning
+                .to_ascii_lowercase()
+                .contains("fieldbus")
+        );
+        assert!(AKD.fault(107, false).is_none() && AKD.fault(107, true).is_some());
+    }
+
+    #[test]
+    fn telegrams_of_the_device() {
+        let telegrams: Vec<_> = AKD
+            .device
+            .telegrams
+            .iter()
+            .map(|module| module.telegram)
+            .collect();
+        assert_eq!(telegrams, [1, 7, 9, 350, 351, 352, 353, 354, 400, 0]);
+        assert_eq!(AKD.device.telegram(1).unwrap().inputs, 4);
+        assert!(AKD.device.telegram(2).is_none());
+        let by_ident = AKD
+            .device
+            .telegram_of_module(AKD.device.telegram(353).unwrap().module)
+            .unwrap();
+        assert_eq!(by_ident.telegram, 353);
+    }
+}
