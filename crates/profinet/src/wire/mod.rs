@@ -6,7 +6,10 @@
 mod bytes;
 pub mod ethernet;
 pub mod rt;
+pub mod rpc;
 pub mod status;
+mod uuid;
 
 pub use bytes::{BufferTooSmall, ByteOrder, DecodeError, Problem, Reader, SliceWriter, Writer};
 pub use status::PnioStatus;
+pub use uuid::{Uuid, UuidSource};
