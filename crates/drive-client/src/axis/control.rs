@@ -1,0 +1,538 @@
+//! Which control word to send next: the steps of a person at the drive, as a machine without time of its own.
+
+use core::time::Duration;
+
+use profinet::Instant;
+
+use super::seen::{Phase, Seen};
+
+/// ON absent, no coast or quick stop, operation and setpoint channel enabled, control by PLC: `ready`.
+pub const STW1_READY: u16 = 0x047E;
+/// As ready with ON: `run`.
+pub const STW1_RUN: u16 = 0x047F;
+/// As ready with the acknowledge bit.
+pub const STW1_ACKNOWLEDGE: u16 = 0x04FE;
+/// As ready with a quick stop (OFF3) commanded.
+pub const STW1_QUICK_STOP: u16 = 0x047A;
+/// Operation with the ramp generator's input at zero: brakes along the ramp, stays enabled.
+pub const STW1_RUN_INPUT_ZERO: u16 = 0x043F;
+/// Operation with the setpoint channel closed (bits 4, 5, 6 zero): jogging is permitted.
+pub const STW1_JOG_READY: u16 = 0x040F;
+/// No control by PLC: the drive ignores everything else.
+pub const STW1_RELEASED: u16 = 0x0000;
+
+const JOG_1: u16 = 1 << 8;
+const JOG_2: u16 = 1 << 9;
+
+/// One of the two jog setpoints of a drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Jog {
+    /// STW1 bit 8.
+    One,
+    /// STW1 bit 9.
+    Two,
+}
+
+impl Jog {
+    /// The bit of STW1 that starts it.
+    #[must_use]
+    pub const fn bit(self) -> u16 {
+        match self {
+            Self::One => JOG_1,
+            Self::Two => JOG_2,
+        }
+    }
+}
+
+/// What is wanted of the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Goal {
+    /// Nothing: control is not taken.
+    Released,
+    /// Control taken, standing, ready for switching on (S2).
+    Ready,
+    /// Operation (S4) at this NSOLL_A.
+    Run {
+        /// Speed setpoint as it travels (N2).
+        setpoint: i16,
+    },
+    /// Operation (S4) at a jog setpoint of the drive.
+    Jog(Jog),
+    /// The fault acknowledged, then as [`Goal::Ready`].
+    Acknowledge,
+    /// Ramp stop (OFF1) until the pulses are off.
+    Stop,
+}
+
+impl Goal {
+    /// True when the axis may turn while this is pursued.
+    #[must_use]
+    pub const fn moves(self) -> bool {
+        matches!(self, Self::Run { .. } | Self::Jog(_))
+    }
+}
+
+/// How far the axis is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// On the way.
+    Pursuing,
+    /// Reached, and kept.
+    Reached,
+    /// Given up; the axis is being stopped or stands.
+    Failed(Trouble),
+}
+
+/// Why a goal was given up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Trouble {
+    /// ZSW1 bit 3 came.
+    #[error("the drive reports a fault (ZSW1 bit 3)")]
+    Fault,
+    /// ZSW1 bit 3 stayed after the acknowledge edge.
+    #[error("the fault stays after acknowledging (ZSW1 bit 3): its cause is still there")]
+    FaultStays,
+    /// ZSW1 bit 9 stayed 0.
+    #[error("the drive does not ask for control by the PLC (ZSW1 bit 9 is 0): it is in local operation")]
+    LocalOperation,
+    /// The drive did not reach the state in time.
+    #[error("the drive stays in {phase}")]
+    StuckIn {
+        /// Where it is.
+        phase: Phase,
+    },
+    /// The drive left S4 though nobody here told it to. It is not switched on again by itself.
+    #[error("the drive left operation by itself, it is in {phase} now")]
+    LeftOperation {
+        /// Where it is.
+        phase: Phase,
+    },
+    /// The ramp stop took too long, the quick stop was used.
+    #[error("the ramp stop did not end in time, a quick stop (OFF3) was commanded")]
+    QuickStopUsed,
+    /// Neither ramp stop nor quick stop ended in time.
+    #[error("the axis did not come to a standstill")]
+    NotStopped,
+}
+
+/// Times and thresholds of the control.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// How long a control word must stand so that the drive sees it: some cycles.
+    pub dwell: Duration,
+    /// How long switching on, or acknowledging, may take.
+    pub step: Duration,
+    /// How long the ramp stop may take before the quick stop is used, and the quick stop before giving up.
+    pub stop: Duration,
+    /// Speed (as NIST_A) below which the axis stands.
+    pub standstill: u16,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            dwell: Duration::from_millis(64),
+            step: Duration::from_secs(5),
+            stop: Duration::from_secs(10),
+            standstill: 14,
+        }
+    }
+}
+
+/// What to put into telegram 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Command {
+    /// Control word 1.
+    pub stw1: u16,
+    /// Speed setpoint A.
+    pub nsoll_a: i16,
+}
+
+/// Steps a drive towards a goal, one control word at a time.
+///
+/// Never switches on by itself again after the drive left operation; every failure turns into a ramp stop.
+///
+/// ```
+/// use drive_client::axis::{AxisControl, Goal, Limits, Seen};
+/// use profinet::Instant;
+/// let mut axis = AxisControl::new(Limits::default());
+/// axis.pursue(Instant::ZERO, Goal::Run { setpoint: 0xA3 });
+/// let ready_for_switching_on = Seen { zsw1: 0x0231, nist_a: 0 };
+/// assert_eq!(axis.step(Instant::ZERO, ready_for_switching_on).stw1, 0x047F);
+/// let operation = Seen { zsw1: 0x0237, nist_a: 0 };
+/// assert_eq!(axis.step(Instant::from_millis(16), operation).nsoll_a, 0xA3);
+/// ```
+#[derive(Debug, Clone)]
+pub struct AxisControl {
+    limits: Limits,
+    goal: Goal,
+    progress: Progress,
+    /// Start of the present goal, or of its last step.
+    since: Instant,
+    /// Since when the present control word stands.
+    word_since: Instant,
+    command: Command,
+    was_in_operation: bool,
+    quick: bool,
+    /// First trouble since the last goal set by the caller.
+    trouble: Option<Trouble>,
+}
+
+impl AxisControl {
+    /// Without control.
+    #[must_use]
+    pub fn new(limits: Limits) -> Self {
+        Self {
+            limits,
+            goal: Goal::Released,
+            progress: Progress::Reached,
+            since: Instant::ZERO,
+            word_since: Instant::ZERO,
+            command: Command::default(),
+            was_in_operation: false,
+            quick: false,
+            trouble: None,
+        }
+    }
+
+    /// Sets what is wanted from now on.
+    pub fn pursue(&mut self, now: Instant, goal: Goal) {
+        // a new setpoint while running is no new start
+        let same_motion = matches!((self.goal, goal), (Goal::Run { .. }, Goal::Run { .. }));
+        self.goal = goal;
+        self.trouble = None;
+        if !same_motion {
+            self.progress = Progress::Pursuing;
+            self.since = now;
+            self.was_in_operation = false;
+            self.quick = false;
+        }
+    }
+
+    /// What is wanted.
+    #[must_use]
+    pub const fn goal(&self) -> Goal {
+        self.goal
+    }
+
+    /// How far it is. A failure stays until the next [`pursue`](Self::pursue).
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        // a failed motion is reported at once, while the stop is still under way
+        self.trouble.map_or(self.progress, Progress::Failed)
+    }
+
+    /// True when the axis stands with the pulses off, as far as the drive says.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        matches!(
+            self.goal,
+            Goal::Released | Goal::Stop | Goal::Ready | Goal::Acknowledge
+        ) && self.progress == Progress::Reached
+    }
+
+    /// What is being sent.
+    #[must_use]
+    pub const fn command(&self) -> Command {
+        self.command
+    }
+
+    /// Looks at what the drive says and chooses what to send.
+    pub fn step(&mut self, now: Instant, seen: Seen) -> Command {
+        let stw1_before = self.command.stw1;
+        self.command = self.choose(now, seen);
+        if self.command.stw1 != stw1_before {
+            self.word_since = now;
+        }
+        self.command
+    }
+
+    fn choose(&mut self, now: Instant, seen: Seen) -> Command {
+        if self.goal != Goal::Released && !seen.control_requested() && self.took(now) > self.limits.step {
+            self.trouble.get_or_insert(Trouble::LocalOperation);
+        }
+        match self.goal {
+            Goal::Released => {
+                self.progress = Progress::Reached;
+                word(STW1_RELEASED)
+            }
+            Goal::Ready => self.make_ready(now, seen),
+            Goal::Run { setpoint } => self.run(now, seen, setpoint),
+            Goal::Jog(jog) => self.jog(now, seen, jog),
+            Goal::Acknowledge => self.acknowledge(now, seen),
+            Goal::Stop => self.stop(now, seen),
+        }
+    }
+
+    fn make_ready(&mut self, now: Instant, seen: Seen) -> Command {
+        if seen.phase() == Phase::S2 {
+            self.progress = Progress::Reached;
+        } else if self.progress == Progress::Pursuing && self.took(now) > self.limits.step {
+            let fault = seen.fault().then_some(Trouble::Fault);
+            self.trouble
+                .get_or_insert(fault.unwrap_or(Trouble::StuckIn { phase: seen.phase() }));
+        }
+        word(STW1_READY)
+    }
+
+    fn run(&mut self, now: Instant, seen: Seen, setpoint: i16) -> Command {
+        match self.switch_on(now, seen, STW1_RUN) {
+            Some(command) => command,
+            None => {
+                self.progress = Progress::Reached;
+                Command {
+                    stw1: STW1_RUN,
+                    nsoll_a: setpoint,
+                }
+            }
+        }
+    }
+
+    fn jog(&mut self, now: Instant, seen: Seen, jog: Jog) -> Command {
+        if let Some(command) = self.switch_on(now, seen, STW1_JOG_READY) {
+            return command;
+        }
+        match self.command.stw1 {
+            jogging if jogging == STW1_JOG_READY | jog.bit() => {
+                self.progress = Progress::Reached;
+                word(jogging)
+            }
+            // after a run: along the ramp to standstill before the setpoint channel is closed
+            STW1_RUN | STW1_RUN_INPUT_ZERO if !seen.stands(self.limits.standstill) => {
+                word(STW1_RUN_INPUT_ZERO)
+            }
+            STW1_JOG_READY if self.stood(now) && seen.stands(self.limits.standstill) => {
+                word(STW1_JOG_READY | jog.bit())
+            }
+            _ => word(STW1_JOG_READY),
+        }
+    }
+
+    /// The way to S4 with `on` as the word that switches on; `None` once there. Failures turn into a stop.
+    fn switch_on(&mut self, now: Instant, seen: Seen, on: u16) -> Option<Command> {
+        let phase = seen.phase();
+        let trouble = if seen.fault() {
+            Some(Trouble::Fault)
+        } else if self.was_in_operation && phase != Phase::S4 {
+            Some(Trouble::LeftOperation { phase })
+        } else if phase != Phase::S4 && self.took(now) > self.limits.step {
+            let local = !seen.control_requested();
+            Some(if local {
+                Trouble::LocalOperation
+            } else {
+                Trouble::StuckIn { phase }
+            })
+        } else {
+            self.trouble
+        };
+        if let Some(trouble) = trouble {
+            self.trouble.get_or_insert(trouble);
+            self.goal = Goal::Stop;
+            self.progress = Progress::Pursuing;
+            self.since = now;
+            self.quick = false;
+            return Some(self.stop(now, seen));
+        }
+        match phase {
+            Phase::S4 => {
+                self.was_in_operation = true;
+                None
+            }
+            Phase::S2 | Phase::S3 => Some(word(on)),
+            // OFF first, also to end a stop that is still under way
+            Phase::S1 | Phase::S5 | Phase::NotReady => Some(word(STW1_READY)),
+        }
+    }
+
+    fn acknowledge(&mut self, now: Instant, seen: Seen) -> Command {
+        match self.command.stw1 {
+            STW1_ACKNOWLEDGE => {
+                let cleared = !seen.fault();
+                if !(cleared && self.stood(now)) && self.word_age(now) <= self.limits.step {
+                    return word(STW1_ACKNOWLEDGE);
+                }
+                if !cleared {
+                    self.trouble.get_or_insert(Trouble::FaultStays);
+                }
+                self.progress = Progress::Reached;
+                word(STW1_READY)
+            }
+            STW1_READY if self.progress == Progress::Pursuing && self.stood(now) => {
+                if seen.fault() {
+                    word(STW1_ACKNOWLEDGE)
+                } else {
+                    self.progress = Progress::Reached;
+                    word(STW1_READY)
+                }
+            }
+            _ => word(STW1_READY),
+        }
+    }
+
+    fn stop(&mut self, now: Instant, seen: Seen) -> Command {
+        if seen.pulses_off() {
+            // the word must have reached the drive: what it says may be older than the command
+            if self.command.stw1 & 1 == 0 && self.stood(now) {
+                self.progress = Progress::Reached;
+            }
+        } else if self.took(now) > self.limits.stop {
+            if self.quick {
+                self.trouble = Some(Trouble::NotStopped);
+                self.progress = Progress::Reached;
+            } else {
+                self.quick = true;
+                self.since = now;
+                self.trouble.get_or_insert(Trouble::QuickStopUsed);
+            }
+        }
+        word(if self.quick { STW1_QUICK_STOP } else { STW1_READY })
+    }
+
+    fn took(&self, now: Instant) -> Duration {
+        now - self.since
+    }
+
+    fn word_age(&self, now: Instant) -> Duration {
+        now - self.word_since
+    }
+
+    /// The present word stood long enough to be seen by the drive.
+    fn stood(&self, now: Instant) -> bool {
+        self.word_age(now) >= self.limits.dwell
+    }
+}
+
+const fn word(stw1: u16) -> Command {
+    Command { stw1, nsoll_a: 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::model::Bench;
+
+    #[test]
+    fn runs_and_stops() {
+        let mut bench = Bench::new();
+        bench.pursue(Goal::Run { setpoint: 100 });
+        bench.until(Progress::Reached);
+        assert_eq!(
+            bench.command(),
+            Command {
+                stw1: STW1_RUN,
+                nsoll_a: 100
+            }
+        );
+        bench.cycles(60);
+        assert_eq!(bench.speed(), 100);
+        bench.pursue(Goal::Run { setpoint: -50 });
+        assert_eq!(bench.progress(), Progress::Reached);
+        bench.cycles(60);
+        assert_eq!(bench.speed(), -50);
+        bench.pursue(Goal::Stop);
+        bench.until(Progress::Reached);
+        assert_eq!(bench.speed(), 0);
+        assert_eq!(bench.words(), [STW1_READY, STW1_RUN, STW1_READY]);
+    }
+
+    #[test]
+    fn no_setpoint_before_operation() {
+        let mut bench = Bench::new();
+        bench.pursue(Goal::Run { setpoint: 1000 });
+        while bench.phase() != Phase::S4 {
+            assert_eq!(bench.command().nsoll_a, 0);
+            bench.cycles(1);
+        }
+    }
+
+    #[test]
+    fn jog_after_run_waits_for_standstill() {
+        let mut bench = Bench::new();
+        bench.pursue(Goal::Run { setpoint: 200 });
+        bench.until(Progress::Reached);
+        bench.cycles(50);
+        bench.pursue(Goal::Jog(Jog::Two));
+        bench.until(Progress::Reached);
+        bench.cycles(40);
+        assert_eq!(bench.speed(), -40, "the jog setpoint of the bench");
+        bench.pursue(Goal::Stop);
+        bench.until(Progress::Reached);
+        assert_eq!(
+            bench.words(),
+            [
+                STW1_READY,
+                STW1_RUN,
+                STW1_RUN_INPUT_ZERO,
+                STW1_JOG_READY,
+                STW1_JOG_READY | JOG_2,
+                STW1_READY
+            ]
+        );
+    }
+
+    #[test]
+    fn fault_is_reported_stopped_and_acknowledged_by_an_edge() {
+        let mut bench = Bench::new();
+        bench.pursue(Goal::Run { setpoint: 100 });
+        bench.until(Progress::Reached);
+        bench.fail(true);
+        bench.cycles(2);
+        assert_eq!(bench.progress(), Progress::Failed(Trouble::Fault));
+        assert_eq!(bench.command().stw1, STW1_READY);
+        bench.pursue(Goal::Acknowledge);
+        bench.until(Progress::Failed(Trouble::FaultStays));
+        bench.fail(false);
+        bench.pursue(Goal::Acknowledge);
+        bench.until(Progress::Reached);
+        assert!(!bench.seen().fault());
+        assert_eq!(bench.command().stw1, STW1_READY);
+    }
+
+    #[test]
+    fn is_not_switched_on_again_by_itself() {
+        let mut bench = Bench::new();
+        bench.pursue(Goal::Run { setpoint: 100 });
+        bench.until(Progress::Reached);
+        bench.coast();
+        bench.cycles(200);
+        assert!(matches!(
+            bench.progress(),
+            Progress::Failed(Trouble::LeftOperation { .. })
+        ));
+        assert_eq!(bench.command().stw1, STW1_READY);
+    }
+
+    #[test]
+    fn a_stop_that_does_not_end_becomes_a_quick_stop() {
+        let mut bench = Bench::new();
+        bench.pursue(Goal::Run { setpoint: 100 });
+        bench.until(Progress::Reached);
+        bench.cycles(50);
+        bench.never_ramps_down();
+        bench.pursue(Goal::Stop);
+        bench.cycles(2000);
+        assert_eq!(bench.progress(), Progress::Failed(Trouble::QuickStopUsed));
+        assert_eq!(bench.words().last(), Some(&STW1_QUICK_STOP));
+        assert_eq!(bench.speed(), 0);
+    }
+
+    #[test]
+    fn local_operation_is_said() {
+        let mut bench = Bench::new();
+        bench.local();
+        bench.pursue(Goal::Run { setpoint: 100 });
+        bench.cycles(1000);
+        assert_eq!(bench.progress(), Progress::Failed(Trouble::LocalOperation));
+    }
+
+    #[test]
+    fn release_gives_control_back() {
+        let mut bench = Bench::new();
+        bench.pursue(Goal::Ready);
+        bench.until(Progress::Reached);
+        bench.pursue(Goal::Released);
+        bench.cycles(1);
+        assert_eq!(bench.command(), Command::default());
+    }
+}
