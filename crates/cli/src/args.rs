@@ -1,0 +1,485 @@
+//! The command line: types and help texts only, no behaviour.
+
+use std::net::Ipv4Addr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use profidrive::notation::Quantity;
+
+/// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
+#[derive(Debug, Parser)]
+#[command(
+    name = "profidrive",
+    version,
+    propagate_version = true,
+    arg_required_else_help = true
+)]
+#[command(
+    after_help = "DRIVE is a station name (akd-1), an IP address (10.0.0.2) or a MAC address.\n\
+    PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2).\n\
+    Exit codes: 0 ok, 1 failed, 2 usage, 3 refused by the drive, 4 not reachable, 5 difference found, \
+    6 stopped by a safety rule."
+)]
+pub struct Cli {
+    #[command(flatten)]
+    pub global: Global,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// Options of every command.
+#[derive(Debug, Clone, Args)]
+pub struct Global {
+    /// Network interface towards the drives
+    #[arg(
+        short,
+        long,
+        global = true,
+        env = "PROFIDRIVE_INTERFACE",
+        value_name = "IFACE"
+    )]
+    pub interface: Option<String>,
+    /// Print data as JSON ("schema": "profidrive/1")
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print data only, no talk
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List the stations that answer on the network
+    Scan(Scan),
+    /// Give a station its name
+    Name(Name),
+    /// Give a station its IP address
+    Ip(Ip),
+    /// Let a station blink, to be sure which one it is
+    Blink(Blink),
+    /// Reset a station to factory values (asks first)
+    Reset(Reset),
+    /// Show who a drive is and in which state
+    Info(Drive),
+    /// Read parameters
+    Read(Read),
+    /// Write parameters: limits first, then old and new value, then read back
+    Write(Write),
+    /// List the parameters of a drive
+    List(List),
+    /// Describe one parameter: unit, limits, default, access
+    Describe(Describe),
+    /// Turn the motor at a speed for a time, then stop it (moves the axis)
+    Run(Run),
+    /// Turn the motor at a jog speed for a time, then stop it (moves the axis)
+    Jog(Jog),
+    /// Acknowledge the fault of a drive (sends STW1 0x04FE)
+    Ack(Ack),
+    /// Watch a drive beside its controller; reads only
+    Monitor(Monitor),
+    /// Say in words what a number means
+    Explain(Explain),
+    /// Say in words what a parameter job or a capture file contains
+    Decode(Decode),
+    /// Put virtual drives on a network
+    Simulate(Simulate),
+    /// Run a virtual drive and a controller on an in-memory network
+    Demo(Demo),
+    /// Write the completion script of a shell
+    Completions(Completions),
+}
+
+#[derive(Debug, Args)]
+pub struct Drive {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+}
+
+#[derive(Debug, Args)]
+pub struct Scan {
+    /// How long to listen for answers
+    #[arg(long = "for", value_name = "TIME", default_value = "1s", value_parser = duration)]
+    pub time: Duration,
+}
+
+#[derive(Debug, Args)]
+pub struct Name {
+    /// The station, best by its MAC address
+    pub drive: String,
+    /// The new name: lower case letters, digits, hyphens and dots; "" takes the name away
+    pub name: String,
+    /// Keep it only until the next power-on
+    #[arg(long)]
+    pub temporary: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Ip {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Address and prefix length, for example 10.0.0.2/24
+    pub address: Network,
+    /// Gateway; none when left out
+    #[arg(long, value_name = "A.B.C.D")]
+    pub gateway: Option<Ipv4Addr>,
+    /// Keep it only until the next power-on
+    #[arg(long)]
+    pub temporary: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Blink {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// How long to repeat the signal (one signal lasts about 3 s)
+    #[arg(long = "for", value_name = "TIME", default_value = "3s", value_parser = duration)]
+    pub time: Duration,
+}
+
+#[derive(Debug, Args)]
+pub struct Reset {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// What to reset
+    #[arg(long, value_enum)]
+    pub mode: ResetMode,
+    /// Do not ask
+    #[arg(long)]
+    pub yes: bool,
+}
+
+/// What a reset takes back to factory values (DCP ResetToFactory).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ResetMode {
+    /// Application data: parameters, I&M records
+    Application,
+    /// Communication data: name, IP address
+    Communication,
+    /// Engineering data
+    Engineering,
+    /// All stored data
+    All,
+    /// The device as it left the factory
+    Device,
+}
+
+#[derive(Debug, Args)]
+pub struct Read {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Parameters: DRV.ACC, 930, p930, r947[0], 947[0..7], 0x3A2
+    #[arg(required = true, value_name = "PARAM")]
+    pub parameters: Vec<String>,
+    /// Also show the raw value in hexadecimal
+    #[arg(long)]
+    pub raw: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Write {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Assignments: DRV.ACC=5000rpm/s, 930=1, p930=0x0001
+    #[arg(required = true, value_name = "PARAM=VALUE")]
+    pub assignments: Vec<String>,
+    /// Check and show, but write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct List {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Only parameters with this text in name, number or description
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Read and show the values too
+    #[arg(long)]
+    pub values: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Describe {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Parameter: DRV.ACC, 930, p930, 0x3A2
+    #[arg(value_name = "PARAM")]
+    pub parameter: String,
+}
+
+#[derive(Debug, Args)]
+pub struct Cyclic {
+    /// Update time of the cyclic connection; the fastest the drive allows when left out
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub cycle: Option<Duration>,
+    /// Update times without data after which both sides stop
+    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=255))]
+    pub watchdog: u16,
+}
+
+#[derive(Debug, Args)]
+pub struct Run {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Speed: 60rpm, -1rps; a bare number is in rpm
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub velocity: Quantity,
+    /// How long to run at the speed; until Ctrl-C when left out
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// Refuse any speed above this
+    #[arg(long, value_name = "SPEED", default_value = "3000rpm")]
+    pub limit: Quantity,
+    #[command(flatten)]
+    pub cyclic: Cyclic,
+}
+
+#[derive(Debug, Args)]
+pub struct Jog {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Which jog setpoint of the drive: 1 (STW1 bit 8, PNU 1004) or 2 (bit 9, PNU 1005)
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub jog: u8,
+    /// Set the jog speed first; the drive's own value when left out
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub velocity: Option<Quantity>,
+    /// How long to jog
+    #[arg(long = "for", value_name = "TIME", default_value = "2s", value_parser = duration)]
+    pub time: Duration,
+    /// Refuse any speed above this
+    #[arg(long, value_name = "SPEED", default_value = "3000rpm")]
+    pub limit: Quantity,
+    #[command(flatten)]
+    pub cyclic: Cyclic,
+}
+
+#[derive(Debug, Args)]
+pub struct Ack {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    #[command(flatten)]
+    pub cyclic: Cyclic,
+}
+
+#[derive(Debug, Args)]
+pub struct Monitor {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Parameters to watch besides the state
+    #[arg(value_name = "PARAM")]
+    pub parameters: Vec<String>,
+    /// Time between two readings
+    #[arg(long, value_name = "TIME", default_value = "500ms", value_parser = duration)]
+    pub every: Duration,
+    /// How long to watch; until Ctrl-C when left out
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+}
+
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500
+    pub value: String,
+    /// What the number is
+    #[arg(long = "as", value_enum, value_name = "KIND")]
+    pub kind: Kind,
+}
+
+/// What a number to explain is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// Control word 1
+    Stw1,
+    /// Status word 1
+    Zsw1,
+    /// State of the drive, from status word 1
+    State,
+    /// Fault number of an AKD (PNU 947)
+    Fault,
+    /// Error number of a refused parameter
+    Error,
+    /// Format code of a parameter value
+    Format,
+    /// PNIO status: ErrorCode, ErrorDecode, ErrorCode1, ErrorCode2
+    Pnio,
+}
+
+#[derive(Debug, Args)]
+#[group(id = "source", required = true, multiple = false)]
+pub struct Decode {
+    /// Capture file, pcap or pcapng
+    #[arg(group = "source", value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// One parameter job in hexadecimal
+    #[arg(long, group = "source", value_name = "BYTES")]
+    pub hex: Option<String>,
+    /// What the bytes are; guessed when left out
+    #[arg(long = "as", value_enum, value_name = "SIDE", requires = "hex")]
+    pub side: Option<Side>,
+    /// The request that belongs to a response, in hexadecimal
+    #[arg(long, value_name = "BYTES", requires = "hex")]
+    pub request: Option<String>,
+}
+
+/// Direction of a parameter job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Side {
+    /// From the controller to the drive
+    Request,
+    /// From the drive to the controller
+    Response,
+}
+
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// Drive model
+    #[arg(long, value_enum, default_value = "akd")]
+    pub model: Model,
+    /// Station name; with --count the names end in -1, -2, ..; without it the drive waits to be named
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// How many drives
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub count: u16,
+    /// Address of the (first) drive; without it the drive waits for its address
+    #[arg(long, value_name = "A.B.C.D/NN")]
+    pub ip: Option<Network>,
+    /// Folder that keeps name, address and saved parameters over a restart
+    #[arg(long, value_name = "DIR")]
+    pub state: Option<PathBuf>,
+    /// Ethernet address: derived from the name when left out, `host` for the interface's own (one drive only)
+    #[arg(long, value_name = "host|MAC")]
+    pub mac: Option<String>,
+    /// Fastest update time offered, 1 ms to 512 ms
+    #[arg(long, value_name = "TIME", default_value = "16ms", value_parser = duration)]
+    pub min_cycle: Duration,
+    /// Write the traffic of the drives to this file
+    #[arg(long, value_name = "FILE")]
+    pub pcap: Option<PathBuf>,
+}
+
+/// The drive models there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Model {
+    /// Kollmorgen AKD
+    Akd,
+}
+
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// Write the traffic of the in-memory network to this file
+    #[arg(long, value_name = "FILE")]
+    pub pcap: Option<PathBuf>,
+    /// As fast as the machine allows, in virtual time
+    #[arg(long)]
+    pub fast: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+/// An IPv4 address with its prefix length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Network {
+    /// Address.
+    pub address: Ipv4Addr,
+    /// Length of the network part in bits, 1 to 32.
+    pub prefix: u8,
+}
+
+impl Network {
+    /// The subnet mask.
+    pub const fn mask(self) -> Ipv4Addr {
+        Ipv4Addr::from_bits(match self.prefix {
+            0 => 0,
+            prefix => u32::MAX << (32 - prefix as u32),
+        })
+    }
+}
+
+impl std::str::FromStr for Network {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let form = || format!("`{text}`: write address and prefix length, for example 10.0.0.2/24");
+        let (address, prefix) = text.split_once('/').ok_or_else(form)?;
+        let address: Ipv4Addr = address.parse().map_err(|_| form())?;
+        let prefix: u8 = prefix
+            .parse()
+            .ok()
+            .filter(|prefix| (1..=32).contains(prefix))
+            .ok_or_else(form)?;
+        if address.is_unspecified()
+            || address.is_multicast()
+            || address.is_loopback()
+            || address.is_broadcast()
+        {
+            return Err(format!("`{text}`: this is no address for a station"));
+        }
+        Ok(Self { address, prefix })
+    }
+}
+
+/// A time with its unit (`5s`, `16ms`, `2min`); a bare number is in seconds.
+fn duration(text: &str) -> Result<Duration, String> {
+    let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;
+    let seconds = quantity.in_unit("s").map_err(|error| error.to_string())?;
+    Duration::try_from_secs_f64(seconds).map_err(|_| format!("`{text}` is no time"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_argument_tree_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn networks_and_times() {
+        let network: Network = "10.0.0.2/24".parse().unwrap();
+        assert_eq!(network.mask(), Ipv4Addr::new(255, 255, 255, 0));
+        for wrong in [
+            "10.0.0.2",
+            "10.0.0.2/33",
+            "10.0.0.2/0",
+            "0.0.0.0/8",
+            "224.0.0.1/4",
+            "x/24",
+        ] {
+            assert!(wrong.parse::<Network>().is_err(), "{wrong}");
+        }
+        assert_eq!(duration("16ms"), Ok(Duration::from_millis(16)));
+        assert_eq!(duration("2"), Ok(Duration::from_secs(2)));
+        assert!(duration("5rpm").unwrap_err().contains("accepted: s, ms"));
+        assert!(duration("-1s").is_err());
+    }
+
+    #[test]
+    fn verbs_take_what_the_manual_says() {
+        for line in [
+            "profidrive scan -i eth0",
+            "profidrive name 02:00:00:00:00:01 akd-1",
+            "profidrive ip akd-1 10.0.0.2/24 --gateway 10.0.0.1 --temporary",
+            "profidrive reset akd-1 --mode communication --yes",
+            "profidrive read akd-1 DRV.ACC p930 r947[0..7] --json",
+            "profidrive write akd-1 DRV.ACC=5000rpm/s --dry-run",
+            "profidrive run akd-1 --velocity -60rpm --for 5s --cycle 16ms",
+            "profidrive explain 0x047F --as stw1",
+            "profidrive decode trace.pcapng",
+            "profidrive simulate --model akd --name akd-1 -i v0 --count 4 --ip 10.0.0.2/24 --mac host",
+            "profidrive demo --pcap out.pcapng",
+        ] {
+            assert!(Cli::try_parse_from(line.split(' ')).is_ok(), "{line}");
+        }
+        assert!(Cli::try_parse_from(["profidrive", "decode"]).is_err());
+        assert!(Cli::try_parse_from(["profidrive", "decode", "f", "--hex", "00"]).is_err());
+    }
+}

@@ -1,0 +1,179 @@
+//! `profidrive explain 0x047F --as stw1`
+
+use profidrive::catalogue::AKD;
+use profinet::wire::status::PnioStatus;
+use serde_json::{Map, Value};
+
+use crate::args::{Explain, Kind};
+use crate::failure::Failure;
+use crate::fields;
+use crate::output::Output;
+use crate::render::{hex16, words};
+
+pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
+    let (lines, fields) = explain(&args.value, args.kind)?;
+    if output.json() {
+        output.document("explain", fields);
+    } else {
+        for line in lines {
+            output.line(&line);
+        }
+    }
+    Ok(())
+}
+
+type Explained = (Vec<String>, Map<String, Value>);
+
+fn explain(text: &str, kind: Kind) -> Result<Explained, Failure> {
+    Ok(match kind {
+        Kind::Stw1 => {
+            let word = word(text)?;
+            let means = words::stw1_meaning(word);
+            let mut fields = fields! { "as": "stw1", "meaning": means };
+            fields.insert("word".into(), words::word_json(&words::STW1, word));
+            (words::word_lines("STW1", &words::STW1, word, means), fields)
+        }
+        Kind::Zsw1 => {
+            let word = word(text)?;
+            let means = words::state(word);
+            let mut fields = fields! { "as": "zsw1", "meaning": means };
+            fields.insert("word".into(), words::word_json(&words::ZSW1, word));
+            (words::word_lines("ZSW1", &words::ZSW1, word, means), fields)
+        }
+        Kind::State => {
+            let word = word(text)?;
+            let state = words::state(word);
+            let fields =
+                fields! { "as": "state", "raw": word, "state": words::state_number(word), "meaning": state };
+            (vec![format!("ZSW1 {}: {state}", hex16(word))], fields)
+        }
+        Kind::Fault => fault(text)?,
+        Kind::Pnio => pnio(text)?,
+        Kind::Error | Kind::Format => return Err(Failure::usage("not part of this build")),
+    })
+}
+
+fn fault(text: &str) -> Result<Explained, Failure> {
+    let (warning, digits) = match text.as_bytes().first() {
+        Some(b'n' | b'N') => (true, text.get(1..).unwrap_or_default()),
+        Some(b'f' | b'F') => (false, text.get(1..).unwrap_or_default()),
+        _ => (false, text),
+    };
+    let number = word(digits)?;
+    let letter = if warning { 'n' } else { 'F' };
+    let known = AKD.fault(number, warning);
+    let meaning = known.map_or("not in the table of the AKD", |fault| fault.meaning);
+    let mut lines = vec![format!("AKD {letter}{number}: {meaning}")];
+    let mut fields = fields! { "as": "fault", "model": "akd", "number": number, "warning": warning };
+    if let Some(fault) = known {
+        fields.insert("meaning".into(), fault.meaning.into());
+        fields.insert("remedy".into(), fault.remedy.into());
+        fields.insert("source".into(), fault.source.into());
+        if !fault.remedy.is_empty() {
+            lines.push(format!("  do     {}", fault.remedy));
+        }
+        lines.push(format!("  source {}", fault.source));
+    }
+    Ok((lines, fields))
+}
+
+fn pnio(text: &str) -> Result<Explained, Failure> {
+    let compact: String = text
+        .chars()
+        .filter(|c| !c.is_whitespace() && !matches!(c, '_' | ':'))
+        .collect();
+    let digits = compact
+        .strip_prefix("0x")
+        .or_else(|| compact.strip_prefix("0X"))
+        .unwrap_or(&compact);
+    let value = (digits.len() == 8)
+        .then(|| u32::from_str_radix(digits, 16).ok())
+        .flatten()
+        .ok_or_else(|| {
+            Failure::usage(format!(
+                "`{text}`: a PNIO status has four octets in hexadecimal, for example DE80B500"
+            ))
+        })?;
+    let status = PnioStatus::from_u32(value);
+    let lines = vec![
+        format!("PNIO status {value:08X}: {status}"),
+        format!(
+            "  ErrorCode 0x{:02X}, ErrorDecode 0x{:02X}, ErrorCode1 0x{:02X}, ErrorCode2 0x{:02X}",
+            status.code, status.decode, status.code1, status.code2
+        ),
+    ];
+    let fields = fields! {
+        "as": "pnio", "raw": value, "hex": format!("{value:08X}"), "meaning": status.to_string(),
+        "error_code": status.code, "error_decode": status.decode,
+        "error_code1": status.code1, "error_code2": status.code2,
+    };
+    Ok((lines, fields))
+}
+
+/// A 16-bit number: hexadecimal with 0x, binary with 0b, else decimal.
+fn word(text: &str) -> Result<u16, Failure> {
+    let compact: String = text.trim().chars().filter(|c| *c != '_' && *c != ' ').collect();
+    let lower = compact.to_ascii_lowercase();
+    let parsed = if let Some(hex) = lower.strip_prefix("0x") {
+        u16::from_str_radix(hex, 16)
+    } else if let Some(binary) = lower.strip_prefix("0b") {
+        u16::from_str_radix(binary, 2)
+    } else {
+        lower.parse()
+    };
+    parsed.map_err(|_| {
+        Failure::usage(format!(
+            "`{text}` is no 16-bit number: write 0x047F, 1151 or 0b0000_0100_0111_1111"
+        ))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(text: &str, kind: Kind) -> String {
+        explain(text, kind).unwrap().0.join("\n")
+    }
+
+    #[test]
+    fn control_word_with_names_and_nibbles() {
+        let text = lines("0x047F", Kind::Stw1);
+        assert!(text.starts_with("STW1 0x047F   0000 0100 0111 1111\n"), "{text}");
+        assert!(
+            text.contains("set    ON, EN_OP, EN_RAMP, UNFREEZE, EN_SETPOINT, CTRL_PLC\n"),
+            "{text}"
+        );
+        assert!(
+            text.contains("stops  OFF2 not active, OFF3 not active\n"),
+            "{text}"
+        );
+        assert_eq!(lines("1151", Kind::Stw1), text);
+        assert_eq!(lines("0b0000_0100_0111_1111", Kind::Stw1), text);
+    }
+
+    #[test]
+    fn faults_states_and_statuses() {
+        assert!(lines("F702", Kind::Fault).starts_with("AKD F702: "));
+        assert!(lines("702", Kind::Fault).starts_with("AKD F702: "));
+        assert!(lines("9", Kind::Fault).contains("not in the table"));
+        assert_eq!(lines("0x0237", Kind::State), "ZSW1 0x0237: S4 operation");
+        assert!(lines("DE80B500", Kind::Pnio).contains("state conflict"));
+    }
+
+    #[test]
+    fn wrong_numbers_are_usage_errors() {
+        for (text, kind) in [
+            ("0x10000", Kind::Stw1),
+            ("fast", Kind::State),
+            ("DE80", Kind::Pnio),
+            ("", Kind::Fault),
+        ] {
+            assert_eq!(
+                explain(text, kind).unwrap_err().exit,
+                crate::failure::Exit::Usage,
+                "{text}"
+            );
+        }
+    }
+}
