@@ -7,6 +7,7 @@
 // A harness reports by panicking: that is how a test fails.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+pub mod fuzz_targets;
 pub mod judge;
 mod lab;
 mod process;
