@@ -1,1 +1,14 @@
-//! network
+//! Carries endpoints: whole Ethernet stations around protocol engines, an in-memory segment in virtual time, raw
+//! Ethernet and UDP on Linux, capture files.
+//!
+//! The only room with sockets, threads and clocks. It knows PROFINET's [`Endpoint`](profinet::Endpoint) and
+//! [`Medium`](profinet::Medium) and nothing of drives.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`host`] | [`Host`](host::Host): ARP, IPv4, ICMP echo and UDP around an endpoint; [`Station`](host::Station): frames in, frames out, next deadline |
+//! | [`segment`] | [`Segment`](segment::Segment): a switch with stations, virtual time, seeded faults; [`SegmentMedium`](segment::SegmentMedium) |
+
+mod deadlines;
+pub mod host;
+pub mod segment;

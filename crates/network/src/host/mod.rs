@@ -1,0 +1,174 @@
+//! A whole Ethernet station around a protocol engine.
+//!
+//! [`Host`] puts ARP, IPv4, ICMP echo and UDP around an [`Endpoint`] and offers the result as a [`Station`]: whole
+//! frames in, whole frames out, next deadline. PROFINET frames (EtherType 0x8892) pass straight through, without a
+//! copy and without allocation.
+//!
+//! Left out, on purpose: IPv4 fragments (dropped, PROFINET fragments in RPC), TCP, ICMP errors, address conflict
+//! detection.
+
+mod address;
+mod neighbours;
+mod stack;
+
+use std::any::Any;
+
+use profinet::{Endpoint, Instant, MacAddress, Transmit};
+
+pub use stack::{Stack, StackStatistics};
+
+/// Smallest Ethernet frame without FCS; shorter ones are padded with zeros (IEEE 802.3).
+pub const MINIMUM_FRAME: usize = 60;
+
+/// EtherType of PROFINET real-time, DCP and alarm frames.
+pub const ETHERTYPE_PROFINET: u16 = 0x8892;
+
+/// An Ethernet station: whole frames in, whole frames out, next deadline.
+///
+/// The rule is the same as for [`Endpoint`]: *feed, drain, sleep*. [`Segment`](crate::segment::Segment) and the Linux
+/// runner run any number of `Box<dyn Station>`; the owner gets its own type back by its index.
+///
+/// Frames are without FCS, at most [`MAX_FRAME`](profinet::MAX_FRAME) octets, the 802.1Q tag present or absent.
+pub trait Station: Any {
+    /// Own Ethernet address, by which unicast frames are dispatched. Does not change.
+    fn mac(&self) -> MacAddress;
+
+    /// Takes one received frame. Frames for others are ignored.
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]);
+
+    /// Does what is due at `now`; early calls do nothing.
+    fn handle_timeout(&mut self, now: Instant);
+
+    /// Writes the next frame to send into `buffer` (at least [`MAX_FRAME`](profinet::MAX_FRAME) octets) and returns its length.
+    #[must_use]
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize>;
+
+    /// When [`handle_timeout`](Station::handle_timeout) must be called at the latest; may change after every
+    /// `handle_*` and `poll_transmit` call.
+    #[must_use]
+    fn poll_timeout(&self) -> Option<Instant>;
+}
+
+/// An [`Endpoint`] with ARP, IPv4, ICMP echo and UDP around it.
+///
+/// The Ethernet address is the endpoint's when the host is made; the IP address is followed: when the endpoint's
+/// [`Endpoint::ip`] changes, the change is announced by gratuitous ARP and all that was known of neighbours is
+/// forgotten.
+///
+/// ```
+/// use network::host::{Host, Station};
+/// use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+/// # use std::net::{Ipv4Addr, SocketAddrV4};
+/// # struct Nothing;
+/// # impl Endpoint for Nothing {
+/// #     fn mac(&self) -> MacAddress { MacAddress([2, 0x50, 0x4e, 0, 0, 1]) }
+/// #     fn ip(&self) -> IpSuite {
+/// #         IpSuite { address: Ipv4Addr::new(10, 0, 0, 1), mask: Ipv4Addr::new(255, 255, 255, 0), gateway: Ipv4Addr::UNSPECIFIED }
+/// #     }
+/// #     fn handle_frame(&mut self, _: Instant, _: &[u8]) {}
+/// #     fn handle_datagram(&mut self, _: Instant, _: SocketAddrV4, _: u16, _: &[u8]) {}
+/// #     fn handle_timeout(&mut self, _: Instant) {}
+/// #     fn poll_transmit(&mut self, _: Instant, _: &mut [u8]) -> Option<Transmit> { None }
+/// #     fn poll_timeout(&self) -> Option<Instant> { None }
+/// # }
+/// # let engine = Nothing;
+/// let mut host = Host::new(engine);
+/// let mut buffer = [0; profinet::MAX_FRAME];
+/// // The engine has an address: the first thing the host sends is its announcement by ARP.
+/// let length = host.poll_transmit(Instant::ZERO, &mut buffer).expect("announcement");
+/// assert_eq!(length, 60);
+/// assert_eq!(buffer[..6], [0xFF; 6]);
+/// assert_eq!(buffer[12..14], [0x08, 0x06]);
+/// ```
+#[derive(Debug)]
+pub struct Host<E> {
+    endpoint: E,
+    stack: Stack,
+}
+
+impl<E: Endpoint> Host<E> {
+    /// Puts a station around `endpoint`.
+    #[must_use]
+    pub fn new(endpoint: E) -> Self {
+        let stack = Stack::new(endpoint.mac());
+        Self { endpoint, stack }
+    }
+
+    /// The engine inside.
+    #[must_use]
+    pub fn endpoint(&self) -> &E {
+        &self.endpoint
+    }
+
+    /// The engine inside, to take its events and to give it work. Drain the host afterwards; the segment and the
+    /// runner do so for a station taken with their `station_mut`.
+    #[must_use]
+    pub fn endpoint_mut(&mut self) -> &mut E {
+        &mut self.endpoint
+    }
+
+    /// Takes the engine out.
+    #[must_use]
+    pub fn into_endpoint(self) -> E {
+        self.endpoint
+    }
+
+    /// What the IP part has counted.
+    #[must_use]
+    pub fn statistics(&self) -> StackStatistics {
+        self.stack.statistics()
+    }
+}
+
+impl<E: Endpoint + 'static> Station for Host<E> {
+    fn mac(&self) -> MacAddress {
+        self.stack.mac()
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.stack.handle_frame(now, frame, &mut self.endpoint);
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        self.stack.handle_timeout(now, &mut self.endpoint);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
+        self.stack.poll_transmit(now, buffer, &mut self.endpoint)
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        self.stack.poll_timeout(&self.endpoint)
+    }
+}
+
+/// The EtherType of a frame and where its payload starts, one 802.1Q tag skipped; `None` for a stump.
+#[must_use]
+pub fn ethertype(frame: &[u8]) -> Option<(u16, usize)> {
+    let at = |offset: usize| -> Option<u16> {
+        Some(u16::from_be_bytes([*frame.get(offset)?, *frame.get(offset + 1)?]))
+    };
+    match at(12)? {
+        0x8100 => Some((at(16)?, 18)),
+        other => Some((other, 14)),
+    }
+}
+
+/// Destination and source address of a frame; `None` for a stump.
+#[must_use]
+pub fn addresses(frame: &[u8]) -> Option<(MacAddress, MacAddress)> {
+    let destination: [u8; 6] = frame.get(..6)?.try_into().ok()?;
+    let source: [u8; 6] = frame.get(6..12)?.try_into().ok()?;
+    Some((MacAddress(destination), MacAddress(source)))
+}
+
+/// How one endpoint output leaves: used by the stack, kept here beside the trait it serves.
+fn within(transmit: Transmit, capacity: usize) -> Option<Transmit> {
+    let length = match transmit {
+        Transmit::Frame { length } | Transmit::Datagram { length, .. } => length,
+    };
+    (length <= capacity).then_some(transmit)
+}
+
+#[cfg(test)]
+mod tests;

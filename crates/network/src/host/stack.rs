@@ -1,0 +1,462 @@
+//! ARP, IPv4, ICMP echo and UDP, without an endpoint of its own.
+
+use std::collections::VecDeque;
+use std::net::{Ipv4Addr, SocketAddrV4};
+use std::time::Duration;
+
+use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, RPC_PORT, Transmit};
+use smoltcp::phy::ChecksumCapabilities;
+use smoltcp::wire::{
+    ArpOperation, ArpPacket, ArpRepr, EthernetAddress, EthernetFrame, EthernetProtocol, EthernetRepr,
+    Icmpv4Message, Icmpv4Packet, Icmpv4Repr, IpProtocol, Ipv4Packet, Ipv4Repr, UdpPacket, UdpRepr,
+};
+
+use super::address::{NextHop, is_broadcast, is_unicast, next_hop};
+use super::neighbours::{Due, Neighbours, Resolution};
+use super::{ETHERTYPE_PROFINET, MINIMUM_FRAME, addresses, ethertype, within};
+
+const ETHERNET: usize = 14;
+const IPV4: usize = 20;
+const UDP: usize = 8;
+/// Where the payload of a sent datagram starts.
+const DATAGRAM: usize = ETHERNET + IPV4 + UDP;
+/// Largest IPv4 packet on Ethernet.
+const MTU: usize = 1500;
+/// Most frames of its own (ARP, echo, datagrams that waited) ready to be sent; beyond, new ones are dropped.
+const MAX_READY: usize = 128;
+/// Most local ports remembered as used by the endpoint, beside [`RPC_PORT`].
+const MAX_PORTS: usize = 64;
+/// Announcements of a new address and the pause between them (RFC 5227, 2.3).
+const ANNOUNCEMENTS: u8 = 2;
+const ANNOUNCE_INTERVAL: Duration = Duration::from_secs(2);
+const HOP_LIMIT: u8 = 64;
+
+/// What a [`Stack`] has counted since it was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StackStatistics {
+    /// PROFINET frames handed to the endpoint.
+    pub frames: u64,
+    /// Datagrams handed to the endpoint.
+    pub datagrams: u64,
+    /// Echo requests answered.
+    pub echoes: u64,
+    /// ARP, IPv4, ICMP and UDP for this station that was malformed or not supported (fragments).
+    pub malformed: u64,
+    /// Datagrams of the endpoint lost because the neighbour did not answer, a queue was full, there was no way
+    /// to the address, or they were longer than an Ethernet frame holds.
+    pub unsent: u64,
+}
+
+/// The IP part of a station; the endpoint is lent to every call.
+///
+/// [`Host`](super::Host) owns one together with an endpoint. Use it alone where the endpoint is only borrowed, as
+/// [`Medium::step`](profinet::Medium::step) does.
+#[derive(Debug)]
+pub struct Stack {
+    mac: MacAddress,
+    suite: IpSuite,
+    announcements: u8,
+    announce_at: Option<Instant>,
+    neighbours: Neighbours,
+    ready: VecDeque<Vec<u8>>,
+    spare: Vec<Vec<u8>>,
+    ports: VecDeque<u16>,
+    statistics: StackStatistics,
+}
+
+impl Stack {
+    /// A stack for the station `mac`, without an IP address until it sees the endpoint's.
+    #[must_use]
+    pub fn new(mac: MacAddress) -> Self {
+        Self {
+            mac,
+            suite: IpSuite::NONE,
+            announcements: 0,
+            announce_at: None,
+            neighbours: Neighbours::default(),
+            ready: VecDeque::new(),
+            spare: Vec::new(),
+            ports: VecDeque::new(),
+            statistics: StackStatistics::default(),
+        }
+    }
+
+    /// Own Ethernet address.
+    #[must_use]
+    pub fn mac(&self) -> MacAddress {
+        self.mac
+    }
+
+    /// What was counted.
+    #[must_use]
+    pub fn statistics(&self) -> StackStatistics {
+        self.statistics
+    }
+
+    /// Takes one received frame and hands the endpoint what is for it.
+    pub fn handle_frame<E: Endpoint + ?Sized>(&mut self, now: Instant, frame: &[u8], endpoint: &mut E) {
+        let Some((destination, source)) = addresses(frame) else {
+            return;
+        };
+        let for_us = destination == self.mac || destination.is_multicast();
+        if !for_us || source == self.mac || source.is_multicast() {
+            return;
+        }
+        let Some((kind, offset)) = ethertype(frame) else {
+            return;
+        };
+        if kind == ETHERTYPE_PROFINET {
+            self.statistics.frames += 1;
+            endpoint.handle_frame(now, frame);
+            return;
+        }
+        self.follow(now, endpoint.ip());
+        let Some(payload) = frame.get(offset..) else {
+            return;
+        };
+        if !self.suite.is_set() {
+            return;
+        }
+        let understood = match EthernetProtocol::from(kind) {
+            EthernetProtocol::Arp => self.handle_arp(now, payload),
+            EthernetProtocol::Ipv4 => self.handle_ipv4(now, source, payload, endpoint),
+            _ => Some(()),
+        };
+        if understood.is_none() {
+            self.statistics.malformed += 1;
+        }
+    }
+
+    /// Does what is due: requests to neighbours, announcements, and the endpoint's own.
+    pub fn handle_timeout<E: Endpoint + ?Sized>(&mut self, now: Instant, endpoint: &mut E) {
+        endpoint.handle_timeout(now);
+        self.follow(now, endpoint.ip());
+        if self.announce_at.is_some_and(|at| at <= now) {
+            self.announce(now);
+        }
+        while let Some(due) = self.neighbours.poll_due(now) {
+            match due {
+                Due::Request(ip) => self.send_arp(ArpOperation::Request, MacAddress::BROADCAST, ip),
+                Due::GivenUp(lost) => self.statistics.unsent += lost as u64,
+            }
+        }
+    }
+
+    /// The next frame to send: the endpoint's or the stack's own.
+    #[must_use]
+    pub fn poll_transmit<E: Endpoint + ?Sized>(
+        &mut self,
+        now: Instant,
+        buffer: &mut [u8],
+        endpoint: &mut E,
+    ) -> Option<usize> {
+        self.follow(now, endpoint.ip());
+        loop {
+            if let Some(length) = self.pop_ready(buffer) {
+                return Some(length);
+            }
+            let transmit = endpoint.poll_transmit(now, buffer)?;
+            match within(transmit, buffer.len()) {
+                Some(Transmit::Frame { length }) => return Some(length),
+                Some(Transmit::Datagram {
+                    destination,
+                    source_port,
+                    length,
+                }) => {
+                    if let Some(length) = self.send_datagram(now, destination, source_port, length, buffer) {
+                        return Some(length);
+                    }
+                }
+                None => self.statistics.unsent += 1,
+            }
+        }
+    }
+
+    /// When [`handle_timeout`](Self::handle_timeout) must be called at the latest.
+    #[must_use]
+    pub fn poll_timeout<E: Endpoint + ?Sized>(&self, endpoint: &E) -> Option<Instant> {
+        [
+            endpoint.poll_timeout(),
+            self.neighbours.next_due(),
+            self.announce_at,
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+    }
+
+    /// Takes note of a changed IP configuration: announce it, forget the neighbours.
+    fn follow(&mut self, now: Instant, suite: IpSuite) {
+        if suite == self.suite {
+            return;
+        }
+        self.suite = suite;
+        self.statistics.unsent += self.neighbours.clear() as u64;
+        self.announce_at = None;
+        if is_unicast(suite.address) {
+            self.announcements = ANNOUNCEMENTS;
+            self.announce(now);
+        }
+    }
+
+    fn announce(&mut self, now: Instant) {
+        self.send_arp(ArpOperation::Request, MacAddress::BROADCAST, self.suite.address);
+        self.announcements = self.announcements.saturating_sub(1);
+        self.announce_at = (self.announcements > 0).then(|| now + ANNOUNCE_INTERVAL);
+    }
+
+    /// `None` for what is malformed.
+    fn handle_arp(&mut self, now: Instant, payload: &[u8]) -> Option<()> {
+        let packet = ArpPacket::new_checked(payload).ok()?;
+        let ArpRepr::EthernetIpv4 {
+            operation,
+            source_hardware_addr,
+            source_protocol_addr: sender,
+            target_protocol_addr: target,
+            ..
+        } = ArpRepr::parse(&packet).ok()?
+        else {
+            return None;
+        };
+        let mac = MacAddress(source_hardware_addr.0);
+        if mac.is_multicast() || mac == self.mac || mac == MacAddress::default() {
+            return Some(());
+        }
+        let asked = operation == ArpOperation::Request && target == self.suite.address;
+        if is_unicast(sender) && sender != self.suite.address && !is_broadcast(&self.suite, sender) {
+            let local = self.suite.is_local(sender);
+            let waited = self.neighbours.learn(now, sender, mac, asked && local);
+            self.release(waited, mac);
+        } else if !(asked && sender.is_unspecified()) {
+            // Somebody else claims our address, or an address nobody can have: no answer. A probe from 0.0.0.0 gets one.
+            return Some(());
+        }
+        if asked {
+            self.send_arp(ArpOperation::Reply, mac, sender);
+        }
+        Some(())
+    }
+
+    fn handle_ipv4<E: Endpoint + ?Sized>(
+        &mut self,
+        now: Instant,
+        source: MacAddress,
+        payload: &[u8],
+        endpoint: &mut E,
+    ) -> Option<()> {
+        let packet = Ipv4Packet::new_checked(payload).ok()?;
+        let destination = packet.dst_addr();
+        let broadcast = is_broadcast(&self.suite, destination);
+        if destination != self.suite.address && !broadcast {
+            return Some(());
+        }
+        let header = Ipv4Repr::parse(&packet, &ChecksumCapabilities::default()).ok()?;
+        let sender = header.src_addr;
+        if !is_unicast(sender) || sender == self.suite.address || is_broadcast(&self.suite, sender) {
+            return Some(());
+        }
+        match header.next_header {
+            IpProtocol::Udp => {
+                let datagram = UdpPacket::new_checked(packet.payload()).ok()?;
+                let checks = ChecksumCapabilities::default();
+                let ports = UdpRepr::parse(&datagram, &sender.into(), &destination.into(), &checks).ok()?;
+                if ports.dst_port != RPC_PORT && !self.ports.contains(&ports.dst_port) {
+                    return Some(());
+                }
+                if self.suite.is_local(sender) {
+                    let waited = self.neighbours.hear(now, sender, source);
+                    self.release(waited, source);
+                }
+                self.statistics.datagrams += 1;
+                let from = SocketAddrV4::new(sender, ports.src_port);
+                endpoint.handle_datagram(now, from, ports.dst_port, datagram.payload());
+            }
+            IpProtocol::Icmp if !broadcast => {
+                let packet = Icmpv4Packet::new_checked(packet.payload()).ok()?;
+                if packet.msg_type() == Icmpv4Message::EchoRequest {
+                    let message = Icmpv4Repr::parse(&packet, &ChecksumCapabilities::default()).ok()?;
+                    self.send_echo_reply(source, sender, &message);
+                }
+            }
+            _ => {}
+        }
+        Some(())
+    }
+
+    fn send_arp(&mut self, operation: ArpOperation, to: MacAddress, target: Ipv4Addr) {
+        let known = if operation == ArpOperation::Reply {
+            to
+        } else {
+            MacAddress::default()
+        };
+        let message = ArpRepr::EthernetIpv4 {
+            operation,
+            source_hardware_addr: EthernetAddress(self.mac.0),
+            source_protocol_addr: self.suite.address,
+            target_hardware_addr: EthernetAddress(known.0),
+            target_protocol_addr: target,
+        };
+        let Some(mut frame) = self.take_buffer(ETHERNET + message.buffer_len()) else {
+            return;
+        };
+        self.emit_ethernet(&mut frame, to, EthernetProtocol::Arp);
+        if let Some(body) = frame.get_mut(ETHERNET..) {
+            message.emit(&mut ArpPacket::new_unchecked(body));
+        }
+        self.ready.push_back(frame);
+    }
+
+    fn send_echo_reply(&mut self, to: MacAddress, destination: Ipv4Addr, request: &Icmpv4Repr<'_>) {
+        let &Icmpv4Repr::EchoRequest { ident, seq_no, data } = request else {
+            return;
+        };
+        let reply = Icmpv4Repr::EchoReply { ident, seq_no, data };
+        let length = IPV4 + reply.buffer_len();
+        if length > MTU {
+            return;
+        }
+        let Some(mut frame) = self.take_buffer(ETHERNET + length) else {
+            return;
+        };
+        self.emit_ethernet(&mut frame, to, EthernetProtocol::Ipv4);
+        self.emit_ipv4(&mut frame, destination, IpProtocol::Icmp, reply.buffer_len());
+        if let Some(body) = frame.get_mut(ETHERNET + IPV4..ETHERNET + length) {
+            reply.emit(
+                &mut Icmpv4Packet::new_unchecked(body),
+                &ChecksumCapabilities::default(),
+            );
+        }
+        self.statistics.echoes += 1;
+        self.ready.push_back(frame);
+    }
+
+    /// Turns the payload at the start of `buffer` into a frame there; `None` if it waits for an answer to ARP or is lost.
+    fn send_datagram(
+        &mut self,
+        now: Instant,
+        destination: SocketAddrV4,
+        source_port: u16,
+        length: usize,
+        buffer: &mut [u8],
+    ) -> Option<usize> {
+        self.remember_port(source_port);
+        let packet = IPV4 + UDP + length;
+        let frame_length = (ETHERNET + packet).max(MINIMUM_FRAME);
+        let hop = next_hop(&self.suite, *destination.ip());
+        if packet > MTU || frame_length > buffer.len() || hop == NextHop::None {
+            self.statistics.unsent += 1;
+            return None;
+        }
+        let (mac, unresolved) = match hop {
+            NextHop::Mac(mac) => (mac, None),
+            NextHop::Neighbour(ip) => match self.neighbours.resolve(now, ip) {
+                Resolution::Known(mac) => (mac, None),
+                Resolution::Unknown => (MacAddress::default(), Some(ip)),
+            },
+            NextHop::None => return None,
+        };
+        buffer.copy_within(..length, DATAGRAM);
+        let frame = buffer.get_mut(..frame_length)?;
+        frame.get_mut(DATAGRAM + length..)?.fill(0);
+        self.emit_ethernet(frame, mac, EthernetProtocol::Ipv4);
+        self.emit_ipv4(frame, *destination.ip(), IpProtocol::Udp, UDP + length);
+        let body = frame.get_mut(ETHERNET + IPV4..DATAGRAM + length)?;
+        let ports = UdpRepr {
+            src_port: source_port,
+            dst_port: destination.port(),
+        };
+        ports.emit(
+            &mut UdpPacket::new_unchecked(body),
+            &self.suite.address.into(),
+            &(*destination.ip()).into(),
+            length,
+            |_payload_is_there| {},
+            &ChecksumCapabilities::default(),
+        );
+        let Some(ip) = unresolved else {
+            return Some(frame_length);
+        };
+        let copy = frame.to_vec();
+        self.statistics.unsent += self.neighbours.wait(ip, copy) as u64;
+        // The request is due now; sending it here saves the caller a turn.
+        while let Some(due) = self.neighbours.poll_due(now) {
+            match due {
+                Due::Request(ip) => self.send_arp(ArpOperation::Request, MacAddress::BROADCAST, ip),
+                Due::GivenUp(lost) => self.statistics.unsent += lost as u64,
+            }
+        }
+        self.pop_ready(buffer)
+    }
+
+    fn emit_ethernet(&self, frame: &mut [u8], to: MacAddress, kind: EthernetProtocol) {
+        let header = EthernetRepr {
+            src_addr: EthernetAddress(self.mac.0),
+            dst_addr: EthernetAddress(to.0),
+            ethertype: kind,
+        };
+        header.emit(&mut EthernetFrame::new_unchecked(frame));
+    }
+
+    fn emit_ipv4(&self, frame: &mut [u8], to: Ipv4Addr, protocol: IpProtocol, payload_len: usize) {
+        let header = Ipv4Repr {
+            src_addr: self.suite.address,
+            dst_addr: to,
+            next_header: protocol,
+            payload_len,
+            hop_limit: HOP_LIMIT,
+        };
+        if let Some(body) = frame.get_mut(ETHERNET..) {
+            header.emit(
+                &mut Ipv4Packet::new_unchecked(body),
+                &ChecksumCapabilities::default(),
+            );
+        }
+    }
+
+    /// Sends frames that waited for `mac`.
+    fn release(&mut self, waited: VecDeque<Vec<u8>>, mac: MacAddress) {
+        for mut frame in waited {
+            if self.ready.len() >= MAX_READY {
+                self.statistics.unsent += 1;
+                continue;
+            }
+            if let Some(destination) = frame.get_mut(..6) {
+                destination.copy_from_slice(&mac.0);
+            }
+            self.ready.push_back(frame);
+        }
+    }
+
+    /// A zeroed buffer for a frame, or `None` when too many are ready already.
+    fn take_buffer(&mut self, length: usize) -> Option<Vec<u8>> {
+        if self.ready.len() >= MAX_READY {
+            return None;
+        }
+        let mut buffer = self.spare.pop().unwrap_or_else(|| Vec::with_capacity(MAX_FRAME));
+        buffer.clear();
+        buffer.resize(length.max(MINIMUM_FRAME), 0);
+        Some(buffer)
+    }
+
+    fn pop_ready(&mut self, buffer: &mut [u8]) -> Option<usize> {
+        let frame = self.ready.pop_front()?;
+        let length = frame.len();
+        let sent = buffer
+            .get_mut(..length)
+            .map(|target| target.copy_from_slice(&frame));
+        if self.spare.len() < 4 {
+            self.spare.push(frame);
+        }
+        sent.map(|()| length)
+    }
+
+    fn remember_port(&mut self, port: u16) {
+        if port == RPC_PORT || self.ports.contains(&port) {
+            return;
+        }
+        if self.ports.len() >= MAX_PORTS {
+            self.ports.pop_front();
+        }
+        self.ports.push_back(port);
+    }
+}

@@ -1,0 +1,342 @@
+//! Golden frames, damaged frames, and the ways a datagram takes.
+
+use std::net::{Ipv4Addr, SocketAddrV4};
+
+use profinet::{IpSuite, MAX_FRAME, RPC_PORT};
+use proptest::prelude::*;
+
+use super::*;
+
+const MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0x01]);
+const PEER: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0x99]);
+const IP: IpSuite = IpSuite {
+    address: Ipv4Addr::new(10, 0, 0, 1),
+    mask: Ipv4Addr::new(255, 255, 255, 0),
+    gateway: Ipv4Addr::new(10, 0, 0, 254),
+};
+const PEER_IP: Ipv4Addr = Ipv4Addr::new(10, 0, 0, 9);
+
+/// Records what it gets, sends what it is told.
+#[derive(Default)]
+struct Probe {
+    ip: IpSuite,
+    frames: Vec<Vec<u8>>,
+    datagrams: Vec<(SocketAddrV4, u16, Vec<u8>)>,
+    outbox: Vec<(SocketAddrV4, u16, Vec<u8>)>,
+}
+
+impl Endpoint for Probe {
+    fn mac(&self) -> MacAddress {
+        MAC
+    }
+    fn ip(&self) -> IpSuite {
+        self.ip
+    }
+    fn handle_frame(&mut self, _: Instant, frame: &[u8]) {
+        self.frames.push(frame.to_vec());
+    }
+    fn handle_datagram(&mut self, _: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        self.datagrams.push((source, local_port, payload.to_vec()));
+    }
+    fn handle_timeout(&mut self, _: Instant) {}
+    fn poll_transmit(&mut self, _: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        let (destination, source_port, payload) = self.outbox.pop()?;
+        buffer[..payload.len()].copy_from_slice(&payload);
+        Some(Transmit::Datagram {
+            destination,
+            source_port,
+            length: payload.len(),
+        })
+    }
+    fn poll_timeout(&self) -> Option<Instant> {
+        None
+    }
+}
+
+fn hex(text: &str) -> Vec<u8> {
+    let digits: String = text.split_whitespace().collect();
+    (0..digits.len() / 2)
+        .map(|i| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).unwrap())
+        .collect()
+}
+
+fn padded(text: &str) -> Vec<u8> {
+    let mut frame = hex(text);
+    frame.resize(frame.len().max(60), 0);
+    frame
+}
+
+fn at(millis: u64) -> Instant {
+    Instant::from_millis(millis)
+}
+
+fn drain(host: &mut Host<Probe>, now: Instant) -> Vec<Vec<u8>> {
+    let mut buffer = [0xA5; MAX_FRAME];
+    let mut out = Vec::new();
+    while let Some(length) = host.poll_transmit(now, &mut buffer) {
+        out.push(buffer[..length].to_vec());
+        assert!(out.len() < 1000, "endless transmission");
+    }
+    out
+}
+
+/// A host with an address whose announcements are over.
+fn settled() -> Host<Probe> {
+    let mut host = Host::new(Probe {
+        ip: IP,
+        ..Probe::default()
+    });
+    assert_eq!(drain(&mut host, at(0)).len(), 1);
+    host.handle_timeout(at(2000));
+    assert_eq!(drain(&mut host, at(2000)).len(), 1);
+    assert_eq!(host.poll_timeout(), None);
+    host
+}
+
+const ARP_REQUEST: &str =
+    "ffffffffffff 02504e000099 0806 0001 0800 06 04 0001 02504e000099 0a000009 000000000000 0a000001";
+const ARP_REPLY: &str =
+    "02504e000099 02504e000001 0806 0001 0800 06 04 0002 02504e000001 0a000001 02504e000099 0a000009";
+const ECHO_REQUEST: &str = "02504e000001 02504e000099 0800 4500 0024 1234 0000 40 01 549c 0a000009 0a000001 0800 6667 0001 0002 6162636465666768";
+/// 10.0.0.9:49152 to 10.0.0.1:34964, "hello"; the checksums are those of an independent calculation.
+const DATAGRAM: &str = "02504e000001 02504e000099 0800 4500 0021 0000 4000 40 11 26c3 0a000009 0a000001 c000 8894 000d 5f63 68656c6c6f";
+
+#[test]
+fn announces_its_address_twice_and_on_change() {
+    let announcement = padded(
+        "ffffffffffff 02504e000001 0806 0001 0800 06 04 0001 02504e000001 0a000001 000000000000 0a000001",
+    );
+    let mut host = Host::new(Probe::default());
+    assert_eq!(drain(&mut host, at(0)), Vec::<Vec<u8>>::new());
+    host.endpoint_mut().ip = IP;
+    assert_eq!(drain(&mut host, at(5)), std::slice::from_ref(&announcement));
+    assert_eq!(host.poll_timeout(), Some(at(2005)));
+    host.handle_timeout(at(2005));
+    assert_eq!(drain(&mut host, at(2005)), [announcement]);
+    assert_eq!(host.poll_timeout(), None);
+    host.endpoint_mut().ip = IpSuite::NONE;
+    assert_eq!(drain(&mut host, at(3000)), Vec::<Vec<u8>>::new());
+    host.handle_frame(at(3001), &hex(ARP_REQUEST));
+    assert_eq!(
+        drain(&mut host, at(3001)),
+        Vec::<Vec<u8>>::new(),
+        "no address, no answer"
+    );
+}
+
+#[test]
+fn answers_arp_for_its_own_address_only() {
+    let mut host = settled();
+    host.handle_frame(at(3000), &hex(ARP_REQUEST));
+    assert_eq!(drain(&mut host, at(3000)), [padded(ARP_REPLY)]);
+    let mut other = hex(ARP_REQUEST);
+    *other.last_mut().unwrap() = 2;
+    host.handle_frame(at(3001), &other);
+    assert_eq!(drain(&mut host, at(3001)), Vec::<Vec<u8>>::new());
+    // RFC 5227 probe: sender address zero
+    let probe = hex(
+        "ffffffffffff 02504e000099 0806 0001 0800 06 04 0001 02504e000099 00000000 000000000000 0a000001",
+    );
+    host.handle_frame(at(3002), &probe);
+    assert_eq!(drain(&mut host, at(3002)).len(), 1);
+    // somebody with our address
+    let thief = hex(
+        "ffffffffffff 02504e000099 0806 0001 0800 06 04 0001 02504e000099 0a000001 000000000000 0a000001",
+    );
+    host.handle_frame(at(3003), &thief);
+    assert_eq!(drain(&mut host, at(3003)), Vec::<Vec<u8>>::new());
+    // a priority tag makes no difference
+    let mut tagged = hex(ARP_REQUEST);
+    tagged.splice(12..12, [0x81, 0, 0, 0]);
+    host.handle_frame(at(3004), &tagged);
+    assert_eq!(drain(&mut host, at(3004)), [padded(ARP_REPLY)]);
+}
+
+#[test]
+fn answers_echo_requests() {
+    let mut host = settled();
+    host.handle_frame(at(3000), &hex(ECHO_REQUEST));
+    let replies = drain(&mut host, at(3000));
+    assert_eq!(
+        replies,
+        [padded(
+            "02504e000099 02504e000001 0800 4500 0024 0000 4000 40 01 26d0 0a000001 0a000009 0000 6e67 0001 0002 6162636465666768"
+        )]
+    );
+    for (offset, what) in [(24, "IPv4 checksum"), (36, "ICMP checksum")] {
+        let mut bad = hex(ECHO_REQUEST);
+        bad[offset] ^= 1;
+        host.handle_frame(at(3001), &bad);
+        assert_eq!(drain(&mut host, at(3001)), Vec::<Vec<u8>>::new(), "{what}");
+    }
+    assert_eq!((host.statistics().echoes, host.statistics().malformed), (1, 2));
+}
+
+#[test]
+fn hands_over_datagrams_for_its_ports_only() {
+    let mut host = settled();
+    host.handle_frame(at(3000), &hex(DATAGRAM));
+    let from = SocketAddrV4::new(PEER_IP, 49152);
+    assert_eq!(host.endpoint().datagrams, [(from, RPC_PORT, b"hello".to_vec())]);
+    // another port: only after the endpoint has sent from it
+    let mut other = hex(DATAGRAM);
+    other[36..38].copy_from_slice(&0xC123u16.to_be_bytes());
+    other[40..42].fill(0); // no checksum
+    host.handle_frame(at(3001), &other);
+    assert_eq!(host.endpoint().datagrams.len(), 1);
+    host.endpoint_mut().outbox.push((from, 0xC123, vec![1]));
+    let sent = drain(&mut host, at(3002));
+    assert_eq!(sent.len(), 1, "the sender's address was learnt from its datagram");
+    assert_eq!(sent[0][..6], PEER.0);
+    host.handle_frame(at(3003), &other);
+    assert_eq!(host.endpoint().datagrams.len(), 2);
+}
+
+#[test]
+fn drops_wrong_checksums_fragments_and_what_is_for_others() {
+    let mut host = settled();
+    let mut wrong = hex(DATAGRAM);
+    wrong[40..42].copy_from_slice(&[0x12, 0x34]);
+    let mut fragment = hex(DATAGRAM);
+    fragment[20..22].copy_from_slice(&[0x20, 0x00]);
+    fragment[24..26].copy_from_slice(&[0x46, 0xC3]);
+    let mut other_mac = hex(DATAGRAM);
+    other_mac[5] = 7;
+    let mut other_ip = hex(DATAGRAM);
+    other_ip[33] = 7;
+    other_ip[25] -= 6;
+    let own_echo = {
+        let mut frame = hex(DATAGRAM);
+        frame[6..12].copy_from_slice(&MAC.0);
+        frame
+    };
+    for frame in [wrong, fragment, other_mac, other_ip, own_echo] {
+        host.handle_frame(at(3000), &frame);
+        assert!(host.endpoint().datagrams.is_empty(), "{frame:02x?}");
+    }
+    assert_eq!(host.statistics().malformed, 2);
+}
+
+#[test]
+fn profinet_frames_pass_straight_through_tagged_or_not() {
+    let mut host = Host::new(Probe::default());
+    let mut plain = vec![0; 60];
+    plain[..6].copy_from_slice(&MAC.0);
+    plain[6..12].copy_from_slice(&PEER.0);
+    plain[12..14].copy_from_slice(&[0x88, 0x92]);
+    let mut tagged = plain.clone();
+    tagged.splice(12..12, [0x81, 0x00, 0xC0, 0x00]);
+    let mut multicast = plain.clone();
+    multicast[..6].copy_from_slice(&[0x01, 0x0E, 0xCF, 0, 0, 0]);
+    let mut foreign = plain.clone();
+    foreign[5] ^= 1;
+    for frame in [&plain, &tagged, &multicast, &foreign] {
+        host.handle_frame(at(0), frame);
+    }
+    assert_eq!(host.endpoint().frames, [plain, tagged, multicast]);
+}
+
+#[test]
+fn resolves_then_sends_what_waited() {
+    let mut host = settled();
+    let to = SocketAddrV4::new(PEER_IP, RPC_PORT);
+    host.endpoint_mut().outbox.push((to, 0xC000, b"hello".to_vec()));
+    let request = padded(
+        "ffffffffffff 02504e000001 0806 0001 0800 06 04 0001 02504e000001 0a000001 000000000000 0a000009",
+    );
+    assert_eq!(drain(&mut host, at(3000)), std::slice::from_ref(&request));
+    assert_eq!(host.poll_timeout(), Some(at(3200)));
+    host.handle_timeout(at(3200));
+    assert_eq!(drain(&mut host, at(3200)), [request]);
+    host.handle_frame(
+        at(3210),
+        &hex(
+            "02504e000001 02504e000099 0806 0001 0800 06 04 0002 02504e000099 0a000009 02504e000001 0a000001",
+        ),
+    );
+    assert_eq!(
+        drain(&mut host, at(3210)),
+        [padded(
+            "02504e000099 02504e000001 0800 4500 0021 0000 4000 40 11 26c3 0a000001 0a000009 c000 8894 000d 5f63 68656c6c6f"
+        )]
+    );
+    assert_eq!(host.poll_timeout(), None);
+}
+
+#[test]
+fn asks_the_gateway_for_what_is_far() {
+    let mut host = settled();
+    host.endpoint_mut().outbox.push((
+        SocketAddrV4::new(Ipv4Addr::new(192, 168, 1, 1), 1),
+        0xC000,
+        vec![0],
+    ));
+    let out = drain(&mut host, at(3000));
+    assert_eq!(out.len(), 1);
+    assert_eq!(out[0][38..42], IP.gateway.octets());
+    host.endpoint_mut().ip.gateway = Ipv4Addr::UNSPECIFIED;
+    host.endpoint_mut().outbox.push((
+        SocketAddrV4::new(Ipv4Addr::new(192, 168, 1, 1), 1),
+        0xC000,
+        vec![0],
+    ));
+    let out = drain(&mut host, at(3001));
+    assert_eq!(out.len(), 1, "only the announcement of the changed suite");
+    assert_eq!(
+        host.statistics().unsent,
+        2,
+        "one waited for the old gateway, one had no way"
+    );
+}
+
+#[test]
+fn a_datagram_longer_than_a_frame_is_not_sent() {
+    let mut host = settled();
+    let to = SocketAddrV4::new(Ipv4Addr::BROADCAST, RPC_PORT);
+    for (length, frames) in [(1472, 1), (1473, 0)] {
+        host.endpoint_mut().outbox.push((to, 0xC000, vec![0x55; length]));
+        let out = drain(&mut host, at(3000));
+        assert_eq!(out.len(), frames, "{length}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn survives_any_frame(mut frame in prop::collection::vec(any::<u8>(), 0..200), kind in 0..4usize) {
+        let mut host = settled();
+        if frame.len() >= 14 {
+            frame[..6].copy_from_slice(&MAC.0);
+            frame[6] &= 0xFE;
+            frame[12..14].copy_from_slice(&[[0x08, 0x00], [0x08, 0x06], [0x81, 0x00], [0x88, 0x92]][kind]);
+        }
+        host.handle_frame(at(3000), &frame);
+        prop_assert!(drain(&mut host, at(3000)).len() <= 1);
+    }
+
+    #[test]
+    fn survives_damage(which in 0..3usize, flips in prop::collection::vec((0..80usize, 0..8u8), 0..6), cut in 0..80usize) {
+        let mut host = settled();
+        let mut frame = hex([ARP_REQUEST, ECHO_REQUEST, DATAGRAM][which]);
+        for (index, bit) in flips {
+            let index = index % frame.len();
+            frame[index] ^= 1 << bit;
+        }
+        frame.truncate(cut);
+        host.handle_frame(at(3000), &frame);
+        prop_assert!(drain(&mut host, at(3000)).len() <= 1);
+    }
+
+    #[test]
+    fn what_one_host_sends_another_receives(payload in prop::collection::vec(any::<u8>(), 0..=1472), port in 1u16..) {
+        let mut sender = settled();
+        sender.handle_frame(at(3000), &hex(DATAGRAM));
+        sender.endpoint_mut().outbox.push((SocketAddrV4::new(PEER_IP, RPC_PORT), port, payload.clone()));
+        let mut frames = drain(&mut sender, at(3000));
+        prop_assert_eq!(frames.len(), 1);
+        let mut receiver = Host::new(Probe { ip: IpSuite { address: PEER_IP, ..IP }, ..Probe::default() });
+        frames[0][..6].copy_from_slice(&MAC.0);
+        frames[0][6..12].copy_from_slice(&PEER.0);
+        receiver.handle_frame(at(0), &frames[0]);
+        prop_assert_eq!(&receiver.endpoint().datagrams, &[(SocketAddrV4::new(IP.address, port), RPC_PORT, payload)]);
+    }
+}

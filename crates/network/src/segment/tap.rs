@@ -1,0 +1,40 @@
+//! Whoever listens to the whole segment.
+
+use std::cell::RefCell;
+use std::io;
+use std::rc::Rc;
+
+use profinet::Instant;
+
+/// A monitor port: sees every frame once, when it reaches the switch.
+///
+/// To keep a hand on it, add an `Rc<RefCell<_>>` of it.
+pub trait Tap {
+    /// One frame, with the virtual time at which it was sent.
+    fn frame(&mut self, at: Instant, frame: &[u8]);
+
+    /// Nothing follows: flush, and tell the first failure.
+    ///
+    /// # Errors
+    /// When what was seen could not be written.
+    fn finish(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl<T: Tap> Tap for Rc<RefCell<T>> {
+    fn frame(&mut self, at: Instant, frame: &[u8]) {
+        self.borrow_mut().frame(at, frame);
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        self.borrow_mut().finish()
+    }
+}
+
+/// The simplest tap: keeps everything.
+impl Tap for Vec<(Instant, Vec<u8>)> {
+    fn frame(&mut self, at: Instant, frame: &[u8]) {
+        self.push((at, frame.to_vec()));
+    }
+}
