@@ -4,6 +4,7 @@
 //! into any [`Writer`]. Numbers are big-endian except in RPC headers.
 
 mod bytes;
+pub mod dcp;
 pub mod ethernet;
 pub mod rt;
 pub mod rpc;
