@@ -1,2 +1,6 @@
-//! virtual-drive
+//! Virtual PROFIdrive drives: an axis, a parameter store and a drive model on top of a PROFINET device.
+//!
+//! Still no I/O: bytes and a time go in, bytes, events and the next deadline come out.
 #![forbid(unsafe_code)]
+
+pub mod axis;
