@@ -6,5 +6,6 @@
 
 mod address;
 pub mod axis;
+pub mod parameter;
 
 pub use address::{DriveAddress, DriveAddressError};

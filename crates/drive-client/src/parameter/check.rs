@@ -1,0 +1,281 @@
+//! Values checked before they are sent.
+
+use std::str::FromStr;
+
+use profidrive::catalogue::{Access, Parameter, Scale};
+use profidrive::notation::{ParameterReference, Quantity};
+
+use super::{ParameterProblem, Parameters, Selection};
+
+/// `PARAM=VALUE` as a person wrote it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assignment {
+    /// What to write to.
+    pub reference: ParameterReference,
+    /// What to write.
+    pub quantity: Quantity,
+}
+
+impl FromStr for Assignment {
+    type Err = ParameterProblem;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (reference, value) = text
+            .split_once('=')
+            .ok_or_else(|| ParameterProblem::NoAssignment {
+                text: text.to_owned(),
+            })?;
+        let reference: ParameterReference = reference.parse()?;
+        let quantity = value.parse().map_err(|problem| ParameterProblem::Quantity {
+            parameter: reference.to_string(),
+            problem,
+        })?;
+        Ok(Self { reference, quantity })
+    }
+}
+
+/// A value that fits its parameter as far as the tables tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CheckedValue {
+    /// The number on the wire.
+    pub raw: i64,
+    /// Its engineering value, which can differ from the one asked for by less than one step of the drive.
+    pub engineering: f64,
+    /// Unit of the engineering value, empty for none.
+    pub unit: &'static str,
+}
+
+impl Parameters {
+    /// The number to send for `quantity`, once unit, limits and access are right.
+    ///
+    /// A parameter without table entry takes bare numbers only; its size comes from the drive.
+    ///
+    /// # Errors
+    /// What is wrong, before anything is sent.
+    pub fn check(
+        &self,
+        selection: &Selection,
+        quantity: &Quantity,
+    ) -> Result<CheckedValue, ParameterProblem> {
+        if selection.count != 1 {
+            return Err(ParameterProblem::ManyElements {
+                parameter: selection.label(),
+                count: selection.count,
+            });
+        }
+        let Some(parameter) = selection.parameter else {
+            return unknown_parameter(selection, quantity);
+        };
+        if parameter.access == Access::ReadOnly {
+            return Err(ParameterProblem::ReadOnly {
+                parameter: selection.label(),
+            });
+        }
+        let raw = match quantity.raw() {
+            Some(raw) => self.check_raw(selection, parameter, raw)?,
+            None => self.check_engineering(selection, parameter, quantity)?,
+        };
+        Ok(CheckedValue {
+            raw,
+            engineering: parameter.engineering(raw, &self.scaling),
+            unit: parameter.unit,
+        })
+    }
+
+    fn check_engineering(
+        &self,
+        selection: &Selection,
+        parameter: &'static Parameter,
+        quantity: &Quantity,
+    ) -> Result<i64, ParameterProblem> {
+        let value = quantity
+            .in_unit(parameter.unit)
+            .map_err(|problem| ParameterProblem::Unit {
+                parameter: selection.label(),
+                problem,
+            })?;
+        if parameter.scale == Scale::Raw && value.fract() != 0.0 {
+            return Err(ParameterProblem::Fraction {
+                parameter: selection.label(),
+                value,
+            });
+        }
+        let (minimum, maximum) = self.limits(parameter);
+        if value < minimum || value > maximum {
+            return Err(ParameterProblem::Limit {
+                parameter: selection.label(),
+                value,
+                minimum,
+                maximum,
+                unit: parameter.unit,
+            });
+        }
+        Ok(parameter.raw(value, &self.scaling))
+    }
+
+    /// A raw number is taken bit by bit; the limits hold for it all the same.
+    fn check_raw(
+        &self,
+        selection: &Selection,
+        parameter: &'static Parameter,
+        raw: u64,
+    ) -> Result<i64, ParameterProblem> {
+        let octets = parameter.size.octets();
+        let bits = 8 * u32::try_from(octets).unwrap_or(8);
+        if bits < 64 && raw >> bits != 0 {
+            return Err(ParameterProblem::RawSize {
+                parameter: selection.label(),
+                raw,
+                octets,
+            });
+        }
+        let number = if parameter.signed {
+            sign_extend(raw, bits)
+        } else {
+            i64::try_from(raw).unwrap_or(i64::MAX)
+        };
+        let (low, high) = parameter.raw_limits(&self.scaling);
+        if number < low || number > high {
+            let (minimum, maximum) = self.limits(parameter);
+            return Err(ParameterProblem::Limit {
+                parameter: selection.label(),
+                value: parameter.engineering(number, &self.scaling),
+                minimum,
+                maximum,
+                unit: parameter.unit,
+            });
+        }
+        Ok(number)
+    }
+
+    /// Lowest and highest engineering value: the known limits, cut to what the size of the parameter holds.
+    #[must_use]
+    pub fn limits(&self, parameter: &Parameter) -> (f64, f64) {
+        let range = parameter.size.range(parameter.signed);
+        let fits = |raw: i64| parameter.engineering(raw, &self.scaling);
+        let (low, high) = (fits(*range.start()), fits(*range.end()));
+        (
+            parameter.minimum.map_or(low, |limit| limit.max(low)),
+            parameter.maximum.map_or(high, |limit| limit.min(high)),
+        )
+    }
+}
+
+fn unknown_parameter(selection: &Selection, quantity: &Quantity) -> Result<CheckedValue, ParameterProblem> {
+    let value = quantity.in_unit("").map_err(|problem| ParameterProblem::Unit {
+        parameter: selection.label(),
+        problem,
+    })?;
+    if value.fract() != 0.0 {
+        return Err(ParameterProblem::Fraction {
+            parameter: selection.label(),
+            value,
+        });
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "saturates; the size is checked when the drive tells it"
+    )]
+    let raw = quantity
+        .raw()
+        .map_or(value as i64, |raw| i64::try_from(raw).unwrap_or(i64::MAX));
+    Ok(CheckedValue {
+        raw,
+        engineering: value,
+        unit: "",
+    })
+}
+
+/// Two's complement of `bits` bits as a number.
+pub(super) const fn sign_extend(raw: u64, bits: u32) -> i64 {
+    if bits == 0 || bits >= 64 {
+        return raw.cast_signed();
+    }
+    let shift = 64 - bits;
+    (raw << shift).cast_signed() >> shift
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::{AKD, Scaling};
+
+    fn check(text: &str) -> Result<CheckedValue, ParameterProblem> {
+        let drive = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let assignment: Assignment = text.parse()?;
+        let selection = drive.select(&assignment.reference)?;
+        drive.check(&selection, &assignment.quantity)
+    }
+
+    #[test]
+    fn values_in_every_view() {
+        let value = check("DRV.ACC=5000rpm/s").unwrap();
+        assert_eq!(
+            (value.raw, value.engineering, value.unit),
+            (5_000_000, 5000.0, "rpm/s")
+        );
+        assert_eq!(check("DRV.ACC=5000").unwrap(), value);
+        assert_eq!(check("DRV.ACC = 0x4C4B40").unwrap(), value);
+        let rps = check("DRV.ACC=100rps/s").unwrap();
+        assert_eq!(rps.raw, 6_000_000);
+        assert_eq!(check("930=1").unwrap().raw, 1);
+        assert_eq!(check("1004=-100rpm").map(|v| v.raw < 0), Ok(true));
+    }
+
+    #[test]
+    fn nothing_wrong_is_sent() {
+        for (text, words) in [
+            ("DRV.ACC=5A", "unit of current; accepted: rpm/s"),
+            (
+                "DRV.ACC=1",
+                "DRV.ACC (p2108): 1 rpm/s is outside 1.86 to 4294967.295 rpm/s",
+            ),
+            ("DRV.ACC=99999999", "is outside"),
+            ("DRV.ACC=0x1", "is outside"),
+            ("VL.FB_32=3", "is read-only"),
+            ("947[0..3]=0", "one value for 4 elements"),
+            ("DRV.OPMODE=1.5", "takes whole numbers, not 1.5"),
+            ("DRV.OPMODE=0x100", "does not fit 1 octets"),
+            ("DRV.OPMODE=fast", "does not start with a number"),
+            ("DRV.OPMODE", "PARAM=VALUE"),
+            ("DRV.OPMOD=1", "no parameter `DRV.OPMOD`"),
+        ] {
+            let error = check(text).unwrap_err().to_string();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn both_sides_of_a_limit() {
+        assert!(check("DRV.OPMODE=2").is_ok());
+        assert!(check("DRV.OPMODE=3").is_err());
+        assert!(check("DRV.ACC=1.86").is_ok());
+        assert!(check("DRV.ACC=1.859").is_err());
+    }
+
+    #[test]
+    fn parameters_without_tables_take_bare_numbers() {
+        let plain = Parameters {
+            catalogue: None,
+            scaling: Scaling::default(),
+        };
+        let check = |text: &str| {
+            let assignment: Assignment = text.parse()?;
+            plain.check(&plain.select(&assignment.reference)?, &assignment.quantity)
+        };
+        assert_eq!(check("1234=-7").map(|value| value.raw), Ok(-7));
+        assert!(check("1234=7rpm").is_err());
+        assert!(check("1234=0.5").is_err());
+    }
+
+    #[test]
+    fn twos_complement() {
+        assert_eq!(sign_extend(0xFFFF, 16), -1);
+        assert_eq!(sign_extend(0x7FFF, 16), 32767);
+        assert_eq!(sign_extend(0x80, 8), -128);
+        assert_eq!(sign_extend(u64::MAX, 64), -1);
+    }
+}

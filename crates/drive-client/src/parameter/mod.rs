@@ -1,0 +1,156 @@
+//! Parameters as a person means them: name or number in, engineering value with unit out.
+
+mod check;
+mod reading;
+mod select;
+
+pub use check::{Assignment, CheckedValue};
+pub use reading::{Content, Interpretation, Reading};
+pub use select::Selection;
+
+use profidrive::catalogue::{Catalogue, Scaling};
+use profidrive::notation::{QuantityError, ReferenceError, UnitMismatch};
+
+/// What is known about the parameters of one drive: its tables, if there are any, and the values that scale others.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameters {
+    /// Tables of the model; `None` for a drive that nobody described.
+    pub catalogue: Option<&'static Catalogue>,
+    /// Values of the drive that scale other values.
+    pub scaling: Scaling,
+}
+
+/// A parameter or value that cannot be used, found before anything was sent.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParameterProblem {
+    /// The text is no parameter.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// The text is no value.
+    #[error("{parameter}: {problem}")]
+    Quantity {
+        /// The parameter to be written.
+        parameter: String,
+        /// What is wrong.
+        problem: QuantityError,
+    },
+    /// Not `PARAM=VALUE`.
+    #[error("`{text}`: write PARAM=VALUE, for example DRV.ACC=5000rpm/s")]
+    NoAssignment {
+        /// The text as given.
+        text: String,
+    },
+    /// The model has no parameter of this name.
+    #[error("{model} has no parameter `{name}`")]
+    Unknown {
+        /// The name as given.
+        name: String,
+        /// The model.
+        model: &'static str,
+        /// Names that are near, best first.
+        nearest: Vec<&'static str>,
+    },
+    /// A name was given, but there are no tables for this drive.
+    #[error("`{name}`: no names are known for this drive, give the number of the parameter")]
+    NoNames {
+        /// The name as given.
+        name: String,
+    },
+    /// Element beyond the array, or of a parameter that is none.
+    #[error("{parameter} has {}, element {index} does not exist", elements_text(*.elements))]
+    Element {
+        /// The parameter.
+        parameter: String,
+        /// How many elements there are.
+        elements: u16,
+        /// The first element asked for that is not there.
+        index: u32,
+    },
+    /// Cannot be written.
+    #[error("{parameter} is read-only")]
+    ReadOnly {
+        /// The parameter.
+        parameter: String,
+    },
+    /// One value for several elements.
+    #[error("{parameter}: one value for {count} elements; write them one by one")]
+    ManyElements {
+        /// The parameter.
+        parameter: String,
+        /// How many elements were addressed.
+        count: u16,
+    },
+    /// The unit does not fit.
+    #[error("{parameter}: {problem}")]
+    Unit {
+        /// The parameter.
+        parameter: String,
+        /// What is wrong.
+        problem: UnitMismatch,
+    },
+    /// Below or above what the drive takes.
+    #[error("{parameter}: {value}{} is outside {minimum} to {maximum}{}", unit_text(.unit), unit_text(.unit))]
+    Limit {
+        /// The parameter.
+        parameter: String,
+        /// The value wanted, in the unit of the parameter.
+        value: f64,
+        /// Lowest value.
+        minimum: f64,
+        /// Highest value.
+        maximum: f64,
+        /// Unit of the parameter.
+        unit: &'static str,
+    },
+    /// A fraction for a parameter of whole numbers.
+    #[error("{parameter} takes whole numbers, not {value}")]
+    Fraction {
+        /// The parameter.
+        parameter: String,
+        /// The value wanted.
+        value: f64,
+    },
+    /// A raw value that does not fit.
+    #[error("{parameter}: 0x{raw:X} does not fit {octets} octets")]
+    RawSize {
+        /// The parameter.
+        parameter: String,
+        /// The raw value wanted.
+        raw: u64,
+        /// Size of the parameter.
+        octets: usize,
+    },
+}
+
+impl ParameterProblem {
+    /// What to do, where that is not said already.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Unknown { nearest, .. } if nearest.is_empty() => {
+                Some("`profidrive list DRIVE --filter TEXT` finds parameters by a part of their name".into())
+            }
+            Self::Unknown { nearest, .. } => Some(format!("nearest names: {}", nearest.join(", "))),
+            Self::Unit { .. } | Self::Limit { .. } => {
+                Some("`profidrive describe DRIVE PARAM` shows unit and limits".into())
+            }
+            _ => None,
+        }
+    }
+}
+
+fn elements_text(elements: u16) -> String {
+    match elements {
+        0 | 1 => "no elements".into(),
+        count => format!("elements 0 to {}", count - 1),
+    }
+}
+
+fn unit_text(unit: &str) -> String {
+    if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    }
+}

@@ -1,0 +1,241 @@
+//! A value as it came from the drive, with everything known about it.
+
+use profidrive::catalogue::Parameter;
+use profidrive::notation::Shown;
+
+use super::check::sign_extend;
+use super::{Parameters, Selection};
+
+/// One value of a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// Parameter number.
+    pub pnu: u16,
+    /// Element, where elements are told apart.
+    pub index: Option<u16>,
+    /// The maker's name, where known.
+    pub name: Option<&'static str>,
+    /// Whether it can be written, where known.
+    pub writable: Option<bool>,
+    /// Format code as it came.
+    pub format: u8,
+    /// The octets as they came.
+    pub octets: Vec<u8>,
+    /// What they mean.
+    pub content: Content,
+    /// Unit of the number, empty for none.
+    pub unit: &'static str,
+    /// Digits behind the decimal point that show every step.
+    pub decimals: u8,
+    /// Text of the value of an enumeration.
+    pub choice: Option<&'static str>,
+    /// Texts of the bits that are set, for a bit field.
+    pub bits: Vec<&'static str>,
+}
+
+/// Meaning of the octets of a value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    /// A whole number and what it is in engineering units.
+    Number {
+        /// As it travels.
+        raw: i64,
+        /// In the unit of the reading.
+        engineering: f64,
+    },
+    /// A floating point number.
+    Float(f64),
+    /// Text.
+    Text(String),
+    /// Anything else.
+    Octets,
+}
+
+/// How a format code is to be read: what PROFIdrive's format table says, in short.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interpretation {
+    /// Two's complement.
+    Signed,
+    /// Without sign.
+    Unsigned,
+    /// As the parameter's own table says, else without sign (byte, word, double word).
+    Plain,
+    /// IEEE 754.
+    Float,
+    /// Characters.
+    Text,
+    /// Octets.
+    Octets,
+}
+
+impl Reading {
+    /// The number, in the unit of the reading; `None` for text and octets.
+    #[must_use]
+    pub const fn number(&self) -> Option<f64> {
+        match self.content {
+            Content::Number { engineering, .. } => Some(engineering),
+            Content::Float(value) => Some(value),
+            Content::Text(_) | Content::Octets => None,
+        }
+    }
+
+    /// The number as it travels; `None` for everything else.
+    #[must_use]
+    pub const fn raw(&self) -> Option<i64> {
+        match self.content {
+            Content::Number { raw, .. } => Some(raw),
+            _ => None,
+        }
+    }
+
+    /// `p2108`, `r0947[0]`.
+    #[must_use]
+    pub const fn shown(&self) -> Shown {
+        Shown {
+            pnu: self.pnu,
+            index: self.index,
+            writable: self.writable,
+        }
+    }
+}
+
+impl Parameters {
+    /// What `octets` of element `offset` of a selection mean.
+    #[must_use]
+    pub fn reading(
+        &self,
+        selection: &Selection,
+        offset: u16,
+        format: u8,
+        interpretation: Interpretation,
+        octets: &[u8],
+    ) -> Reading {
+        let parameter = selection.parameter;
+        let content = self.content(parameter, interpretation, octets);
+        let raw = match content {
+            Content::Number { raw, .. } => Some(raw),
+            _ => None,
+        };
+        Reading {
+            pnu: selection.pnu,
+            index: selection.shown(offset).index,
+            name: parameter.map(|parameter| parameter.name),
+            writable: selection.writable(),
+            format,
+            octets: octets.to_vec(),
+            content,
+            unit: parameter.map_or("", |parameter| parameter.unit),
+            decimals: parameter.map_or(0, Parameter::decimals),
+            choice: parameter
+                .zip(raw)
+                .and_then(|(parameter, raw)| parameter.choice(raw)),
+            bits: parameter
+                .zip(raw)
+                .map_or_else(Vec::new, |(parameter, raw)| set_bits(parameter, raw)),
+        }
+    }
+
+    fn content(
+        &self,
+        parameter: Option<&'static Parameter>,
+        interpretation: Interpretation,
+        octets: &[u8],
+    ) -> Content {
+        match interpretation {
+            Interpretation::Float => match *octets {
+                [a, b, c, d] => Content::Float(f64::from(f32::from_be_bytes([a, b, c, d]))),
+                [a, b, c, d, e, f, g, h] => Content::Float(f64::from_be_bytes([a, b, c, d, e, f, g, h])),
+                _ => Content::Octets,
+            },
+            Interpretation::Text => {
+                let text = String::from_utf8_lossy(octets);
+                Content::Text(text.trim_end_matches(['\0', ' ']).to_owned())
+            }
+            Interpretation::Octets => Content::Octets,
+            _ if octets.is_empty() || octets.len() > 8 => Content::Octets,
+            Interpretation::Signed | Interpretation::Unsigned | Interpretation::Plain => {
+                let unsigned = octets
+                    .iter()
+                    .fold(0_u64, |number, &octet| number << 8 | u64::from(octet));
+                let signed = match interpretation {
+                    Interpretation::Plain => parameter.is_some_and(|parameter| parameter.signed),
+                    other => other == Interpretation::Signed,
+                };
+                let bits = 8 * u32::try_from(octets.len()).unwrap_or(8);
+                let raw = if signed {
+                    sign_extend(unsigned, bits)
+                } else {
+                    unsigned.cast_signed()
+                };
+                #[expect(clippy::cast_precision_loss, reason = "numbers of a drive have 32 bits")]
+                let engineering =
+                    parameter.map_or(raw as f64, |parameter| parameter.engineering(raw, &self.scaling));
+                Content::Number { raw, engineering }
+            }
+        }
+    }
+}
+
+fn set_bits(parameter: &Parameter, raw: i64) -> Vec<&'static str> {
+    if parameter.bits.is_empty() {
+        return Vec::new();
+    }
+    (0..64)
+        .filter(|&bit| raw >> bit & 1 == 1)
+        .filter_map(|bit| parameter.bit(bit))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::{AKD, Scaling};
+
+    fn read(text: &str, interpretation: Interpretation, octets: &[u8]) -> Reading {
+        let drive = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let selection = drive.select(&text.parse().unwrap()).unwrap();
+        drive.reading(&selection, 0, 0x43, interpretation, octets)
+    }
+
+    #[test]
+    fn numbers_by_table() {
+        let reading = read("DRV.ACC", Interpretation::Plain, &[0x00, 0x2D, 0xC6, 0xC0]);
+        assert_eq!(
+            reading.content,
+            Content::Number {
+                raw: 3_000_000,
+                engineering: 3000.0
+            }
+        );
+        assert_eq!(
+            (reading.unit, reading.shown().to_string().as_str()),
+            ("rpm/s", "p2108")
+        );
+        let reading = read("VL.FB_32", Interpretation::Plain, &[0xFF, 0xFF, 0xFF, 0xFF]);
+        assert_eq!(reading.number(), Some(-0.001));
+        let reading = read("DRV.OPMODE", Interpretation::Plain, &[1]);
+        assert!(
+            reading
+                .choice
+                .is_some_and(|text| text.to_lowercase().contains("velocity")),
+            "{reading:?}"
+        );
+    }
+
+    #[test]
+    fn numbers_by_format() {
+        let reading = read("9999", Interpretation::Signed, &[0xFF, 0xFE]);
+        assert_eq!((reading.raw(), reading.name), (Some(-2), None));
+        let reading = read("9999", Interpretation::Float, &1.5_f32.to_be_bytes());
+        assert_eq!(reading.number(), Some(1.5));
+        let reading = read("9999", Interpretation::Text, b"akd-1  ");
+        assert_eq!(reading.content, Content::Text("akd-1".into()));
+        assert_eq!(
+            read("9999", Interpretation::Plain, &[0; 9]).content,
+            Content::Octets
+        );
+    }
+}
