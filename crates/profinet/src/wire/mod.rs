@@ -3,11 +3,12 @@
 //! Everything is decoded with a [`Reader`], which cannot read past the end and whose errors say where, and encoded
 //! into any [`Writer`]. Numbers are big-endian except in RPC headers.
 
+pub mod block;
 mod bytes;
 pub mod dcp;
 pub mod ethernet;
-pub mod rt;
 pub mod rpc;
+pub mod rt;
 pub mod status;
 mod uuid;
 
