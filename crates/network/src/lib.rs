@@ -8,7 +8,11 @@
 //! |---|---|
 //! | [`host`] | [`Host`](host::Host): ARP, IPv4, ICMP echo and UDP around an endpoint; [`Station`](host::Station): frames in, frames out, next deadline |
 //! | [`segment`] | [`Segment`](segment::Segment): a switch with stations, virtual time, seeded faults; [`SegmentMedium`](segment::SegmentMedium) |
+//! | [`pcap`] | capture files: pcapng writer, pcap and pcapng reader |
+//! | [`files`] | files that are replaced whole or not at all |
 
 mod deadlines;
+pub mod files;
 pub mod host;
+pub mod pcap;
 pub mod segment;

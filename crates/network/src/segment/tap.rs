@@ -8,7 +8,7 @@ use profinet::Instant;
 
 /// A monitor port: sees every frame once, when it reaches the switch.
 ///
-/// To keep a hand on it, add an `Rc<RefCell<_>>` of it.
+/// [`pcap::Writer`](crate::pcap::Writer) is one. To keep a hand on it, add an `Rc<RefCell<_>>` of it.
 pub trait Tap {
     /// One frame, with the virtual time at which it was sent.
     fn frame(&mut self, at: Instant, frame: &[u8]);
