@@ -4,4 +4,5 @@
 #![forbid(unsafe_code)]
 
 pub mod axis;
+pub mod model;
 pub mod store;

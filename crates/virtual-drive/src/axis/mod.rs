@@ -125,7 +125,7 @@ impl Axis {
 
     /// Moves on by `seconds`, in equal steps of at most 1 ms.
     pub fn step(&mut self, seconds: f64, command: Command, tuning: &Tuning) {
-        if !(seconds > 0.0) {
+        if seconds.is_nan() || seconds <= 0.0 {
             return;
         }
         let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);

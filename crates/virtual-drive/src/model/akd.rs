@@ -1,0 +1,172 @@
+//! Kollmorgen AKD with PROFINET, firmware 1.17.
+//!
+//! Source of the numbers: AKD PROFINET manual ed. M chapters 5 and 6; of the meanings `data/akd/`.
+
+use profidrive::catalogue;
+
+use super::live::{Action, Live, Quantity, Sensor, Table};
+use super::{Model, Roles};
+use crate::axis::Plant;
+
+/// The AKD of 3 A with a small servo motor.
+pub static AKD: Model = Model {
+    catalogue: &catalogue::AKD,
+    live: LIVE,
+    roles: ROLES,
+    plant: Plant {
+        motor_inertia: 1.2e-4,
+        load_inertia: 2.4e-4,
+        torque_constant: 0.85,
+        viscous_friction: 1.0e-4,
+        coulomb_friction: 0.05,
+        cogging: 0.003,
+        cogging_periods: 30.0,
+    },
+    connection_lost_fault: 702,
+    overspeed_fault: 302,
+    profile: 0x0329,
+};
+
+const ROLES: Roles = Roles {
+    acceleration: Some(2108), // DRV.ACC
+    deceleration: Some(2115), // DRV.DEC
+    quick_stop: Some(2053),   // CS.DEC
+    standstill: None,         // CS.VTHRESH_32 is 120 rpm as delivered, too much for the profile's standstill
+    jog_speed: [Some(1004), Some(1005)],
+    jog_ramp: [Some(1006), Some(1007)],
+    peak_current: Some(2132),                // DRV.IPEAK
+    current_limit: [Some(2231), Some(2230)], // IL.LIMITP, IL.LIMITN
+    speed_limit: [Some(2439), Some(2438)],   // VL.LIMITP_32, VL.LIMITN_32
+    overspeed: Some(2444),                   // VL.THRESH_32
+    gain: Some(2436),                        // VL.KP
+    integral: Some(2434),                    // VL.KI
+    velocity_scaling: Some(3064),            // PN.VELSCALING
+    acceleration_scaling: Some(3065),        // PN.ACCSCALING
+    position_scaling: Some(3014),            // PN.POSSCALE
+    singleturn_bits: Some(1002),
+    mode: Some(2135),            // DRV.OPMODE
+    command_source: Some(2113),  // DRV.CMDSOURCE
+    service_speed: Some(2426),   // VL.CMDU_32
+    service_current: Some(2215), // IL.CMDU
+    disable_mode: Some(2119),    // DRV.DISMODE
+    bus_options: Some(2158),     // FBUS.PARAM02
+};
+
+const LIVE: &[(u16, Live)] = &[
+    (1, Live::ControlWord),
+    (2, Live::StatusWord),
+    (5, Live::Measured(Quantity::SpeedSetpoint)),
+    (6, Live::Measured(Quantity::Speed)),
+    (28, Live::Measured(Quantity::Revolutions)),
+    (52, Live::Measured(Quantity::Current)),
+    (103, Live::Same(2203)),
+    (105, Live::MotionStatus),
+    (106, Live::Inputs),
+    (108, Live::Same(2108)),
+    (109, Live::Same(2115)),
+    (915, Live::Array(Table::SetpointSignals)),
+    (916, Live::Array(Table::ActualSignals)),
+    (922, Live::Telegram),
+    (923, Live::Array(Table::SignalParameters)),
+    (930, Live::OperatingMode),
+    (944, Live::FaultCounter),
+    (947, Live::Array(Table::FaultNumbers)),
+    (964, Live::Array(Table::Identification)),
+    (975, Live::Array(Table::DriveObject)),
+    (980, Live::Array(Table::Numbers(0))),
+    (981, Live::Array(Table::Numbers(1))),
+    (982, Live::Array(Table::Numbers(2))),
+    (983, Live::Array(Table::Numbers(3))),
+    (984, Live::Array(Table::Numbers(4))),
+    (985, Live::Array(Table::Numbers(5))),
+    (986, Live::Array(Table::Numbers(6))),
+    (987, Live::Array(Table::Numbers(7))),
+    (988, Live::Array(Table::Numbers(8))),
+    (989, Live::Array(Table::Numbers(9))),
+    (1001, Live::Same(2203)),
+    (1008, Live::Same(3065)),
+    (1009, Live::Same(3064)),
+    (2008, Live::Do(Action::Nothing)),
+    (2110, Live::Active),
+    (2111, Live::Do(Action::ClearFaults)),
+    (2112, Live::Do(Action::ClearFaults)),
+    (2118, Live::Do(Action::Disable)),
+    (2120, Live::DisableSources),
+    (2127, Live::Do(Action::Enable)),
+    (2134, Live::MotionStatus),
+    (2135, Live::Mode),
+    (2136, Live::Do(Action::Defaults)),
+    (2137, Live::Do(Action::Stop)),
+    (2144, Live::Measured(Quantity::Angle)),
+    (2157, Live::Telegram),
+    (2214, Live::Measured(Quantity::CurrentCommand)),
+    (2216, Live::Measured(Quantity::Current)),
+    (2285, Live::Measured(Quantity::Counts)),
+    (2294, Live::Measured(Quantity::Counts)),
+    (2403, Live::Measured(Quantity::BusVoltage)),
+    (2425, Live::Measured(Quantity::SpeedCommand)),
+    (2427, Live::Measured(Quantity::SpeedError)),
+    (2428, Live::Measured(Quantity::Speed)),
+    (2429, Live::Measured(Quantity::SpeedFiltered)),
+    (2441, Live::Measured(Quantity::Speed)),
+    (2469, Live::Do(Action::Save)),
+    (2477, Live::Fault(0)),
+    (2478, Live::Fault(1)),
+    (2479, Live::Fault(2)),
+    (2480, Live::Fault(3)),
+    (2481, Live::Fault(4)),
+    (2482, Live::Fault(5)),
+    (2483, Live::Fault(6)),
+    (2484, Live::Fault(7)),
+    (2485, Live::Fault(8)),
+    (2486, Live::Fault(9)),
+    (2784, Live::Do(Action::Blink)),
+    (2788, Live::Do(Action::Load)),
+    (2805, Live::Measured(Quantity::Counts)),
+    (2845, Live::Measured(Quantity::Speed)),
+    (2874, Live::Measured(Quantity::Temperature(Sensor::Control))),
+    (2875, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
+    (2876, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
+    (2877, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
+    (2900, Live::Measured(Quantity::Temperature(Sensor::Motor))),
+    (3022, Live::Watchdog),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::Access;
+
+    #[test]
+    fn the_tables_name_parameters_of_the_catalogue() {
+        assert!(LIVE.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        for (pnu, live) in LIVE {
+            let parameter = AKD.catalogue.by_pnu(*pnu).unwrap();
+            let writable = parameter.access == Access::ReadWrite;
+            match live {
+                Live::Measured(_) | Live::Fault(_) | Live::Active | Live::FaultCounter => {
+                    assert!(!writable || *pnu == 5, "{parameter:?}");
+                }
+                Live::Do(_) => assert_eq!(parameter.access, Access::WriteOnly, "{parameter:?}"),
+                Live::Same(other) => assert!(AKD.catalogue.by_pnu(*other).is_some()),
+                Live::Array(_) => assert!(parameter.is_array(), "{parameter:?}"),
+                _ => {}
+            }
+        }
+        for parameter in AKD
+            .catalogue
+            .parameters
+            .iter()
+            .filter(|parameter| parameter.is_array())
+        {
+            assert!(LIVE.iter().any(|(pnu, _)| *pnu == parameter.pnu), "{parameter:?}");
+        }
+    }
+
+    #[test]
+    fn motor_and_load_agree_with_the_values_shown() {
+        let value = |name: &str| AKD.catalogue.by_name(name).unwrap().default.unwrap();
+        assert_eq!(AKD.plant.motor_inertia, value("MOTOR.INERTIA") * 1e-4);
+        assert_eq!(AKD.plant.torque_constant, value("MOTOR.KT"));
+    }
+}

@@ -1,0 +1,122 @@
+//! What stands behind a parameter that is not just a stored number.
+
+/// What a parameter shows and does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Live {
+    /// Nothing but the stored number.
+    Stored,
+    /// A measured value; the catalogue says in which steps.
+    Measured(Quantity),
+    /// The same engineering value as another parameter, in its own steps.
+    Same(u16),
+    /// The control word that the controller sent last.
+    ControlWord,
+    /// The status word that the drive sends.
+    StatusWord,
+    /// Number of the telegram in use; writing chooses the one to start with.
+    Telegram,
+    /// PNU 930: 1 speed, 2 position, bit 15 for the modes of the maker.
+    OperatingMode,
+    /// Control mode, changes only while the power stage is off.
+    Mode,
+    /// Number of changes of the fault buffer.
+    FaultCounter,
+    /// The n-th fault of the present fault situation, 0 when there are fewer.
+    Fault(u8),
+    /// Time in milliseconds after which the controller counts as lost.
+    Watchdog,
+    /// 1 while the power stage is on.
+    Active,
+    /// Bit field of the reasons why the power stage is off.
+    DisableSources,
+    /// Bit field of motion.
+    MotionStatus,
+    /// Bit field of the inputs.
+    Inputs,
+    /// An array that is computed.
+    Array(Table),
+    /// A command.
+    Do(Action),
+}
+
+/// What is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// Speed as measured, rpm.
+    Speed,
+    /// Speed through a filter, rpm.
+    SpeedFiltered,
+    /// Output of the ramp generator, rpm.
+    SpeedCommand,
+    /// Speed setpoint of the controller, rpm.
+    SpeedSetpoint,
+    /// Command minus measurement, rpm.
+    SpeedError,
+    /// Torque-producing current, A.
+    Current,
+    /// Commanded current, A.
+    CurrentCommand,
+    /// Position in revolutions; on the wire it wraps.
+    Revolutions,
+    /// Position in counts, 65,536 per revolution; on the wire it wraps.
+    Counts,
+    /// Mechanical angle in 2^-32 revolutions; on the wire it wraps.
+    Angle,
+    /// Voltage of the DC bus, V.
+    BusVoltage,
+    /// A temperature, degC.
+    Temperature(Sensor),
+}
+
+/// Where a temperature is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sensor {
+    /// Control board.
+    Control,
+    /// Power stage.
+    PowerStage,
+    /// Motor winding.
+    Motor,
+}
+
+/// Arrays that are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Table {
+    /// PNU 915: signal numbers of the setpoint telegram, one per word.
+    SetpointSignals,
+    /// PNU 916: signal numbers of the actual value telegram, one per word.
+    ActualSignals,
+    /// PNU 923: PNU of each signal number.
+    SignalParameters,
+    /// PNU 947: fault numbers, 8 situations of 8.
+    FaultNumbers,
+    /// PNU 964: drive unit identification.
+    Identification,
+    /// PNU 975: drive object identification.
+    DriveObject,
+    /// PNU 980 and following: the n-th part of the list of all PNUs.
+    Numbers(u8),
+}
+
+/// What a command does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// Power stage on, for the service channel.
+    Enable,
+    /// Power stage off.
+    Disable,
+    /// Stop all motion.
+    Stop,
+    /// Clear the faults whose cause is gone.
+    ClearFaults,
+    /// Store the parameters.
+    Save,
+    /// Fetch the stored parameters.
+    Load,
+    /// Values as delivered.
+    Defaults,
+    /// Show which drive this is.
+    Blink,
+    /// Known, does nothing in a virtual drive.
+    Nothing,
+}

@@ -1,0 +1,101 @@
+//! What makes one drive model differ from another: tables, and nothing that runs.
+//!
+//! A model is a catalogue (the numbers, from `data/`), a table that says which of its parameters are measured or do
+//! something ([`Live`]), and the list of its parameters that the drive obeys ([`Roles`]). The behaviour itself is the
+//! same for all models and lives in [`crate::drive`].
+
+mod akd;
+mod live;
+
+pub use akd::AKD;
+pub use live::{Action, Live, Quantity, Sensor, Table};
+
+use profidrive::catalogue::Catalogue;
+
+use crate::axis::Plant;
+
+/// A drive model.
+#[derive(Debug)]
+pub struct Model {
+    /// Its parameters, faults and modules.
+    pub catalogue: &'static Catalogue,
+    /// Parameters that are not just stored, ascending by PNU; every other parameter keeps what is written.
+    pub live: &'static [(u16, Live)],
+    /// Parameters that the drive obeys.
+    pub roles: Roles,
+    /// Motor and load of the virtual drive.
+    pub plant: Plant,
+    /// Fault raised when the controller is lost.
+    pub connection_lost_fault: u16,
+    /// Fault raised when the speed exceeds the limit of [`Roles::overspeed`].
+    pub overspeed_fault: u16,
+    /// Value of PNU 965: profile 3, version 41.
+    pub profile: u16,
+}
+
+/// PNUs of the parameters that the drive obeys; `None` where a model has no such parameter.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Roles {
+    /// Acceleration ramp, rpm/s.
+    pub acceleration: Option<u16>,
+    /// Deceleration ramp, rpm/s.
+    pub deceleration: Option<u16>,
+    /// Deceleration of the quick stop, rpm/s.
+    pub quick_stop: Option<u16>,
+    /// Speed below which the quick stop and the ramp stop take the axis as standing, rpm.
+    pub standstill: Option<u16>,
+    /// Jog speeds 1 and 2, rpm.
+    pub jog_speed: [Option<u16>; 2],
+    /// Jog ramps up and down, rpm/s.
+    pub jog_ramp: [Option<u16>; 2],
+    /// Peak current of the drive, A.
+    pub peak_current: Option<u16>,
+    /// User limits of the current, positive and negative, A.
+    pub current_limit: [Option<u16>; 2],
+    /// Limits of the speed, positive and negative, rpm.
+    pub speed_limit: [Option<u16>; 2],
+    /// Speed above which the overspeed fault is raised, rpm; 0 switches it off.
+    pub overspeed: Option<u16>,
+    /// Proportional gain of the velocity loop, A/(rad/s).
+    pub gain: Option<u16>,
+    /// Corner frequency of the integral part, Hz.
+    pub integral: Option<u16>,
+    /// Steps of speed signals.
+    pub velocity_scaling: Option<u16>,
+    /// Steps of acceleration signals, rpm/s.
+    pub acceleration_scaling: Option<u16>,
+    /// Divisor of positions.
+    pub position_scaling: Option<u16>,
+    /// Bits of one revolution in position signals.
+    pub singleturn_bits: Option<u16>,
+    /// Control mode: 0 current, 1 speed, 2 position.
+    pub mode: Option<u16>,
+    /// Who commands: 0 the service channel, 1 the field bus.
+    pub command_source: Option<u16>,
+    /// Speed command of the service channel, rpm.
+    pub service_speed: Option<u16>,
+    /// Current command of the service channel, A.
+    pub service_current: Option<u16>,
+    /// What a disable does: 0 and 1 at once, 2 and 3 after a ramp.
+    pub disable_mode: Option<u16>,
+    /// Bit 0: 1 raises the connection fault when the controller goes from RUN to STOP.
+    pub bus_options: Option<u16>,
+}
+
+impl Model {
+    /// What a parameter is beyond its stored number, by position in the catalogue; made once per drive.
+    #[must_use]
+    pub fn live_by_position(&self) -> Box<[Live]> {
+        let mut table = vec![Live::Stored; self.catalogue.parameters.len()].into_boxed_slice();
+        for (pnu, live) in self.live {
+            if let Some(place) = self
+                .catalogue
+                .position(*pnu)
+                .and_then(|position| table.get_mut(position))
+            {
+                *place = *live;
+            }
+        }
+        table
+    }
+}
