@@ -12,6 +12,7 @@ pub mod judge;
 mod lab;
 mod process;
 mod programs;
+pub mod rewrite;
 
 pub use lab::{Capture, Lab, Side};
 pub use process::{Finished, Running};
