@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 extern crate alloc;
 
+pub mod alarm;
 pub mod cyclic;
 mod endpoint;
 mod time;

@@ -4,6 +4,7 @@
 //! into any [`Writer`]. Numbers are big-endian except in RPC headers.
 
 pub mod block;
+pub mod alarm;
 mod bytes;
 pub mod dcp;
 pub mod ethernet;

@@ -213,9 +213,9 @@ mod tests {
     fn each_rule() {
         assert_eq!(check_name(b""), Err(NameRule::Empty));
         assert_eq!(check_name(&vec![b'a'; 241]), Err(NameRule::TooLong(241)));
-        assert_eq!(check_name(&vec![b'a'; 63]), Ok(()));
+        assert_eq!(check_name(&[b'a'; 63]), Ok(()));
         assert_eq!(
-            check_name(&vec![b'a'; 64]),
+            check_name(&[b'a'; 64]),
             Err(NameRule::LabelTooLong { position: 0 })
         );
         assert_eq!(
