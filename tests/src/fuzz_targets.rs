@@ -27,6 +27,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("dcp", dcp),
     ("host", host),
     ("notation", notation),
+    ("pcap", pcap),
     ("rpc", rpc),
     ("rt", rt),
     ("state", state),
@@ -212,5 +213,19 @@ impl Endpoint for Echo {
 
     fn poll_timeout(&self) -> Option<Instant> {
         None
+    }
+}
+
+/// Capture files, damaged ones included: bounded in what they make us hold, and they end.
+pub fn pcap(data: &[u8]) {
+    let Ok(reader) = network::pcap::Reader::new(std::io::Cursor::new(data.to_vec())) else {
+        return;
+    };
+    let mut frames = 0;
+    for captured in reader {
+        let Ok(captured) = captured else { break };
+        assert!(captured.frame.len() <= data.len());
+        frames += 1;
+        assert!(frames <= data.len(), "more frames than octets");
     }
 }

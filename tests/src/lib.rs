@@ -13,6 +13,7 @@ mod lab;
 mod process;
 mod programs;
 pub mod rewrite;
+pub mod traffic;
 
 pub use lab::{Capture, Lab, Side};
 pub use process::{Finished, Running};
