@@ -9,6 +9,7 @@ extern crate alloc;
 pub mod alarm;
 pub mod cyclic;
 mod endpoint;
+pub mod rpc;
 mod time;
 pub mod wire;
 

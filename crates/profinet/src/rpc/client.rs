@@ -1,0 +1,327 @@
+//! Makes calls: sends, repeats, asks, joins the answer, or says why there is none.
+
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+use core::net::SocketAddrV4;
+use core::time::Duration;
+
+use super::fragment::{Incoming, Outgoing, Progress};
+use crate::Instant;
+use crate::wire::rpc::{FackBody, Flags, Header, PacketType, reject};
+use crate::wire::{ByteOrder, Reader, SliceWriter};
+
+/// Names a call of a [`Client`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct CallId(u32);
+
+/// How long and how often a [`Client`] tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ClientConfig {
+    /// Without an answer a PDU is sent again after this time.
+    pub wait: Duration,
+    /// How often a PDU is sent before the call fails.
+    pub sends: u8,
+    /// A call fails after this time even if the server says that it is working on it.
+    pub limit: Duration,
+    /// Longest answer in octets.
+    pub stub: usize,
+}
+
+impl Default for ClientConfig {
+    fn default() -> Self {
+        Self {
+            wait: Duration::from_secs(2),
+            sends: 3,
+            limit: Duration::from_secs(60),
+            stub: 64 * 1024,
+        }
+    }
+}
+
+/// The answer to a call.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reply {
+    /// Byte order of the server.
+    pub order: ByteOrder,
+    /// Body, all fragments joined.
+    pub stub: Vec<u8>,
+}
+
+/// Why a call has no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum CallError {
+    /// Nothing came back.
+    #[error("no answer after {sends} sends")]
+    Timeout {
+        /// How often the request was sent.
+        sends: u8,
+    },
+    /// The server was still working when the time was over.
+    #[error("the server did not finish within {} s", limit.as_secs())]
+    NeverFinished {
+        /// The time allowed.
+        limit: Duration,
+    },
+    /// The server did not execute the call.
+    #[error("call rejected: {status:#010x} {words}", status = .0, words = reject::words(*.0).unwrap_or("unknown reason"))]
+    Rejected(u32),
+    /// The call failed in the server.
+    #[error("call failed in the server: {status:#010x} {words}", status = .0, words = reject::words(*.0).unwrap_or("unknown reason"))]
+    Fault(u32),
+    /// The answer is longer than allowed, or its fragments do not fit together.
+    #[error("malformed or too long fragmented answer")]
+    BadAnswer,
+}
+
+#[derive(Debug)]
+struct Pending {
+    id: CallId,
+    server: SocketAddrV4,
+    header: Header,
+    out: Outgoing,
+    send_request: bool,
+    send_ping: bool,
+    working: bool,
+    incoming: Option<Incoming>,
+    sends: u8,
+    due: Instant,
+    limit: Instant,
+}
+
+impl Pending {
+    /// Goes on to the next fragment of the request if this one was waited for.
+    fn acknowledged(&mut self, fragment: u16) {
+        if self.out.acknowledge(fragment) {
+            self.sends = 0;
+            self.send_request = true;
+        }
+    }
+}
+
+/// Makes calls without sockets. Several calls may be open at once, each in an activity of its own.
+///
+/// ```
+/// use std::net::{Ipv4Addr, SocketAddrV4};
+/// use profinet::Instant;
+/// use profinet::rpc::{CallError, Client, ClientConfig};
+/// use profinet::wire::Uuid;
+/// use profinet::wire::rpc::{Header, operation};
+///
+/// let mut client = Client::new(ClientConfig::default());
+/// let header = Header::request(Uuid::NIL, Uuid::DEVICE_INTERFACE, Uuid([7; 16]), 0, operation::READ);
+/// let device = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 2), profinet::RPC_PORT);
+/// let call = client.call(Instant::ZERO, device, header, b"stub".to_vec());
+/// let mut buffer = [0; 1518];
+/// for second in [0, 2, 4, 6] {
+///     client.handle_timeout(Instant::from_millis(second * 1000));
+///     while client.poll_transmit(Instant::from_millis(second * 1000), &mut buffer).is_some() {}
+/// }
+/// assert_eq!(client.poll_event(), Some((call, Err(CallError::Timeout { sends: 3 }))));
+/// ```
+#[derive(Debug)]
+pub struct Client {
+    config: ClientConfig,
+    calls: Vec<Pending>,
+    shorts: VecDeque<(SocketAddrV4, Header, Option<FackBody>)>,
+    events: VecDeque<(CallId, Result<Reply, CallError>)>,
+    next: u32,
+    serial: u16,
+}
+
+impl Client {
+    /// A client without calls.
+    #[must_use]
+    pub const fn new(config: ClientConfig) -> Self {
+        Self {
+            config,
+            calls: Vec::new(),
+            shorts: VecDeque::new(),
+            events: VecDeque::new(),
+            next: 0,
+            serial: 0,
+        }
+    }
+
+    /// Starts a call. `header` comes from [`Header::request`]; its activity must not have another call open, and
+    /// its sequence number is one more than that of the activity's call before.
+    pub fn call(&mut self, now: Instant, server: SocketAddrV4, header: Header, stub: Vec<u8>) -> CallId {
+        self.next = self.next.wrapping_add(1);
+        let id = CallId(self.next);
+        self.calls.push(Pending {
+            id,
+            server,
+            header,
+            out: Outgoing::new(stub),
+            send_request: true,
+            send_ping: false,
+            working: false,
+            incoming: None,
+            sends: 0,
+            due: now + self.config.wait,
+            limit: now + self.config.limit,
+        });
+        id
+    }
+
+    /// Forgets a call; no event will come for it.
+    pub fn cancel(&mut self, id: CallId) {
+        self.calls.retain(|call| call.id != id);
+        self.events.retain(|event| event.0 != id);
+    }
+
+    /// True while the call has no result.
+    #[must_use]
+    pub fn is_open(&self, id: CallId) -> bool {
+        self.calls.iter().any(|call| call.id == id)
+    }
+
+    /// Takes a datagram that arrived at the client's port. True if it belongs to an open call.
+    pub fn handle(&mut self, now: Instant, source: SocketAddrV4, pdu: &[u8]) -> bool {
+        let Ok((header, body)) = Header::decode(pdu) else {
+            return false;
+        };
+        let config = self.config;
+        let Some(index) = self.calls.iter().position(|call| {
+            call.header.activity == header.activity
+                && call.header.sequence == header.sequence
+                && call.server.ip() == source.ip()
+        }) else {
+            return false;
+        };
+        let Some(call) = self.calls.get_mut(index) else {
+            return false;
+        };
+        let mut result = None;
+        match header.packet_type {
+            PacketType::Working => {
+                call.working = true;
+                call.sends = 1;
+                call.due = now + config.wait;
+            }
+            PacketType::NoCall => {
+                call.working = false;
+                if call.sends < config.sends {
+                    call.out.rewind();
+                    call.send_request = true;
+                }
+            }
+            PacketType::Fack => call.acknowledged(header.fragment),
+            PacketType::Reject | PacketType::Fault => {
+                let status = Reader::new(body).u32_in(header.order, "status").unwrap_or(0);
+                result = Some(Err(if header.packet_type == PacketType::Reject {
+                    CallError::Rejected(status)
+                } else {
+                    CallError::Fault(status)
+                }));
+            }
+            PacketType::Response => {
+                let limit = config.stub;
+                let incoming = call
+                    .incoming
+                    .get_or_insert_with(|| Incoming::new(header.order, call.limit));
+                call.sends = 1;
+                call.due = now + config.wait;
+                match incoming.take(&header, body, limit) {
+                    Progress::Nothing => {}
+                    Progress::Broken => result = Some(Err(CallError::BadAnswer)),
+                    Progress::Acknowledge(fragment) => {
+                        let mut fack = header.reply(PacketType::Fack);
+                        fack.fragment = fragment;
+                        self.shorts
+                            .push_back((source, fack, Some(FackBody::new(header.serial))));
+                    }
+                    Progress::Complete => {
+                        let stub = call.incoming.take().map(Incoming::into_stub).unwrap_or_default();
+                        if header.flags.is_fragment() {
+                            self.shorts
+                                .push_back((source, header.reply(PacketType::Ack), None));
+                        }
+                        result = Some(Ok(Reply {
+                            order: header.order,
+                            stub,
+                        }));
+                    }
+                }
+            }
+            _ => {}
+        }
+        if let Some(result) = result {
+            let call = self.calls.swap_remove(index);
+            self.events.push_back((call.id, result));
+        }
+        true
+    }
+
+    /// The next call that ended.
+    pub fn poll_event(&mut self) -> Option<(CallId, Result<Reply, CallError>)> {
+        self.events.pop_front()
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Instant) {
+        let config = self.config;
+        let events = &mut self.events;
+        self.calls.retain_mut(|call| {
+            let error = if now >= call.limit {
+                CallError::NeverFinished { limit: config.limit }
+            } else if now < call.due {
+                return true;
+            } else if call.sends < config.sends {
+                call.due = now + config.wait;
+                if call.working || call.incoming.is_some() {
+                    call.send_ping = true;
+                } else {
+                    call.send_request = true;
+                }
+                return true;
+            } else {
+                CallError::Timeout { sends: call.sends }
+            };
+            events.push_back((call.id, Err(error)));
+            false
+        });
+    }
+
+    /// When something is due.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Instant> {
+        self.calls.iter().map(|call| call.due.min(call.limit)).min()
+    }
+
+    /// Writes the next datagram and says where it goes.
+    #[must_use]
+    pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<(SocketAddrV4, usize)> {
+        let mut out = SliceWriter::new(buffer);
+        if let Some((to, mut header, body)) = self.shorts.pop_front() {
+            self.serial = self.serial.wrapping_add(1);
+            header.serial = self.serial;
+            header.encode(&mut out, if body.is_some() { 16 } else { 0 });
+            if let Some(fack) = body {
+                fack.encode(&mut out, header.order);
+            }
+            return Some((to, out.finish().ok()?));
+        }
+        let wait = self.config.wait;
+        let call = self
+            .calls
+            .iter_mut()
+            .find(|call| call.send_request || call.send_ping)?;
+        self.serial = self.serial.wrapping_add(1);
+        call.sends = call.sends.saturating_add(1);
+        call.due = now + wait;
+        if call.send_request {
+            call.send_request = false;
+            call.out.encode(&call.header, self.serial, &mut out);
+        } else {
+            let ping = Header {
+                packet_type: PacketType::Ping,
+                flags: Flags(0),
+                serial: self.serial,
+                ..call.header
+            };
+            ping.encode(&mut out, 0);
+        }
+        call.send_ping = false;
+        Some((call.server, out.finish().ok()?))
+    }
+}
