@@ -3,7 +3,9 @@
 
 mod args;
 mod commands;
+mod decode;
 mod failure;
+mod job;
 mod output;
 mod render;
 

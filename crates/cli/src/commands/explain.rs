@@ -96,7 +96,7 @@ fn pnio(text: &str) -> Result<Explained, Failure> {
         })?;
     let status = PnioStatus::from_u32(value);
     let lines = vec![
-        format!("PNIO status {value:08X}: {status}"),
+        format!("PNIO status {status}"),
         format!(
             "  ErrorCode 0x{:02X}, ErrorDecode 0x{:02X}, ErrorCode1 0x{:02X}, ErrorCode2 0x{:02X}",
             status.code, status.decode, status.code1, status.code2

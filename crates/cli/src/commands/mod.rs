@@ -1,6 +1,7 @@
 //! One file per verb.
 
 mod completions;
+mod decode;
 mod explain;
 
 use crate::args::{Cli, Command};
@@ -11,6 +12,7 @@ use crate::output::Output;
 pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
     match &cli.command {
         Command::Explain(args) => explain::run(args, output),
+        Command::Decode(args) => decode::run(args, output),
         Command::Completions(args) => completions::run(args, output),
         _ => Err(Failure::usage("not part of this build")),
     }

@@ -1,0 +1,356 @@
+//! Remote procedure calls: fragments put together, answers matched with their requests.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+
+use profinet::wire::block::{
+    BlockType, Blocks, ControlBlock, ControlCommand, MULTIPLE_WRITE, ReadRequest, ReadResponse, WriteItems,
+    WriteRequest, WriteResponse,
+};
+use profinet::wire::rpc::{Header, NdrRequest, NdrResponse, PacketType, operation, reject};
+use profinet::wire::{DecodeError, PnioStatus, Reader, Uuid};
+
+use super::cyclic::Relations;
+use super::jobs::{Jobs, is_parameter_record};
+use super::names::Names;
+use super::udp::Datagram;
+use super::{Sink, Weight, connect, records};
+
+/// Most calls remembered at a time.
+const MAX_CALLS: usize = 1024;
+/// Largest request or answer put together.
+const MAX_BODY: usize = 1 << 20;
+
+type Key = (Uuid, u32);
+
+/// All calls of a capture that may still be answered.
+#[derive(Debug, Default)]
+pub struct Calls {
+    open: HashMap<Key, Call>,
+    order: VecDeque<Key>,
+    jobs: Jobs,
+    seen: u64,
+}
+
+#[derive(Debug, Default)]
+struct Call {
+    request: Assembly,
+    response: Assembly,
+    context: Context,
+}
+
+/// What an answer needs to know of its request.
+#[derive(Debug, Default)]
+enum Context {
+    #[default]
+    None,
+    Connect(Box<connect::Asked>),
+    Read(ReadRequest),
+    Write(Vec<WriteRequest>),
+    Control(&'static str),
+}
+
+/// A body in pieces.
+#[derive(Debug, Default)]
+struct Assembly {
+    fragments: BTreeMap<u16, Vec<u8>>,
+    last: Option<u16>,
+    octets: usize,
+    done: bool,
+}
+
+impl Assembly {
+    /// Takes a piece; gives the whole once, when the last piece is there.
+    fn add(&mut self, header: &Header, body: &[u8]) -> Option<Vec<u8>> {
+        if self.done {
+            return None;
+        }
+        if !header.flags.is_fragment() {
+            self.done = true;
+            return Some(body.to_vec());
+        }
+        if self.octets + body.len() > MAX_BODY {
+            return None;
+        }
+        if header.flags.is_last() {
+            self.last = Some(header.fragment);
+        }
+        if self.fragments.insert(header.fragment, body.to_vec()).is_none() {
+            self.octets += body.len();
+        }
+        let last = self.last?;
+        if self.fragments.len() != usize::from(last) + 1 || self.fragments.keys().next_back() != Some(&last) {
+            return None;
+        }
+        self.done = true;
+        Some(
+            std::mem::take(&mut self.fragments)
+                .into_values()
+                .flatten()
+                .collect(),
+        )
+    }
+}
+
+impl Calls {
+    /// RPC packets seen.
+    pub const fn seen(&self) -> u64 {
+        self.seen
+    }
+
+    /// Looks at one datagram; other protocols are passed over.
+    pub fn datagram(
+        &mut self,
+        datagram: &Datagram<'_>,
+        relations: &mut Relations,
+        names: &mut Names,
+        sink: &mut Sink<'_>,
+    ) -> Result<(), DecodeError> {
+        let Ok((header, body)) = Header::decode(datagram.payload) else {
+            return Ok(());
+        };
+        let known = [
+            Uuid::DEVICE_INTERFACE,
+            Uuid::CONTROLLER_INTERFACE,
+            Uuid::ENDPOINT_MAPPER,
+        ];
+        if !known.contains(&header.interface) {
+            return Ok(());
+        }
+        self.seen += 1;
+        if header.interface == Uuid::ENDPOINT_MAPPER {
+            return Ok(());
+        }
+        let key = (header.activity, header.sequence);
+        match header.packet_type {
+            PacketType::Request => {
+                let call = self.call(key);
+                if let Some(whole) = call.request.add(&header, body) {
+                    let context = request(&header, &whole, datagram, &mut self.jobs, names, sink)?;
+                    self.call(key).context = context;
+                }
+            }
+            PacketType::Response => {
+                let call = self.call(key);
+                if let Some(whole) = call.response.add(&header, body) {
+                    let context = std::mem::take(&mut call.context);
+                    response(&header, &whole, context, &mut self.jobs, relations, names, sink)?;
+                }
+            }
+            PacketType::Fault | PacketType::Reject => {
+                let status = Reader::new(body).u32_in(header.order, "reject status")?;
+                let words = reject::words(status).unwrap_or("unknown reason");
+                sink.note(
+                    Weight::Error,
+                    "RPC",
+                    format!("call refused: {words} (0x{status:08X})"),
+                );
+            }
+            PacketType::NoCall => sink.note(Weight::Warning, "RPC", "call is not known there"),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn call(&mut self, key: Key) -> &mut Call {
+        if !self.open.contains_key(&key) {
+            if self.order.len() >= MAX_CALLS
+                && let Some(oldest) = self.order.pop_front()
+            {
+                self.open.remove(&oldest);
+            }
+            self.order.push_back(key);
+        }
+        self.open.entry(key).or_default()
+    }
+}
+
+fn request(
+    header: &Header,
+    body: &[u8],
+    datagram: &Datagram<'_>,
+    jobs: &mut Jobs,
+    names: &mut Names,
+    sink: &mut Sink<'_>,
+) -> Result<Context, DecodeError> {
+    let mut reader = Reader::new(body);
+    NdrRequest::decode(&mut reader, header.order)?;
+    Ok(match header.operation {
+        operation::CONNECT => {
+            let asked = connect::request(reader)?;
+            if let Some(ar) = &asked.ar {
+                names.learn(
+                    Some(ar.initiator_mac),
+                    Some(*datagram.source.ip()),
+                    &ar.station_name,
+                );
+                sink.from = names.ip(*datagram.source.ip());
+            }
+            for line in asked.words() {
+                sink.note(Weight::Normal, "connect", line);
+            }
+            Context::Connect(Box::new(asked))
+        }
+        operation::READ | operation::READ_IMPLICIT => Context::Read(ReadRequest::decode(&mut reader)?),
+        operation::WRITE => {
+            let mut writes = Vec::new();
+            let (first, data) = WriteRequest::decode(&mut reader)?;
+            if first.index == MULTIPLE_WRITE {
+                for item in WriteItems::new(Reader::new(data)) {
+                    let (write, data) = item?;
+                    note_write(&write, data, jobs, sink);
+                    writes.push(write);
+                }
+            } else {
+                note_write(&first, data, jobs, sink);
+                writes.push(first);
+            }
+            Context::Write(writes)
+        }
+        operation::RELEASE | operation::CONTROL => {
+            let mut what = "control";
+            for block in Blocks::new(reader) {
+                let block = block?;
+                if let Ok(control) = ControlBlock::decode(block.block_type, block.body) {
+                    what = command(control.command, block.block_type);
+                    sink.note(Weight::Normal, "connect", what);
+                    break;
+                }
+            }
+            Context::Control(what)
+        }
+        other => {
+            sink.note(Weight::Warning, "RPC", format!("unknown operation {other}"));
+            Context::None
+        }
+    })
+}
+
+fn command(command: ControlCommand, block: BlockType) -> &'static str {
+    match command {
+        ControlCommand::PRM_END => "end of parameters (PrmEnd)",
+        ControlCommand::APPLICATION_READY => "application ready",
+        ControlCommand::RELEASE => "release",
+        ControlCommand::PRM_BEGIN => "begin of parameters (PrmBegin)",
+        ControlCommand::READY_FOR_COMPANION => "ready for companion",
+        ControlCommand::READY_FOR_RTC3 => "ready for RT class 3",
+        _ => block.name().unwrap_or("unknown control"),
+    }
+}
+
+fn note_write(write: &WriteRequest, data: &[u8], jobs: &mut Jobs, sink: &mut Sink<'_>) {
+    if is_parameter_record(write.index) {
+        jobs.request(write, data, sink);
+    } else {
+        let place = records::place(write.api, write.slot, write.subslot);
+        let text = format!(
+            "write {} {place}, {} octets",
+            records::name(write.index),
+            data.len()
+        );
+        sink.note(Weight::Normal, "record", text);
+    }
+}
+
+fn response(
+    header: &Header,
+    body: &[u8],
+    context: Context,
+    jobs: &mut Jobs,
+    relations: &mut Relations,
+    names: &mut Names,
+    sink: &mut Sink<'_>,
+) -> Result<(), DecodeError> {
+    let mut reader = Reader::new(body);
+    let ndr = NdrResponse::decode(&mut reader, header.order)?;
+    match context {
+        Context::Connect(asked) if ndr.status.is_ok() => {
+            let response = profinet::wire::block::ConnectResponse::decode(reader)?;
+            for (weight, line) in asked.answer(&response) {
+                sink.note(weight, "connect", line);
+            }
+            if let Some(server) = &response.server {
+                names.learn(Some(response.ar.responder_mac), None, &server.station_name);
+            }
+            relations.open(&asked, &response);
+        }
+        Context::Connect(_) => refused("connect", ndr.status, sink),
+        Context::Read(read) if is_parameter_record(read.index) => {
+            let data = if ndr.status.is_ok() {
+                Some(ReadResponse::decode(&mut reader)?.1)
+            } else {
+                None
+            };
+            jobs.answer(&read, data, ndr.status, sink);
+        }
+        Context::Read(read) => {
+            let what = records::name(read.index);
+            let place = records::place(read.api, read.slot, read.subslot);
+            if ndr.status.is_ok() {
+                let (_, data) = ReadResponse::decode(&mut reader)?;
+                sink.note(
+                    Weight::Normal,
+                    "record",
+                    format!("{what} {place}: {}", records::content(data)),
+                );
+            } else {
+                refused(&format!("read of {what} {place}"), ndr.status, sink);
+            }
+        }
+        Context::Write(writes) => {
+            for write in &writes {
+                let status = match WriteResponse::decode(&mut reader) {
+                    Ok(response) if !response.status.is_ok() => response.status,
+                    _ => ndr.status,
+                };
+                if !status.is_ok() {
+                    let what = records::name(write.index);
+                    let place = records::place(write.api, write.slot, write.subslot);
+                    refused(&format!("write of {what} {place}"), status, sink);
+                }
+            }
+        }
+        Context::Control(what) if !ndr.status.is_ok() => refused(what, ndr.status, sink),
+        Context::Control(_) | Context::None => {}
+    }
+    Ok(())
+}
+
+fn refused(what: &str, status: PnioStatus, sink: &mut Sink<'_>) {
+    sink.note(Weight::Error, "refused", format!("{what} refused: {status}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profinet::wire::rpc::Flags;
+
+    fn fragment(number: u16, last: bool) -> Header {
+        let mut header = Header::request(Uuid::NIL, Uuid::DEVICE_INTERFACE, Uuid::NIL, 0, operation::WRITE);
+        header.flags = Flags(Flags::FRAGMENT | if last { Flags::LAST_FRAGMENT } else { 0 });
+        header.fragment = number;
+        header
+    }
+
+    #[test]
+    fn fragments_in_any_order_and_twice() {
+        let mut assembly = Assembly::default();
+        assert_eq!(assembly.add(&fragment(2, true), b"c"), None);
+        assert_eq!(assembly.add(&fragment(0, false), b"a"), None);
+        assert_eq!(assembly.add(&fragment(0, false), b"a"), None);
+        assert_eq!(assembly.add(&fragment(1, false), b"b"), Some(b"abc".to_vec()));
+        assert_eq!(
+            assembly.add(&fragment(1, false), b"b"),
+            None,
+            "a repetition is not told twice"
+        );
+    }
+
+    #[test]
+    fn memory_is_bounded() {
+        let mut calls = Calls::default();
+        for sequence in 0..5000 {
+            calls.call((Uuid::NIL, sequence));
+        }
+        assert_eq!((calls.open.len(), calls.order.len()), (MAX_CALLS, MAX_CALLS));
+    }
+}

@@ -1,0 +1,204 @@
+//! Connects: what was asked for, what the device made of it.
+
+use profidrive::catalogue::AKD;
+use profinet::wire::block::{
+    ArProperties, ArRequest, ArType, BlockType, Blocks, ConnectResponse, ExpectedModule, IocrRequest,
+    IocrType, ModuleState,
+};
+use profinet::wire::{DecodeError, Reader};
+
+use super::Weight;
+use crate::render::number;
+use crate::render::table::clean;
+
+/// A connect request as far as it matters here.
+#[derive(Debug)]
+pub struct Asked {
+    pub ar: Option<ArRequest>,
+    pub iocrs: Vec<IocrRequest>,
+    pub modules: Vec<ExpectedModule>,
+}
+
+/// Reads the blocks of a connect request; unknown blocks are passed over.
+pub fn request(reader: Reader<'_>) -> Result<Asked, DecodeError> {
+    let mut asked = Asked {
+        ar: None,
+        iocrs: Vec::new(),
+        modules: Vec::new(),
+    };
+    for block in Blocks::new(reader) {
+        let block = block?;
+        match block.block_type {
+            BlockType::AR_REQUEST => asked.ar = Some(ArRequest::decode(block.body)?),
+            BlockType::IOCR_REQUEST if asked.iocrs.len() < 16 => {
+                asked.iocrs.push(IocrRequest::decode(block.body)?)
+            }
+            BlockType::EXPECTED_SUBMODULE if asked.modules.len() < 1024 => {
+                asked.modules.extend(ExpectedModule::decode_block(block.body)?);
+            }
+            _ => {}
+        }
+    }
+    Ok(asked)
+}
+
+impl Asked {
+    /// The request in words, one line per part.
+    pub fn words(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(ar) = &self.ar {
+            let kind = ar_kind(ar.ar_type, ar.properties);
+            let name = clean(&String::from_utf8_lossy(&ar.station_name));
+            lines.push(format!(
+                "connect as {kind} \"{name}\", activity time-out {} s",
+                number(f64::from(ar.activity_timeout_factor) / 10.0)
+            ));
+        }
+        lines.extend(self.iocrs.iter().map(iocr));
+        lines.extend(self.modules.iter().map(module));
+        lines
+    }
+
+    /// The answer in words.
+    pub fn answer(&self, response: &ConnectResponse) -> Vec<(Weight, String)> {
+        let ids: Vec<String> = response
+            .iocrs
+            .iter()
+            .map(|iocr| {
+                let direction = if iocr.iocr_type == IocrType::INPUT {
+                    "inputs"
+                } else {
+                    "outputs"
+                };
+                format!("{direction} FrameID 0x{:04X}", iocr.frame_id)
+            })
+            .collect();
+        let mut text = format!("connected to {}", response.ar.responder_mac);
+        if !ids.is_empty() {
+            text = format!("{text}, {}", ids.join(", "));
+        }
+        let mut lines = vec![(Weight::Normal, text)];
+        for module in response.diff.iter().flat_map(|diff| &diff.modules) {
+            let weight = if module.state == ModuleState::PROPER {
+                Weight::Normal
+            } else {
+                Weight::Warning
+            };
+            let mut text = format!(
+                "slot {} differs: {}, plugged is 0x{:08X}",
+                module.slot,
+                module.state.words(),
+                module.ident
+            );
+            for submodule in &module.submodules {
+                let (subslot, state) = (submodule.subslot, submodule.state.0);
+                text = format!(
+                    "{text}; subslot {subslot} state 0x{state:04X}, plugged is 0x{:X}",
+                    submodule.ident
+                );
+            }
+            lines.push((weight, text));
+        }
+        lines
+    }
+}
+
+fn ar_kind(kind: ArType, properties: ArProperties) -> String {
+    let start = if properties.advanced() {
+        "advanced start-up"
+    } else {
+        "legacy start-up"
+    };
+    match kind {
+        ArType::IO_CONTROLLER => format!("IO controller ({start})"),
+        _ if properties.device_access() => "parameter tool (device access)".into(),
+        ArType::SUPERVISOR => format!("supervisor ({start})"),
+        ArType::IRT => format!("isochronous IO controller ({start})"),
+        ArType::REDUNDANT => format!("redundant IO controller ({start})"),
+        ArType(other) => format!("AR type 0x{other:04X}"),
+    }
+}
+
+fn iocr(iocr: &IocrRequest) -> String {
+    let direction = match iocr.iocr_type {
+        IocrType::INPUT => "inputs",
+        IocrType::OUTPUT => "outputs",
+        _ => "multicast",
+    };
+    let ticks = u64::from(iocr.send_clock_factor) * u64::from(iocr.reduction_ratio);
+    let millis = |ticks: u64| {
+        #[expect(clippy::cast_precision_loss, reason = "at most 48 bits")]
+        let millis = ticks as f64 * 0.031_25;
+        number(millis)
+    };
+    format!(
+        "{direction}: {} octets every {} ms ({} x {} x 31.25 us), watchdog {} x {} = {} ms, RT class {}",
+        iocr.data_length,
+        millis(ticks),
+        iocr.reduction_ratio,
+        iocr.send_clock_factor,
+        iocr.watchdog_factor,
+        format_args!("{} ms", millis(ticks)),
+        millis(ticks * u64::from(iocr.watchdog_factor)),
+        iocr.rt_class()
+    )
+}
+
+fn module(module: &ExpectedModule) -> String {
+    let telegram = AKD
+        .device
+        .telegram_of_module(module.ident)
+        .filter(|_| module.slot > 0)
+        .map_or_else(String::new, |row| format!(", AKD telegram {}", row.telegram));
+    let submodules: Vec<String> = module
+        .submodules
+        .iter()
+        .map(|submodule| {
+            let (input, output) = (submodule.input_length(), submodule.output_length());
+            let lengths = if input == 0 && output == 0 {
+                String::new()
+            } else {
+                format!(" ({input} in, {output} out)")
+            };
+            format!("subslot {} 0x{:X}{lengths}", submodule.subslot, submodule.ident)
+        })
+        .collect();
+    format!(
+        "expects slot {} module 0x{:08X}{telegram}: {}",
+        module.slot,
+        module.ident,
+        submodules.join(", ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profinet::MacAddress;
+
+    #[test]
+    fn times_as_the_field_writes_them() {
+        let request = IocrRequest {
+            iocr_type: IocrType::INPUT,
+            reference: 1,
+            lt: 0x8892,
+            properties: 2,
+            data_length: 40,
+            frame_id: 0x8000,
+            send_clock_factor: 32,
+            reduction_ratio: 16,
+            phase: 1,
+            sequence: 0,
+            frame_send_offset: u32::MAX,
+            watchdog_factor: 3,
+            data_hold_factor: 3,
+            tag_header: 0xC000,
+            multicast: MacAddress::default(),
+            apis: Vec::new(),
+        };
+        assert_eq!(
+            iocr(&request),
+            "inputs: 40 octets every 16 ms (16 x 32 x 31.25 us), watchdog 3 x 16 ms = 48 ms, RT class 2"
+        );
+    }
+}
