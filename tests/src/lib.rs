@@ -4,8 +4,6 @@
 //! Everything is bounded in time and cleaned up: the namespaces are tied to the life of the test process, a program in them
 //! dies with them. No real interface is ever touched.
 #![forbid(unsafe_code)]
-// A harness reports by panicking: that is how a test fails.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 pub mod fuzz_targets;
 pub mod judge;

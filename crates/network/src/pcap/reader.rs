@@ -90,8 +90,14 @@ pub struct Reader {
     interfaces: Vec<Interface>,
     /// Octets of the blocks so far: where the present one begins.
     offset: u64,
+    /// pcapng, whose blocks carry their length; and whether the present section is big-endian.
+    blocks: bool,
+    big_endian: bool,
     done: bool,
 }
+
+/// Type of the block that opens a section; reads the same in both byte orders.
+const SECTION_HEADER: [u8; 4] = [0x0A, 0x0D, 0x0D, 0x0A];
 
 /// Where the source puts its own error, which the parser would lose.
 type Failure = Arc<Mutex<Option<io::Error>>>;
@@ -118,8 +124,11 @@ impl Reader {
         };
         let inner = create_reader(2 * MAX_BLOCK, whole)
             .map_err(|_| taken(&failure).map_or(ReadError::NotACapture, ReadError::Io))?;
+        let blocks = inner.data().starts_with(&SECTION_HEADER);
         Ok(Self {
             inner,
+            blocks,
+            big_endian: false,
             failure,
             interfaces: Vec::new(),
             offset: 0,
@@ -127,11 +136,38 @@ impl Reader {
         })
     }
 
+    /// True when the next block announces fewer octets than type and lengths take. The parser would subtract them
+    /// unseen from some kinds of block.
+    fn is_too_short(&mut self) -> bool {
+        let data = self.inner.data();
+        let word = |at: usize| data.get(at..)?.first_chunk::<4>().copied();
+        let (true, Some(kind), Some(length)) = (self.blocks, word(0), word(4)) else {
+            return false;
+        };
+        if kind == SECTION_HEADER
+            && let Some(mark) = word(8)
+        {
+            self.big_endian = mark == [0x1A, 0x2B, 0x3C, 0x4D];
+        }
+        let length = if self.big_endian {
+            u32::from_be_bytes(length)
+        } else {
+            u32::from_le_bytes(length)
+        };
+        length < 12
+    }
+
     /// The next frame, `None` at the end.
     fn advance(&mut self) -> Result<Option<Captured>, ReadError> {
         loop {
             let offset = self.offset;
             let before = self.inner.data().len();
+            if self.is_too_short() {
+                return Err(ReadError::Damaged {
+                    offset,
+                    what: "a block shorter than its own frame",
+                });
+            }
             match self.inner.next() {
                 Ok((0, _)) => {
                     return Err(ReadError::Damaged {

@@ -204,3 +204,24 @@ proptest! {
         }
     }
 }
+
+/// Found by a fuzzer: the parser subtracted the block frame from a length below it.
+#[test]
+fn a_block_shorter_than_its_frame_is_damage() {
+    let mut file = Vec::new();
+    let mut writer = Writer::new(&mut file, "x", Duration::ZERO).unwrap();
+    writer.write(Instant::ZERO, &[0xFF; 60]).unwrap();
+    writer.flush().unwrap();
+    drop(writer);
+    for kind in [1_u32, 2, 3, 4, 5, 6, 0x0A0D_0D0A, 0x8000_0001, 0xBAD, 0x4000_0BAD] {
+        for length in 0_u32..12 {
+            let mut damaged = file.clone();
+            damaged.extend_from_slice(&kind.to_le_bytes());
+            damaged.extend_from_slice(&length.to_le_bytes());
+            damaged.extend_from_slice(&[0; 64]);
+            let read: Vec<_> = Reader::new(Cursor::new(damaged)).unwrap().collect();
+            assert_eq!(read.len(), 2, "{kind:#x} {length}");
+            assert!(matches!(read[1], Err(ReadError::Damaged { .. })), "{kind:#x} {length}");
+        }
+    }
+}
