@@ -5,3 +5,4 @@ extern crate alloc;
 
 pub mod catalogue;
 pub mod notation;
+pub mod state;
