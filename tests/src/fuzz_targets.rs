@@ -5,14 +5,16 @@
 //! what was decoded encodes to something that decodes to the same.
 
 use std::net::SocketAddrV4;
+use std::time::Duration;
 
 use network::host::{Host, Station};
 use profidrive::notation::{ParameterReference, Quantity};
+use profinet::rpc::{Client, ClientConfig, Interface, Server, ServerLimits};
 use profinet::wire::ethernet::{self, Frame};
 use profinet::wire::rpc::{
-    EpmEntry, FackBody, Header, LookupRequest, LookupResponse, NdrRequest, NdrResponse,
+    EpmEntry, FackBody, Header, LookupRequest, LookupResponse, NdrRequest, NdrResponse, PacketType, operation,
 };
-use profinet::wire::{ByteOrder, Reader, dcp as wire_dcp, rt};
+use profinet::wire::{ByteOrder, Reader, Uuid, dcp as wire_dcp, rt};
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 use virtual_drive::store::Image;
 
@@ -23,12 +25,15 @@ pub type Target = fn(&[u8]);
 
 /// All targets by name. `fuzz/fuzz_targets/<name>.rs` and `fuzz/corpus/<name>/` exist for each.
 pub const TARGETS: &[(&str, Target)] = &[
+    ("alarm", alarm),
     ("blocks", blocks),
     ("dcp", dcp),
     ("host", host),
     ("notation", notation),
     ("pcap", pcap),
     ("rpc", rpc),
+    ("rpc_client", rpc_client),
+    ("rpc_server", rpc_server),
     ("rt", rt),
     ("state", state),
 ];
@@ -149,29 +154,173 @@ pub fn state(data: &[u8]) {
     }
 }
 
+/// Alarm PDUs.
+pub fn alarm(data: &[u8]) {
+    let payload = Frame::parse(data).map_or(data, |frame| frame.payload);
+    if let Ok(once) = rewrite::alarm(payload) {
+        assert_eq!(rewrite::alarm(&once).as_ref(), Ok(&once));
+    }
+}
+
 /// ARP, IPv4, ICMP and UDP around an engine that echoes datagrams.
 pub fn host(data: &[u8]) {
     let mut host = Host::new(Echo::default());
     let mut buffer = [0; MAX_FRAME];
     let mut now = Instant::ZERO;
-    // several frames: each with its length in front; the seeds are one frame without
-    let mut rest = data;
-    host.handle_frame(now, rest);
-    for _ in 0..64 {
-        let Some((length, after)) = rest.split_first_chunk::<2>() else {
-            break;
-        };
-        let length = usize::from(u16::from_be_bytes(*length)).min(after.len());
-        host.handle_frame(now, &after[..length]);
-        rest = &after[length..];
-        for _ in 0..8 {
+    // a seed is one frame; anything else may also be several steps
+    host.handle_frame(now, data);
+    for step in Steps(data) {
+        match step {
+            Step::Frame(frame) | Step::Datagram(frame) => host.handle_frame(now, frame),
+            Step::Wait(time) => now += time,
+        }
+        host.handle_timeout(now);
+        for round in 0.. {
             let Some(length) = host.poll_transmit(now, &mut buffer) else {
                 break;
             };
             assert!((60..=MAX_FRAME).contains(&length));
+            assert!(round < 1000, "it never stops sending");
         }
-        now += std::time::Duration::from_millis(100);
-        host.handle_timeout(now);
+    }
+}
+
+/// RPC server with endpoint mapper: datagrams of three clients; every call is answered at once.
+pub fn rpc_server(data: &[u8]) {
+    let interface = Interface {
+        uuid: Uuid::DEVICE_INTERFACE,
+        operations: operation::COUNT,
+    };
+    let limits = ServerLimits {
+        activities: 4,
+        activities_per_address: 2,
+        stub: 8192,
+    };
+    let mut server = Server::new(vec![interface], limits);
+    let mut buffer = [0; MAX_FRAME];
+    let mut now = Instant::ZERO;
+    for (i, step) in Steps(data).enumerate() {
+        match step {
+            Step::Frame(pdu) | Step::Datagram(pdu) => {
+                let source = SocketAddrV4::new([10, 0, 0, (i % 3) as u8].into(), 0x8894);
+                if let Some(call) = server.handle(now, source, pdu) {
+                    assert!(call.stub.len() <= 8192);
+                    server.respond(now, call.key, vec![0xA5; call.stub.len() * 3 % 6000]);
+                }
+            }
+            Step::Wait(time) => now += time,
+        }
+        server.handle_timeout(now);
+        assert!(
+            server.poll_timeout().is_none_or(|at| at > now),
+            "a deadline that passed stays"
+        );
+        for round in 0.. {
+            if server.poll_transmit(now, &mut buffer).is_none() {
+                break;
+            }
+            assert!(round < 1000, "it never stops sending");
+        }
+    }
+}
+
+/// RPC client with one open call: answers of a server that may be anybody.
+pub fn rpc_client(data: &[u8]) {
+    let server = SocketAddrV4::new([10, 0, 0, 1].into(), 0x8894);
+    let mut client = Client::new(ClientConfig {
+        stub: 8192,
+        ..ClientConfig::default()
+    });
+    let mut now = Instant::ZERO;
+    let header = Header::request(
+        Uuid::NIL,
+        Uuid::DEVICE_INTERFACE,
+        Uuid([7; 16]),
+        0,
+        operation::READ,
+    );
+    let call = client.call(now, server, header, vec![1; 3000]);
+    let mut buffer = [0; MAX_FRAME];
+    let mut ended = 0;
+    for step in Steps(data) {
+        match step {
+            Step::Frame(pdu) => {
+                // as the server would begin: an answer to the right call
+                let mut reply = Vec::new();
+                let kind = PacketType::from_code(pdu.first().copied().unwrap_or(2));
+                let mut answer = header.reply(kind);
+                answer.flags.0 = pdu.get(1).copied().unwrap_or(0);
+                answer.fragment = pdu.get(2).copied().unwrap_or(0).into();
+                answer.encode(&mut reply, pdu.len());
+                reply.extend_from_slice(pdu);
+                let _ = client.handle(now, server, &reply);
+            }
+            Step::Datagram(pdu) => {
+                let _ = client.handle(now, server, pdu);
+            }
+            Step::Wait(time) => now += time,
+        }
+        client.handle_timeout(now);
+        assert!(
+            client.poll_timeout().is_none_or(|at| at > now),
+            "a deadline that passed stays"
+        );
+        for round in 0.. {
+            if client.poll_transmit(now, &mut buffer).is_none() {
+                break;
+            }
+            assert!(round < 1000, "it never stops sending");
+        }
+        while let Some((id, outcome)) = client.poll_event() {
+            assert_eq!(id, call);
+            if let Ok(reply) = outcome {
+                assert!(reply.stub.len() <= 8192);
+            }
+            ended += 1;
+        }
+    }
+    // whatever came, the call ends once, at the latest when its time is over
+    client.handle_timeout(now + Duration::from_secs(1000));
+    while let Some((id, _)) = client.poll_event() {
+        assert_eq!(id, call);
+        ended += 1;
+    }
+    assert!(ended <= 1, "one call ended {ended} times");
+}
+
+/// One step of a fuzzed life.
+#[derive(Debug, Clone, Copy)]
+enum Step<'a> {
+    Frame(&'a [u8]),
+    Datagram(&'a [u8]),
+    Wait(Duration),
+}
+
+/// Cuts fuzzed octets into steps: kind, length in two octets, content. Kind 0 modulo 3 is a frame, 1 a datagram, 2 a
+/// pause of as many milliseconds as the length says.
+struct Steps<'a>(&'a [u8]);
+
+impl<'a> Iterator for Steps<'a> {
+    type Item = Step<'a>;
+
+    fn next(&mut self) -> Option<Step<'a>> {
+        let ([kind, high, low], rest) = self.0.split_first_chunk::<3>()?;
+        let length = u16::from_be_bytes([*high, *low]);
+        let (content, after) = rest.split_at(usize::from(length).min(rest.len()));
+        match kind % 3 {
+            2 => {
+                self.0 = rest;
+                Some(Step::Wait(Duration::from_millis(length.into())))
+            }
+            0 => {
+                self.0 = after;
+                Some(Step::Frame(content))
+            }
+            _ => {
+                self.0 = after;
+                Some(Step::Datagram(content))
+            }
+        }
     }
 }
 

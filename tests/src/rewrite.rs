@@ -1,6 +1,7 @@
 //! Reads a payload with our decoders and writes what was understood with our builders. Equal octets mean that nothing was
 //! misread, lost or invented.
 
+use profinet::wire::alarm::{Alarm, RtaPdu, RtaType};
 use profinet::wire::block::{
     AlarmCrRequest, AlarmCrResponse, ArRequest, ArResponse, ArServer, Block, BlockType, ControlBlock,
     ExpectedModule, IocrRequest, IocrResponse, ModuleDiff, ReadRequest, ReadResponse, WriteRequest,
@@ -63,6 +64,34 @@ pub fn rpc(bytes: &[u8]) -> Result<Vec<u8>, DecodeError> {
     let mut out = Vec::new();
     header.encode(&mut out, stub.len());
     out.extend_from_slice(&stub);
+    Ok(out)
+}
+
+/// An RTA PDU with its alarm, the octets behind the FrameID.
+///
+/// # Errors
+/// Whatever our decoder found wrong.
+pub fn alarm(bytes: &[u8]) -> Result<Vec<u8>, DecodeError> {
+    let pdu = RtaPdu::parse(bytes)?;
+    let mut data = Vec::new();
+    match pdu.kind {
+        RtaType::Data => {
+            let alarm = pdu.alarm()?;
+            if let Alarm::Notification(notification) = &alarm {
+                for item in notification.items() {
+                    let _ = item?;
+                }
+            }
+            alarm.encode(&mut data);
+        }
+        RtaType::Err => {
+            pdu.error()?.encode(&mut data);
+            data.bytes(&pdu.data[4..]);
+        }
+        _ => data.bytes(pdu.data),
+    }
+    let mut out = Vec::new();
+    RtaPdu { data: &data, ..pdu }.encode(&mut out);
     Ok(out)
 }
 

@@ -127,7 +127,11 @@ fn profinet_frame(
             assert_eq!(cyclic.trailer.cycle_counter % 1024, 0, "{name} {number}: 32 ms");
             "cyclic"
         }
-        0xFC01 | 0xFE01 => "alarm",
+        0xFC01 | 0xFE01 => {
+            let again = rewrite::alarm(payload).unwrap_or_else(|e| panic!("{name} {number}: {e}"));
+            assert_eq!(again, payload[..again.len()], "{name} {number}");
+            "alarm"
+        }
         0xFEFC..=0xFEFF => {
             rewrite::dcp(payload).unwrap_or_else(|e| panic!("{name} {number}: {e}"));
             "dcp"
