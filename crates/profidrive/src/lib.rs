@@ -1,8 +1,13 @@
-//! profidrive
+//! The PROFIdrive drive profile: parameters, state machine, telegrams, units and faults.
+//!
+//! Knows no PROFINET, no socket and no clock; it turns bytes into meaning and back. A drive and a client are built from
+//! the same modules: [`parameter`] (base mode parameter access), [`state`] (S1 to S5), [`catalogue`] (the tables of each
+//! drive model), [`notation`] (how people write parameters and values).
 #![no_std]
 #![forbid(unsafe_code)]
 extern crate alloc;
 
 pub mod catalogue;
 pub mod notation;
+pub mod parameter;
 pub mod state;

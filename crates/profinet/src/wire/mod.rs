@@ -3,8 +3,8 @@
 //! Everything is decoded with a [`Reader`], which cannot read past the end and whose errors say where, and encoded
 //! into any [`Writer`]. Numbers are big-endian except in RPC headers.
 
-pub mod block;
 pub mod alarm;
+pub mod block;
 mod bytes;
 pub mod dcp;
 pub mod ethernet;

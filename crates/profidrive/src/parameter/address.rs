@@ -1,0 +1,209 @@
+//! Header and parameter address: which parameters a request means.
+
+use core::fmt;
+
+/// Octets of the header of a request or response.
+pub(super) const HEADER: usize = 4;
+/// Octets of one parameter address.
+pub(super) const ADDRESS: usize = 6;
+/// Elements of one parameter address at most, 0xEA.
+pub const MAX_ELEMENTS: u8 = 234;
+
+/// What a request wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum RequestId {
+    /// 0x01.
+    Read,
+    /// 0x02.
+    Change,
+    /// Anything else; Danfoss knows 0x42, 0x51 and 0x52.
+    Other(u8),
+}
+
+impl RequestId {
+    /// From the octet on the wire.
+    #[must_use]
+    pub const fn from_octet(octet: u8) -> Self {
+        match octet {
+            1 => Self::Read,
+            2 => Self::Change,
+            other => Self::Other(other),
+        }
+    }
+
+    /// The octet on the wire.
+    #[must_use]
+    pub const fn octet(self) -> u8 {
+        match self {
+            Self::Read => 1,
+            Self::Change => 2,
+            Self::Other(other) => other,
+        }
+    }
+}
+
+/// Which side of a parameter is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Attribute {
+    /// 0x10.
+    Value,
+    /// 0x20, see [`Description`](super::Description).
+    Description,
+    /// 0x30, texts of 16 octets.
+    Text,
+    /// Anything else; from 0x80 the maker's own.
+    Other(u8),
+}
+
+impl Attribute {
+    /// From the octet on the wire.
+    #[must_use]
+    pub const fn from_octet(octet: u8) -> Self {
+        match octet {
+            0x10 => Self::Value,
+            0x20 => Self::Description,
+            0x30 => Self::Text,
+            other => Self::Other(other),
+        }
+    }
+
+    /// The octet on the wire.
+    #[must_use]
+    pub const fn octet(self) -> u8 {
+        match self {
+            Self::Value => 0x10,
+            Self::Description => 0x20,
+            Self::Text => 0x30,
+            Self::Other(other) => other,
+        }
+    }
+}
+
+/// One parameter of a request: six octets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ParameterAddress {
+    /// Value, description or text.
+    pub attribute: Attribute,
+    /// Elements from the subindex on; 0 or 1 for a parameter that is no array.
+    pub elements: u8,
+    /// Parameter number.
+    pub pnu: u16,
+    /// First element.
+    pub subindex: u16,
+}
+
+impl ParameterAddress {
+    /// One value.
+    #[must_use]
+    pub const fn value(pnu: u16, subindex: u16) -> Self {
+        Self {
+            attribute: Attribute::Value,
+            elements: 1,
+            pnu,
+            subindex,
+        }
+    }
+
+    /// `elements` values from `subindex` on.
+    #[must_use]
+    pub const fn values(pnu: u16, subindex: u16, elements: u8) -> Self {
+        Self {
+            attribute: Attribute::Value,
+            elements,
+            pnu,
+            subindex,
+        }
+    }
+
+    /// The whole description, 46 octets.
+    #[must_use]
+    pub const fn description(pnu: u16) -> Self {
+        Self {
+            attribute: Attribute::Description,
+            elements: 1,
+            pnu,
+            subindex: 0,
+        }
+    }
+
+    /// The six octets.
+    #[must_use]
+    pub const fn to_octets(self) -> [u8; ADDRESS] {
+        let [pnu_high, pnu_low] = self.pnu.to_be_bytes();
+        let [sub_high, sub_low] = self.subindex.to_be_bytes();
+        [
+            self.attribute.octet(),
+            self.elements,
+            pnu_high,
+            pnu_low,
+            sub_high,
+            sub_low,
+        ]
+    }
+
+    /// From six octets.
+    #[must_use]
+    pub const fn from_octets(octets: [u8; ADDRESS]) -> Self {
+        let [attribute, elements, pnu_high, pnu_low, sub_high, sub_low] = octets;
+        Self {
+            attribute: Attribute::from_octet(attribute),
+            elements,
+            pnu: u16::from_be_bytes([pnu_high, pnu_low]),
+            subindex: u16::from_be_bytes([sub_high, sub_low]),
+        }
+    }
+}
+
+/// What was wrong in a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrong {
+    /// The block ends before the header does.
+    Header,
+    /// The block ends before all parameter addresses are there.
+    Addresses,
+    /// A format code that is reserved or unknown in the code space of the dialect.
+    Format,
+    /// The block ends before all values are there.
+    Values,
+    /// Octets behind the last block.
+    Trailing,
+}
+
+/// A block that cannot be taken apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub struct DecodeError {
+    /// What was wrong.
+    pub wrong: Wrong,
+    /// Where.
+    pub offset: usize,
+    /// Octets that should have been there, or the number allowed.
+    pub expected: usize,
+    /// Octets that were there, or the number found.
+    pub found: usize,
+}
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            wrong,
+            offset,
+            expected,
+            found,
+        } = self;
+        match wrong {
+            Wrong::Header => write!(f, "the header needs {expected} octets, the block has {found}"),
+            Wrong::Addresses => {
+                write!(
+                    f,
+                    "the parameter addresses need {expected} octets from offset {offset}, there are {found}"
+                )
+            }
+            Wrong::Format => write!(f, "unknown format 0x{found:02X} at offset {offset}"),
+            Wrong::Values => write!(
+                f,
+                "the values at offset {offset} need {expected} octets, there are {found}"
+            ),
+            Wrong::Trailing => write!(f, "{found} octets behind the last block at offset {offset}"),
+        }
+    }
+}
