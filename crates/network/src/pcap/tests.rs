@@ -221,7 +221,10 @@ fn a_block_shorter_than_its_frame_is_damage() {
             damaged.extend_from_slice(&[0; 64]);
             let read: Vec<_> = Reader::new(Cursor::new(damaged)).unwrap().collect();
             assert_eq!(read.len(), 2, "{kind:#x} {length}");
-            assert!(matches!(read[1], Err(ReadError::Damaged { .. })), "{kind:#x} {length}");
+            assert!(
+                matches!(read[1], Err(ReadError::Damaged { .. })),
+                "{kind:#x} {length}"
+            );
         }
     }
 }

@@ -135,9 +135,9 @@ impl<'a> ValueBlock<'a> {
             Kind::Unsigned => Value::Unsigned(self.raw(index)?),
             Kind::Text => Value::Text(self.octets(index)?),
             Kind::Octets => Value::Octets(self.octets(index)?),
-            Kind::Float => match self.octets(index)? {
-                &[a, b, c, d] => Value::Float(f64::from(f32::from_be_bytes([a, b, c, d]))),
-                &[a, b, c, d, e, f, g, h] => Value::Float(f64::from_be_bytes([a, b, c, d, e, f, g, h])),
+            Kind::Float => match *self.octets(index)? {
+                [a, b, c, d] => Value::Float(f64::from(f32::from_be_bytes([a, b, c, d]))),
+                [a, b, c, d, e, f, g, h] => Value::Float(f64::from_be_bytes([a, b, c, d, e, f, g, h])),
                 _ => return None,
             },
         })

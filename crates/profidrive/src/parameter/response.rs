@@ -101,10 +101,10 @@ impl<'a> Response<'a> {
                 found: found_reference,
             });
         }
-        if found_id & 0x80 != 0 {
-            if let Some(error) = Self::whole_refusal(bytes, found_id, id, addresses.len(), dialect) {
-                return Err(ResponseError::Refused(error));
-            }
+        if found_id & 0x80 != 0
+            && let Some(error) = Self::whole_refusal(bytes, found_id, id, addresses.len(), dialect)
+        {
+            return Err(ResponseError::Refused(error));
         }
         if found_id & 0x7F != id.octet() {
             return Err(ResponseError::Id {
