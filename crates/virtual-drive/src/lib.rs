@@ -4,5 +4,6 @@
 #![forbid(unsafe_code)]
 
 pub mod axis;
+pub mod drive;
 pub mod model;
 pub mod store;

@@ -72,6 +72,7 @@ const LIVE: &[(u16, Live)] = &[
     (944, Live::FaultCounter),
     (947, Live::Array(Table::FaultNumbers)),
     (964, Live::Array(Table::Identification)),
+    (965, Live::Profile),
     (975, Live::Array(Table::DriveObject)),
     (980, Live::Array(Table::Numbers(0))),
     (981, Live::Array(Table::Numbers(1))),

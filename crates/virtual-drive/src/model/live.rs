@@ -19,6 +19,8 @@ pub enum Live {
     OperatingMode,
     /// Control mode, changes only while the power stage is off.
     Mode,
+    /// PNU 965: number and version of the profile.
+    Profile,
     /// Number of changes of the fault buffer.
     FaultCounter,
     /// The n-th fault of the present fault situation, 0 when there are fewer.

@@ -1,0 +1,381 @@
+//! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
+
+mod control;
+mod faults;
+mod motion;
+mod parameters;
+mod reading;
+mod settings;
+mod signals;
+mod writing;
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use profinet::Instant;
+
+pub use parameters::Refusal;
+pub use settings::Mode;
+
+use crate::axis::Axis;
+use crate::model::{Live, Model};
+use crate::store::{Image, ImageError, Values};
+use control::{Control, Decision};
+use faults::Faults;
+use settings::Settings;
+use signals::Process;
+
+/// How often a drive that moves without a connection has to be looked after.
+const ALONE: Duration = Duration::from_millis(4);
+
+/// Most events that wait; older ones are dropped.
+const MOST_EVENTS: usize = 64;
+
+/// Fault numbers whose cause lasts, at most.
+const MOST_CAUSES: usize = 8;
+
+/// State of the general state machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum State {
+    /// Switching on inhibited.
+    #[default]
+    S1,
+    /// Ready for switching on.
+    S2,
+    /// Switched on.
+    S3,
+    /// Operation.
+    S4,
+    /// Switching off on the ramp.
+    S5RampStop,
+    /// Switching off with quick stop.
+    S5QuickStop,
+}
+
+/// Something that happened in the drive and that its owner may want to know or must do.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Event {
+    /// The profile state changed.
+    State {
+        /// Before.
+        from: State,
+        /// Now.
+        to: State,
+    },
+    /// A fault came.
+    Fault {
+        /// Its number, as in PNU 947.
+        number: u16,
+    },
+    /// The faults were acknowledged.
+    Acknowledged,
+    /// Store this text so that the drive can be started with it (`store::save`).
+    Save {
+        /// The image of all saved parameters.
+        text: String,
+    },
+    /// Show which drive this is.
+    Blink,
+}
+
+/// Why a connection ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Disconnect {
+    /// The controller released it.
+    Released,
+    /// It broke.
+    Lost,
+}
+
+/// What is known of the controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Link {
+    /// No cyclic connection.
+    None,
+    /// A cyclic connection; `running` when its data is valid.
+    Cyclic { watchdog: Duration, running: bool },
+}
+
+impl Link {
+    const fn is_cyclic(self) -> bool {
+        matches!(self, Self::Cyclic { .. })
+    }
+
+    const fn watchdog(self) -> Duration {
+        match self {
+            Self::None => Duration::ZERO,
+            Self::Cyclic { watchdog, .. } => watchdog,
+        }
+    }
+}
+
+/// A virtual drive.
+///
+/// ```
+/// use std::time::Duration;
+/// use profinet::Instant;
+/// use virtual_drive::{drive::Drive, model};
+///
+/// let mut drive = Drive::new(&model::AKD);
+/// drive.connect(1, Duration::from_millis(48)).unwrap();
+/// let mut now = Instant::ZERO;
+/// let mut inputs = [0; 4];
+/// for words in [0x047E_0000_u32, 0x047F_00A3] {
+///     for _ in 0..10 {
+///         now += Duration::from_millis(16);
+///         drive.tick(now, Some(&words.to_be_bytes()), &mut inputs);
+///     }
+/// }
+/// let speed = i16::from_be_bytes([inputs[2], inputs[3]]);
+/// assert!((155..170).contains(&speed)); // 60 rpm
+/// ```
+#[derive(Debug)]
+pub struct Drive {
+    model: &'static Model,
+    live: Box<[Live]>,
+    first_list: usize,
+    values: Values,
+    settings: Settings,
+    saved: Option<String>,
+    control: Control,
+    decision: Decision,
+    faults: Faults,
+    causes: [u16; MOST_CAUSES],
+    axis: Axis,
+    process: Process,
+    link: Link,
+    jogging: bool,
+    /// The service channel has switched the power stage on.
+    service: bool,
+    disable_requested: bool,
+    stop_requested: bool,
+    last: Instant,
+    events: VecDeque<Event>,
+}
+
+impl Drive {
+    /// A drive as delivered, at rest.
+    #[must_use]
+    pub fn new(model: &'static Model) -> Self {
+        let values = Values::new(model.catalogue);
+        let settings = Settings::new(model, &values);
+        Self {
+            model,
+            live: model.live_by_position(),
+            first_list: Self::first_list(model),
+            values,
+            settings,
+            saved: None,
+            control: Control::default(),
+            decision: Decision::default(),
+            faults: Faults::default(),
+            causes: [0; MOST_CAUSES],
+            axis: Axis::new(model.plant),
+            process: Process::default(),
+            link: Link::None,
+            jogging: false,
+            service: false,
+            disable_requested: false,
+            stop_requested: false,
+            last: Instant::ZERO,
+            events: VecDeque::with_capacity(MOST_EVENTS),
+        }
+    }
+
+    /// Starts with what was saved; returns how many of its entries this model does not know.
+    ///
+    /// # Errors
+    /// When the text is damaged or of another model; the drive then keeps the values it has.
+    pub fn start_with(&mut self, saved: &[u8]) -> Result<usize, ImageError> {
+        let image = Image::decode(saved)?;
+        let left_out = self.values.restore(&image)?;
+        self.saved = Some(image.encode());
+        self.apply();
+        Ok(left_out)
+    }
+
+    /// The model of the drive.
+    #[must_use]
+    pub const fn model(&self) -> &'static Model {
+        self.model
+    }
+
+    /// Takes one event.
+    pub fn poll_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    fn emit(&mut self, event: Event) {
+        if self.events.len() >= MOST_EVENTS {
+            self.events.pop_front();
+        }
+        self.events.push_back(event);
+    }
+
+    /// A controller has connected and will exchange this telegram; it counts as lost after `watchdog`.
+    ///
+    /// # Errors
+    /// When the model has no such telegram.
+    pub fn connect(&mut self, telegram: u16, watchdog: Duration) -> Result<(), UnknownTelegram> {
+        self.choose_telegram(telegram)
+            .map_err(|()| UnknownTelegram(telegram))?;
+        self.link = Link::Cyclic {
+            watchdog,
+            running: false,
+        };
+        Ok(())
+    }
+
+    /// The connection is gone. A lost one always raises the fault of the model (702); a released one only when the
+    /// power stage was on, and then it stops too.
+    pub fn disconnect(&mut self, cause: Disconnect) {
+        if !self.link.is_cyclic() {
+            return;
+        }
+        self.link = Link::None;
+        if cause == Disconnect::Lost || self.decision.pulses {
+            self.raise(self.model.connection_lost_fault);
+        }
+    }
+
+    /// Moves the drive on to `now`: reads the outputs of the controller (`None` while they are not valid), writes the
+    /// inputs for it. Call it right before each input frame, or with empty inputs when [`next_tick`](Self::next_tick)
+    /// says so. Allocates nothing.
+    pub fn tick(&mut self, now: Instant, outputs: Option<&[u8]>, inputs: &mut [u8]) {
+        let passed = now - self.last;
+        self.last = now;
+        let acknowledged = self.take_outputs(outputs);
+        if acknowledged {
+            self.acknowledge();
+        }
+        self.decide();
+        if self.decision.pulses || self.service || !self.axis.is_at_rest() {
+            let command = self.command();
+            self.axis
+                .step(passed.as_secs_f64(), command, &self.settings.tuning);
+            self.supervise();
+        }
+        self.process.status = self.status();
+        self.give_inputs(inputs);
+    }
+
+    /// When a drive without a connection has to be ticked; `None` while nothing moves. With a connection the cycle of
+    /// the input frames ticks it.
+    #[must_use]
+    pub fn next_tick(&self) -> Option<Instant> {
+        let idle =
+            !self.decision.pulses && !self.service && self.axis.is_at_rest() && !self.disable_requested;
+        if idle || self.link.is_cyclic() {
+            None
+        } else {
+            Some(self.last + ALONE)
+        }
+    }
+
+    /// Profile state.
+    #[must_use]
+    pub const fn state(&self) -> State {
+        self.decision.state
+    }
+
+    /// The mechanics, to look at.
+    #[must_use]
+    pub const fn axis(&self) -> &Axis {
+        &self.axis
+    }
+
+    /// Torque in Nm that the load puts on the shaft against positive rotation.
+    pub const fn set_load(&mut self, torque: f64) {
+        self.axis.set_load(torque);
+    }
+
+    /// Makes a fault happen, as if the drive had found it. A lasting one comes back after each acknowledge until
+    /// [`remove_cause`](Self::remove_cause).
+    pub fn inject_fault(&mut self, number: u16, lasting: bool) {
+        if lasting
+            && !self.causes.contains(&number)
+            && let Some(free) = self.causes.iter_mut().find(|cause| **cause == 0)
+        {
+            *free = number;
+        }
+        self.raise(number);
+    }
+
+    /// Ends the cause of a lasting fault; it can be acknowledged then.
+    pub fn remove_cause(&mut self, number: u16) {
+        for cause in &mut self.causes {
+            if *cause == number {
+                *cause = 0;
+            }
+        }
+    }
+
+    /// True while the power stage is on (DRV.ACTIVE).
+    #[must_use]
+    pub const fn is_enabled(&self) -> bool {
+        self.decision.pulses || self.service
+    }
+
+    /// True while there is a fault that is not acknowledged.
+    #[must_use]
+    pub fn has_fault(&self) -> bool {
+        self.faults.is_present()
+    }
+
+    /// Entry of the fault buffer (PNU 947): situation times 8 plus place, 0 where nothing is.
+    #[must_use]
+    pub fn fault_number(&self, index: u16) -> u16 {
+        self.faults.number(usize::from(index))
+    }
+
+    const fn is_quick_stopping(&self) -> bool {
+        matches!(self.decision.state, State::S5QuickStop)
+    }
+
+    /// Bit 10 of the control word: the controller has control.
+    const fn is_controlled_by_bus(&self) -> bool {
+        matches!(self.link, Link::Cyclic { running: true, .. })
+            && self.process.received & signals::STW1_BY_PLC != 0
+    }
+
+    fn raise(&mut self, number: u16) {
+        if self.faults.raise(number) {
+            self.emit(Event::Fault { number });
+        }
+    }
+
+    /// Acknowledges what can be acknowledged; faults whose cause lasts come back at once.
+    fn acknowledge(&mut self) {
+        if !self.faults.is_present() {
+            return;
+        }
+        self.faults.acknowledge();
+        self.emit(Event::Acknowledged);
+        for cause in self.causes {
+            if cause != 0 {
+                self.raise(cause);
+            }
+        }
+    }
+
+    /// Takes changed parameters over.
+    fn apply(&mut self) {
+        self.settings = Settings::new(self.model, &self.values);
+    }
+
+    /// Finds faults in what the axis does.
+    fn supervise(&mut self) {
+        let limit = self.settings.overspeed;
+        if limit > 0.0 && self.axis.speed().abs() > limit && !self.faults.has(self.model.overspeed_fault) {
+            self.raise(self.model.overspeed_fault);
+        }
+    }
+}
+
+/// The model has no such telegram.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("this drive has no telegram {0}")]
+pub struct UnknownTelegram(pub u16);
+
+#[cfg(test)]
+mod tests;

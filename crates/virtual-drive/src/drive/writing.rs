@@ -1,0 +1,159 @@
+//! What writing a parameter does.
+
+use profidrive::catalogue::{Access, Parameter};
+
+use super::{Drive, Event, Mode, Refusal};
+use crate::model::{Action, Live};
+use crate::store::Image;
+
+impl Drive {
+    /// Writes the number of one element as on the wire (sign included); `position` is the place in the catalogue.
+    ///
+    /// The order of the checks: known, subindex, read-only, state, limits, permitted value.
+    pub(super) fn write(&mut self, position: usize, element: u16, raw: i64) -> Result<(), Refusal> {
+        let parameter = self
+            .model
+            .catalogue
+            .parameters
+            .get(position)
+            .ok_or(Refusal::UNKNOWN)?;
+        if element >= parameter.elements {
+            return Err(if parameter.is_array() {
+                Refusal::SUBINDEX
+            } else {
+                Refusal::NO_ARRAY
+            });
+        }
+        if parameter.access == Access::ReadOnly {
+            return Err(Refusal::READ_ONLY);
+        }
+        match self.live.get(position).copied().unwrap_or(Live::Stored) {
+            Live::Do(action) => self.execute(action)?,
+            Live::Same(other) => self.write_same(parameter, other, raw)?,
+            Live::Mode => {
+                self.within_limits(parameter, raw)?;
+                self.set_mode(position, raw)?;
+            }
+            Live::OperatingMode => {
+                let mode = match raw {
+                    1 | 2 => raw,
+                    _ => return Err(Refusal::VALUE),
+                };
+                let position = self
+                    .model
+                    .roles
+                    .mode
+                    .and_then(|pnu| self.model.catalogue.position(pnu));
+                self.set_mode(position.ok_or(Refusal::STATE)?, mode)?;
+            }
+            Live::Telegram => {
+                if self.link.is_cyclic() {
+                    return Err(Refusal::STATE);
+                }
+                let number = u16::try_from(raw).map_err(|_| Refusal::VALUE)?;
+                self.choose_telegram(number).map_err(|()| Refusal::VALUE)?;
+            }
+            // Setpoints come with the cyclic data only: a setpoint without a watchdog would be dangerous.
+            Live::Measured(_) => return Err(Refusal::PRIORITY),
+            // The telegram says what these are.
+            Live::Array(_) => return Err(Refusal::STATE),
+            Live::Stored if super::signals::is_setpoint(parameter.pnu) && self.link.is_cyclic() => {
+                return Err(Refusal::STATE);
+            }
+            _ => {
+                self.within_limits(parameter, raw)?;
+                self.values.set_at(position, raw);
+            }
+        }
+        self.apply();
+        Ok(())
+    }
+
+    fn within_limits(&self, parameter: &Parameter, raw: i64) -> Result<(), Refusal> {
+        let (low, high) = parameter.raw_limits(&self.settings.scaling);
+        if (low..=high).contains(&raw) {
+            Ok(())
+        } else {
+            Err(Refusal::LIMIT)
+        }
+    }
+
+    fn write_same(&mut self, parameter: &Parameter, other: u16, raw: i64) -> Result<(), Refusal> {
+        let position = self.model.catalogue.position(other).ok_or(Refusal::UNKNOWN)?;
+        let target = self
+            .model
+            .catalogue
+            .parameters
+            .get(position)
+            .ok_or(Refusal::UNKNOWN)?;
+        let raw = if parameter.scale == target.scale {
+            raw
+        } else {
+            let scaling = &self.settings.scaling;
+            target.raw(parameter.engineering(raw, scaling), scaling)
+        };
+        self.within_limits(target, raw)?;
+        self.values.set_at(position, raw);
+        Ok(())
+    }
+
+    fn set_mode(&mut self, position: usize, raw: i64) -> Result<(), Refusal> {
+        let same = self.values.at(position) == raw;
+        if self.is_enabled() && !same {
+            return Err(Refusal::STATE);
+        }
+        self.values.set_at(position, raw);
+        Ok(())
+    }
+
+    /// Does what a command says.
+    pub(super) fn execute(&mut self, action: Action) -> Result<(), Refusal> {
+        match action {
+            Action::Enable => {
+                let by_service = !self.settings.commanded_by_bus && !self.is_controlled_by_bus();
+                if self.has_fault() || !by_service || self.settings.mode == Mode::Position {
+                    return Err(Refusal::STATE);
+                }
+                self.service = true;
+            }
+            Action::Disable => {
+                self.service = false;
+                self.disable_requested = self.is_enabled();
+            }
+            Action::Stop => {
+                self.stop_requested = self.is_enabled();
+                if let Some(pnu) = self.model.roles.service_speed {
+                    self.values.set(pnu, 0);
+                }
+            }
+            Action::ClearFaults => self.acknowledge(),
+            Action::Save => {
+                let text = self.values.image().encode();
+                self.saved = Some(text.clone());
+                self.emit(Event::Save { text });
+            }
+            Action::Load => {
+                if self.is_enabled() {
+                    return Err(Refusal::STATE);
+                }
+                let image = self
+                    .saved
+                    .as_deref()
+                    .and_then(|text| Image::decode(text.as_bytes()).ok());
+                let restored = image.map(|image| self.values.restore(&image));
+                if !matches!(restored, Some(Ok(_))) {
+                    return Err(Refusal::STATE);
+                }
+            }
+            Action::Defaults => {
+                if self.is_enabled() {
+                    return Err(Refusal::STATE);
+                }
+                self.values.reset();
+            }
+            Action::Blink => self.emit(Event::Blink),
+            Action::Nothing => {}
+        }
+        Ok(())
+    }
+}
