@@ -8,11 +8,15 @@
 //! |---|---|
 //! | [`host`] | [`Host`](host::Host): ARP, IPv4, ICMP echo and UDP around an endpoint; [`Station`](host::Station): frames in, frames out, next deadline |
 //! | [`segment`] | [`Segment`](segment::Segment): a switch with stations, virtual time, seeded faults; [`SegmentMedium`](segment::SegmentMedium) |
+//! | [`linux`] | [`Runner`](linux::Runner): stations on an interface; [`PacketMedium`](linux::PacketMedium) and [`UdpMedium`](linux::UdpMedium) for clients |
 //! | [`pcap`] | capture files: pcapng writer, pcap and pcapng reader |
 //! | [`files`] | files that are replaced whole or not at all |
 
 mod deadlines;
 pub mod files;
 pub mod host;
+#[cfg(target_os = "linux")]
+#[allow(unsafe_code)] // system calls that std does not offer; each block says why it is sound
+pub mod linux;
 pub mod pcap;
 pub mod segment;

@@ -49,6 +49,10 @@ pub trait Station: Any {
     fn poll_timeout(&self) -> Option<Instant>;
 }
 
+/// Which of many stations: given by whoever runs them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct StationId(pub(crate) usize);
+
 /// An [`Endpoint`] with ARP, IPv4, ICMP echo and UDP around it.
 ///
 /// The Ethernet address is the endpoint's when the host is made; the IP address is followed: when the endpoint's

@@ -11,7 +11,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::conditions::Conditions;
 use super::frames::{FrameId, Frames};
-use super::tap::Tap;
+use super::tap::{Tap, finish_all};
 use crate::host::addresses;
 
 /// Most frames under way; beyond, new ones are lost.
@@ -159,11 +159,7 @@ impl Fabric {
     }
 
     pub(super) fn finish_taps(&mut self) -> io::Result<()> {
-        let mut result = Ok(());
-        for mut tap in self.taps.drain(..) {
-            result = result.and(tap.finish());
-        }
-        result
+        finish_all(&mut self.taps)
     }
 
     pub(super) fn statistics(&self) -> SegmentStatistics {

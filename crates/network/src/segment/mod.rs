@@ -18,20 +18,19 @@ use std::time::Duration;
 use crate::deadlines::Deadlines;
 use crate::host::{Stack, Station};
 
+pub use crate::host::StationId;
+
 pub use conditions::Conditions;
 pub use fabric::SegmentStatistics;
 use fabric::{Delivery, Fabric};
 pub use medium::{Pace, SegmentMedium};
 pub use tap::Tap;
+pub(crate) use tap::finish_all;
 
 /// Most frames taken from one station in one turn; what is left follows a microsecond later.
 const MAX_BURST: usize = 1024;
 /// Time a station gets when it asks to be called again at once, so that time always goes on.
 const BREATH: Duration = Duration::from_micros(1);
-
-/// A place at the switch, given by [`Segment::attach`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct StationId(usize);
 
 /// An endpoint that is lent for one call, with its IP part.
 struct Guest<'a> {

@@ -22,6 +22,15 @@ pub trait Tap {
     }
 }
 
+/// Ends all taps, each of them, and tells the first failure.
+pub(crate) fn finish_all(taps: &mut Vec<Box<dyn Tap>>) -> io::Result<()> {
+    let mut result = Ok(());
+    for mut tap in taps.drain(..) {
+        result = result.and(tap.finish());
+    }
+    result
+}
+
 impl<T: Tap> Tap for Rc<RefCell<T>> {
     fn frame(&mut self, at: Instant, frame: &[u8]) {
         self.borrow_mut().frame(at, frame);

@@ -1,0 +1,100 @@
+//! What can be wrong with an interface or a socket, in words for people.
+
+use std::io;
+use std::net::Ipv4Addr;
+
+/// Why the network cannot be used (on).
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Raw sockets need a right that the program does not have.
+    #[error("not allowed to open a raw socket on `{interface}`")]
+    NoPermission {
+        /// The interface asked for.
+        interface: String,
+    },
+    /// There is no interface of this name.
+    #[error("there is no network interface `{interface}`")]
+    NoSuchInterface {
+        /// The name asked for.
+        interface: String,
+        /// The names there are.
+        existing: Vec<String>,
+    },
+    /// The interface is there but switched off.
+    #[error("network interface `{interface}` is down")]
+    InterfaceDown {
+        /// Its name.
+        interface: String,
+    },
+    /// The interface was there and is no more.
+    #[error("network interface `{interface}` went away")]
+    InterfaceGone {
+        /// Its name.
+        interface: String,
+    },
+    /// The interface has no Ethernet addresses.
+    #[error("network interface `{interface}` is no Ethernet interface")]
+    NotEthernet {
+        /// Its name.
+        interface: String,
+    },
+    /// The interface has no IPv4 address to send datagrams from.
+    #[error("network interface `{interface}` has no IPv4 address")]
+    NoAddress {
+        /// Its name.
+        interface: String,
+    },
+    /// Another program receives on this port.
+    #[error("UDP port {port} of {address} is in use by another program")]
+    PortOccupied {
+        /// The local address.
+        address: Ipv4Addr,
+        /// The port.
+        port: u16,
+    },
+    /// The local address belongs to no interface.
+    #[error("{address} is no address of this computer")]
+    NotOurAddress {
+        /// The address asked for.
+        address: Ipv4Addr,
+    },
+    /// Anything else the operating system refuses.
+    #[error("{action}: {source}")]
+    System {
+        /// What was tried.
+        action: &'static str,
+        /// Why it failed.
+        source: io::Error,
+    },
+}
+
+impl Error {
+    /// What one can do about it, where that is known.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NoPermission { .. } => Some(
+                "run as root; or give the program the right once: sudo setcap cap_net_raw+ep PROGRAM; \
+                 or try it in a network of its own: unshare --user --map-root-user --net"
+                    .to_owned(),
+            ),
+            Self::NoSuchInterface { existing, .. } if existing.is_empty() => {
+                Some("there is no interface at all".to_owned())
+            }
+            Self::NoSuchInterface { existing, .. } => Some(format!("there are: {}", existing.join(", "))),
+            Self::InterfaceDown { interface } => Some(format!("ip link set {interface} up")),
+            Self::NoAddress { interface } => Some(format!(
+                "give it one in the network of the drives: ip address add A.B.C.D/NN dev {interface}"
+            )),
+            Self::PortOccupied { port, .. } => Some(format!(
+                "another controller or engineering tool is probably running; see: ss -ulpn sport = :{port}"
+            )),
+            _ => None,
+        }
+    }
+
+    pub(super) fn system(action: &'static str) -> impl FnOnce(io::Error) -> Self {
+        move |source| Self::System { action, source }
+    }
+}

@@ -1,0 +1,317 @@
+//! Stations on a real interface.
+
+use std::any::Any;
+use std::collections::HashMap;
+use std::time::Duration;
+
+use profinet::{Instant, MAX_FRAME, MacAddress};
+
+use super::error::Error;
+use super::filter::Wanted;
+use super::interface::InterfaceInfo;
+use super::packet::{PacketSocket, PacketStatistics};
+use super::poll::{now, readable, sharpen_timers, wait};
+use super::stop::Stop;
+use crate::deadlines::Deadlines;
+use crate::host::{Station, StationId, addresses};
+use crate::segment::{Tap, finish_all};
+
+/// Most frames handled before deadlines get their turn.
+const MAX_FRAMES: usize = 64;
+/// Most frames taken from one station in one turn; what is left follows a moment later.
+const MAX_BURST: usize = 256;
+/// Time a station gets when it asks to be called again at once.
+const BREATH: Duration = Duration::from_micros(1);
+
+/// How a [`Runner::step`] ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// Stations did something: see [`Runner::touched`].
+    Worked,
+    /// Nothing happened until the time given.
+    Idle,
+    /// The stop flag is set.
+    Stopped,
+}
+
+/// Runs any number of [`Station`]s on one interface, in the thread of its owner.
+///
+/// ```no_run
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # fn stations() -> Vec<Box<dyn network::host::Station>> { Vec::new() }
+/// use network::linux::{Runner, Stop, Turn, now};
+/// let mut runner = Runner::open("eth0")?;
+/// runner.set_stop(Stop::on_signals()?);
+/// for station in stations() {
+///     runner.attach(station)?;
+/// }
+/// while runner.step(now() + std::time::Duration::from_secs(1))? != Turn::Stopped {
+///     for id in runner.touched() {
+///         // look at the events of that station
+///     }
+/// }
+/// # Ok(()) }
+/// ```
+pub struct Runner {
+    socket: PacketSocket,
+    stations: Vec<Option<Box<dyn Station>>>,
+    by_mac: HashMap<MacAddress, usize>,
+    deadlines: Deadlines,
+    dirty: Vec<usize>,
+    touched: Vec<StationId>,
+    /// The turn in which each station was last put into `touched`.
+    touched_in: Vec<u64>,
+    turn: u64,
+    buffer: Box<[u8]>,
+    taps: Vec<Box<dyn Tap>>,
+    stop: Option<Stop>,
+    sharpened: bool,
+}
+
+impl std::fmt::Debug for Runner {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Runner")
+            .field("interface", &self.socket.interface().name)
+            .field("stations", &self.stations.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Runner {
+    /// Opens an interface.
+    ///
+    /// # Errors
+    /// No such interface, interface down, no Ethernet, no right to raw sockets.
+    pub fn open(interface: &str) -> Result<Self, Error> {
+        Ok(Self {
+            socket: PacketSocket::open(interface, Wanted::Stations)?,
+            stations: Vec::new(),
+            by_mac: HashMap::new(),
+            deadlines: Deadlines::default(),
+            dirty: Vec::new(),
+            touched: Vec::new(),
+            touched_in: Vec::new(),
+            turn: 0,
+            buffer: vec![0; 2 * MAX_FRAME].into_boxed_slice(),
+            taps: Vec::new(),
+            stop: None,
+            sharpened: false,
+        })
+    }
+
+    /// The interface as it was when opened.
+    #[must_use]
+    pub fn interface(&self) -> &InterfaceInfo {
+        self.socket.interface()
+    }
+
+    /// What the socket has counted.
+    #[must_use]
+    pub fn statistics(&mut self) -> PacketStatistics {
+        self.socket.statistics()
+    }
+
+    /// Adds a station; it is drained by the next [`step`](Self::step).
+    ///
+    /// # Errors
+    /// When the interface cannot be switched to receive for a further address.
+    pub fn attach(&mut self, station: Box<dyn Station>) -> Result<StationId, Error> {
+        let mac = station.mac();
+        self.socket.add_address(mac)?;
+        let index = self.deadlines.push();
+        self.by_mac.insert(mac, index);
+        self.stations.push(Some(station));
+        self.touched_in.push(0);
+        self.dirty.push(index);
+        Ok(StationId(index))
+    }
+
+    /// Takes a station away.
+    pub fn detach(&mut self, id: StationId) -> Option<Box<dyn Station>> {
+        self.deadlines.set(id.0, None);
+        self.stations.get_mut(id.0)?.take()
+    }
+
+    /// The station in its own type, to look at; `None` if it is of another type.
+    #[must_use]
+    pub fn station<T: Station>(&self, id: StationId) -> Option<&T> {
+        let station: &dyn Any = self.stations.get(id.0)?.as_deref()?;
+        station.downcast_ref()
+    }
+
+    /// The station in its own type, to take its events and give it work; the next [`step`](Self::step) drains it.
+    #[must_use]
+    pub fn station_mut<T: Station>(&mut self, id: StationId) -> Option<&mut T> {
+        let station: &mut dyn Any = self.stations.get_mut(id.0)?.as_deref_mut()?;
+        if self.dirty.last() != Some(&id.0) {
+            self.dirty.push(id.0);
+        }
+        station.downcast_mut()
+    }
+
+    /// The stations that handled something in the last [`step`](Self::step), each once.
+    #[must_use]
+    pub fn touched(&self) -> &[StationId] {
+        &self.touched
+    }
+
+    /// Lets this flag end a step early.
+    pub fn set_stop(&mut self, stop: Stop) {
+        self.stop = Some(stop);
+    }
+
+    /// Lets `tap` see every frame received for the stations and sent by them; times are those of [`now`](super::now),
+    /// tags that the kernel took out are put in again.
+    pub fn add_tap(&mut self, tap: Box<dyn Tap>) {
+        self.taps.push(tap);
+    }
+
+    /// Ends all taps: buffers are flushed and the first failure is told.
+    ///
+    /// # Errors
+    /// When a tap could not write what it saw.
+    pub fn finish_taps(&mut self) -> std::io::Result<()> {
+        finish_all(&mut self.taps)
+    }
+
+    /// Works until at least one station has handled a frame or a deadline, `until` is reached, or the stop flag is
+    /// set. Sleeps in between.
+    ///
+    /// # Errors
+    /// When the interface is down or gone, or the system refuses to wait. The step may be tried again.
+    pub fn step(&mut self, until: Instant) -> Result<Turn, Error> {
+        if !self.sharpened {
+            sharpen_timers();
+            self.sharpened = true;
+        }
+        self.touched.clear();
+        self.turn += 1;
+        loop {
+            if self.stop.as_ref().is_some_and(Stop::is_stopped) {
+                self.work(now())?;
+                return Ok(Turn::Stopped);
+            }
+            let at = now();
+            self.work(at)?;
+            if !self.touched.is_empty() {
+                return Ok(Turn::Worked);
+            }
+            if at >= until {
+                return Ok(Turn::Idle);
+            }
+            let wake = self
+                .deadlines
+                .earliest()
+                .map_or(until, |deadline| deadline.min(until));
+            let mut fds = [
+                readable(self.socket.fd()),
+                readable(self.stop.as_ref().map_or(-1, Stop::fd)),
+            ];
+            wait(&mut fds, wake - now()).map_err(Error::system("cannot wait for frames"))?;
+            self.socket.check(fds[0].revents)?;
+        }
+    }
+
+    /// Everything that is there to do at `now`, without waiting.
+    fn work(&mut self, now: Instant) -> Result<(), Error> {
+        while let Some(index) = self.dirty.pop() {
+            self.drain(index, now)?;
+            self.schedule(index, Instant::ZERO);
+        }
+        for _ in 0..MAX_FRAMES {
+            if !self.receive(now)? {
+                break;
+            }
+        }
+        while let Some(index) = self
+            .deadlines
+            .earliest()
+            .filter(|at| *at <= now)
+            .and_then(|_| self.deadlines.earliest_index())
+        {
+            if let Some(Some(station)) = self.stations.get_mut(index) {
+                station.handle_timeout(now);
+            }
+            self.touch(index);
+            self.drain(index, now)?;
+            self.schedule(index, now + BREATH);
+        }
+        self.socket.flush()
+    }
+
+    /// Hands out one received frame; false if there is none.
+    fn receive(&mut self, now: Instant) -> Result<bool, Error> {
+        let Self {
+            socket,
+            stations,
+            by_mac,
+            taps,
+            buffer,
+            ..
+        } = self;
+        let Some((received, frame)) = socket.peek() else {
+            return Ok(false);
+        };
+        let mut single = None;
+        let mut multicast = false;
+        if let Some((destination, _)) = addresses(frame) {
+            multicast = destination.is_multicast();
+            single = by_mac.get(&destination).copied();
+            if !taps.is_empty() && (multicast || single.is_some()) {
+                let whole = received.on_the_wire(frame, buffer);
+                taps.iter_mut().for_each(|tap| tap.frame(now, whole));
+            }
+            for station in stations.iter_mut().flatten().filter(|_| multicast) {
+                station.handle_frame(now, frame);
+            }
+            if let Some(Some(station)) = single
+                .and_then(|index| stations.get_mut(index))
+                .filter(|_| !multicast)
+            {
+                station.handle_frame(now, frame);
+            }
+        }
+        socket.release();
+        let all = 0..if multicast { self.stations.len() } else { 0 };
+        for index in all.chain(single.filter(|_| !multicast)) {
+            self.touch(index);
+            self.drain(index, now)?;
+            self.schedule(index, Instant::ZERO);
+        }
+        Ok(true)
+    }
+
+    fn drain(&mut self, index: usize, now: Instant) -> Result<(), Error> {
+        let Some(Some(station)) = self.stations.get_mut(index) else {
+            return Ok(());
+        };
+        for _ in 0..MAX_BURST {
+            let Some(length) = station.poll_transmit(now, &mut self.buffer) else {
+                return Ok(());
+            };
+            let Some(frame) = self.buffer.get(..length) else {
+                return Ok(());
+            };
+            self.taps.iter_mut().for_each(|tap| tap.frame(now, frame));
+            self.socket.queue(frame)?;
+        }
+        Ok(())
+    }
+
+    /// Takes note of a station's deadline, not before `earliest`.
+    fn schedule(&mut self, index: usize, earliest: Instant) {
+        let next = self
+            .stations
+            .get(index)
+            .and_then(Option::as_ref)
+            .and_then(|station| station.poll_timeout());
+        self.deadlines.set(index, next.map(|at| at.max(earliest)));
+    }
+
+    fn touch(&mut self, index: usize) {
+        if let Some(last) = self.touched_in.get_mut(index).filter(|last| **last != self.turn) {
+            *last = self.turn;
+            self.touched.push(StationId(index));
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Ending a blocking program: Ctrl-C, or another thread.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::os::fd::{AsRawFd, FromRawFd, RawFd};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+
+/// A flag that wakes whoever waits in a runner or medium it was given to. Clones are the same flag.
+///
+/// ```
+/// # fn main() -> std::io::Result<()> {
+/// use network::linux::Stop;
+/// let stop = Stop::new()?;
+/// let other = stop.clone();
+/// std::thread::spawn(move || other.stop()).join().expect("the thread ends");
+/// assert!(stop.is_stopped());
+/// # Ok(()) }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Stop {
+    inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+struct Inner {
+    stopped: AtomicBool,
+    event: File,
+}
+
+/// The event descriptor signals write to, -1 while there is none.
+static SIGNALLED: AtomicI32 = AtomicI32::new(-1);
+static SIGNAL_SEEN: AtomicBool = AtomicBool::new(false);
+
+extern "C" fn on_signal(_: libc::c_int) {
+    SIGNAL_SEEN.store(true, Ordering::SeqCst);
+    let one = 1u64.to_ne_bytes();
+    // SAFETY: write is async-signal-safe; the buffer lives on this stack. A failure (no descriptor) does not matter.
+    unsafe { libc::write(SIGNALLED.load(Ordering::SeqCst), one.as_ptr().cast(), one.len()) };
+}
+
+impl Stop {
+    /// A flag that only the program sets.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left.
+    pub fn new() -> io::Result<Self> {
+        // SAFETY: eventfd takes two numbers and touches no memory of ours.
+        let fd = unsafe { libc::eventfd(0, libc::EFD_CLOEXEC | libc::EFD_NONBLOCK) };
+        if fd < 0 {
+            return Err(io::Error::last_os_error());
+        }
+        // SAFETY: `fd` was just made and belongs to nobody else.
+        let event = unsafe { File::from_raw_fd(fd) };
+        Ok(Self {
+            inner: Arc::new(Inner {
+                stopped: AtomicBool::new(false),
+                event,
+            }),
+        })
+    }
+
+    /// A flag that Ctrl-C (SIGINT) and SIGTERM set. The second signal ends the program at once, as without this.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left or refuses the handler.
+    pub fn on_signals() -> io::Result<Self> {
+        let stop = Self::new()?;
+        SIGNALLED.store(stop.inner.event.as_raw_fd(), Ordering::SeqCst);
+        // The descriptor must stay open as long as a signal may come: for ever.
+        std::mem::forget(stop.clone());
+        for signal in [libc::SIGINT, libc::SIGTERM] {
+            // SAFETY: an all-zero sigaction is a valid one (no flags, empty mask).
+            let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
+            action.sa_sigaction = on_signal as *const () as libc::sighandler_t;
+            action.sa_flags = libc::SA_RESETHAND;
+            // SAFETY: the handler only does what is async-signal-safe; `action` is read during the call only.
+            if unsafe { libc::sigaction(signal, &raw const action, std::ptr::null_mut()) } != 0 {
+                return Err(io::Error::last_os_error());
+            }
+        }
+        Ok(stop)
+    }
+
+    /// Sets the flag and wakes whoever waits.
+    pub fn stop(&self) {
+        self.inner.stopped.store(true, Ordering::SeqCst);
+        // A full counter wakes as well; there is no other failure.
+        let _ = (&self.inner.event).write(&1u64.to_ne_bytes());
+    }
+
+    /// True once the flag is set.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        let by_signal = SIGNAL_SEEN.load(Ordering::SeqCst) && SIGNALLED.load(Ordering::SeqCst) == self.fd();
+        by_signal || self.inner.stopped.load(Ordering::SeqCst)
+    }
+
+    /// Readable once the flag is set.
+    pub(super) fn fd(&self) -> RawFd {
+        self.inner.event.as_raw_fd()
+    }
+}
