@@ -8,6 +8,7 @@
 extern crate alloc;
 
 pub mod catalogue;
+pub mod fault;
 pub mod notation;
 pub mod parameter;
 pub mod state;
