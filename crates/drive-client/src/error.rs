@@ -1,0 +1,239 @@
+//! Everything that can go wrong between a person's wish and a drive, by kind.
+
+use std::fmt;
+use std::time::Duration;
+
+use profidrive::notation::Shown;
+use profidrive::parameter::ErrorNumber;
+use profinet::MacAddress;
+use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
+
+use crate::DriveAddress;
+use crate::axis::Trouble;
+use crate::parameter::ParameterProblem;
+
+/// Why something did not come about.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The medium failed: interface gone, permission lost.
+    #[error("the network interface failed: {0}")]
+    Medium(Box<dyn std::error::Error + Send + Sync>),
+    /// The caller was asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// Nobody of this name or address answered.
+    #[error("no station {drive} answered{}", heard(.heard))]
+    NotFound {
+        /// Who was looked for.
+        drive: DriveAddress,
+        /// Who answered instead.
+        heard: Vec<Station>,
+    },
+    /// More than one station has this name or address.
+    #[error("{} stations are {drive}: {}", .macs.len(), join(.macs))]
+    Ambiguous {
+        /// Who was looked for.
+        drive: DriveAddress,
+        /// All that answered.
+        macs: Vec<MacAddress>,
+    },
+    /// The station has no IP address yet.
+    #[error("{drive} has no IP address, records cannot be reached")]
+    NoIpAddress {
+        /// The drive.
+        drive: String,
+    },
+    /// A DCP request failed.
+    #[error("{drive}: {what}: {error}")]
+    Dcp {
+        /// The drive.
+        drive: String,
+        /// What was tried.
+        what: &'static str,
+        /// Why it failed.
+        error: DcpError,
+    },
+    /// The drive refused a connection or could not be reached for it.
+    #[error("{drive}: connecting: {cause}")]
+    Connect {
+        /// The drive.
+        drive: String,
+        /// Why.
+        cause: LostCause,
+    },
+    /// Another controller owns what was asked for.
+    #[error("{drive} refuses control: another controller owns it ({cause})")]
+    OwnedByController {
+        /// The drive.
+        drive: String,
+        /// What the drive said.
+        cause: String,
+    },
+    /// A connection ended that was wanted.
+    #[error("{drive}: connection lost: {cause}")]
+    ConnectionLost {
+        /// The drive.
+        drive: String,
+        /// Why.
+        cause: LostCause,
+    },
+    /// A record could not be read or written.
+    #[error("{drive}: {what}: {error}")]
+    Record {
+        /// The drive.
+        drive: String,
+        /// What was tried.
+        what: String,
+        /// Why it failed.
+        error: ServiceError,
+    },
+    /// The drive refused one parameter.
+    #[error("{drive}: {refusal}")]
+    Refused {
+        /// The drive.
+        drive: String,
+        /// Which parameter and why.
+        refusal: Refusal,
+    },
+    /// A parameter or value that cannot be used; nothing was sent.
+    #[error(transparent)]
+    Parameter(#[from] ParameterProblem),
+    /// The drive's answer cannot be understood.
+    #[error("{drive}: the answer to the parameter request cannot be understood: {reason}")]
+    Malformed {
+        /// The drive.
+        drive: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The axis did not do what was wanted.
+    #[error("{drive}: {trouble}")]
+    Axis {
+        /// The drive.
+        drive: String,
+        /// What happened.
+        trouble: Trouble,
+    },
+    /// A speed that the caller did not allow.
+    #[error("{wanted} rpm is above the limit of {limit} rpm")]
+    SpeedLimit {
+        /// Speed wanted.
+        wanted: f64,
+        /// Speed allowed.
+        limit: f64,
+    },
+    /// The drive's model is not known well enough for this.
+    #[error("{drive}: {what} is not known for vendor 0x{vendor_id:04X} device 0x{device_id:04X}")]
+    UnknownModel {
+        /// The drive.
+        drive: String,
+        /// What would have to be known.
+        what: &'static str,
+        /// Vendor.
+        vendor_id: u16,
+        /// Device.
+        device_id: u16,
+    },
+    /// Nothing came back in time.
+    #[error("{drive}: {what}: nothing within {} ms", .limit.as_millis())]
+    Timeout {
+        /// The drive.
+        drive: String,
+        /// What was waited for.
+        what: &'static str,
+        /// How long.
+        limit: Duration,
+    },
+    /// Asked for something that cannot be.
+    #[error(transparent)]
+    Misuse(#[from] Misuse),
+}
+
+/// One parameter that a drive refused to read or write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Refusal {
+    /// Number and element.
+    pub shown: Shown,
+    /// Name, where known.
+    pub name: Option<&'static str>,
+    /// True for a write.
+    pub write: bool,
+    /// The drive's error number.
+    pub number: ErrorNumber,
+    /// Additional information of the drive: often the element at fault.
+    pub information: Option<u16>,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verb = if self.write { "writing" } else { "reading" };
+        match self.name {
+            Some(name) => write!(f, "{verb} {name} ({}) refused: {}", self.shown, self.number)?,
+            None => write!(f, "{verb} {} refused: {}", self.shown, self.number)?,
+        }
+        self.information.filter(|&info| info != 0).map_or(Ok(()), |info| write!(f, " (information {info})"))
+    }
+}
+
+fn heard(stations: &[Station]) -> String {
+    if stations.is_empty() {
+        return "; nobody else answered either".into();
+    }
+    let names: Vec<String> = stations.iter().map(describe).collect();
+    format!("; heard: {}", names.join(", "))
+}
+
+/// A station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
+#[must_use]
+pub fn describe(station: &Station) -> String {
+    let name = if station.name.is_empty() { "no name" } else { &station.name };
+    if station.ip.is_set() {
+        format!("{name} ({}, {})", station.mac, station.ip.address)
+    } else {
+        format!("{name} ({}, no IP address)", station.mac)
+    }
+}
+
+fn join(macs: &[MacAddress]) -> String {
+    macs.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ")
+}
+
+impl Error {
+    /// What to do about it, where that can be said.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        Some(match self {
+            Self::NotFound { heard, .. } if heard.is_empty() => {
+                "check cable, interface and power; `profidrive scan` lists who answers".into()
+            }
+            Self::NotFound { .. } => "`profidrive scan` lists who answers".into(),
+            Self::Ambiguous { .. } => {
+                "use the MAC address; `profidrive blink MAC` shows which is which, `profidrive name MAC NAME` renames one"
+                    .into()
+            }
+            Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
+            Self::OwnedByController { .. } => {
+                "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
+            }
+            Self::Refused { refusal, .. } => refusal.number.what_to_do()?.into(),
+            Self::Parameter(problem) => problem.hint()?,
+            Self::Axis { trouble, .. } => match trouble {
+                Trouble::Fault => "`profidrive info DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",
+                Trouble::FaultStays => "remove the cause, then acknowledge again",
+                Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
+                Trouble::StuckIn { .. } => {
+                    "check enable inputs, STO and DC bus: `profidrive read DRIVE DRV.DISSOURCES`"
+                }
+                Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
+                Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
+            }
+            .into(),
+            Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),
+            Self::ConnectionLost { .. } => {
+                "the drive stops by itself (AKD: F702); `profidrive ack DRIVE` once it is reachable again".into()
+            }
+            _ => return None,
+        })
+    }
+}
