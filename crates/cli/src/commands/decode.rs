@@ -30,8 +30,8 @@ fn bytes(hex: &str, side: Option<Side>, request: Option<&str>, output: &Output) 
     if output.json() {
         output.document("decode", decoded.fields);
     } else {
-        for line in decoded.lines {
-            output.line(&line);
+        for (weight, line) in decoded.lines {
+            output.line(&painted(weight, &line, output));
         }
     }
     Ok(())
@@ -149,14 +149,25 @@ fn line(note: &Note, output: &Output) -> String {
     } else {
         format!("{} > {}", note.from, note.to)
     };
-    let (mark, colour) = match note.weight {
-        Weight::Normal => (" ", None),
-        Weight::Warning => ("!", Some(Colour::Warning)),
-        Weight::Error => ("#", Some(Colour::Fault)),
+    let mark = match note.weight {
+        Weight::Normal => " ",
+        Weight::Warning => "!",
+        Weight::Error => "#",
     };
-    let text = format!("{mark} {:<9} {}", note.topic, note.text);
-    let text = colour.map_or_else(|| text.clone(), |colour| output.paint(colour, &text));
+    let text = painted(
+        note.weight,
+        &format!("{mark} {:<9} {}", note.topic, note.text),
+        output,
+    );
     format!("{:>12} {who:<40} {text}", time(note.at))
+}
+
+fn painted(weight: Weight, text: &str, output: &Output) -> String {
+    match weight {
+        Weight::Normal => text.to_owned(),
+        Weight::Warning => output.paint(Colour::Warning, text),
+        Weight::Error => output.paint(Colour::Fault, text),
+    }
 }
 
 fn time(at: Duration) -> String {

@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use crate::args::{Explain, Kind};
 use crate::failure::Failure;
 use crate::fields;
+use crate::job;
 use crate::output::Output;
 use crate::render::{hex16, words};
 
@@ -49,7 +50,18 @@ fn explain(text: &str, kind: Kind) -> Result<Explained, Failure> {
         }
         Kind::Fault => fault(text)?,
         Kind::Pnio => pnio(text)?,
-        Kind::Error | Kind::Format => return Err(Failure::usage("not part of this build")),
+        Kind::Error => {
+            let mut lines = Vec::new();
+            let fields = job::explain_error(word(text)?, &mut lines);
+            (lines, fields)
+        }
+        Kind::Format => {
+            let code = u8::try_from(word(text)?)
+                .map_err(|_| Failure::usage(format!("`{text}`: format codes have one octet")))?;
+            let mut lines = Vec::new();
+            let fields = job::explain_format(code, &mut lines);
+            (lines, fields)
+        }
     })
 }
 

@@ -27,8 +27,8 @@ pub struct Jobs {
 impl Jobs {
     /// A request was written.
     pub fn request(&mut self, write: &WriteRequest, data: &[u8], sink: &mut Sink<'_>) {
-        for line in crate::job::request_lines(data) {
-            sink.note(Weight::Normal, "parameter", line);
+        for (weight, line) in crate::job::request_lines(data) {
+            sink.note(weight, "parameter", line);
         }
         if self.open.len() < MAX_OPEN {
             self.open.insert(

@@ -1,6 +1,7 @@
 //! Tables, words and live views. Knows how things look, nothing of where they come from.
 
 pub mod table;
+pub mod value;
 pub mod words;
 
 /// `0x047F` for a 16-bit word.

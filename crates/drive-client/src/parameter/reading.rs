@@ -2,6 +2,7 @@
 
 use profidrive::catalogue::Parameter;
 use profidrive::notation::Shown;
+use profidrive::parameter::{CodeSpace, Format, Kind};
 
 use super::check::sign_extend;
 use super::{Parameters, Selection};
@@ -66,6 +67,23 @@ pub enum Interpretation {
     Text,
     /// Octets.
     Octets,
+}
+
+impl Interpretation {
+    /// What a format code says about the octets.
+    #[must_use]
+    pub fn of(format: Format, space: CodeSpace) -> Self {
+        match format {
+            Format::BYTE | Format::WORD | Format::DOUBLE_WORD => Self::Plain,
+            _ => match format.info(space).map(|row| row.kind) {
+                Some(Kind::Signed) => Self::Signed,
+                Some(Kind::Unsigned) => Self::Unsigned,
+                Some(Kind::Float) => Self::Float,
+                Some(Kind::Text) => Self::Text,
+                Some(Kind::Octets | Kind::None) | None => Self::Octets,
+            },
+        }
+    }
 }
 
 impl Reading {
