@@ -1,6 +1,5 @@
 //! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
 
-mod control;
 mod faults;
 mod motion;
 mod parameters;
@@ -12,15 +11,15 @@ mod writing;
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use profidrive::state::{FaultReaction, Machine, SetpointChannel};
 use profinet::Instant;
 
-pub use parameters::Refusal;
+pub use profidrive::state::State;
 pub use settings::Mode;
 
 use crate::axis::Axis;
 use crate::model::{Live, Model};
 use crate::store::{Image, ImageError, Values};
-use control::{Control, Decision};
 use faults::Faults;
 use settings::Settings;
 use signals::Process;
@@ -33,24 +32,6 @@ const MOST_EVENTS: usize = 64;
 
 /// Fault numbers whose cause lasts, at most.
 const MOST_CAUSES: usize = 8;
-
-/// State of the general state machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum State {
-    /// Switching on inhibited.
-    #[default]
-    S1,
-    /// Ready for switching on.
-    S2,
-    /// Switched on.
-    S3,
-    /// Operation.
-    S4,
-    /// Switching off on the ramp.
-    S5RampStop,
-    /// Switching off with quick stop.
-    S5QuickStop,
-}
 
 /// Something that happened in the drive and that its owner may want to know or must do.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,6 +66,17 @@ pub enum Disconnect {
     Released,
     /// It broke.
     Lost,
+}
+
+/// What the service channel (DRV.EN) does with the power stage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Service {
+    /// Nothing.
+    Off,
+    /// Switches it on in the next step.
+    Starting,
+    /// Has it on.
+    On,
 }
 
 /// What is known of the controller.
@@ -137,16 +129,17 @@ pub struct Drive {
     values: Values,
     settings: Settings,
     saved: Option<String>,
-    control: Control,
-    decision: Decision,
+    machine: Machine,
+    channel: SetpointChannel,
+    /// Reaction to the faults that came since the last step of the machine.
+    reaction: Option<FaultReaction>,
     faults: Faults,
     causes: [u16; MOST_CAUSES],
     axis: Axis,
     process: Process,
     link: Link,
-    jogging: bool,
-    /// The service channel has switched the power stage on.
-    service: bool,
+    service: Service,
+    clear_requested: bool,
     disable_requested: bool,
     stop_requested: bool,
     last: Instant,
@@ -166,15 +159,16 @@ impl Drive {
             values,
             settings,
             saved: None,
-            control: Control::default(),
-            decision: Decision::default(),
+            machine: Machine::new(),
+            channel: SetpointChannel::default(),
+            reaction: None,
             faults: Faults::default(),
             causes: [0; MOST_CAUSES],
             axis: Axis::new(model.plant),
             process: Process::default(),
             link: Link::None,
-            jogging: false,
-            service: false,
+            service: Service::Off,
+            clear_requested: false,
             disable_requested: false,
             stop_requested: false,
             last: Instant::ZERO,
@@ -233,7 +227,7 @@ impl Drive {
             return;
         }
         self.link = Link::None;
-        if cause == Disconnect::Lost || self.decision.pulses {
+        if cause == Disconnect::Lost || self.is_enabled() {
             self.raise(self.model.connection_lost_fault);
         }
     }
@@ -244,18 +238,15 @@ impl Drive {
     pub fn tick(&mut self, now: Instant, outputs: Option<&[u8]>, inputs: &mut [u8]) {
         let passed = now - self.last;
         self.last = now;
-        let acknowledged = self.take_outputs(outputs);
-        if acknowledged {
-            self.acknowledge();
-        }
-        self.decide();
-        if self.decision.pulses || self.service || !self.axis.is_at_rest() {
+        self.take_outputs(outputs);
+        let status = self.decide();
+        if self.is_enabled() || !self.axis.is_at_rest() {
             let command = self.command();
             self.axis
                 .step(passed.as_secs_f64(), command, &self.settings.tuning);
             self.supervise();
         }
-        self.process.status = self.status();
+        self.process.status = status | self.application_status();
         self.give_inputs(inputs);
     }
 
@@ -263,8 +254,8 @@ impl Drive {
     /// the input frames ticks it.
     #[must_use]
     pub fn next_tick(&self) -> Option<Instant> {
-        let idle =
-            !self.decision.pulses && !self.service && self.axis.is_at_rest() && !self.disable_requested;
+        let pending = self.reaction.is_some() || self.disable_requested || self.service == Service::Starting;
+        let idle = !self.is_enabled() && self.axis.is_at_rest() && !pending;
         if idle || self.link.is_cyclic() {
             None
         } else {
@@ -275,7 +266,7 @@ impl Drive {
     /// Profile state.
     #[must_use]
     pub const fn state(&self) -> State {
-        self.decision.state
+        self.machine.state()
     }
 
     /// The mechanics, to look at.
@@ -289,8 +280,8 @@ impl Drive {
         self.axis.set_load(torque);
     }
 
-    /// Makes a fault happen, as if the drive had found it. A lasting one comes back after each acknowledge until
-    /// [`remove_cause`](Self::remove_cause).
+    /// Makes a fault happen, as if the drive had found it. A lasting one cannot be acknowledged before
+    /// [`remove_cause`](Self::remove_cause) ends its cause.
     pub fn inject_fault(&mut self, number: u16, lasting: bool) {
         if lasting
             && !self.causes.contains(&number)
@@ -312,8 +303,8 @@ impl Drive {
 
     /// True while the power stage is on (DRV.ACTIVE).
     #[must_use]
-    pub const fn is_enabled(&self) -> bool {
-        self.decision.pulses || self.service
+    pub fn is_enabled(&self) -> bool {
+        self.state().pulses()
     }
 
     /// True while there is a fault that is not acknowledged.
@@ -329,32 +320,27 @@ impl Drive {
     }
 
     const fn is_quick_stopping(&self) -> bool {
-        matches!(self.decision.state, State::S5QuickStop)
+        matches!(self.state(), State::S5Quick)
     }
 
     /// Bit 10 of the control word: the controller has control.
     const fn is_controlled_by_bus(&self) -> bool {
         matches!(self.link, Link::Cyclic { running: true, .. })
-            && self.process.received & signals::STW1_BY_PLC != 0
+            && self.process.control & signals::STW1_BY_PLC != 0
     }
 
     fn raise(&mut self, number: u16) {
         if self.faults.raise(number) {
-            self.emit(Event::Fault { number });
-        }
-    }
-
-    /// Acknowledges what can be acknowledged; faults whose cause lasts come back at once.
-    fn acknowledge(&mut self) {
-        if !self.faults.is_present() {
-            return;
-        }
-        self.faults.acknowledge();
-        self.emit(Event::Acknowledged);
-        for cause in self.causes {
-            if cause != 0 {
-                self.raise(cause);
+            let stops = self.model.stopping_faults.contains(&number);
+            let reaction = if stops {
+                FaultReaction::QuickStop
+            } else {
+                FaultReaction::Coast
+            };
+            if self.reaction != Some(FaultReaction::Coast) {
+                self.reaction = Some(reaction);
             }
+            self.emit(Event::Fault { number });
         }
     }
 

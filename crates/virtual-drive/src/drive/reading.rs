@@ -2,7 +2,9 @@
 
 use profidrive::catalogue::{Parameter, Size};
 
-use super::{Drive, Mode, Refusal};
+use profidrive::parameter::ErrorNumber;
+
+use super::{Drive, Mode, Service};
 use crate::model::{Live, Quantity, Sensor, Table};
 
 /// Signal numbers have PNUs of their own in this range (PNU 923 tells which).
@@ -23,18 +25,18 @@ const MOTION_SERVICE: i64 = 1 << 9;
 
 impl Drive {
     /// The number of one element as on the wire (sign included); `position` is the place in the catalogue.
-    pub(super) fn read(&self, position: usize, element: u16) -> Result<i64, Refusal> {
+    pub(super) fn element(&self, position: usize, element: u16) -> Result<i64, ErrorNumber> {
         let parameter = self
             .model
             .catalogue
             .parameters
             .get(position)
-            .ok_or(Refusal::UNKNOWN)?;
+            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
         if element >= parameter.elements {
             return Err(if parameter.is_array() {
-                Refusal::SUBINDEX
+                ErrorNumber::SUBINDEX
             } else {
-                Refusal::NO_ARRAY
+                ErrorNumber::NO_ARRAY
             });
         }
         Ok(self.number(position, parameter, element))
@@ -57,7 +59,7 @@ impl Drive {
             Live::Measured(Quantity::Angle) => wrap(self.axis.position(), parameter),
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Same(other) => self.same(parameter, other),
-            Live::ControlWord => i64::from(self.process.received),
+            Live::ControlWord => i64::from(self.process.control),
             Live::StatusWord => i64::from(self.process.status),
             Live::Telegram => i64::from(self.telegram_number()),
             Live::OperatingMode => match self.settings.mode {
@@ -83,7 +85,12 @@ impl Drive {
                 } else {
                     0
                 };
-                quick | if self.service { MOTION_SERVICE } else { 0 }
+                quick
+                    | if self.service != Service::Off {
+                        MOTION_SERVICE
+                    } else {
+                        0
+                    }
             }
             // Bit 6: torque is allowed, there is no STO. No limit switch is touched, no input disables.
             Live::Inputs => 1 << 6,

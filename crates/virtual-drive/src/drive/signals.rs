@@ -6,8 +6,6 @@ use super::{Drive, Link};
 
 /// STW1 bit 10, control by PLC.
 pub(super) const STW1_BY_PLC: u16 = 1 << 10;
-/// STW1 bit 7, acknowledge.
-const STW1_ACKNOWLEDGE: u16 = 1 << 7;
 
 /// Signal numbers, which on this model are PNUs too.
 mod number {
@@ -91,8 +89,6 @@ pub(super) struct Process {
     /// Place of the telegram in the table.
     telegram: usize,
     /// Control word as received last.
-    pub received: u16,
-    /// Control word in effect: the last one with control by PLC.
     pub control: u16,
     /// Status word as sent last.
     pub status: u16,
@@ -104,7 +100,6 @@ impl Default for Process {
     fn default() -> Self {
         Self {
             telegram: 0,
-            received: 0,
             control: 0,
             status: 0x0240,
             speed: 0.0,
@@ -148,19 +143,17 @@ impl Drive {
         matches!(self.link, Link::Cyclic { running: true, .. })
     }
 
-    /// Takes the outputs of the controller over; true when it acknowledges faults.
-    ///
-    /// A control word without control by PLC changes nothing but what PNU 1 shows: the drive keeps the last one.
-    pub(super) fn take_outputs(&mut self, outputs: Option<&[u8]>) -> bool {
+    /// Takes the outputs of the controller over. Setpoints beside a control word without control by PLC are ignored.
+    pub(super) fn take_outputs(&mut self, outputs: Option<&[u8]>) {
         let Link::Cyclic { running, .. } = &mut self.link else {
-            return false;
+            return;
         };
         let Some(outputs) = outputs else {
             let stopped = core::mem::replace(running, false);
             if stopped && self.settings.fault_on_stop {
                 self.raise(self.model.connection_lost_fault);
             }
-            return false;
+            return;
         };
         *running = true;
         let word = |place: usize| {
@@ -170,7 +163,6 @@ impl Drive {
                 .map_or(0, u16::from_be_bytes)
         };
         let setpoints = self.words().setpoints;
-        let mut acknowledged = false;
         let mut place = 0;
         while let Some(signal) = setpoints.get(place) {
             let double = setpoints.get(place + 1) == Some(signal) && *signal != 0;
@@ -181,18 +173,14 @@ impl Drive {
             };
             place += if double { 2 } else { 1 };
             if *signal == number::STW1 {
-                let control = word(0);
-                self.process.received = control;
-                if control & STW1_BY_PLC == 0 {
-                    return false;
+                self.process.control = word(0);
+                if self.process.control & STW1_BY_PLC == 0 {
+                    return;
                 }
-                acknowledged = control & !self.process.control & STW1_ACKNOWLEDGE != 0;
-                self.process.control = control;
             } else {
                 self.take_setpoint(*signal, raw);
             }
         }
-        acknowledged
     }
 
     fn take_setpoint(&mut self, signal: u16, raw: u32) {
@@ -204,9 +192,9 @@ impl Drive {
                 // 0 is no ramp at all; the drive keeps what it has.
                 if raw != 0
                     && let Some(position) = self.model.catalogue.position(signal)
-                    && self.read(position, 0) != Ok(i64::from(raw))
+                    && self.element(position, 0) != Ok(i64::from(raw))
                 {
-                    let _ = self.write(position, 0, i64::from(raw));
+                    let _ = self.set_element(position, 0, i64::from(raw));
                 }
             }
             0 => {}
@@ -229,7 +217,7 @@ impl Drive {
         for (word, signal) in inputs.chunks_exact_mut(2).zip(self.words().actuals) {
             let position = self.model.catalogue.position(*signal).filter(|_| *signal != 0);
             let raw = position
-                .and_then(|position| self.read(position, 0).ok())
+                .and_then(|position| self.element(position, 0).ok())
                 .unwrap_or(0);
             let double = position
                 .and_then(|position| self.model.catalogue.parameters.get(position))

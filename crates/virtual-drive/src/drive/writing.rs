@@ -2,7 +2,9 @@
 
 use profidrive::catalogue::{Access, Parameter};
 
-use super::{Drive, Event, Mode, Refusal};
+use profidrive::parameter::ErrorNumber;
+
+use super::{Drive, Event, Mode, Service};
 use crate::model::{Action, Live};
 use crate::store::Image;
 
@@ -10,22 +12,22 @@ impl Drive {
     /// Writes the number of one element as on the wire (sign included); `position` is the place in the catalogue.
     ///
     /// The order of the checks: known, subindex, read-only, state, limits, permitted value.
-    pub(super) fn write(&mut self, position: usize, element: u16, raw: i64) -> Result<(), Refusal> {
+    pub(super) fn set_element(&mut self, position: usize, element: u16, raw: i64) -> Result<(), ErrorNumber> {
         let parameter = self
             .model
             .catalogue
             .parameters
             .get(position)
-            .ok_or(Refusal::UNKNOWN)?;
+            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
         if element >= parameter.elements {
             return Err(if parameter.is_array() {
-                Refusal::SUBINDEX
+                ErrorNumber::SUBINDEX
             } else {
-                Refusal::NO_ARRAY
+                ErrorNumber::NO_ARRAY
             });
         }
         if parameter.access == Access::ReadOnly {
-            return Err(Refusal::READ_ONLY);
+            return Err(ErrorNumber::NOT_CHANGEABLE);
         }
         match self.live.get(position).copied().unwrap_or(Live::Stored) {
             Live::Do(action) => self.execute(action)?,
@@ -37,28 +39,28 @@ impl Drive {
             Live::OperatingMode => {
                 let mode = match raw {
                     1 | 2 => raw,
-                    _ => return Err(Refusal::VALUE),
+                    _ => return Err(ErrorNumber::VALUE),
                 };
                 let position = self
                     .model
                     .roles
                     .mode
                     .and_then(|pnu| self.model.catalogue.position(pnu));
-                self.set_mode(position.ok_or(Refusal::STATE)?, mode)?;
+                self.set_mode(position.ok_or(ErrorNumber::NOT_NOW)?, mode)?;
             }
             Live::Telegram => {
                 if self.link.is_cyclic() {
-                    return Err(Refusal::STATE);
+                    return Err(ErrorNumber::NOT_NOW);
                 }
-                let number = u16::try_from(raw).map_err(|_| Refusal::VALUE)?;
-                self.choose_telegram(number).map_err(|()| Refusal::VALUE)?;
+                let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
+                self.choose_telegram(number).map_err(|()| ErrorNumber::VALUE)?;
             }
             // Setpoints come with the cyclic data only: a setpoint without a watchdog would be dangerous.
-            Live::Measured(_) => return Err(Refusal::PRIORITY),
+            Live::Measured(_) => return Err(ErrorNumber::NO_RIGHTS),
             // The telegram says what these are.
-            Live::Array(_) => return Err(Refusal::STATE),
+            Live::Array(_) => return Err(ErrorNumber::NOT_NOW),
             Live::Stored if super::signals::is_setpoint(parameter.pnu) && self.link.is_cyclic() => {
-                return Err(Refusal::STATE);
+                return Err(ErrorNumber::NOT_NOW);
             }
             _ => {
                 self.within_limits(parameter, raw)?;
@@ -69,23 +71,27 @@ impl Drive {
         Ok(())
     }
 
-    fn within_limits(&self, parameter: &Parameter, raw: i64) -> Result<(), Refusal> {
+    fn within_limits(&self, parameter: &Parameter, raw: i64) -> Result<(), ErrorNumber> {
         let (low, high) = parameter.raw_limits(&self.settings.scaling);
         if (low..=high).contains(&raw) {
             Ok(())
         } else {
-            Err(Refusal::LIMIT)
+            Err(ErrorNumber::LIMIT)
         }
     }
 
-    fn write_same(&mut self, parameter: &Parameter, other: u16, raw: i64) -> Result<(), Refusal> {
-        let position = self.model.catalogue.position(other).ok_or(Refusal::UNKNOWN)?;
+    fn write_same(&mut self, parameter: &Parameter, other: u16, raw: i64) -> Result<(), ErrorNumber> {
+        let position = self
+            .model
+            .catalogue
+            .position(other)
+            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
         let target = self
             .model
             .catalogue
             .parameters
             .get(position)
-            .ok_or(Refusal::UNKNOWN)?;
+            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
         let raw = if parameter.scale == target.scale {
             raw
         } else {
@@ -97,27 +103,26 @@ impl Drive {
         Ok(())
     }
 
-    fn set_mode(&mut self, position: usize, raw: i64) -> Result<(), Refusal> {
+    fn set_mode(&mut self, position: usize, raw: i64) -> Result<(), ErrorNumber> {
         let same = self.values.at(position) == raw;
         if self.is_enabled() && !same {
-            return Err(Refusal::STATE);
+            return Err(ErrorNumber::NOT_NOW);
         }
         self.values.set_at(position, raw);
         Ok(())
     }
 
     /// Does what a command says.
-    pub(super) fn execute(&mut self, action: Action) -> Result<(), Refusal> {
+    pub(super) fn execute(&mut self, action: Action) -> Result<(), ErrorNumber> {
         match action {
             Action::Enable => {
                 let by_service = !self.settings.commanded_by_bus && !self.is_controlled_by_bus();
                 if self.has_fault() || !by_service || self.settings.mode == Mode::Position {
-                    return Err(Refusal::STATE);
+                    return Err(ErrorNumber::NOT_NOW);
                 }
-                self.service = true;
+                self.service = Service::Starting;
             }
             Action::Disable => {
-                self.service = false;
                 self.disable_requested = self.is_enabled();
             }
             Action::Stop => {
@@ -126,7 +131,10 @@ impl Drive {
                     self.values.set(pnu, 0);
                 }
             }
-            Action::ClearFaults => self.acknowledge(),
+            Action::ClearFaults => {
+                self.clear_requested = true;
+                self.decide();
+            }
             Action::Save => {
                 let text = self.values.image().encode();
                 self.saved = Some(text.clone());
@@ -134,7 +142,7 @@ impl Drive {
             }
             Action::Load => {
                 if self.is_enabled() {
-                    return Err(Refusal::STATE);
+                    return Err(ErrorNumber::NOT_NOW);
                 }
                 let image = self
                     .saved
@@ -142,12 +150,12 @@ impl Drive {
                     .and_then(|text| Image::decode(text.as_bytes()).ok());
                 let restored = image.map(|image| self.values.restore(&image));
                 if !matches!(restored, Some(Ok(_))) {
-                    return Err(Refusal::STATE);
+                    return Err(ErrorNumber::NOT_NOW);
                 }
             }
             Action::Defaults => {
                 if self.is_enabled() {
-                    return Err(Refusal::STATE);
+                    return Err(ErrorNumber::NOT_NOW);
                 }
                 self.values.reset();
             }

@@ -3,6 +3,7 @@
 //! Source of the numbers: AKD PROFINET manual ed. M chapters 5 and 6; of the meanings `data/akd/`.
 
 use profidrive::catalogue;
+use profidrive::parameter::Dialect;
 
 use super::live::{Action, Live, Quantity, Sensor, Table};
 use super::{Model, Roles};
@@ -22,6 +23,8 @@ pub static AKD: Model = Model {
         cogging: 0.003,
         cogging_periods: 30.0,
     },
+    dialect: &Dialect::AKD,
+    stopping_faults: &[702],
     connection_lost_fault: 702,
     overspeed_fault: 302,
     profile: 0x0329,

@@ -11,6 +11,7 @@ pub use akd::AKD;
 pub use live::{Action, Live, Quantity, Sensor, Table};
 
 use profidrive::catalogue::Catalogue;
+use profidrive::parameter::Dialect;
 
 use crate::axis::Plant;
 
@@ -25,6 +26,10 @@ pub struct Model {
     pub roles: Roles,
     /// Motor and load of the virtual drive.
     pub plant: Plant,
+    /// How its parameter manager answers.
+    pub dialect: &'static Dialect,
+    /// Faults that stop the axis before the power stage goes off; all others switch it off at once.
+    pub stopping_faults: &'static [u16],
     /// Fault raised when the controller is lost.
     pub connection_lost_fault: u16,
     /// Fault raised when the speed exceeds the limit of [`Roles::overspeed`].
