@@ -3,13 +3,14 @@
 use std::collections::HashMap;
 
 use network::pcap::Writer;
+use profidrive::parameter::Dialect;
 use profinet::wire::block::{Block, BlockType, IocrRequest, IocrResponse, IocrType};
 use profinet::wire::ethernet::{self, Frame, FrameId};
 use profinet::wire::rpc::{Header, NdrRequest, NdrResponse, PacketType, operation};
 use profinet::wire::{DecodeError, Reader, rt};
 use profinet::{Instant, MacAddress};
 use system_tests::traffic::{Content, content, frames, streams};
-use system_tests::{capture_files, judge, rewrite};
+use system_tests::{capture_files, compare, judge, rewrite};
 
 const DEVICE: MacAddress = MacAddress([2, 0x50, 0x4E, 0, 0, 1]);
 
@@ -174,4 +175,14 @@ fn no_cycle_is_lost_in_the_recordings() {
         assert!(stream.frames > 50, "{streams:?}");
         assert_eq!(stream.lost, 0, "{streams:?}");
     }
+}
+
+/// The requests in the recordings (no device in them answers any) as the dissector and as we read them.
+#[test]
+fn the_dissector_and_we_read_the_same_parameter_jobs() {
+    let mut jobs = 0;
+    for file in capture_files() {
+        jobs += compare::same_parameters(&file, &Dialect::STANDARD);
+    }
+    assert!(jobs >= 2, "{jobs}");
 }

@@ -1,0 +1,133 @@
+//! No allocation on the hot paths, shown by an allocator that counts.
+//!
+//! In a test binary of its own: the counter is per thread, so the tests do not disturb each other.
+#![allow(unsafe_code)]
+
+use std::alloc::{GlobalAlloc, Layout as Memory, System};
+use std::cell::Cell;
+use std::hint::black_box;
+use std::time::Duration;
+
+use profidrive::parameter::{Attributes, Dialect, ErrorNumber, Format, ParameterAccess, ParameterAddress};
+use profidrive::parameter::{RequestId, Response, encode_read, serve};
+use profinet::cyclic::{Consumer, Provider, ProviderConfig, SubmoduleSize, Timing, pack};
+use profinet::wire::ethernet::{Frame, FrameId, Tag};
+use profinet::wire::rt::Iops;
+use profinet::{Instant, MacAddress};
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: hands everything to the system allocator unchanged; the counter needs no allocation itself.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, memory: Memory) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: same contract.
+        unsafe { System.alloc(memory) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, memory: Memory) {
+        // SAFETY: same contract.
+        unsafe { System.dealloc(pointer, memory) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, memory: Memory, size: usize) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: same contract.
+        unsafe { System.realloc(pointer, memory, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations that `work` makes.
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = COUNT.with(Cell::get);
+    work();
+    COUNT.with(Cell::get) - before
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(black_box(vec![1_u8; 10]))), 1);
+    assert_eq!(
+        allocations(|| {
+            black_box(1);
+        }),
+        0
+    );
+}
+
+const A: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
+const B: MacAddress = MacAddress([2, 0, 0, 0, 0, 2]);
+
+#[test]
+fn cyclic_frames_both_directions() {
+    let timing = Timing::for_interval(Duration::from_millis(1)).unwrap();
+    let (layout, _) = pack(&[SubmoduleSize::new(0x3A00, 1, 1, 4, 4)]).unwrap();
+    let config = ProviderConfig {
+        destination: A,
+        source: B,
+        tag: Some(Tag::PRIORITY_6),
+        frame_id: FrameId(0x8000),
+        timing,
+        origin: Instant::ZERO,
+    };
+    let mut provider = Provider::new(config, layout.clone(), Instant::ZERO);
+    let mut consumer = Consumer::new(B, FrameId(0x8000), timing, 3, layout);
+    let mut buffer = [0; 1518];
+    let mut run = |cycles: u64| {
+        for _ in 0..cycles {
+            let now = provider.next_send();
+            provider.set_data(1, 1, &[0x04, 0x7F, 0, 164], Iops::GOOD);
+            let length = provider.emit(now, &mut buffer).unwrap();
+            let frame = Frame::parse(&buffer[..length]).unwrap();
+            consumer.handle(now, &frame).unwrap();
+            assert_eq!(consumer.data(1, 1).unwrap().0, [0x04, 0x7F, 0, 164]);
+        }
+    };
+    run(10);
+    assert_eq!(allocations(|| run(10_000)), 0);
+    assert_eq!(consumer.statistics().missed, 0);
+}
+
+struct Drive;
+
+impl ParameterAccess for Drive {
+    fn attributes(&self, _: u16) -> Option<Attributes> {
+        Some(Attributes {
+            format: Format::UNSIGNED32,
+            octets: 4,
+            elements: 0,
+            writable: true,
+        })
+    }
+    fn read(&mut self, pnu: u16, _: u16) -> Result<u64, ErrorNumber> {
+        Ok(pnu.into())
+    }
+    fn write(&mut self, _: u16, _: u16, _: u64) -> Result<(), ErrorNumber> {
+        Ok(())
+    }
+}
+
+#[test]
+fn parameter_requests_and_answers() {
+    let addresses = [ParameterAddress::value(930, 0), ParameterAddress::value(922, 0)];
+    let mut request = [0; 240];
+    let mut answer = [0; 240];
+    let mut run = || {
+        let asked = encode_read(5, &Dialect::AKD, &addresses, &mut request).unwrap();
+        let answered = serve(&request[..asked], &Dialect::AKD, &mut Drive, &mut answer).unwrap();
+        let response =
+            Response::parse(&answer[..answered], RequestId::Read, 5, &addresses, &Dialect::AKD).unwrap();
+        assert_eq!(response.answers().count(), 2);
+        let change = [5, 2, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, 0x43, 1, 0, 0, 0, 2];
+        assert_eq!(serve(&change, &Dialect::AKD, &mut Drive, &mut answer), Ok(6));
+    };
+    run();
+    assert_eq!(allocations(run), 0);
+}
