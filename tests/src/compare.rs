@@ -14,10 +14,13 @@ use crate::traffic::{Content, content, frames};
 /// Records that carry parameter jobs.
 const PARAMETER_RECORDS: [u16; 3] = [0x002F, 0xB02E, 0xB02F];
 
+/// What the present answer of a record belongs to.
+type Asked = (RequestId, u8, Vec<ParameterAddress>);
+
 /// All PROFIdrive parameter frames of a capture as our decoders read them.
 #[must_use]
 pub fn parameter_frames(capture: &Path, dialect: &Dialect) -> Vec<ParameterFrame> {
-    let mut open: HashMap<([u8; 16], u16), (RequestId, u8, Vec<ParameterAddress>)> = HashMap::new();
+    let mut open: HashMap<([u8; 16], u16), Asked> = HashMap::new();
     let mut found = Vec::new();
     for (number, bytes) in frames(capture) {
         let Content::Rpc { payload, .. } = content(&bytes) else {
