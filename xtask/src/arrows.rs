@@ -25,6 +25,29 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("xtask", &[]),
+    // tests and benchmarks look at everything, and nobody looks at them
+    (
+        "system-tests",
+        &[
+            "profidrive",
+            "profinet",
+            "virtual-drive",
+            "drive-client",
+            "network",
+        ],
+    ),
+    (
+        "comparisons",
+        &[
+            "profidrive",
+            "profinet",
+            "virtual-drive",
+            "drive-client",
+            "network",
+            "system-tests",
+        ],
+    ),
+    ("pnio-device", &[]),
 ];
 
 /// Outside crates that would bring sockets, threads or clocks into a protocol room.

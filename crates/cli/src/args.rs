@@ -1,5 +1,8 @@
 //! The command line: types and help texts only, no behaviour.
 
+// help texts are printed as they stand: `947[0..7]` is no link
+#![allow(rustdoc::broken_intra_doc_links)]
+
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
 use std::time::Duration;
