@@ -1,6 +1,5 @@
 //! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
 
-mod faults;
 mod motion;
 mod parameters;
 mod reading;
@@ -11,6 +10,7 @@ mod writing;
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use profidrive::fault::{Fault, FaultBuffer};
 use profidrive::state::{FaultReaction, Machine, SetpointChannel};
 use profinet::Instant;
 
@@ -20,7 +20,6 @@ pub use settings::Mode;
 use crate::axis::Axis;
 use crate::model::{Live, Model};
 use crate::store::{Image, ImageError, Values};
-use faults::Faults;
 use settings::Settings;
 use signals::Process;
 
@@ -133,7 +132,7 @@ pub struct Drive {
     channel: SetpointChannel,
     /// Reaction to the faults that came since the last step of the machine.
     reaction: Option<FaultReaction>,
-    faults: Faults,
+    faults: FaultBuffer,
     causes: [u16; MOST_CAUSES],
     axis: Axis,
     process: Process,
@@ -162,7 +161,7 @@ impl Drive {
             machine: Machine::new(),
             channel: SetpointChannel::default(),
             reaction: None,
-            faults: Faults::default(),
+            faults: FaultBuffer::new(),
             causes: [0; MOST_CAUSES],
             axis: Axis::new(model.plant),
             process: Process::default(),
@@ -310,13 +309,13 @@ impl Drive {
     /// True while there is a fault that is not acknowledged.
     #[must_use]
     pub fn has_fault(&self) -> bool {
-        self.faults.is_present()
+        !self.faults.active().is_empty()
     }
 
     /// Entry of the fault buffer (PNU 947): situation times 8 plus place, 0 where nothing is.
     #[must_use]
     pub fn fault_number(&self, index: u16) -> u16 {
-        self.faults.number(usize::from(index))
+        self.faults.element(index).map_or(0, |fault| fault.number)
     }
 
     const fn is_quick_stopping(&self) -> bool {
@@ -329,19 +328,24 @@ impl Drive {
             && self.process.control & signals::STW1_BY_PLC != 0
     }
 
+    /// Puts a fault that is not there already into the buffer and starts its reaction.
     fn raise(&mut self, number: u16) {
-        if self.faults.raise(number) {
+        let fault = Fault {
+            number,
+            ..Fault::default()
+        };
+        if self.faults.is_active(number) || !self.faults.raise(fault) {
+            return;
+        }
+        if self.reaction != Some(FaultReaction::Coast) {
             let stops = self.model.stopping_faults.contains(&number);
-            let reaction = if stops {
+            self.reaction = Some(if stops {
                 FaultReaction::QuickStop
             } else {
                 FaultReaction::Coast
-            };
-            if self.reaction != Some(FaultReaction::Coast) {
-                self.reaction = Some(reaction);
-            }
-            self.emit(Event::Fault { number });
+            });
         }
+        self.emit(Event::Fault { number });
     }
 
     /// Takes changed parameters over.
@@ -352,7 +356,10 @@ impl Drive {
     /// Finds faults in what the axis does.
     fn supervise(&mut self) {
         let limit = self.settings.overspeed;
-        if limit > 0.0 && self.axis.speed().abs() > limit && !self.faults.has(self.model.overspeed_fault) {
+        if limit > 0.0
+            && self.axis.speed().abs() > limit
+            && !self.faults.is_active(self.model.overspeed_fault)
+        {
             self.raise(self.model.overspeed_fault);
         }
     }
@@ -363,5 +370,7 @@ impl Drive {
 #[error("this drive has no telegram {0}")]
 pub struct UnknownTelegram(pub u16);
 
+#[cfg(test)]
+mod conformance;
 #[cfg(test)]
 mod tests;

@@ -8,7 +8,7 @@ use profidrive::parameter::ErrorNumber;
 /// ZSW1 bits 0, 1, 2, 4, 5, 6.
 const MASK: u16 = 0x0077;
 
-pub(super) struct Bench {
+pub(crate) struct Bench {
     pub drive: Drive,
     pub now: Instant,
     pub status: u16,
