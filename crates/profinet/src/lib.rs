@@ -7,6 +7,7 @@
 extern crate alloc;
 
 pub mod alarm;
+pub mod controller;
 pub mod cyclic;
 mod endpoint;
 pub mod rpc;

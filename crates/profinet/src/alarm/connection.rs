@@ -293,10 +293,16 @@ impl Alarms {
         self.error = Some(status);
     }
 
+    /// Writes the ERR PDU asked for by [`abort`](Self::abort), and nothing else.
+    pub fn poll_error(&mut self, buffer: &mut [u8]) -> Option<usize> {
+        let status = self.error.take()?;
+        emit_error(buffer, &self.config, status)
+    }
+
     /// Writes the next frame to send; returns its length.
     pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
-        if let Some(status) = self.error.take() {
-            return emit_error(buffer, &self.config, status);
+        if let Some(length) = self.poll_error(buffer) {
+            return Some(length);
         }
         let config = self.config;
         for (side, id, tag) in [

@@ -192,6 +192,11 @@ impl Consumer {
         self.state = ConsumerState::Expired;
     }
 
+    /// Waits for a first frame again: gaps during an advanced start-up are no loss.
+    pub const fn restart(&mut self) {
+        self.state = ConsumerState::Waiting;
+    }
+
     /// Present state.
     #[must_use]
     pub const fn state(&self) -> ConsumerState {
