@@ -12,3 +12,4 @@ pub mod fault;
 pub mod notation;
 pub mod parameter;
 pub mod state;
+pub mod telegram;

@@ -1,0 +1,226 @@
+//! Free telegrams: the mapping out of PNU 915 or 916.
+
+use thiserror::Error;
+
+use super::{Direction, Field, SetError, Signal};
+
+/// Words of a free telegram at most: the PNU 915 and 916 of the drives known here have 16.
+const MOST_WORDS: usize = 32;
+
+/// Half of a free telegram (telegram 0, AKD telegram 400), made out of the signal numbers of PNU 915 or 916.
+/// Source: AKD manual 5.8, 5.11.1 and 5.11.10; AKD2G web help (STW1 and ZSW1 come first).
+///
+/// A signal of more than one word stands in as many words one after the other. Reading and writing does not allocate.
+///
+/// ```
+/// use profidrive::telegram::{Direction, KOLLMORGEN, Mapping, signal};
+/// let mapping = Mapping::new(&[2, 6, 28, 28, 0, 0], KOLLMORGEN, Direction::Actual).unwrap();
+/// assert_eq!(mapping.get(&[0x02, 0x37, 0, 0, 0, 0, 0, 7, 0, 0, 0, 0], signal::XIST_A), Some(7));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mapping {
+    fields: [Option<Field>; MOST_WORDS],
+    octets: u16,
+}
+
+/// Why signal numbers are no mapping.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum MappingError {
+    /// More words than this crate handles.
+    #[error("a telegram of {words} words, {MOST_WORDS} are possible")]
+    Long {
+        /// Words asked for.
+        words: usize,
+    },
+    /// The drive has no such signal.
+    #[error("word {word}: no signal {signal}")]
+    Unknown {
+        /// Position, from 0.
+        word: usize,
+        /// Signal number.
+        signal: u16,
+    },
+    /// The signal goes the other way.
+    #[error("word {word}: {signal} goes the other way")]
+    Direction {
+        /// Position, from 0.
+        word: usize,
+        /// Signal name.
+        signal: &'static str,
+    },
+    /// A signal of several words does not stand in all of them.
+    #[error("word {word}: {signal} needs {words} words one after the other")]
+    Cut {
+        /// Position of the first, from 0.
+        word: usize,
+        /// Signal name.
+        signal: &'static str,
+        /// Words it needs.
+        words: u16,
+    },
+    /// The first word is not STW1 or ZSW1.
+    #[error("the first word is signal {signal}, not STW1 or ZSW1")]
+    First {
+        /// Signal number there.
+        signal: u16,
+    },
+}
+
+impl Mapping {
+    /// A mapping for a drive of this vendor; `direction` says if it is that of PNU 915 (setpoint) or 916 (actual).
+    ///
+    /// # Errors
+    /// What is wrong, and in which word.
+    pub fn new(words: &[u16], vendor: u16, direction: Direction) -> Result<Self, MappingError> {
+        if words.len() > MOST_WORDS {
+            return Err(MappingError::Long { words: words.len() });
+        }
+        if let Some(first) = words.first()
+            && !matches!(
+                (direction, first),
+                (Direction::Setpoint, 1) | (Direction::Actual, 2) | (Direction::Either, 1 | 2)
+            )
+        {
+            return Err(MappingError::First { signal: *first });
+        }
+        let mut mapping = Self {
+            fields: [None; MOST_WORDS],
+            octets: 0,
+        };
+        let mut covered = 0;
+        for ((word, number), place) in words.iter().enumerate().zip(&mut mapping.fields) {
+            let offset = mapping.octets;
+            mapping.octets += 2;
+            if word < covered || *number == 0 {
+                continue;
+            }
+            let signal = Signal::find(*number, vendor).ok_or(MappingError::Unknown {
+                word,
+                signal: *number,
+            })?;
+            let fits = signal.direction == direction
+                || Direction::Either == signal.direction
+                || Direction::Either == direction;
+            if !fits {
+                return Err(MappingError::Direction {
+                    word,
+                    signal: signal.name,
+                });
+            }
+            covered = word + usize::from(signal.octets() / 2);
+            let repeated = words
+                .get(word..covered)
+                .is_some_and(|words| words.iter().all(|other| other == number));
+            if !repeated {
+                return Err(MappingError::Cut {
+                    word,
+                    signal: signal.name,
+                    words: signal.octets() / 2,
+                });
+            }
+            *place = Some(Field { signal, offset });
+        }
+        Ok(mapping)
+    }
+
+    /// Length of the data.
+    #[must_use]
+    pub const fn octets(&self) -> u16 {
+        self.octets
+    }
+
+    /// The signals with their places, in order.
+    pub fn fields(&self) -> impl Iterator<Item = &Field> {
+        self.fields.iter().flatten()
+    }
+
+    /// First octet of the signal with this number.
+    #[must_use]
+    pub fn position_of(&self, signal: u16) -> Option<usize> {
+        let field = self.fields().find(|field| field.signal.number == signal);
+        field.map(|field| usize::from(field.offset))
+    }
+
+    /// Value of a signal; none when it is not mapped or the data are too short.
+    #[must_use]
+    pub fn get(&self, data: &[u8], signal: u16) -> Option<i64> {
+        self.fields()
+            .find(|field| field.signal.number == signal)?
+            .get(data)
+    }
+
+    /// Sets a signal.
+    ///
+    /// # Errors
+    /// It is not mapped, the value does not fit, or the data are too short. Nothing is changed then.
+    pub fn set(&self, data: &mut [u8], signal: u16, value: i64) -> Result<(), SetError> {
+        self.fields()
+            .find(|field| field.signal.number == signal)
+            .ok_or(SetError::NoSignal { signal })?
+            .set(data, value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{KOLLMORGEN, TELEGRAMS, signal};
+    use super::*;
+    use alloc::vec::Vec;
+
+    #[test]
+    fn the_words_of_each_fixed_telegram_make_the_same_places() {
+        for telegram in &TELEGRAMS {
+            if telegram
+                .setpoint
+                .words()
+                .next()
+                .is_some_and(|first| first != signal::STW1)
+            {
+                continue; // encoders
+            }
+            for (image, direction) in [
+                (&telegram.setpoint, Direction::Setpoint),
+                (&telegram.actual, Direction::Actual),
+            ] {
+                let words: Vec<_> = image.words().collect();
+                let mapping = Mapping::new(&words, telegram.vendor.unwrap_or(0), direction).unwrap();
+                assert_eq!(mapping.octets(), image.octets);
+                assert!(mapping.fields().eq(image.fields), "{}", telegram.number);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_refused() {
+        let new = |words: &[u16]| Mapping::new(words, KOLLMORGEN, Direction::Setpoint);
+        let error = |words: &[u16]| new(words).unwrap_err();
+        assert_eq!(error(&[5]), MappingError::First { signal: 5 });
+        assert_eq!(error(&[1, 999]), MappingError::Unknown { word: 1, signal: 999 });
+        let wrong_way = MappingError::Direction {
+            word: 1,
+            signal: "NIST_A",
+        };
+        assert_eq!(error(&[1, 6]), wrong_way);
+        let cut = MappingError::Cut {
+            word: 1,
+            signal: "MDI_TARPOS",
+            words: 2,
+        };
+        assert_eq!(error(&[1, 34]), cut);
+        assert_eq!(error(&[1, 34, 5]), cut);
+        assert_eq!(error(&[1; 33]), MappingError::Long { words: 33 });
+        assert_eq!(new(&[]).unwrap().octets(), 0);
+        assert_eq!(new(&[1, 0, 107]).unwrap().position_of(107), Some(4));
+    }
+
+    #[test]
+    fn values_in_place() {
+        let mapping = Mapping::new(&[1, 34, 34, 5], KOLLMORGEN, Direction::Setpoint).unwrap();
+        let mut data = [0; 8];
+        mapping.set(&mut data, signal::MDI_TARPOS, -2).unwrap();
+        mapping.set(&mut data, signal::NSOLL_A, 3).unwrap();
+        assert_eq!(data, [0, 0, 0xFF, 0xFF, 0xFF, 0xFE, 0, 3]);
+        let missing = Err(SetError::NoSignal { signal: 35 });
+        assert_eq!(mapping.set(&mut data, signal::MDI_VELOCITY, 1), missing);
+    }
+}
