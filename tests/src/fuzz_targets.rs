@@ -20,6 +20,8 @@ use profinet::wire::rpc::{
 };
 use profinet::wire::{ByteOrder, Reader, Uuid, dcp as wire_dcp, rt};
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
+use virtual_drive::drive::{Disconnect, Drive};
+use virtual_drive::model;
 use virtual_drive::store::Image;
 
 use crate::rewrite;
@@ -33,6 +35,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("blocks", blocks),
     ("dcp", dcp),
     ("description", description),
+    ("drive", drive),
     ("host", host),
     ("notation", notation),
     ("parameter_request", parameter_request),
@@ -383,6 +386,55 @@ pub fn pcap(data: &[u8]) {
         assert!(captured.frame.len() <= data.len());
         frames += 1;
         assert!(frames <= data.len(), "more frames than octets");
+    }
+}
+
+/// The virtual AKD: control words and setpoints (frames), parameter jobs (datagrams), connections lost and found (pauses).
+pub fn drive(data: &[u8]) {
+    let mut drive = Drive::new(&model::AKD);
+    let mut now = Instant::ZERO;
+    let mut out = [0; 512];
+    let mut connected = false;
+    for step in Steps(data) {
+        match step {
+            Step::Frame(outputs) => {
+                now += Duration::from_millis(16);
+                let mut inputs = [0; 4];
+                let outputs = outputs.first_chunk::<4>();
+                drive.tick(now, outputs.map(<[u8; 4]>::as_slice), &mut inputs);
+            }
+            Step::Datagram(job) => {
+                if let Ok(length) = drive.serve(job, &mut out) {
+                    assert!(length <= Dialect::AKD.max_block);
+                    assert_eq!(out[0], job[0]);
+                }
+            }
+            Step::Wait(time) => {
+                if connected {
+                    let cause = if time.as_millis() % 2 == 0 {
+                        Disconnect::Lost
+                    } else {
+                        Disconnect::Released
+                    };
+                    drive.disconnect(cause);
+                } else {
+                    let _ = drive.connect(1, Duration::from_millis(48));
+                }
+                connected = !connected;
+                now += time;
+                drive.tick(now, None, &mut []);
+            }
+        }
+        let speed = drive.axis().speed();
+        assert!(
+            speed.is_finite() && speed.abs() < 1e5,
+            "the axis turns at {speed}"
+        );
+        let mut events = 0;
+        while drive.poll_event().is_some() {
+            events += 1;
+            assert!(events < 1000);
+        }
     }
 }
 

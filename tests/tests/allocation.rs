@@ -131,3 +131,39 @@ fn parameter_requests_and_answers() {
     run();
     assert_eq!(allocations(run), 0);
 }
+
+/// One cycle of the virtual AKD without its PROFINET part, and its parameter service.
+#[test]
+fn the_drive_ticks_and_answers() {
+    let mut drive = virtual_drive::drive::Drive::new(&virtual_drive::model::AKD);
+    drive.connect(1, Duration::from_millis(48)).unwrap();
+    let mut now = Instant::ZERO;
+    let mut inputs = [0; 4];
+    let mut send = |drive: &mut virtual_drive::drive::Drive, word: u16, speed: i16, cycles: u32| {
+        let [a, b] = word.to_be_bytes();
+        let [c, d] = speed.to_be_bytes();
+        for _ in 0..cycles {
+            now += Duration::from_millis(1);
+            drive.tick(now, Some(&[a, b, c, d]), &mut inputs);
+        }
+        u16::from_be_bytes([inputs[0], inputs[1]])
+    };
+    send(&mut drive, 0x047E, 0, 10);
+    send(&mut drive, 0x047F, 0, 10);
+    assert_eq!(send(&mut drive, 0x047F, 164, 100) & 7, 7, "in operation");
+    let running = || {
+        send(&mut drive, 0x047F, 164, 10_000);
+    };
+    assert_eq!(allocations(running), 0);
+    // events of the state changes are taken before the next measurement
+    while drive.poll_event().is_some() {}
+    let mut out = [0; 240];
+    let read = [5, 1, 0, 2, 0x10, 1, 0x03, 0xA2, 0, 0, 0x10, 1, 0x03, 0x9A, 0, 0];
+    assert_eq!(
+        allocations(|| {
+            assert!(drive.serve(&read, &mut out).is_ok());
+        }),
+        0
+    );
+    assert_eq!(out[..6], [5, 1, 0, 2, 0x42, 1]);
+}
