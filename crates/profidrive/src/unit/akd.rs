@@ -1,0 +1,179 @@
+//! Scalings of the Kollmorgen AKD.
+//!
+//! Source: AKD PROFINET manual ed. M 5.12, 6.1, 6.2 and 6.5; for the acceleration of MDI also Kollmorgen's support article
+//! "AKD Profinet PN.ACCSCALING Examples" (2022), where the manual contradicts itself.
+
+use super::{Linear, Width};
+use crate::catalogue::Scaling;
+
+/// Speed at full scale, rpm.
+pub const FULL_SPEED: f64 = 12_000.0;
+
+/// NSOLL_A and NIST_A in rpm: the raw number times PN.VELSCALING times 60 times 16000 / 2^32. With the default of 1638
+/// that is 0.024 % below [`nominal_velocity`]. Source: manual 6.5.
+#[must_use]
+pub const fn velocity(scaling: &Scaling) -> Linear {
+    Linear::normalised(scaling.velocity as f64 * 960_000.0, 32, Width::I16)
+}
+
+/// NSOLL_A and NIST_A in rpm as the chapter on units has it: 2^15 is 12000 rpm. Source: manual 5.12.1.
+#[must_use]
+pub const fn nominal_velocity() -> Linear {
+    Linear::normalised(FULL_SPEED, 15, Width::I16)
+}
+
+/// MDI_VELOCITY in rpm: 2^32 is 12000 rpm, unsigned. Source: manual 5.12.1; signed it would end at 6000 rpm.
+#[must_use]
+pub const fn mdi_velocity() -> Linear {
+    Linear::normalised(FULL_SPEED, 32, Width::U32)
+}
+
+/// MDI_ACC, MDI_DEC, DRV_ACC, DRV_DEC and the jog ramps (PNU 1006, 1007) in rpm/s: steps of PN.ACCSCALING.
+/// Source: manual 6.1 and the support article.
+#[must_use]
+pub const fn acceleration(scaling: &Scaling) -> Linear {
+    Linear::step(scaling.acceleration as f64, Width::U16)
+}
+
+/// MDI_ACC and MDI_DEC in rpm/s as the chapter on units has it: 2^16 is 50 000 000 rpm/s. Source: manual 5.12.3.
+#[must_use]
+pub const fn nominal_acceleration() -> Linear {
+    Linear::normalised(50_000_000.0, 16, Width::U16)
+}
+
+/// ITIST_GLATT in ampere: N2, 2^14 is DRV.IPEAK. Source: manual 5.12.4.
+#[must_use]
+pub const fn current(scaling: &Scaling) -> Linear {
+    Linear::normalised(scaling.peak_current, 14, Width::I16)
+}
+
+/// MDI_TARPOS, XIST_A and HOME_DIST in revolutions: 2^n is one, n is PNU 1002. Source: manual 5.12.2.
+#[must_use]
+pub const fn revolutions(scaling: &Scaling) -> Linear {
+    let bits = if scaling.singleturn_bits > 32 {
+        32
+    } else {
+        scaling.singleturn_bits as u8
+    };
+    Linear::normalised(1.0, bits, Width::I32)
+}
+
+/// Positions among the parameters from PNU 2000 on: thousandths divided by PN.POSSCALE. Source: manual 6.2; that the
+/// number before the division is the one of thousandths is our reading.
+#[must_use]
+pub const fn position(scaling: &Scaling) -> Linear {
+    Linear {
+        multiplier: scaling.position as f64,
+        divisor: 1000.0,
+        width: Width::I32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::Scale;
+
+    fn with(change: impl Fn(&mut Scaling)) -> Scaling {
+        let mut scaling = Scaling::default();
+        change(&mut scaling);
+        scaling
+    }
+
+    fn near(a: f64, b: f64, tolerance: f64) -> bool {
+        (a - b).abs() <= tolerance
+    }
+
+    #[test]
+    fn speed_of_chapter_5_12_1() {
+        let nominal = nominal_velocity();
+        assert!(near(nominal.engineering(163), 59.69, 0.005)); // the manual cuts 163.84
+        assert!(near(nominal.engineering(164), 60.06, 0.005));
+        assert_eq!(nominal.raw(60.0).value, 164);
+        assert_eq!(nominal.raw(-60.0).value, -164);
+        assert_eq!(nominal.raw(12_000.0).checked().unwrap_err().nearest, 0x7FFF);
+        assert!(near(nominal.engineering(0x7FFF), 11_999.6, 0.05));
+        assert!(near(nominal.engineering(0x9E), 57.86, 0.005));
+    }
+
+    #[test]
+    fn speed_of_chapter_6_5() {
+        let default = velocity(&Scaling::default());
+        assert!(near(default.engineering(163), 59.678, 0.0005));
+        assert!(near(default.engineering(158), 57.85, 0.005));
+        assert!(near(default.engineering(32_768), 11_997.07, 0.005));
+        assert!(near(default.engineering(0x7FFF), 11_996.7, 0.05));
+        assert_eq!(default.raw(60.0).value, 164);
+        for (factor, step) in [
+            (1, 0.000_223_5),
+            (100, 0.022_35),
+            (1000, 0.223_52),
+            (1638, 0.366_12),
+            (2000, 0.447_03),
+        ] {
+            let scale = velocity(&with(|scaling| scaling.velocity = factor));
+            assert!(near(scale.engineering(1), step, 0.000_005), "{factor}");
+        }
+    }
+
+    #[test]
+    fn speed_of_mdi() {
+        let scale = mdi_velocity();
+        assert_eq!(scale.raw(60.0).value, 0x0147_AE14);
+        assert!(near(scale.engineering(0xFFFF_FFFF), 11_999.999_997, 0.000_000_5));
+        assert!(near(scale.engineering(i64::from(i32::MAX)), 5_999.99, 0.01));
+        assert!(scale.raw(12_000.0).saturated && scale.raw(-1.0).saturated);
+    }
+
+    #[test]
+    fn accelerations() {
+        let default = acceleration(&Scaling::default());
+        assert_eq!(default.engineering(2), 1526.0);
+        assert_eq!(default.engineering(65_535), 50_003_205.0);
+        assert!(default.raw(50_003_205.0 + 382.0).saturated);
+        let of = |factor| acceleration(&with(|scaling| scaling.acceleration = factor));
+        assert_eq!(of(1).engineering(400), 400.0);
+        assert_eq!(of(20).raw(10_000.0).value, 500);
+        assert_eq!(of(14_648).engineering(65_535), 959_956_680.0);
+        assert_eq!(of(14_648).engineering(1), 14_648.0);
+        assert!(near(nominal_acceleration().engineering(1), 762.94, 0.005));
+        assert!(near(nominal_acceleration().engineering(2), 1525.88, 0.005));
+        assert!(nominal_acceleration().raw(50_000_000.0).saturated); // 65536 does not fit
+    }
+
+    #[test]
+    fn currents_and_positions() {
+        let ampere = current(&Scaling::default());
+        assert!(near(ampere.engineering(-182), -0.099_98, 0.000_005));
+        assert_eq!(ampere.raw(9.0).value, 0x4000);
+        assert_eq!(revolutions(&Scaling::default()).raw(1.5).value, 0x0001_8000);
+        let coarse = with(|scaling| scaling.singleturn_bits = 10);
+        assert_eq!(revolutions(&coarse).raw(-1.5).value, -1536);
+        assert_eq!(position(&Scaling::default()).engineering(65_536), 65_536.0);
+        assert_eq!(
+            position(&with(|scaling| scaling.position = 1)).engineering(65_536),
+            65.536
+        );
+    }
+
+    #[test]
+    fn the_catalogue_scales_alike() {
+        let scaling = with(|scaling| {
+            scaling.velocity = 1234;
+            scaling.acceleration = 99;
+            scaling.position = 17;
+            scaling.peak_current = 27.3;
+            scaling.singleturn_bits = 20;
+        });
+        for (scale, here) in [
+            (Scale::Velocity, velocity(&scaling)),
+            (Scale::Acceleration, acceleration(&scaling)),
+            (Scale::Position, position(&scaling)),
+            (Scale::Current, current(&scaling)),
+            (Scale::Singleturn, revolutions(&scaling)),
+            (Scale::MdiVelocity, mdi_velocity()),
+        ] {
+            assert_eq!(scaling.step(scale), here.engineering(1), "{scale:?}");
+        }
+    }
+}
