@@ -9,6 +9,7 @@ extern crate alloc;
 pub mod alarm;
 pub mod controller;
 pub mod cyclic;
+pub mod device;
 mod endpoint;
 pub mod rpc;
 mod time;

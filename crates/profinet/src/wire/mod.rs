@@ -8,6 +8,7 @@ pub mod block;
 mod bytes;
 pub mod dcp;
 pub mod ethernet;
+pub mod record;
 pub mod rpc;
 pub mod rt;
 pub mod status;

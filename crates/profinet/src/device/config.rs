@@ -1,0 +1,209 @@
+//! What a device is: identity, modules that can be plugged, limits; and what it remembers over a restart.
+
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::time::Duration;
+
+use crate::{IpSuite, MacAddress};
+
+/// Who the device is; told by DCP, I&M0 and the endpoint mapper.
+///
+/// IEC 61158-6-10: VendorID, DeviceID, I&M0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Identity {
+    /// Vendor number given by PI.
+    pub vendor_id: u16,
+    /// Device number of the vendor.
+    pub device_id: u16,
+    /// Instance in the object UUID, usually 1.
+    pub instance: u16,
+    /// DCP type of station; product name, ASCII, at most 25 characters.
+    pub station_type: String,
+    /// Order number, ASCII, at most 20 characters.
+    pub order_id: String,
+    /// Serial number, ASCII, at most 16 characters.
+    pub serial_number: String,
+    /// Hardware revision.
+    pub hardware_revision: u16,
+    /// Software revision prefix: `V` released, `R` revision, `P` prototype, `U` field test, `T` test.
+    pub software_prefix: char,
+    /// Software revision: functional enhancement, bug fix, internal change.
+    pub software_revision: [u8; 3],
+    /// Profile, 0x3A00 for PROFIdrive, 0 for none.
+    pub profile_id: u16,
+    /// Profile specific type.
+    pub profile_specific_type: u16,
+}
+
+/// A submodule of a module of the catalogue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SubmoduleDescription {
+    /// Subslot; 0x8000 is the interface, 0x8001 and up its ports.
+    pub subslot: u16,
+    /// SubmoduleIdentNumber.
+    pub ident: u32,
+    /// Application process identifier, 0 unless a profile has its own.
+    pub api: u32,
+    /// Octets of input data (device to controller).
+    pub input_length: u16,
+    /// Octets of output data (controller to device).
+    pub output_length: u16,
+}
+
+/// A module that can be plugged.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModuleDescription {
+    /// ModuleIdentNumber, not 0.
+    pub ident: u32,
+    /// Slots it fits into.
+    pub slots: Vec<u16>,
+    /// Its fixed submodules.
+    pub submodules: Vec<SubmoduleDescription>,
+}
+
+/// A reset a device offers by DCP.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ResetMode {
+    /// 1: application data with I&M1 to 4.
+    ApplicationData,
+    /// 2: name and address.
+    Communication,
+    /// 3: engineering parameters.
+    Engineering,
+    /// 4: everything stored.
+    AllStored,
+    /// 8: as it left the factory.
+    Device,
+    /// 9: reset and restore.
+    Restore,
+}
+
+impl ResetMode {
+    /// The mode of a number.
+    #[must_use]
+    pub const fn from_number(number: u16) -> Option<Self> {
+        Some(match number {
+            1 => Self::ApplicationData,
+            2 => Self::Communication,
+            3 => Self::Engineering,
+            4 => Self::AllStored,
+            8 => Self::Device,
+            9 => Self::Restore,
+            _ => return None,
+        })
+    }
+
+    /// The number in a BlockQualifier (before it is doubled).
+    #[must_use]
+    pub const fn number(self) -> u16 {
+        match self {
+            Self::ApplicationData => 1,
+            Self::Communication => 2,
+            Self::Engineering => 3,
+            Self::AllStored => 4,
+            Self::Device => 8,
+            Self::Restore => 9,
+        }
+    }
+
+    /// True when name and address are lost.
+    #[must_use]
+    pub const fn clears_address(self) -> bool {
+        !matches!(self, Self::ApplicationData | Self::Engineering)
+    }
+
+    /// True when I&M1 to 4 are lost.
+    #[must_use]
+    pub const fn clears_im(self) -> bool {
+        !matches!(self, Self::Communication | Self::Engineering)
+    }
+}
+
+/// Everything fixed about a device.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeviceConfig {
+    /// Own Ethernet address.
+    pub mac: MacAddress,
+    /// Makes UUIDs and handles differ from run to run.
+    pub seed: u64,
+    /// Who it is.
+    pub identity: Identity,
+    /// Every module that can be plugged.
+    pub modules: Vec<ModuleDescription>,
+    /// Modules plugged at the start: slot and ModuleIdentNumber. A controller that expects another module of the
+    /// catalogue in a slot gets that one plugged.
+    pub plugged: Vec<(u16, u32)>,
+    /// Shortest send interval in ticks of 31.25 us.
+    pub min_device_interval: u16,
+    /// Resets offered by DCP; [`ResetMode::Communication`] is mandatory.
+    pub reset_modes: Vec<ResetMode>,
+    /// DeviceAccess relations at once, beside the one controller.
+    pub max_device_access: usize,
+    /// How long the application may take to answer a record before the engine refuses it.
+    pub answer_limit: Duration,
+}
+
+impl DeviceConfig {
+    /// A device with this identity and these modules; plugs the first module that fits each slot.
+    #[must_use]
+    pub fn new(mac: MacAddress, identity: Identity, modules: Vec<ModuleDescription>) -> Self {
+        let mut plugged: Vec<(u16, u32)> = Vec::new();
+        for module in &modules {
+            for slot in &module.slots {
+                if plugged.iter().all(|(used, _)| used != slot) {
+                    plugged.push((*slot, module.ident));
+                }
+            }
+        }
+        plugged.sort_unstable();
+        Self {
+            mac,
+            seed: u64::from_be_bytes([0, 0, mac.0[0], mac.0[1], mac.0[2], mac.0[3], mac.0[4], mac.0[5]]),
+            identity,
+            modules,
+            plugged,
+            min_device_interval: 32,
+            reset_modes: alloc::vec![ResetMode::Communication],
+            max_device_access: 4,
+            answer_limit: Duration::from_secs(30),
+        }
+    }
+}
+
+/// I&M1 to I&M4 as they are stored: the record bodies behind the block header.
+///
+/// IEC 61158-6-10, I&M1 to I&M4.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImRecords {
+    /// I&M1: TagFunction 32 and TagLocation 22 characters, blank-padded.
+    pub im1: [u8; 54],
+    /// I&M2: installation date, 16 characters `YYYY-MM-DD HH:MM`.
+    pub im2: [u8; 16],
+    /// I&M3: descriptor, 54 characters.
+    pub im3: [u8; 54],
+    /// I&M4: signature, 54 octets.
+    pub im4: [u8; 54],
+}
+
+impl Default for ImRecords {
+    /// Blank; the signature is zero.
+    fn default() -> Self {
+        Self {
+            im1: [b' '; 54],
+            im2: [b' '; 16],
+            im3: [b' '; 54],
+            im4: [0; 54],
+        }
+    }
+}
+
+/// What a device remembers over a restart.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Stored {
+    /// Name of station, empty for none.
+    pub name: String,
+    /// Address.
+    pub ip: IpSuite,
+    /// I&M1 to 4.
+    pub im: ImRecords,
+}

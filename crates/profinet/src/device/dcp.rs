@@ -1,0 +1,342 @@
+//! The device side of DCP: being found, named, addressed, made to blink, reset.
+
+use alloc::string::String;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::net::Ipv4Addr;
+use core::time::Duration;
+
+use super::Device;
+use super::config::{ImRecords, ResetMode};
+use super::event::Event;
+use crate::wire::PnioStatus;
+use crate::wire::dcp::{
+    Block, BlockError, BlockInfo, DcpOption, Pdu, PduWriter, Qualifier, ServiceId, ServiceType, Value,
+    check_ip, check_name, response_delay, role,
+};
+use crate::wire::ethernet::{self, DCP_IDENTIFY, Frame, FrameId};
+use crate::wire::status::abort;
+use crate::{Instant, IpSuite, MAX_FRAME, MacAddress};
+
+/// For so long only the client that was served last is served.
+const CLIENT_HOLD: Duration = Duration::from_secs(3);
+/// How long a signal blinks; another one meanwhile changes nothing.
+const BLINK: Duration = Duration::from_secs(3);
+/// Delayed Identify answers that may wait; more requests are ignored.
+const WAITING: usize = 8;
+
+/// Options told by 2/5, in the order of their numbers.
+const OPTIONS: &[DcpOption] = &[
+    DcpOption::IP,
+    DcpOption::FULL_IP,
+    DcpOption::STATION_TYPE,
+    DcpOption::NAME,
+    DcpOption::DEVICE_ID,
+    DcpOption::ROLE,
+    DcpOption::OPTIONS,
+    DcpOption::ALIAS,
+    DcpOption::INSTANCE,
+    DcpOption::START,
+    DcpOption::END,
+    DcpOption::SIGNAL,
+    DcpOption::RESPONSE,
+    DcpOption::FACTORY_RESET,
+    DcpOption::RESET_TO_FACTORY,
+];
+
+/// What an Identify answer holds.
+const IDENTIFY_ANSWER: &[DcpOption] = &[
+    DcpOption::STATION_TYPE,
+    DcpOption::NAME,
+    DcpOption::DEVICE_ID,
+    DcpOption::ROLE,
+    DcpOption::OPTIONS,
+    DcpOption::INSTANCE,
+    DcpOption::IP,
+];
+
+/// Who is served, and whether the light blinks.
+#[derive(Debug, Default)]
+pub(super) struct DcpState {
+    held: Option<(MacAddress, Instant)>,
+    blinking: Option<Instant>,
+}
+
+impl Device {
+    /// Takes a frame with a DCP FrameID that is for this station or for all.
+    pub(super) fn handle_dcp(&mut self, now: Instant, frame: &Frame<'_>) {
+        let Ok(pdu) = Pdu::parse(frame.payload) else {
+            return;
+        };
+        if pdu.kind != ServiceType::Request || frame.source.is_multicast() {
+            return;
+        }
+        let unicast = frame.destination == self.config.mac;
+        match (frame.frame_id, pdu.service) {
+            (FrameId::DCP_IDENTIFY_REQUEST, ServiceId::Identify)
+                if unicast || frame.destination == DCP_IDENTIFY =>
+            {
+                self.identify(now, frame.source, &pdu);
+            }
+            (FrameId::DCP_GET_SET, service) if unicast => {
+                let held = self
+                    .dcp
+                    .held
+                    .is_some_and(|(mac, until)| mac != frame.source && now < until);
+                if held {
+                    return;
+                }
+                match service {
+                    ServiceId::Get => self.get(now, frame.source, &pdu),
+                    ServiceId::Set => self.set(now, frame.source, &pdu),
+                    ServiceId::Identify | ServiceId::Hello => return,
+                    ServiceId::Other(_) => self.dcp_answer(now, now, frame, &pdu),
+                }
+                self.dcp.held = Some((frame.source, now + CLIENT_HOLD));
+            }
+            _ => {}
+        }
+    }
+
+    /// Answers a service that does not exist: the header back, "not supported", no blocks.
+    fn dcp_answer(&mut self, now: Instant, due: Instant, frame: &Frame<'_>, pdu: &Pdu<'_>) {
+        let mut payload = Vec::new();
+        PduWriter::new(&mut payload, pdu.service, ServiceType::NotSupported, pdu.xid, 0).finish();
+        self.send_dcp(now, due, frame.source, FrameId::DCP_GET_SET, &payload);
+    }
+
+    fn send_dcp(&mut self, now: Instant, due: Instant, to: MacAddress, id: FrameId, payload: &[u8]) {
+        let mut frame = vec![0; MAX_FRAME];
+        if let Some(length) = ethernet::emit(&mut frame, to, self.config.mac, None, id, payload) {
+            frame.truncate(length);
+            if due > now {
+                let at = self.delayed.partition_point(|(other, _)| *other <= due);
+                self.delayed.insert(at, (due, frame));
+            } else {
+                self.send_frame(now, frame);
+            }
+        }
+    }
+
+    /// Gives the value of an option to `write`; false if there is none.
+    fn with_value(&self, option: DcpOption, write: impl FnOnce(BlockInfo, &Value<'_>)) -> bool {
+        let identity = &self.config.identity;
+        let (vendor, device) = (identity.vendor_id, identity.device_id);
+        let ip_info = if self.ip.is_set() {
+            BlockInfo::IP_SET
+        } else {
+            BlockInfo::NONE
+        };
+        let none = BlockInfo::NONE;
+        match option {
+            DcpOption::MAC => write(none, &Value::Mac(self.config.mac)),
+            DcpOption::IP => write(ip_info, &Value::Ip(self.ip)),
+            DcpOption::FULL_IP => {
+                write(
+                    ip_info,
+                    &Value::FullIp {
+                        suite: self.ip,
+                        dns: [Ipv4Addr::UNSPECIFIED; 4],
+                    },
+                );
+            }
+            DcpOption::STATION_TYPE => write(none, &Value::StationType(identity.station_type.as_bytes())),
+            DcpOption::NAME => write(none, &Value::Name(self.name.as_bytes())),
+            DcpOption::DEVICE_ID => write(none, &Value::DeviceId { vendor, device }),
+            DcpOption::ROLE => write(none, &Value::Role(role::DEVICE)),
+            DcpOption::OPTIONS => {
+                let list: Vec<u8> = OPTIONS
+                    .iter()
+                    .flat_map(|option| option.number().to_be_bytes())
+                    .collect();
+                write(none, &Value::Options(&list));
+            }
+            DcpOption::INSTANCE => write(none, &Value::Instance(identity.instance)),
+            _ => return false,
+        }
+        true
+    }
+
+    fn identify(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
+        if self.delayed.len() >= WAITING || !self.is_meant(pdu) {
+            return;
+        }
+        let mut payload = Vec::new();
+        let mut answer = PduWriter::new(
+            &mut payload,
+            ServiceId::Identify,
+            ServiceType::Success,
+            pdu.xid,
+            0,
+        );
+        for option in IDENTIFY_ANSWER {
+            self.with_value(*option, |info, value| answer.info(info, value));
+        }
+        answer.finish();
+        let due = now + response_delay(self.config.mac, pdu.delay_factor);
+        self.send_dcp(now, due, source, FrameId::DCP_IDENTIFY_RESPONSE, &payload);
+    }
+
+    /// True if every filter fits; a malformed or unknown one never does.
+    fn is_meant(&self, pdu: &Pdu<'_>) -> bool {
+        let mut filters = 0;
+        for block in pdu.blocks() {
+            let Ok(block) = block else { return false };
+            filters += 1;
+            if block.option == DcpOption::ALL {
+                // some testers put two octets into this block
+                return filters == 1 && block.body.len() <= 2 && pdu.blocks().count() == 1;
+            }
+            if !self.fits(&block) {
+                return false;
+            }
+        }
+        filters > 0
+    }
+
+    fn fits(&self, block: &Block<'_>) -> bool {
+        let Ok(wanted) = block.filter() else { return false };
+        if matches!(wanted, Value::Name(name) if name.is_empty()) {
+            return self.name.is_empty();
+        }
+        let mut same = false;
+        self.with_value(block.option, |_, value| same = *value == wanted);
+        same
+    }
+
+    fn get(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
+        let mut payload = Vec::new();
+        let mut answer = PduWriter::new(&mut payload, ServiceId::Get, ServiceType::Success, pdu.xid, 0);
+        // an answer fits one frame however often an option is asked for
+        for option in pdu.requested().take(32) {
+            let Ok(option) = option else { return };
+            if !self.with_value(option, |info, value| answer.info(info, value)) {
+                answer.result(option, option.unsupported());
+            }
+        }
+        answer.finish();
+        self.send_dcp(now, now, source, FrameId::DCP_GET_SET, &payload);
+    }
+
+    fn set(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
+        let mut payload = Vec::new();
+        let mut answer = PduWriter::new(&mut payload, ServiceId::Set, ServiceType::Success, pdu.xid, 0);
+        let mut reset = None;
+        let mut blocks = Vec::new();
+        for block in pdu.blocks() {
+            // a request that is cut off is not half executed
+            let Ok(block) = block else { return };
+            blocks.push(block);
+        }
+        for block in &blocks {
+            let error = self.set_block(now, block, &mut reset);
+            answer.result(block.option, error);
+        }
+        answer.finish();
+        self.send_dcp(now, now, source, FrameId::DCP_GET_SET, &payload);
+        if let Some(mode) = reset {
+            self.reset(now, mode);
+        }
+    }
+
+    fn set_block(&mut self, now: Instant, block: &Block<'_>, reset: &mut Option<ResetMode>) -> BlockError {
+        let settable = matches!(
+            block.option,
+            DcpOption::IP
+                | DcpOption::FULL_IP
+                | DcpOption::NAME
+                | DcpOption::START
+                | DcpOption::END
+                | DcpOption::SIGNAL
+                | DcpOption::FACTORY_RESET
+                | DcpOption::RESET_TO_FACTORY
+        );
+        if !settable {
+            return block.option.unsupported();
+        }
+        let Ok((qualifier, value)) = block.set() else {
+            return BlockError::NotSet;
+        };
+        match (block.option, value) {
+            (_, Value::Name(name)) => self.set_name(now, name, qualifier),
+            (_, Value::Ip(suite) | Value::FullIp { suite, .. }) => self.set_ip(suite, qualifier),
+            (_, Value::Signal(_)) => {
+                if self.dcp.blinking.is_none_or(|until| now >= until) {
+                    self.dcp.blinking = Some(now + BLINK);
+                    self.event(Event::Signal);
+                }
+                BlockError::Ok
+            }
+            (DcpOption::FACTORY_RESET, _) => {
+                *reset = Some(ResetMode::Device);
+                BlockError::Ok
+            }
+            (DcpOption::RESET_TO_FACTORY, _) => {
+                let mode = ResetMode::from_number(qualifier.reset_mode());
+                match mode.filter(|mode| self.config.reset_modes.contains(mode)) {
+                    Some(mode) => {
+                        *reset = Some(mode);
+                        BlockError::Ok
+                    }
+                    None => BlockError::SuboptionUnsupported,
+                }
+            }
+            (DcpOption::START | DcpOption::END, _) => BlockError::Ok,
+            _ => BlockError::NotSet,
+        }
+    }
+
+    fn set_name(&mut self, now: Instant, name: &[u8], qualifier: Qualifier) -> BlockError {
+        let Ok(name) = core::str::from_utf8(name) else {
+            return BlockError::NotSet;
+        };
+        if !name.is_empty() && check_name(name.as_bytes()).is_err() {
+            return BlockError::NotSet;
+        }
+        let permanent = qualifier.is_permanent();
+        let changed = self.name != name;
+        if changed {
+            self.close_all(now, PnioStatus::aborted(abort::NAME_CHANGED));
+            self.name = String::from(name);
+        }
+        if changed || self.name_permanent != permanent {
+            self.name_permanent = permanent;
+            self.event(Event::NameChanged {
+                name: String::from(name),
+                permanent,
+            });
+        }
+        BlockError::Ok
+    }
+
+    fn set_ip(&mut self, suite: IpSuite, qualifier: Qualifier) -> BlockError {
+        if check_ip(&suite).is_err() {
+            return BlockError::NotSet;
+        }
+        let permanent = qualifier.is_permanent();
+        let changed = self.ip != suite;
+        if changed && (self.controller.is_some() || !self.tools.is_empty()) {
+            return BlockError::InOperation;
+        }
+        self.ip = suite;
+        if changed || self.ip_permanent != permanent {
+            self.ip_permanent = permanent;
+            self.event(Event::IpChanged { suite, permanent });
+        }
+        BlockError::Ok
+    }
+
+    fn reset(&mut self, now: Instant, mode: ResetMode) {
+        self.close_all(now, PnioStatus::aborted(abort::FACTORY_RESET));
+        if mode.clears_address() {
+            self.name.clear();
+            self.ip = IpSuite::NONE;
+            self.name_permanent = true;
+            self.ip_permanent = true;
+        }
+        if mode.clears_im() {
+            self.im = ImRecords::default();
+        }
+        self.event(Event::FactoryReset { mode });
+    }
+}

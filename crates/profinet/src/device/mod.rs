@@ -1,0 +1,480 @@
+//! An IO device: found and named by DCP, connected by a controller, asked by tools, exchanging cyclic data.
+//!
+//! IEC 61158-6-10, CMDEV and the machines around it. [`Device`] is a protocol engine: bytes and time in, bytes,
+//! events and the next deadline out. What it means is the application's business: it puts inputs with
+//! [`set_input`](Device::set_input), takes outputs with [`output`](Device::output) and answers the records that the
+//! engine does not know.
+
+mod ar;
+mod check;
+mod config;
+mod connect;
+mod content;
+mod dcp;
+mod event;
+mod history;
+mod image;
+mod records;
+mod slots;
+
+pub use config::{
+    DeviceConfig, Identity, ImRecords, ModuleDescription, ResetMode, Stored, SubmoduleDescription,
+};
+pub use event::{ArKey, ArKind, Event, RecordAddress, Token};
+pub use image::RaiseError;
+
+use alloc::collections::VecDeque;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::net::{Ipv4Addr, SocketAddrV4};
+
+use ar::{AccessAr, IoAr, Trigger};
+use content::PortRecord;
+use dcp::DcpState;
+use history::{Diagnoses, LogBook};
+use records::Job;
+use slots::Slots;
+
+use crate::alarm::AlarmEvent;
+use crate::cyclic::{Consumer, Timing};
+use crate::rpc::{
+    Call, Client, ClientConfig, EndpointMapper, Interface, Registration, Server, ServerLimits, annotation,
+};
+use crate::wire::alarm::Notification;
+use crate::wire::ethernet::{DCP_IDENTIFY, Frame, FrameId, FrameKind};
+use crate::wire::rpc::{EPM_LOOKUP_FREE, NdrRequest, operation};
+use crate::wire::status::abort;
+use crate::wire::{PnioStatus, Reader, Uuid, UuidSource};
+use crate::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Transmit};
+
+/// Local UDP port of the device's own calls (ApplicationReady).
+pub const CLIENT_PORT: u16 = 0xC0DE;
+/// Events kept for an application that does not take them; the oldest go first.
+const EVENTS: usize = 256;
+/// Frames that may wait to be sent besides cyclic ones.
+const FRAMES: usize = 16;
+
+/// The protocol engine of an IO device.
+///
+/// Rule of use: `handle_*`, then [`poll_event`](Self::poll_event) and `poll_transmit` until both are empty, then
+/// sleep until `poll_timeout`. When [`next_cycle`](Self::next_cycle) is reached, step the application and set the
+/// inputs first, then call `handle_timeout`: the input frame then goes out with the next `poll_transmit`.
+///
+/// ```
+/// use profinet::device::{Device, DeviceConfig, Identity, ModuleDescription, Stored, SubmoduleDescription};
+/// use profinet::{Endpoint, MacAddress};
+///
+/// let identity = Identity {
+///     vendor_id: 0x0105, device_id: 1, instance: 1, station_type: "AKD".into(), order_id: "AKD-P00306".into(),
+///     serial_number: "0001".into(), hardware_revision: 1, software_prefix: 'V', software_revision: [1, 0, 0],
+///     profile_id: 0x3A00, profile_specific_type: 0,
+/// };
+/// let submodule = |subslot, ident| SubmoduleDescription { subslot, ident, api: 0, input_length: 0, output_length: 0 };
+/// let access_point = ModuleDescription {
+///     ident: 1, slots: vec![0], submodules: vec![submodule(1, 1), submodule(0x8000, 2), submodule(0x8001, 3)],
+/// };
+/// let config = DeviceConfig::new(MacAddress([2, 0, 0, 0, 0, 1]), identity, vec![access_point]);
+/// let device = Device::new(config, Stored { name: "akd-1".into(), ..Stored::default() });
+/// assert_eq!(device.name(), "akd-1");
+/// assert_eq!(device.poll_timeout(), None);
+/// ```
+#[derive(Debug)]
+pub struct Device {
+    config: DeviceConfig,
+    name: String,
+    name_permanent: bool,
+    ip: IpSuite,
+    ip_permanent: bool,
+    im: ImRecords,
+    slots: Slots,
+    controller: Option<IoAr>,
+    tools: Vec<AccessAr>,
+    jobs: Vec<Job>,
+    diagnoses: Diagnoses,
+    log: LogBook,
+    interface_adjust: Vec<u8>,
+    port_records: Vec<PortRecord>,
+    server: Server,
+    client: Client,
+    mapper: EndpointMapper,
+    uuids: UuidSource,
+    dcp: DcpState,
+    events: VecDeque<Event>,
+    frames: VecDeque<Vec<u8>>,
+    /// Identify answers that wait for their time, earliest first.
+    delayed: VecDeque<(Instant, Vec<u8>)>,
+    cycle_due: bool,
+    next_ar: u32,
+    next_token: u32,
+}
+
+impl Device {
+    /// A device as it starts: with what it remembers, without relations.
+    #[must_use]
+    pub fn new(config: DeviceConfig, stored: Stored) -> Self {
+        let mut uuids = UuidSource::new(config.seed);
+        let interfaces = alloc::vec![
+            Interface {
+                uuid: Uuid::DEVICE_INTERFACE,
+                operations: operation::COUNT
+            },
+            Interface {
+                uuid: Uuid::ENDPOINT_MAPPER,
+                operations: EPM_LOOKUP_FREE + 1
+            },
+        ];
+        Self {
+            slots: Slots::new(&config),
+            mapper: EndpointMapper::new(uuids.bits()),
+            uuids,
+            config,
+            name: stored.name,
+            name_permanent: true,
+            ip: stored.ip,
+            ip_permanent: true,
+            im: stored.im,
+            controller: None,
+            tools: Vec::new(),
+            jobs: Vec::new(),
+            diagnoses: Diagnoses::default(),
+            log: LogBook::default(),
+            interface_adjust: Vec::new(),
+            port_records: Vec::new(),
+            server: Server::new(interfaces, ServerLimits::default()),
+            client: Client::new(ClientConfig::default()),
+            dcp: DcpState::default(),
+            events: VecDeque::new(),
+            frames: VecDeque::new(),
+            delayed: VecDeque::new(),
+            cycle_due: false,
+            next_ar: 0,
+            next_token: 0,
+        }
+    }
+
+    /// The next thing the application should know.
+    pub fn poll_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// What was fixed at the start.
+    #[must_use]
+    pub const fn config(&self) -> &DeviceConfig {
+        &self.config
+    }
+
+    /// Name of station, empty for none.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// I&M1 to 4.
+    #[must_use]
+    pub const fn im(&self) -> &ImRecords {
+        &self.im
+    }
+
+    /// ModuleIdentNumber of what is plugged in a slot.
+    #[must_use]
+    pub fn plugged(&self, slot: u16) -> Option<u32> {
+        self.slots
+            .module(&self.config.modules, slot)
+            .map(|module| module.ident)
+    }
+
+    fn event(&mut self, event: Event) {
+        if self.events.len() >= EVENTS {
+            self.events.pop_front();
+        }
+        self.events.push_back(event);
+    }
+
+    fn send_frame(&mut self, _now: Instant, frame: Vec<u8>) {
+        if self.frames.len() < FRAMES {
+            self.frames.push_back(frame);
+        }
+    }
+
+    fn call(&mut self, now: Instant, call: &Call) {
+        if call.interface == Uuid::ENDPOINT_MAPPER {
+            let identity = &self.config.identity;
+            let station = Registration {
+                interface: Uuid::DEVICE_INTERFACE,
+                object: Uuid::object(identity.instance, identity.device_id, identity.vendor_id),
+                annotation: annotation(
+                    &identity.station_type,
+                    &identity.order_id,
+                    identity.hardware_revision,
+                    u8::try_from(identity.software_prefix).unwrap_or(b'V'),
+                    identity.software_revision,
+                ),
+                address: self.ip.address,
+            };
+            match self
+                .mapper
+                .call(now, call.operation, call.order, &call.stub, &station)
+            {
+                Ok(stub) => self.server.respond(now, call.key, stub),
+                Err(status) => self.server.reject(now, call.key, call.order, status),
+            }
+            return;
+        }
+        let code = match call.operation {
+            operation::CONNECT => 0xDB,
+            operation::RELEASE => 0xDC,
+            operation::CONTROL => 0xDD,
+            operation::WRITE => 0xDF,
+            _ => 0xDE,
+        };
+        let mut reader = Reader::new(&call.stub);
+        let Ok(ndr) = NdrRequest::decode(&mut reader, call.order) else {
+            let status = PnioStatus::new(code, 0x81, check::RPC, 0);
+            return self.answer(now, call, 0, Err(status));
+        };
+        let room = ndr.args_maximum;
+        let result = match call.operation {
+            operation::CONNECT => self.connect(now, call.source, reader),
+            operation::RELEASE => self.release(now, call, reader),
+            operation::CONTROL => self.control(now, call, reader),
+            operation::WRITE => return self.write(now, call, room, reader),
+            operation => {
+                return self.read(now, call, room, reader, operation == operation::READ_IMPLICIT);
+            }
+        };
+        self.answer(now, call, room, result);
+    }
+
+    fn handle_cyclic(&mut self, now: Instant, frame: &Frame<'_>) {
+        let Some(io) = &mut self.controller else { return };
+        let Ok(accepted) = io.consumer.handle(now, frame) else {
+            return;
+        };
+        let key = io.key;
+        let run = accepted.status.is_run();
+        let run_changed = io.run != Some(run);
+        io.run = Some(run);
+        let next = io.phase.after(Trigger::ValidOutput);
+        if let Some(next) = next {
+            io.phase = next;
+            io.activity.stop();
+        }
+        if next.is_some() {
+            self.event(Event::DataExchange { ar: key });
+        }
+        if run_changed {
+            self.event(Event::ProviderState { ar: key, run });
+        }
+    }
+
+    fn handle_alarm(&mut self, now: Instant, event: AlarmEvent) {
+        let Some(io) = &mut self.controller else { return };
+        match event {
+            AlarmEvent::Raised(alarm) => refuse_alarm(io, &alarm),
+            AlarmEvent::Acknowledged(ack) => {
+                let event = Event::AlarmAcknowledged {
+                    ar: io.key,
+                    alarm_type: ack.alarm_type,
+                    sequence: ack.specifier.sequence(),
+                    status: ack.status,
+                };
+                self.event(event);
+            }
+            AlarmEvent::Unanswered { .. } => {}
+            AlarmEvent::AbortedByPeer(status) => self.close_controller(now, status, false),
+            AlarmEvent::Failed(status) => self.close_controller(now, status, true),
+        }
+    }
+
+    /// Ends or revives what did not get its data or its calls in time.
+    fn supervise(&mut self, now: Instant) {
+        let Some(io) = &mut self.controller else { return };
+        if io.consumer.expire(now) {
+            let starting = io.phase != ar::Phase::Data;
+            if starting && io.request.properties.advanced() {
+                // in advanced start-up outputs may pause until data is exchanged
+                let timing = Timing {
+                    send_clock_factor: io.output.send_clock_factor,
+                    reduction_ratio: io.output.reduction_ratio,
+                    phase: io.output.phase,
+                };
+                io.consumer = Consumer::new(
+                    io.consumer.source(),
+                    io.consumer.frame_id(),
+                    timing,
+                    io.output.data_hold_factor,
+                    io.consumer.layout().clone(),
+                );
+            } else {
+                return self.close_controller(now, PnioStatus::aborted(abort::DATA_HOLD), true);
+            }
+        }
+        if io.activity.is_over(now) {
+            return self.close_controller(now, PnioStatus::aborted(abort::ACTIVITY_TIMEOUT), true);
+        }
+        while let Some(event) = self
+            .controller
+            .as_mut()
+            .and_then(|io| io.alarms.handle_timeout(now))
+        {
+            self.handle_alarm(now, event);
+        }
+    }
+}
+
+/// A controller has nothing to alarm a device about.
+fn refuse_alarm(io: &mut IoAr, alarm: &Notification<'_>) {
+    io.alarms.acknowledge(alarm, PnioStatus::new(0xDA, 0x81, 0x3C, 0));
+}
+
+impl Endpoint for Device {
+    fn mac(&self) -> MacAddress {
+        self.config.mac
+    }
+
+    fn ip(&self) -> IpSuite {
+        // the own address as gateway means none
+        let own = self.ip.gateway == self.ip.address;
+        let gateway = if own {
+            Ipv4Addr::UNSPECIFIED
+        } else {
+            self.ip.gateway
+        };
+        IpSuite { gateway, ..self.ip }
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        let Some(frame) = Frame::parse(frame) else { return };
+        let mine = frame.destination == self.config.mac;
+        if !(mine || frame.destination == DCP_IDENTIFY) || frame.source == self.config.mac {
+            return;
+        }
+        match frame.frame_id {
+            FrameId::DCP_IDENTIFY_REQUEST | FrameId::DCP_GET_SET => self.handle_dcp(now, &frame),
+            id if mine && id.is_cyclic() => self.handle_cyclic(now, &frame),
+            id if mine && matches!(id.kind(), FrameKind::AlarmHigh | FrameKind::AlarmLow) => {
+                let event = self
+                    .controller
+                    .as_mut()
+                    .and_then(|io| io.alarms.handle_frame(now, &frame));
+                if let Some(event) = event {
+                    self.handle_alarm(now, event);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        match local_port {
+            RPC_PORT => {
+                if let Some(call) = self.server.handle(now, source, payload) {
+                    self.call(now, &call);
+                }
+            }
+            CLIENT_PORT => {
+                self.client.handle(now, source, payload);
+                self.take_answers(now);
+            }
+            _ => {}
+        }
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        if self.controller.as_ref().is_some_and(|io| io.provider.is_due(now)) {
+            self.cycle_due = true;
+        }
+        while let Some((due, _)) = self.delayed.front() {
+            if *due > now {
+                break;
+            }
+            if let Some((_, frame)) = self.delayed.pop_front() {
+                self.send_frame(now, frame);
+            }
+        }
+        self.supervise(now);
+        while let Some(index) = self.tools.iter().position(|tool| tool.activity.is_over(now)) {
+            if let Some(key) = self.tools.get(index).map(|tool| tool.key) {
+                self.abort(now, key, abort::ACTIVITY_TIMEOUT);
+            }
+        }
+        self.expire_jobs(now);
+        self.server.handle_timeout(now);
+        self.client.handle_timeout(now);
+        self.take_answers(now);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        if self.cycle_due {
+            self.cycle_due = false;
+            let io = self.controller.as_mut();
+            if let Some(length) = io.and_then(|io| io.provider.emit(now, buffer)) {
+                return Some(Transmit::Frame { length });
+            }
+        }
+        if let Some(frame) = self.frames.pop_front()
+            && let Some(place) = buffer.get_mut(..frame.len())
+        {
+            place.copy_from_slice(&frame);
+            return Some(Transmit::Frame { length: frame.len() });
+        }
+        if let Some(length) = self
+            .controller
+            .as_mut()
+            .and_then(|io| io.alarms.poll_transmit(now, buffer))
+        {
+            return Some(Transmit::Frame { length });
+        }
+        if let Some((destination, length)) = self.server.poll_transmit(now, buffer) {
+            return Some(Transmit::Datagram {
+                destination,
+                source_port: RPC_PORT,
+                length,
+            });
+        }
+        let (destination, length) = self.client.poll_transmit(now, buffer)?;
+        Some(Transmit::Datagram {
+            destination,
+            source_port: CLIENT_PORT,
+            length,
+        })
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        let io = self.controller.as_ref();
+        [
+            io.map(|io| io.provider.next_send()),
+            io.and_then(|io| io.consumer.deadline()),
+            io.and_then(|io| io.activity.deadline()),
+            io.and_then(|io| io.alarms.poll_timeout()),
+            self.delayed.front().map(|(due, _)| *due),
+            self.tools
+                .iter()
+                .filter_map(|tool| tool.activity.deadline())
+                .min(),
+            self.jobs.iter().map(|job| job.deadline).min(),
+            self.server.poll_timeout(),
+            self.client.poll_timeout(),
+        ]
+        .into_iter()
+        .flatten()
+        .min()
+    }
+}
+
+impl Device {
+    fn take_answers(&mut self, now: Instant) {
+        while let Some((call, result)) = self.client.poll_event() {
+            if self
+                .controller
+                .as_ref()
+                .is_some_and(|io| io.ready_call == Some(call))
+            {
+                self.ready_answered(now, result);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,181 @@
+//! What is plugged, and how it differs from what a controller expects.
+
+use alloc::vec::Vec;
+
+use super::config::{DeviceConfig, ModuleDescription, SubmoduleDescription};
+use crate::wire::block::{
+    DiffModule, DiffSubmodule, ExpectedModule, ExpectedSubmodule, ModuleDiff, ModuleState, SubmoduleState,
+};
+use crate::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodule};
+
+/// The slots that hold a module: slot number and place in the catalogue, in slot order.
+#[derive(Debug, Clone)]
+pub(super) struct Slots {
+    plugged: Vec<(u16, usize)>,
+}
+
+impl Slots {
+    pub(super) fn new(config: &DeviceConfig) -> Self {
+        let mut slots = Self { plugged: Vec::new() };
+        for (slot, ident) in &config.plugged {
+            slots.plug(&config.modules, *slot, *ident);
+        }
+        slots
+    }
+
+    /// Plugs a module of the catalogue if it fits there.
+    pub(super) fn plug(&mut self, catalogue: &[ModuleDescription], slot: u16, ident: u32) -> bool {
+        let Some(index) = catalogue
+            .iter()
+            .position(|m| m.ident == ident && m.slots.contains(&slot))
+        else {
+            return false;
+        };
+        match self.plugged.binary_search_by_key(&slot, |(slot, _)| *slot) {
+            Ok(at) => {
+                if let Some(place) = self.plugged.get_mut(at) {
+                    place.1 = index;
+                }
+            }
+            Err(at) => self.plugged.insert(at, (slot, index)),
+        }
+        true
+    }
+
+    pub(super) fn iter<'a>(
+        &'a self,
+        catalogue: &'a [ModuleDescription],
+    ) -> impl Iterator<Item = (u16, &'a ModuleDescription)> {
+        self.plugged
+            .iter()
+            .filter_map(|(slot, index)| Some((*slot, catalogue.get(*index)?)))
+    }
+
+    pub(super) fn module<'a>(
+        &self,
+        catalogue: &'a [ModuleDescription],
+        slot: u16,
+    ) -> Option<&'a ModuleDescription> {
+        let (_, index) = self.plugged.iter().find(|(used, _)| *used == slot)?;
+        catalogue.get(*index)
+    }
+
+    pub(super) fn submodule<'a>(
+        &self,
+        catalogue: &'a [ModuleDescription],
+        slot: u16,
+        subslot: u16,
+    ) -> Option<&'a SubmoduleDescription> {
+        self.module(catalogue, slot)?
+            .submodules
+            .iter()
+            .find(|s| s.subslot == subslot)
+    }
+
+    /// All APIs that have a submodule, ascending.
+    pub(super) fn apis(&self, catalogue: &[ModuleDescription]) -> Vec<u32> {
+        let mut apis: Vec<u32> = self
+            .iter(catalogue)
+            .flat_map(|(_, module)| module.submodules.iter().map(|s| s.api))
+            .collect();
+        apis.sort_unstable();
+        apis.dedup();
+        apis
+    }
+
+    /// What is plugged where `keep` says so, by API and slot.
+    pub(super) fn identification(
+        &self,
+        catalogue: &[ModuleDescription],
+        keep: impl Fn(u16, &SubmoduleDescription) -> bool,
+    ) -> Identification {
+        let mut result = Identification::default();
+        for api in self.apis(catalogue) {
+            for (slot, module) in self.iter(catalogue) {
+                let chosen = module.submodules.iter().filter(|s| s.api == api && keep(slot, s));
+                let submodules: Vec<_> = chosen
+                    .map(|s| IdentifiedSubmodule {
+                        subslot: s.subslot,
+                        ident: s.ident,
+                    })
+                    .collect();
+                if !submodules.is_empty() {
+                    result.modules.push(IdentifiedModule {
+                        api,
+                        slot,
+                        ident: module.ident,
+                        submodules,
+                    });
+                }
+            }
+        }
+        result
+    }
+
+    /// Plugs what a controller expects where the catalogue allows it, and says what differs then.
+    pub(super) fn adapt(
+        &mut self,
+        catalogue: &[ModuleDescription],
+        expected: &[ExpectedModule],
+    ) -> ModuleDiff {
+        for module in expected {
+            self.plug(catalogue, module.slot, module.ident);
+        }
+        let mut diff = ModuleDiff::default();
+        for module in expected {
+            let real = self.module(catalogue, module.slot);
+            let (state, submodules) = match real {
+                None => (ModuleState::NO_MODULE, Vec::new()),
+                Some(real) if real.ident != module.ident => (ModuleState::WRONG, Vec::new()),
+                Some(real) => {
+                    let different: Vec<_> = module
+                        .submodules
+                        .iter()
+                        .filter_map(|s| compare(real, module.api, s))
+                        .collect();
+                    if different.is_empty() {
+                        continue;
+                    }
+                    (ModuleState::PROPER, different)
+                }
+            };
+            let ident = real.map_or(0, |real| real.ident);
+            diff.modules.push(DiffModule {
+                api: module.api,
+                slot: module.slot,
+                ident,
+                state,
+                submodules,
+            });
+        }
+        diff
+    }
+}
+
+/// How an expected submodule differs from the real one; a wrong length counts as a wrong submodule.
+fn compare(real: &ModuleDescription, api: u32, expected: &ExpectedSubmodule) -> Option<DiffSubmodule> {
+    let subslot = expected.subslot;
+    let Some(submodule) = real.submodules.iter().find(|s| s.subslot == subslot) else {
+        return Some(DiffSubmodule {
+            subslot,
+            ident: 0,
+            state: SubmoduleState::NO_SUBMODULE,
+        });
+    };
+    let same = submodule.ident == expected.ident
+        && submodule.api == api
+        && submodule.input_length == expected.input_length()
+        && submodule.output_length == expected.output_length();
+    (!same).then_some(DiffSubmodule {
+        subslot,
+        ident: submodule.ident,
+        state: SubmoduleState::WRONG,
+    })
+}
+
+/// True if the difference says that this submodule cannot be used.
+pub(super) fn differs(diff: &ModuleDiff, slot: u16, subslot: u16) -> bool {
+    diff.modules.iter().filter(|m| m.slot == slot).any(|module| {
+        module.state != ModuleState::PROPER || module.submodules.iter().any(|s| s.subslot == subslot)
+    })
+}

@@ -1,0 +1,141 @@
+//! Log book and application relations of a station.
+
+use alloc::vec::Vec;
+
+use crate::wire::block::{Block, BlockType, write_block};
+use crate::wire::{ByteOrder, DecodeError, PnioStatus, Reader, Uuid, Writer};
+
+/// One entry of the log book.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LogEntry {
+    /// When, in the device's own time.
+    pub time: u64,
+    /// Which relation.
+    pub ar_uuid: Uuid,
+    /// What happened.
+    pub status: PnioStatus,
+    /// Detail, free.
+    pub detail: u32,
+}
+
+/// LogData, block 0x0019.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct LogData {
+    /// Now, in the device's own time.
+    pub time: u64,
+    /// Entries, oldest first.
+    pub entries: Vec<LogEntry>,
+}
+
+impl LogData {
+    /// Reads the record.
+    ///
+    /// # Errors
+    /// When it is another block, or its length does not fit its count.
+    pub fn decode(mut reader: Reader<'_>) -> Result<Self, DecodeError> {
+        let mut r = Block::expect(&mut reader, BlockType::LOG_DATA)?;
+        let time = r.u64("ActualLocalTimeStamp")?;
+        let count = r.u16("NumberOfLogEntries")?;
+        let mut entries = Vec::new();
+        for _ in 0..count {
+            entries.push(LogEntry {
+                time: r.u64("LocalTimeStamp")?,
+                ar_uuid: Uuid::decode(&mut r, ByteOrder::Big, "ARUUID")?,
+                status: PnioStatus::decode(&mut r)?,
+                detail: r.u32("EntryDetail")?,
+            });
+        }
+        r.finish("LogData")?;
+        Ok(Self { time, entries })
+    }
+
+    /// Writes the record.
+    pub fn encode(&self, out: &mut impl Writer) {
+        write_block(out, BlockType::LOG_DATA, 0, |out| {
+            out.u64(self.time);
+            out.u16(u16::try_from(self.entries.len()).unwrap_or(u16::MAX));
+            for entry in &self.entries {
+                out.u64(entry.time);
+                entry.ar_uuid.encode(out, ByteOrder::Big);
+                entry.status.encode(out);
+                out.u32(entry.detail);
+            }
+        });
+    }
+}
+
+/// One cyclic connection in ARData.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArDataIocr {
+    /// IOCRProperties.
+    pub properties: u32,
+    /// IOCRType.
+    pub iocr_type: u16,
+    /// FrameID.
+    pub frame_id: u16,
+    /// CycleCounter, DataStatus and TransferStatus of the latest frame.
+    pub apdu_status: [u8; 4],
+}
+
+/// One relation in ARData.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ArData<'a> {
+    /// ARUUID.
+    pub ar_uuid: Uuid,
+    /// CMInitiatorObjectUUID.
+    pub initiator_object: Uuid,
+    /// ARProperties.
+    pub properties: u32,
+    /// ARType.
+    pub ar_type: u16,
+    /// AlarmCRType, 0 without alarms.
+    pub alarm_cr_type: u16,
+    /// Own and the peer's LocalAlarmReference.
+    pub alarm_references: (u16, u16),
+    /// Name of the initiator.
+    pub station_name: &'a [u8],
+    /// Cyclic connections.
+    pub iocrs: Vec<ArDataIocr>,
+    /// APIs.
+    pub apis: Vec<u32>,
+}
+
+/// Writes ARData, block 0x0018 version 1.1.
+pub fn encode_ar_data(relations: &[ArData<'_>], out: &mut impl Writer) {
+    let start = out.position();
+    write_block(out, BlockType::AR_DATA, 1, |out| {
+        out.u16(u16::try_from(relations.len()).unwrap_or(u16::MAX));
+        for ar in relations {
+            ar.ar_uuid.encode(out, ByteOrder::Big);
+            ar.initiator_object.encode(out, ByteOrder::Big);
+            Uuid::NIL.encode(out, ByteOrder::Big);
+            out.u32(ar.properties);
+            out.u16(ar.ar_type);
+            out.u16(ar.alarm_cr_type);
+            out.u16(ar.alarm_references.0);
+            out.u16(ar.alarm_references.1);
+            out.u16(0x8892);
+            out.u16(0x8892);
+            out.u16(u16::try_from(ar.station_name.len()).unwrap_or(u16::MAX));
+            out.bytes(ar.station_name);
+            out.align(start, 4);
+            out.u16(0);
+            out.align(start, 4);
+            out.u16(u16::try_from(ar.iocrs.len()).unwrap_or(u16::MAX));
+            out.u16(0);
+            for iocr in &ar.iocrs {
+                out.u32(iocr.properties);
+                out.u16(iocr.iocr_type);
+                out.u16(iocr.frame_id);
+                out.bytes(&iocr.apdu_status);
+            }
+            out.u16(u16::try_from(ar.apis.len()).unwrap_or(u16::MAX));
+            out.u16(0);
+            for api in &ar.apis {
+                out.u32(*api);
+            }
+            out.u16(0);
+            out.u16(0);
+        }
+    });
+}
