@@ -12,20 +12,36 @@ struct Slot {
     users: u32,
 }
 
+/// Buffers made at the start, so that quiet segments never make one later.
+const READY: u32 = 64;
+
 /// The store. Grows to the largest number of frames under way at once, then allocates no more.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Frames {
     slots: Vec<Slot>,
     free: Vec<u32>,
 }
 
 impl Frames {
+    pub(super) fn new() -> Self {
+        let slot = |_| Slot {
+            bytes: Vec::with_capacity(MAX_FRAME),
+            users: 0,
+        };
+        Self {
+            slots: (0..READY).map(slot).collect(),
+            free: (0..READY).rev().collect(),
+        }
+    }
+
     /// Stores a frame with one user.
     pub(super) fn put(&mut self, bytes: &[u8]) -> Option<FrameId> {
         let index = match self.free.pop() {
             Some(index) => index,
             None => {
                 let index = u32::try_from(self.slots.len()).ok()?;
+                // Room for every buffer to be given back: releasing never allocates.
+                self.free.reserve(self.slots.len() + 1);
                 self.slots.push(Slot {
                     bytes: Vec::with_capacity(MAX_FRAME),
                     users: 0,
@@ -75,7 +91,7 @@ mod tests {
 
     #[test]
     fn buffers_are_used_again_after_the_last_user() {
-        let mut frames = Frames::default();
+        let mut frames = Frames::new();
         let a = frames.put(&[1, 2]).unwrap();
         frames.share(a);
         frames.release(a);
@@ -83,6 +99,10 @@ mod tests {
         frames.release(a);
         let b = frames.put(&[3]).unwrap();
         assert_eq!((b, frames.bytes(b)), (a, &[3][..]));
-        assert_eq!((frames.slots.len(), frames.in_use()), (1, 1));
+        assert_eq!(frames.in_use(), 1);
+        let more: Vec<_> = (0..READY).map(|_| frames.put(&[4]).unwrap()).collect();
+        assert_eq!(frames.in_use(), READY as usize + 1);
+        more.into_iter().for_each(|id| frames.release(id));
+        assert_eq!(frames.in_use(), 1);
     }
 }
