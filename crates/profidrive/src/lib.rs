@@ -2,7 +2,7 @@
 //!
 //! Knows no PROFINET, no socket and no clock; it turns bytes into meaning and back. A drive and a client are built from
 //! the same modules: [`parameter`] (base mode parameter access), [`state`] (S1 to S5), [`telegram`] (what is where in
-//! the cyclic data), [`unit`] (what a raw number means), [`fault`] (the fault buffer), [`catalogue`] (the tables of each
+//! the cyclic data), [`mod@unit`] (what a raw number means), [`fault`] (the fault buffer), [`catalogue`] (the tables of each
 //! drive model), [`notation`] (how people write parameters and values).
 #![no_std]
 #![forbid(unsafe_code)]

@@ -166,6 +166,7 @@ mod tests {
     use super::super::{KOLLMORGEN, TELEGRAMS, signal};
     use super::*;
     use alloc::vec::Vec;
+    use proptest::prelude::*;
 
     #[test]
     fn the_words_of_each_fixed_telegram_make_the_same_places() {
@@ -222,5 +223,29 @@ mod tests {
         assert_eq!(data, [0, 0, 0xFF, 0xFF, 0xFF, 0xFE, 0, 3]);
         let missing = Err(SetError::NoSignal { signal: 35 });
         assert_eq!(mapping.set(&mut data, signal::MDI_VELOCITY, 1), missing);
+    }
+
+    proptest! {
+        /// Words as a drive could send them in 915, mostly of signals that exist.
+        #[test]
+        fn any_words_and_any_data(
+            words in prop::collection::vec(prop_oneof![0_u16..60, 95_u16..112, any::<u16>()], 0..40),
+            repeat: bool,
+            data in prop::collection::vec(any::<u8>(), 0..90),
+        ) {
+            let mut words = words;
+            if repeat {
+                words = [1].into_iter().chain(words.into_iter().flat_map(|word| [word, word])).collect();
+            }
+            let Ok(mapping) = Mapping::new(&words, KOLLMORGEN, Direction::Setpoint) else {
+                return Ok(());
+            };
+            prop_assert_eq!(usize::from(mapping.octets()), 2 * words.len());
+            for field in mapping.fields() {
+                let end = usize::from(field.offset + field.signal.octets());
+                prop_assert!(end <= usize::from(mapping.octets()));
+                prop_assert_eq!(field.get(&data).is_some(), end <= data.len());
+            }
+        }
     }
 }
