@@ -101,6 +101,27 @@ impl<'a> Request<'a> {
         HEADER + ADDRESS * self.addresses.len()
     }
 
+    /// Octets behind everything that belongs to the request, up to the last one that is not zero: programs that send a
+    /// buffer of fixed length fill it with zeros. 0 too when a value block cannot be taken apart, which is told by
+    /// [`values`](Self::values).
+    #[must_use]
+    pub fn trailing(&self) -> usize {
+        let mut end = self.tail_offset();
+        if self.id() == RequestId::Change {
+            for _ in self.addresses {
+                match ValueBlock::parse(self.bytes, end, self.space) {
+                    Ok((_, used)) => end += used,
+                    Err(_) => return 0,
+                }
+            }
+        }
+        let behind = self.bytes.get(end..).unwrap_or(&[]);
+        behind
+            .iter()
+            .rposition(|&octet| octet != 0)
+            .map_or(0, |last| last + 1)
+    }
+
     /// The value blocks of a change request in order, one for each address. After a block that cannot be taken
     /// apart the place of the next is unknown, so every further one gives the same error.
     pub fn values(&self) -> impl Iterator<Item = Result<ValueBlock<'a>, DecodeError>> + use<'a> {

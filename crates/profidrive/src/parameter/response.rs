@@ -146,7 +146,8 @@ impl<'a> Response<'a> {
         Ok(response)
     }
 
-    /// A negative response with one error block that answers none of the parameters but the request itself.
+    /// A negative response that answers the request itself instead of its parameters: one error block for several of
+    /// them, or a response ID of no request (Vacon: 0x80).
     fn whole_refusal(
         bytes: &[u8],
         found_id: u8,
@@ -155,8 +156,10 @@ impl<'a> Response<'a> {
         dialect: &Dialect,
     ) -> Option<ParameterError> {
         let (block, used) = ValueBlock::parse(bytes, HEADER, dialect.code_space).ok()?;
-        let alone = HEADER + used == bytes.len() && block.format == Format::ERROR;
-        (alone && (parameters != 1 || found_id & 0x7F != id.octet())).then(|| error_of(&block))
+        let alone = HEADER + used == bytes.len();
+        let whole = (alone && parameters != 1) || found_id & 0x7F != id.octet();
+        let is_request_id = matches!(RequestId::from_octet(found_id & 0x7F), RequestId::Other(_));
+        (block.format == Format::ERROR && whole && (alone || is_request_id)).then(|| error_of(&block))
     }
 
     /// True when the octets behind the header are the addresses of the request.

@@ -123,6 +123,9 @@ pub fn serve(
         }
         known => known,
     };
+    if parsed.trailing() > 0 {
+        return Err(Refusal::Length);
+    }
     job.out
         .put(&[reference, id.octet(), axis, parameters])
         .ok_or(Refusal::Room)?;
@@ -152,9 +155,6 @@ pub fn serve(
             }
         }
         _ => {
-            if parsed.tail().iter().any(|&octet| octet != 0) {
-                return Err(Refusal::Length);
-            }
             for address in parsed.addresses() {
                 left -= 1;
                 let start = job.out.position();
@@ -183,10 +183,18 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// A negative response that answers the request itself.
+    /// A negative response that answers the request itself: every parameter gets the error, so that there are as many
+    /// answers as the header says. A number of parameters that cannot be is mirrored with one answer.
     fn whole(mut self, header: [u8; HEADER], number: ErrorNumber) -> Result<usize, Refusal> {
         self.out.put(&header).ok_or(Refusal::Room)?;
-        self.error(number.into(), 0)?;
+        let [_, _, _, parameters] = header;
+        let answers = match parameters {
+            possible if possible <= self.dialect.max_parameters => possible.max(1),
+            _ => 1,
+        };
+        for left in (0..answers).rev() {
+            self.error(number.into(), left.into())?;
+        }
         Ok(self.out.position())
     }
 
@@ -258,7 +266,9 @@ impl Job<'_> {
                         .read(pnu, index)
                         .map_err(|number| at(number, index))?
                         .to_be_bytes();
-                    values.copy_from_slice(raw.get(8 - octets..).unwrap_or(&raw));
+                    for (place, octet) in values.iter_mut().rev().zip(raw.iter().rev()) {
+                        *place = *octet;
+                    }
                 }
             }
             Attribute::Description => {

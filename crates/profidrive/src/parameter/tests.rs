@@ -422,6 +422,57 @@ fn responses_never_exceed_the_block() {
     );
 }
 
+/// A request that is wrong as a whole gets as many answers as its header says.
+#[test]
+fn whole_requests_are_refused_parameter_by_parameter() {
+    let two = "10 01 03 9A 00 00 10 01 03 A2 00 00";
+    let served = |dialect, head: &str| ask(dialect, &alloc::format!("{head} {two}")).unwrap();
+    let akd = hex("0A 81 00 02 44 01 00 21 44 01 00 21");
+    assert_eq!(served(&Dialect::AKD, "0A 07 00 02"), akd);
+    let vacon = hex("0A 80 01 02 44 01 00 21 44 01 00 21");
+    assert_eq!(served(&Dialect::VACON, "0A 07 01 02"), vacon);
+    let reference = hex("00 81 01 02 44 01 00 65 44 01 00 65");
+    assert_eq!(served(&Dialect::VACON, "00 01 01 02"), reference);
+    let asked = [ParameterAddress::value(922, 0), ParameterAddress::value(930, 0)];
+    let parse =
+        |bytes: &[u8], dialect| Response::parse(bytes, RequestId::Read, 10, &asked, dialect).map(|_| ());
+    let refused = |number: u16| {
+        Err(ResponseError::Refused(ParameterError {
+            number: ErrorNumber(number),
+            info: None,
+        }))
+    };
+    assert_eq!(parse(&vacon, &Dialect::VACON), refused(0x21));
+    assert_eq!(
+        parse(&hex("0A 81 01 28 44 01 00 68"), &Dialect::VACON),
+        refused(0x68)
+    );
+    // as many errors as parameters are answers to the parameters
+    assert_eq!(parse(&akd, &Dialect::AKD), Ok(()));
+    // not the answer to a read, whatever it carries
+    assert!(matches!(
+        parse(&hex("0A 82 00 02 44 01 00 01 44 01 00 01"), &Dialect::AKD),
+        Err(ResponseError::Id { .. })
+    ));
+}
+
+/// What stands behind the values: zeros of a buffer of fixed length are nothing, anything else is no request, and then
+/// nothing is written.
+#[test]
+fn octets_behind_a_change() {
+    let change = "05 02 00 01 10 01 03 A2 00 00 42 01 00 01";
+    let mut drive = Bench::default();
+    let request = alloc::format!("{change} 00 01");
+    assert_eq!(ask_of(&mut drive, &Dialect::AKD, &request), Err(Refusal::Length));
+    assert_eq!(drive.mode, 2, "nothing is written");
+    let request = alloc::format!("{change} 00 00 00");
+    assert_eq!(
+        ask_of(&mut drive, &Dialect::AKD, &request).unwrap(),
+        hex("05 02 00 01 00 00")
+    );
+    assert_eq!(drive.mode, 1);
+}
+
 /// Checklist 34: values between the addresses are not taken for a request.
 #[test]
 fn interleaved_blocks_are_refused() {
