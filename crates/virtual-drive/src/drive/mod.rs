@@ -164,7 +164,7 @@ impl Drive {
             faults: FaultBuffer::new(),
             causes: [0; MOST_CAUSES],
             axis: Axis::new(model.plant),
-            process: Process::default(),
+            process: Process::new(model),
             link: Link::None,
             service: Service::Off,
             clear_requested: false,
@@ -210,8 +210,9 @@ impl Drive {
     /// # Errors
     /// When the model has no such telegram.
     pub fn connect(&mut self, telegram: u16, watchdog: Duration) -> Result<(), UnknownTelegram> {
-        self.choose_telegram(telegram)
-            .map_err(|()| UnknownTelegram(telegram))?;
+        if !self.choose_telegram(telegram) {
+            return Err(UnknownTelegram(telegram));
+        }
         self.link = Link::Cyclic {
             watchdog,
             running: false,

@@ -1,93 +1,21 @@
-//! Process data: the words of the telegram in use, between the bytes of a frame and the drive.
+//! Process data: the signals of the telegram in use, between the bytes of a frame and the drive.
 
 use profidrive::catalogue::Scale;
+use profidrive::telegram::{Direction, Signal, Telegram, signal};
 
 use super::{Drive, Link};
+use crate::model::{Live, Model};
 
 /// STW1 bit 10, control by PLC.
 pub(super) const STW1_BY_PLC: u16 = 1 << 10;
 
-/// Signal numbers, which on this model are PNUs too.
-mod number {
-    pub const STW1: u16 = 1;
-    pub const NSOLL_A: u16 = 5;
-    pub const DRV_ACC: u16 = 108;
-    pub const DRV_DEC: u16 = 109;
-}
-
-/// Signals that a controller sends.
-const SETPOINTS: &[u16] = &[1, 3, 5, 32, 34, 35, 36, 37, 38, 100, 101, 102, 103, 108, 109];
-
-/// True for the PNU of a signal that the controller sends.
-pub(super) fn is_setpoint(pnu: u16) -> bool {
-    SETPOINTS.contains(&pnu)
-}
-
-/// Words of a telegram: the signal of each word, twice for a double word, 0 for a free one.
-struct Words {
-    telegram: u16,
-    setpoints: &'static [u16],
-    actuals: &'static [u16],
-}
-
-const WORDS: &[Words] = &[
-    Words {
-        telegram: 1,
-        setpoints: &[1, 5],
-        actuals: &[2, 6],
-    },
-    Words {
-        telegram: 7,
-        setpoints: &[1, 32],
-        actuals: &[2, 33],
-    },
-    Words {
-        telegram: 9,
-        setpoints: &[1, 32, 3, 34, 34, 35, 35, 36, 37, 38],
-        actuals: &[2, 33, 4, 28, 28],
-    },
-    Words {
-        telegram: 350,
-        setpoints: &[1, 5],
-        actuals: &[2, 6, 52],
-    },
-    Words {
-        telegram: 351,
-        setpoints: &[1, 5],
-        actuals: &[2, 6, 52, 28, 28],
-    },
-    Words {
-        telegram: 352,
-        setpoints: &[1, 32, 3, 34, 34, 35, 35, 36, 37, 38, 100, 100],
-        actuals: &[2, 33, 4, 28, 28],
-    },
-    Words {
-        telegram: 353,
-        setpoints: &[1, 32, 3, 34, 34, 35, 35, 36, 37, 38, 100, 100, 103],
-        actuals: &[2, 33, 4, 28, 28],
-    },
-    Words {
-        telegram: 354,
-        setpoints: &[1, 5, 108, 109],
-        actuals: &[2, 6],
-    },
-    Words {
-        telegram: 400,
-        setpoints: &[1, 32, 3, 34, 34, 35, 35, 36, 37, 38, 0, 0],
-        actuals: &[2, 33, 4, 28, 28, 0, 0, 0, 0, 0, 0, 0],
-    },
-    Words {
-        telegram: 0,
-        setpoints: &[1, 32, 3, 34, 34, 35, 35, 36, 37, 38, 0, 0],
-        actuals: &[2, 33, 4, 28, 28, 0, 0, 0, 0, 0, 0, 0],
-    },
-];
+/// Number of the telegram in use until a controller or PNU 922 chooses another.
+const FIRST_TELEGRAM: u16 = 1;
 
 /// The present process values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Process {
-    /// Place of the telegram in the table.
-    telegram: usize,
+    telegram: Option<&'static Telegram>,
     /// Control word as received last.
     pub control: u16,
     /// Status word as sent last.
@@ -96,10 +24,12 @@ pub(super) struct Process {
     pub speed: f64,
 }
 
-impl Default for Process {
-    fn default() -> Self {
+impl Process {
+    pub fn new(model: &Model) -> Self {
+        let telegram = Telegram::find(FIRST_TELEGRAM, model.catalogue.device.vendor_id);
+        // Switching on inhibited, control requested.
         Self {
-            telegram: 0,
+            telegram,
             control: 0,
             status: 0x0240,
             speed: 0.0,
@@ -108,35 +38,42 @@ impl Default for Process {
 }
 
 impl Drive {
-    fn words(&self) -> &'static Words {
-        WORDS.get(self.process.telegram).unwrap_or(&WORDS[0])
+    /// True for a signal that the controller sends.
+    pub(super) fn is_setpoint(&self, number: u16) -> bool {
+        Signal::find(number, self.model.catalogue.device.vendor_id)
+            .is_some_and(|signal| signal.direction == Direction::Setpoint)
     }
 
     pub(super) fn telegram_number(&self) -> u16 {
-        self.words().telegram
+        self.process.telegram.map_or(0, |telegram| telegram.number)
     }
 
-    pub(super) fn choose_telegram(&mut self, number: u16) -> Result<(), ()> {
-        let offered = self.model.catalogue.device.telegram(number).is_some();
-        let place = WORDS
-            .iter()
-            .position(|words| words.telegram == number)
-            .filter(|_| offered)
-            .ok_or(())?;
-        self.process = Process {
-            telegram: place,
-            status: self.process.status,
-            ..Process::default()
-        };
-        Ok(())
+    /// Puts a telegram of the model into use; false when it has no such telegram.
+    pub(super) fn choose_telegram(&mut self, number: u16) -> bool {
+        let device = &self.model.catalogue.device;
+        let found = Telegram::find(number, device.vendor_id).filter(|_| device.telegram(number).is_some());
+        if found.is_some() {
+            self.process = Process {
+                telegram: found,
+                status: self.process.status,
+                ..Process::new(self.model)
+            };
+        }
+        found.is_some()
     }
 
     pub(super) fn setpoint_signal(&self, word: usize) -> u16 {
-        self.words().setpoints.get(word).copied().unwrap_or(0)
+        self.process
+            .telegram
+            .and_then(|telegram| telegram.setpoint.words().nth(word))
+            .unwrap_or(0)
     }
 
     pub(super) fn actual_signal(&self, word: usize) -> u16 {
-        self.words().actuals.get(word).copied().unwrap_or(0)
+        self.process
+            .telegram
+            .and_then(|telegram| telegram.actual.words().nth(word))
+            .unwrap_or(0)
     }
 
     pub(super) const fn is_running(&self) -> bool {
@@ -156,56 +93,38 @@ impl Drive {
             return;
         };
         *running = true;
-        let word = |place: usize| {
-            let octets = outputs.get(2 * place..2 * place + 2);
-            octets
-                .and_then(|octets| octets.try_into().ok())
-                .map_or(0, u16::from_be_bytes)
+        let Some(telegram) = self.process.telegram else {
+            return;
         };
-        let setpoints = self.words().setpoints;
-        let mut place = 0;
-        while let Some(signal) = setpoints.get(place) {
-            let double = setpoints.get(place + 1) == Some(signal) && *signal != 0;
-            let raw = if double {
-                u32::from(word(place)) << 16 | u32::from(word(place + 1))
-            } else {
-                word(place).into()
-            };
-            place += if double { 2 } else { 1 };
-            if *signal == number::STW1 {
-                self.process.control = word(0);
-                if self.process.control & STW1_BY_PLC == 0 {
-                    return;
-                }
-            } else {
-                self.take_setpoint(*signal, raw);
+        if let Some(control) = telegram.setpoint.get(outputs, signal::STW1) {
+            self.process.control = control as u16;
+        }
+        if self.process.control & STW1_BY_PLC == 0 {
+            return;
+        }
+        for field in telegram.setpoint.fields {
+            if let Some(value) = field.get(outputs) {
+                self.take_setpoint(field.signal.number, value);
             }
         }
     }
 
-    fn take_setpoint(&mut self, signal: u16, raw: u32) {
-        match signal {
-            number::NSOLL_A => {
-                self.process.speed = f64::from(raw as i16) * self.settings.scaling.step(Scale::Velocity);
+    fn take_setpoint(&mut self, number: u16, value: i64) {
+        match number {
+            signal::STW1 => {}
+            signal::NSOLL_A => {
+                self.process.speed = value as f64 * self.settings.scaling.step(Scale::Velocity)
             }
-            number::DRV_ACC | number::DRV_DEC => {
-                // 0 is no ramp at all; the drive keeps what it has.
-                if raw != 0
-                    && let Some(position) = self.model.catalogue.position(signal)
-                    && self.element(position, 0) != Ok(i64::from(raw))
-                {
-                    let _ = self.set_element(position, 0, i64::from(raw));
-                }
-            }
-            0 => {}
-            signal => {
-                if let Some(parameter) = self.model.catalogue.by_pnu(signal) {
-                    let value = if parameter.signed && parameter.size.octets() == 4 {
-                        i64::from(raw as i32)
-                    } else {
-                        raw.into()
-                    };
-                    self.values.set(signal, value);
+            // The number of a signal is the number of its parameter too; where that stands for another one (DRV_ACC for
+            // DRV.ACC), the limits of that one hold, and what is outside of them changes nothing.
+            number => {
+                let Some(position) = self.model.catalogue.position(number) else {
+                    return;
+                };
+                if !matches!(self.live.get(position), Some(Live::Same(_))) {
+                    self.values.set_at(position, value);
+                } else if self.element(position, 0) != Ok(value) {
+                    let _ = self.set_element(position, 0, value);
                 }
             }
         }
@@ -213,20 +132,16 @@ impl Drive {
 
     /// Writes the actual values.
     pub(super) fn give_inputs(&self, inputs: &mut [u8]) {
-        let mut before = 0;
-        for (word, signal) in inputs.chunks_exact_mut(2).zip(self.words().actuals) {
-            let position = self.model.catalogue.position(*signal).filter(|_| *signal != 0);
-            let raw = position
+        let Some(telegram) = self.process.telegram else {
+            return;
+        };
+        for field in telegram.actual.fields {
+            let position = self.model.catalogue.position(field.signal.number);
+            let value = position
                 .and_then(|position| self.element(position, 0).ok())
                 .unwrap_or(0);
-            let double = position
-                .and_then(|position| self.model.catalogue.parameters.get(position))
-                .is_some_and(|parameter| parameter.size.octets() == 4);
-            // The first word of a double word is the high one.
-            let high = double && before != *signal;
-            before = if high { *signal } else { 0 };
-            let value = if high { raw >> 16 } else { raw };
-            word.copy_from_slice(&(value as u16).to_be_bytes());
+            // Inputs that are too short for the telegram get what fits.
+            let _ = field.set(inputs, value);
         }
     }
 }

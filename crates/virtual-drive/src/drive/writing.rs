@@ -53,13 +53,15 @@ impl Drive {
                     return Err(ErrorNumber::NOT_NOW);
                 }
                 let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
-                self.choose_telegram(number).map_err(|()| ErrorNumber::VALUE)?;
+                if !self.choose_telegram(number) {
+                    return Err(ErrorNumber::VALUE);
+                }
             }
             // Setpoints come with the cyclic data only: a setpoint without a watchdog would be dangerous.
             Live::Measured(_) => return Err(ErrorNumber::NO_RIGHTS),
             // The telegram says what these are.
             Live::Array(_) => return Err(ErrorNumber::NOT_NOW),
-            Live::Stored if super::signals::is_setpoint(parameter.pnu) && self.link.is_cyclic() => {
+            Live::Stored if self.is_setpoint(parameter.pnu) && self.link.is_cyclic() => {
                 return Err(ErrorNumber::NOT_NOW);
             }
             _ => {
