@@ -1,0 +1,263 @@
+//! The controller with drive knowledge: what it heard, and axes it keeps under control between two inputs.
+
+use std::collections::{HashMap, VecDeque};
+use std::net::SocketAddrV4;
+
+use profinet::controller::{
+    ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError, Station,
+};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+
+use crate::axis::{AxisControl, Command, Goal, Limits, Progress, Seen};
+
+/// Most results that are kept for nobody.
+const MAX_RESULTS: usize = 4096;
+
+/// What became of a connection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Connection {
+    /// Under way.
+    Opening,
+    /// Records can be read and written.
+    Open,
+    /// Cyclic data flows.
+    Running,
+    /// Ended without being asked to, or never came about.
+    Lost(LostCause),
+    /// Released as asked for.
+    Released,
+}
+
+/// A PROFINET controller that knows drives; an [`Endpoint`], driven by any [`Medium`](profinet::Medium).
+///
+/// Axes under control are stepped here, right after each input: a caller that blocks on a parameter read does not
+/// hold up the axis beside it.
+#[derive(Debug)]
+pub struct Client {
+    controller: Controller,
+    connections: HashMap<ArId, Connection>,
+    axes: Vec<AxisLink>,
+    heard: HashMap<DcpId, Vec<Station>>,
+    identified: VecDeque<DcpId>,
+    dcp: HashMap<DcpId, Result<DcpReply, DcpError>>,
+    records: HashMap<CallId, Result<Vec<u8>, ServiceError>>,
+}
+
+/// One axis of one cyclic connection.
+#[derive(Debug)]
+struct AxisLink {
+    ar: ArId,
+    slot: u16,
+    subslot: u16,
+    control: AxisControl,
+    seen: Option<Seen>,
+    sent: Option<Command>,
+}
+
+/// An axis at a glance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AxisView {
+    /// What is wanted.
+    pub goal: Goal,
+    /// How far it is.
+    pub progress: Progress,
+    /// What is being sent.
+    pub command: Command,
+    /// What the drive said last; `None` before the first valid input.
+    pub seen: Option<Seen>,
+    /// True when the axis stands with the pulses off.
+    pub at_rest: bool,
+}
+
+impl Client {
+    /// A client; nothing is sent before something is asked for.
+    #[must_use]
+    pub fn new(config: ControllerConfig) -> Self {
+        Self {
+            controller: Controller::new(config),
+            connections: HashMap::new(),
+            axes: Vec::new(),
+            heard: HashMap::new(),
+            identified: VecDeque::new(),
+            dcp: HashMap::new(),
+            records: HashMap::new(),
+        }
+    }
+
+    /// The controller, to start requests with.
+    pub fn controller(&mut self) -> &mut Controller {
+        &mut self.controller
+    }
+
+    /// The controller, to look at.
+    #[must_use]
+    pub const fn controller_ref(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The stations that answered an Identify request, once its time is over.
+    pub fn take_stations(&mut self, id: DcpId) -> Option<Vec<Station>> {
+        let position = self.identified.iter().position(|done| *done == id)?;
+        self.identified.remove(position);
+        Some(self.heard.remove(&id).unwrap_or_default())
+    }
+
+    /// The stations that answered so far.
+    #[must_use]
+    pub fn stations_so_far(&self, id: DcpId) -> usize {
+        self.heard.get(&id).map_or(0, Vec::len)
+    }
+
+    /// The end of a DCP Get or Set.
+    pub fn take_dcp(&mut self, id: DcpId) -> Option<Result<DcpReply, DcpError>> {
+        self.dcp.remove(&id)
+    }
+
+    /// The end of a record request.
+    pub fn take_record(&mut self, call: CallId) -> Option<Result<Vec<u8>, ServiceError>> {
+        self.records.remove(&call)
+    }
+
+    /// What became of a connection.
+    #[must_use]
+    pub fn connection(&self, ar: ArId) -> Connection {
+        self.connections.get(&ar).cloned().unwrap_or(Connection::Opening)
+    }
+
+    /// Forgets a connection that ended.
+    pub fn forget(&mut self, ar: ArId) {
+        self.connections.remove(&ar);
+        self.axes.retain(|axis| axis.ar != ar);
+    }
+
+    /// Keeps the telegram 1 of `slot`/`subslot` of a cyclic connection from now on; control is not taken yet.
+    pub fn attach_axis(&mut self, ar: ArId, slot: u16, subslot: u16, limits: Limits) {
+        self.axes.retain(|axis| axis.ar != ar);
+        let control = AxisControl::new(limits);
+        self.axes.push(AxisLink { ar, slot, subslot, control, seen: None, sent: None });
+    }
+
+    /// Sets what is wanted of the axis of a connection.
+    pub fn pursue(&mut self, now: Instant, ar: ArId, goal: Goal) {
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.ar == ar) {
+            axis.control.pursue(now, goal);
+        }
+        self.work(now);
+    }
+
+    /// The axis of a connection.
+    #[must_use]
+    pub fn axis(&self, ar: ArId) -> Option<AxisView> {
+        let axis = self.axes.iter().find(|axis| axis.ar == ar)?;
+        Some(AxisView {
+            goal: axis.control.goal(),
+            progress: axis.control.progress(),
+            command: axis.control.command(),
+            seen: axis.seen,
+            at_rest: axis.control.is_at_rest(),
+        })
+    }
+
+    /// Takes what the controller has to tell, then steps the axes.
+    fn work(&mut self, now: Instant) {
+        while let Some(event) = self.controller.poll_event() {
+            self.take(event);
+        }
+        for axis in &mut self.axes {
+            let input = self.controller.input(axis.ar, axis.slot, axis.subslot);
+            if let Some((data, provider)) = input
+                && provider.is_good()
+                && let [z1, z0, n1, n0, ..] = *data
+            {
+                let zsw1 = u16::from_be_bytes([z1, z0]);
+                axis.seen = Some(Seen { zsw1, nist_a: i16::from_be_bytes([n1, n0]) });
+            }
+            // nothing is commanded before the drive said where it is
+            let Some(seen) = axis.seen else { continue };
+            let command = axis.control.step(now, seen);
+            if axis.sent != Some(command) {
+                let [s1, s0] = command.stw1.to_be_bytes();
+                let [n1, n0] = command.nsoll_a.to_be_bytes();
+                let data = [s1, s0, n1, n0];
+                if self.controller.set_output(axis.ar, axis.slot, axis.subslot, &data).is_ok() {
+                    axis.sent = Some(command);
+                }
+            }
+        }
+    }
+
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Identified { id, station } => self.heard.entry(id).or_default().push(station),
+            Event::IdentifyDone { id, .. } => {
+                if self.identified.len() >= MAX_RESULTS
+                    && let Some(old) = self.identified.pop_front()
+                {
+                    self.heard.remove(&old);
+                }
+                self.identified.push_back(id);
+            }
+            Event::DcpDone { id, result } => {
+                bound(&mut self.dcp);
+                self.dcp.insert(id, result);
+            }
+            Event::Connected { ar, .. } | Event::Ready { ar, .. } => {
+                self.connections.insert(ar, Connection::Open);
+            }
+            Event::Running { ar } => {
+                self.connections.insert(ar, Connection::Running);
+            }
+            Event::Lost { ar, cause } => {
+                self.connections.insert(ar, Connection::Lost(cause));
+            }
+            Event::Released { ar } => {
+                self.connections.insert(ar, Connection::Released);
+            }
+            Event::RecordDone { call, result } => {
+                bound(&mut self.records);
+                self.records.insert(call, result);
+            }
+            Event::Hello { .. } | Event::ProviderState { .. } | Event::Alarm { .. } | Event::WritesDone { .. } => {}
+        }
+    }
+}
+
+/// Results nobody takes must not pile up.
+fn bound<K, V>(results: &mut HashMap<K, V>) {
+    if results.len() >= MAX_RESULTS {
+        results.clear();
+    }
+}
+
+impl Endpoint for Client {
+    fn mac(&self) -> MacAddress {
+        self.controller.mac()
+    }
+
+    fn ip(&self) -> IpSuite {
+        self.controller.ip()
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.controller.handle_frame(now, frame);
+        self.work(now);
+    }
+
+    fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        self.controller.handle_datagram(now, source, local_port, payload);
+        self.work(now);
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        self.controller.handle_timeout(now);
+        self.work(now);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        self.controller.poll_transmit(now, buffer)
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        self.controller.poll_timeout()
+    }
+}

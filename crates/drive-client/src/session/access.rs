@@ -1,0 +1,218 @@
+//! Records: over the cyclic connection where there is one, else over a connection for record access.
+
+use std::time::Duration;
+
+use profinet::Medium;
+use profinet::controller::{ArId, CallId, LostCause, Misuse, RecordAddress, Resolve, ServiceError, Target};
+use profinet::wire::PnioStatus;
+use profinet::{Instant, MacAddress};
+use std::net::Ipv4Addr;
+
+use super::Session;
+use crate::{Client, Connection, Drive, Error};
+
+/// Longer than a connect may take with its repetitions.
+const CONNECT_LIMIT: Duration = Duration::from_secs(90);
+/// Longer than a record call may take.
+const RECORD_LIMIT: Duration = Duration::from_secs(90);
+/// How long a release may take.
+const RELEASE_LIMIT: Duration = Duration::from_secs(10);
+
+/// Largest record asked for.
+const MAX_RECORD: u32 = 4096;
+
+/// A connection kept for the records of one drive.
+#[derive(Debug, Clone, Copy)]
+pub struct Access {
+    mac: MacAddress,
+    ip: Ipv4Addr,
+    /// The connection.
+    pub ar: ArId,
+    /// True for a cyclic one, which belongs to an axis.
+    pub cyclic: bool,
+}
+
+impl Access {
+    const fn of(drive: &Drive, ar: ArId, cyclic: bool) -> Self {
+        Self { mac: drive.station.mac, ip: drive.station.ip.address, ar, cyclic }
+    }
+
+    fn is_to(&self, drive: &Drive) -> bool {
+        self.mac == drive.station.mac && self.ip == drive.station.ip.address
+    }
+}
+
+/// How to reach a drive for records.
+fn target(drive: &Drive) -> Target {
+    Target {
+        // without discovery the MAC address is learned from the answer
+        mac: Some(drive.station.mac).filter(|mac| *mac != MacAddress::default()),
+        ..Target::of(&drive.station)
+    }
+}
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Opens the way to the records of a drive, if it is not open.
+    ///
+    /// # Errors
+    /// When the drive has no address, cannot be reached or refuses.
+    pub fn open(&mut self, drive: &Drive) -> Result<(), Error> {
+        self.access(drive).map(|_| ())
+    }
+
+    pub(super) fn access(&mut self, drive: &Drive) -> Result<ArId, Error> {
+        if let Some(known) = self.access.iter().find(|access| access.is_to(drive)).copied() {
+            match self.client.connection(known.ar) {
+                Connection::Lost(_) | Connection::Released => self.drop_access(known.ar),
+                Connection::Opening | Connection::Open | Connection::Running => return Ok(known.ar),
+            }
+        }
+        if !drive.station.ip.is_set() {
+            return Err(Error::NoIpAddress { drive: drive.label() });
+        }
+        let now = self.now();
+        let ar = self.client.controller().connect_device_access(now, target(drive), Resolve::Trust)?;
+        self.connected(drive, ar)?;
+        self.access.push(Access::of(drive, ar, false));
+        Ok(ar)
+    }
+
+    /// Waits until a connection is open.
+    fn connected(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
+        let end = self.wait(CONNECT_LIMIT, |client| match client.connection(ar) {
+            Connection::Opening => None,
+            other => Some(other),
+        })?;
+        match end {
+            Some(Connection::Lost(cause)) => {
+                self.client.forget(ar);
+                Err(connect_error(drive, cause))
+            }
+            Some(_) => Ok(()),
+            None => Err(Error::Timeout { drive: drive.label(), what: "connecting", limit: CONNECT_LIMIT }),
+        }
+    }
+
+    /// Remembers the cyclic connection of an axis: records of its drive go through it too.
+    pub(super) fn share(&mut self, drive: &Drive, ar: ArId) {
+        self.access.retain(|access| access.ar != ar);
+        self.access.insert(0, Access::of(drive, ar, true));
+    }
+
+    pub(super) fn drop_access(&mut self, ar: ArId) {
+        self.access.retain(|access| access.ar != ar);
+        self.client.forget(ar);
+    }
+
+    /// Closes every connection for record access.
+    ///
+    /// # Errors
+    /// When the medium fails.
+    pub fn close(&mut self) -> Result<(), Error> {
+        let open: Vec<ArId> = self.access.iter().filter(|access| !access.cyclic).map(|access| access.ar).collect();
+        for ar in open {
+            self.release(ar)?;
+        }
+        Ok(())
+    }
+
+    /// Releases a connection and waits for its end.
+    pub(super) fn release(&mut self, ar: ArId) -> Result<(), Error> {
+        let open = matches!(self.client.connection(ar), Connection::Open | Connection::Running | Connection::Opening);
+        let now = self.now();
+        if open && self.client.controller().release(now, ar).is_ok() {
+            let stopping = std::mem::replace(&mut self.stopping, true);
+            let end = self.wait(RELEASE_LIMIT, |client| {
+                matches!(client.connection(ar), Connection::Released | Connection::Lost(_)).then_some(())
+            });
+            self.stopping = stopping;
+            end?;
+        }
+        self.drop_access(ar);
+        Ok(())
+    }
+
+    /// Reads a record of any submodule.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached or refuses.
+    pub fn read_record(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
+        let what = || format!("reading record 0x{:04X} of slot {} subslot 0x{:X}", at.index, at.slot, at.subslot);
+        self.call(drive, &what, |client, now, ar| client.controller().read(now, ar, at, MAX_RECORD))
+    }
+
+    /// One parameter job over the parameter channel of the drive.
+    pub(super) fn job(&mut self, drive: &Drive, request: &[u8]) -> Result<Vec<u8>, Error> {
+        let channel = drive.model.channel;
+        let at = RecordAddress {
+            api: channel.api,
+            slot: channel.slot,
+            subslot: channel.subslot,
+            index: channel.index,
+        };
+        let what = || "parameter access".to_owned();
+        self.call(drive, &what, |client, now, ar| client.controller().parameter_job(now, ar, at, request.to_vec()))
+    }
+
+    fn call(
+        &mut self, drive: &Drive, what: &dyn Fn() -> String,
+        start: impl FnOnce(&mut Client, Instant, ArId) -> Result<CallId, Misuse>,
+    ) -> Result<Vec<u8>, Error> {
+        let ar = self.access(drive)?;
+        let now = self.now();
+        let call = start(&mut self.client, now, ar)?;
+        match self.wait(RECORD_LIMIT, |client| client.take_record(call))? {
+            Some(Ok(data)) => Ok(data),
+            Some(Err(ServiceError::Closed { what: service })) => {
+                let cause = match self.client.connection(ar) {
+                    Connection::Lost(cause) => cause,
+                    _ => LostCause::Service(ServiceError::Closed { what: service }),
+                };
+                self.drop_access(ar);
+                Err(Error::ConnectionLost { drive: drive.label(), cause })
+            }
+            Some(Err(error)) => Err(Error::Record { drive: drive.label(), what: what(), error }),
+            None => Err(Error::Timeout { drive: drive.label(), what: "record access", limit: RECORD_LIMIT }),
+        }
+    }
+
+    /// Waits until a cyclic connection carries valid data.
+    pub(super) fn running(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
+        let end = self.wait(CONNECT_LIMIT, |client| match client.connection(ar) {
+            Connection::Opening | Connection::Open => None,
+            other => Some(other),
+        })?;
+        match end {
+            Some(Connection::Running) => Ok(()),
+            Some(Connection::Lost(cause)) => {
+                self.client.forget(ar);
+                Err(connect_error(drive, cause))
+            }
+            _ => {
+                self.client.forget(ar);
+                Err(Error::Timeout { drive: drive.label(), what: "cyclic data", limit: CONNECT_LIMIT })
+            }
+        }
+    }
+}
+
+/// A refusal because somebody else is connected has its own kind: the user can do something about it.
+pub(super) fn connect_error(drive: &Drive, cause: LostCause) -> Error {
+    let status = match &cause {
+        LostCause::Service(ServiceError::Refused { status, .. }) => Some(*status),
+        LostCause::AbortedByPeer(status) => Some(*status),
+        _ => None,
+    };
+    if status.is_some_and(out_of_relations) {
+        return Error::OwnedByController { drive: drive.label(), cause: cause.to_string() };
+    }
+    Error::Connect { drive: drive.label(), cause }
+}
+
+/// RPC "out of AR resources" or "out of provider, consumer or alarm resources": somebody has the one cyclic connection.
+const fn out_of_relations(status: PnioStatus) -> bool {
+    status.code1 == 0x40 && matches!(status.code2, 0x04 | 0x07)
+}

@@ -1,0 +1,396 @@
+//! Control of an axis as an object: while it exists the connection is open, when it goes the axis is stopped and
+//! released.
+
+use std::time::Duration;
+
+use profinet::Medium;
+use profinet::controller::{ArId, ConnectConfig, ModuleConfig, Resolve, SubmoduleConfig, Target};
+use profinet::cyclic::{CyclicStatistics, Timing};
+use profidrive::catalogue::Device;
+
+use super::Session;
+use crate::axis::{Goal, Jog, Limits, Progress, Trouble};
+use crate::client::AxisView;
+use crate::drive::PROFIDRIVE_API;
+use crate::{Connection, Drive, Error};
+
+/// The telegram an axis is run with.
+const TELEGRAM: u16 = 1;
+/// PNU of the speed setpoint: carries its scale.
+const NSOLL_A: u16 = 5;
+/// One unit of MinDeviceInterval and of the send clock.
+const TICK: Duration = Duration::from_nanos(31_250);
+
+/// How to run an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisSettings {
+    /// Update time; the fastest the drive's tables allow when `None`.
+    pub cycle: Option<Duration>,
+    /// Update times without data until both sides stop.
+    pub watchdog: u16,
+    /// Highest speed that may be asked for, in rpm.
+    pub speed_limit: f64,
+    /// How long stopping may take before the quick stop is used.
+    pub stop: Duration,
+}
+
+impl Default for AxisSettings {
+    fn default() -> Self {
+        Self { cycle: None, watchdog: 3, speed_limit: 3000.0, stop: Duration::from_secs(10) }
+    }
+}
+
+/// An axis at a glance, in engineering units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisStatus {
+    /// Goal, progress, words.
+    pub view: AxisView,
+    /// Speed asked for, in rpm.
+    pub speed_set: f64,
+    /// Speed of the motor, in rpm.
+    pub speed_actual: f64,
+    /// Time since control was taken.
+    pub time: Duration,
+}
+
+/// Somebody who wants to see the axis while calls wait.
+pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
+
+/// An axis under control.
+///
+/// Dropping it, for whatever reason, ends in a ramp stop and a release.
+pub struct Axis<'s, M: Medium>
+where
+    M::Error: Send + Sync + 'static,
+{
+    session: &'s mut Session<M>,
+    drive: Drive,
+    ar: ArId,
+    settings: AxisSettings,
+    cycle: Duration,
+    taken: profinet::Instant,
+    watcher: Option<Watcher<'s>>,
+    finished: bool,
+}
+
+impl<M: Medium> std::fmt::Debug for Axis<'_, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Axis").field("drive", &self.drive.label()).field("ar", &self.ar).finish_non_exhaustive()
+    }
+}
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Opens the cyclic connection of an axis with telegram 1. Nothing moves: control is taken with the first goal.
+    ///
+    /// # Errors
+    /// When the model is not known, the drive cannot be reached or another controller owns it.
+    pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
+        let unknown = |what| Error::UnknownModel {
+            drive: drive.label(),
+            what,
+            vendor_id: drive.station.vendor_id,
+            device_id: drive.station.device_id,
+        };
+        let device = drive.model.catalogue.map(|tables| tables.device).ok_or_else(|| unknown("the telegram module"))?;
+        let modules = modules(&device).ok_or_else(|| unknown("telegram 1"))?;
+        self.read_scaling(drive)?;
+        let cycle = settings.cycle.unwrap_or(TICK * u32::from(device.min_device_interval));
+        let timing = Timing::for_interval(cycle).ok_or(profinet::controller::Misuse::Range("cycle"))?;
+        let mut config = ConnectConfig::new(modules, timing);
+        config.watchdog_factor = settings.watchdog;
+        config.data_hold_factor = settings.watchdog;
+        config.resolve = if drive.station.name.is_empty() { Resolve::Trust } else { Resolve::Check };
+        let now = self.now();
+        let ar = self.client.controller().connect(now, Target::of(&drive.station), config)?;
+        let limits = Limits {
+            dwell: (timing.interval() * 4).max(Duration::from_millis(8)),
+            stop: settings.stop,
+            standstill: standstill(drive),
+            ..Limits::default()
+        };
+        // from here on the object below sees to the end of the connection
+        self.client.attach_axis(ar, 1, 1, limits);
+        let mut axis = Axis {
+            drive: drive.clone(),
+            ar,
+            settings,
+            cycle: timing.interval(),
+            taken: now,
+            watcher: None,
+            finished: false,
+            session: self,
+        };
+        let drive = axis.drive.clone();
+        axis.session.running(&drive, ar)?;
+        axis.session.share(&drive, ar);
+        axis.taken = axis.session.now();
+        Ok(axis)
+    }
+}
+
+/// The modules of a drive that has telegram 1 in slot 1.
+fn modules(device: &Device) -> Option<Vec<ModuleConfig>> {
+    let telegram = device.telegram(TELEGRAM)?;
+    let plain = |subslot, ident| SubmoduleConfig { subslot, ident, input_length: 0, output_length: 0 };
+    let access_point = ModuleConfig {
+        api: 0,
+        slot: 0,
+        ident: device.access_point_module,
+        submodules: vec![
+            plain(1, device.access_point_submodule),
+            plain(0x8000, device.interface_submodule),
+            plain(0x8001, device.port_submodule),
+        ],
+    };
+    let drive = ModuleConfig {
+        api: PROFIDRIVE_API,
+        slot: 1,
+        ident: telegram.module,
+        submodules: vec![SubmoduleConfig {
+            subslot: 1,
+            ident: telegram.submodule,
+            input_length: telegram.inputs,
+            output_length: telegram.outputs,
+        }],
+    };
+    Some(vec![access_point, drive])
+}
+
+/// 5 rpm as NIST_A: below this the axis stands.
+fn standstill(drive: &Drive) -> u16 {
+    let raw = speed_raw(drive, 5.0).unwrap_or(14);
+    raw.unsigned_abs().max(1)
+}
+
+fn speed_raw(drive: &Drive, rpm: f64) -> Option<i16> {
+    let parameter = drive.model.catalogue?.by_pnu(NSOLL_A)?;
+    i16::try_from(parameter.raw(rpm, &drive.parameters.scaling)).ok()
+}
+
+fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
+    let parameter = drive.model.catalogue.and_then(|tables| tables.by_pnu(NSOLL_A));
+    parameter.map_or(f64::from(raw), |parameter| parameter.engineering(raw.into(), &drive.parameters.scaling))
+}
+
+impl<'s, M: Medium> Axis<'s, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Shows the axis to `watcher` after everything that happens while calls wait.
+    pub fn watch(&mut self, watcher: impl FnMut(&AxisStatus) + 's) {
+        self.watcher = Some(Box::new(watcher));
+    }
+
+    /// The drive.
+    #[must_use]
+    pub const fn drive(&self) -> &Drive {
+        &self.drive
+    }
+
+    /// The update time in use.
+    #[must_use]
+    pub const fn cycle(&self) -> Duration {
+        self.cycle
+    }
+
+    /// The session, for parameters beside the running axis.
+    pub fn session(&mut self) -> (&mut Session<M>, &mut Drive) {
+        (self.session, &mut self.drive)
+    }
+
+    /// The axis as it is now.
+    #[must_use]
+    pub fn status(&self) -> Option<AxisStatus> {
+        let view = self.session.client.axis(self.ar)?;
+        Some(AxisStatus {
+            view,
+            speed_set: speed_rpm(&self.drive, view.command.nsoll_a),
+            speed_actual: view.seen.map_or(0.0, |seen| speed_rpm(&self.drive, seen.nist_a)),
+            time: self.session.now() - self.taken,
+        })
+    }
+
+    /// Counters of the cyclic connection.
+    #[must_use]
+    pub fn statistics(&self) -> Option<CyclicStatistics> {
+        self.session.client.controller_ref().statistics(self.ar)
+    }
+
+    /// Takes control and gets ready for switching on (S2).
+    ///
+    /// # Errors
+    /// When the drive does not follow, the connection is lost or the caller wants to stop.
+    pub fn ready(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Ready)
+    }
+
+    /// Switches on and follows `rpm`; returns once operation (S4) is reached.
+    ///
+    /// # Errors
+    /// A speed above the limit, and as [`ready`](Self::ready).
+    pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
+        if !(rpm.abs() <= self.settings.speed_limit) {
+            return Err(Error::SpeedLimit { wanted: rpm, limit: self.settings.speed_limit });
+        }
+        let setpoint = speed_raw(&self.drive, rpm)
+            .filter(|&raw| (speed_rpm(&self.drive, raw) - rpm).abs() <= 1.0)
+            .ok_or_else(|| Error::SpeedLimit { wanted: rpm, limit: speed_rpm(&self.drive, i16::MAX) })?;
+        self.reach(Goal::Run { setpoint })
+    }
+
+    /// Jogs at one of the drive's jog setpoints.
+    ///
+    /// # Errors
+    /// As [`ready`](Self::ready).
+    pub fn jog(&mut self, jog: Jog) -> Result<(), Error> {
+        self.reach(Goal::Jog(jog))
+    }
+
+    /// Acknowledges a fault.
+    ///
+    /// # Errors
+    /// When the fault stays, and as [`ready`](Self::ready).
+    pub fn acknowledge(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Acknowledge)
+    }
+
+    /// Ramp stop (OFF1); returns once the pulses are off. A caller's wish to stop does not interrupt it.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill or the connection is lost.
+    pub fn stop(&mut self) -> Result<(), Error> {
+        let stopping = std::mem::replace(&mut self.session.stopping, true);
+        let result = self.reach(Goal::Stop);
+        self.session.stopping = stopping;
+        result
+    }
+
+    /// Keeps what was reached for `time`.
+    ///
+    /// # Errors
+    /// As soon as the drive leaves it, the connection is lost or the caller wants to stop.
+    pub fn hold(&mut self, time: Duration) -> Result<(), Error> {
+        self.hold_until(time, |_| false).map(|_| ())
+    }
+
+    /// Keeps what was reached until `enough`, at most for `time`; true if it was enough.
+    ///
+    /// # Errors
+    /// As [`hold`](Self::hold).
+    pub fn hold_until(
+        &mut self, time: Duration, mut enough: impl FnMut(&AxisStatus) -> bool,
+    ) -> Result<bool, Error> {
+        let end = self.session.now() + time;
+        loop {
+            let status = self.look()?;
+            if enough(&status) {
+                return Ok(true);
+            }
+            if self.session.now() >= end {
+                return Ok(false);
+            }
+            self.session.step(end)?;
+        }
+    }
+
+    /// Stops the axis, gives control back and closes the connection.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
+    pub fn release(mut self) -> Result<(), Error> {
+        self.shut_down()
+    }
+
+    fn reach(&mut self, goal: Goal) -> Result<(), Error> {
+        let now = self.session.now();
+        self.session.client.pursue(now, self.ar, goal);
+        loop {
+            let status = self.look()?;
+            if status.view.progress == Progress::Reached {
+                return Ok(());
+            }
+            // the control has its own limits and fails; this one only wakes it
+            let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));
+            self.session.step(soon)?;
+        }
+    }
+
+    /// Shows the axis, and tells what went wrong.
+    fn look(&mut self) -> Result<AxisStatus, Error> {
+        let status = self.status();
+        if let (Some(watcher), Some(status)) = (&mut self.watcher, &status) {
+            watcher(status);
+        }
+        if let Connection::Lost(cause) = self.session.client.connection(self.ar) {
+            return Err(Error::ConnectionLost { drive: self.drive.label(), cause });
+        }
+        let status = status.ok_or(profinet::controller::Misuse::UnknownConnection)?;
+        match status.view.progress {
+            Progress::Failed(trouble) => Err(Error::Axis { drive: self.drive.label(), trouble }),
+            Progress::Pursuing | Progress::Reached => Ok(status),
+        }
+    }
+
+    fn shut_down(&mut self) -> Result<(), Error> {
+        if self.finished {
+            return Ok(());
+        }
+        self.finished = true;
+        let stopping = std::mem::replace(&mut self.session.stopping, true);
+        let running = self.session.client.connection(self.ar) == Connection::Running;
+        let mut result = if running { self.bring_to_rest() } else { Ok(()) };
+        let released = self.session.release(self.ar);
+        self.session.stopping = stopping;
+        if result.is_ok() {
+            result = released;
+        }
+        result
+    }
+
+    fn bring_to_rest(&mut self) -> Result<(), Error> {
+        let control_taken = self.status().is_some_and(|status| status.view.goal != Goal::Released);
+        let stopped = if control_taken { self.ramp_down() } else { Ok(()) };
+        let now = self.session.now();
+        self.session.client.pursue(now, self.ar, Goal::Released);
+        // the drive must see the word without control before the connection ends
+        let end = now + self.cycle * 4;
+        while self.session.now() < end && self.session.client.connection(self.ar) == Connection::Running {
+            self.session.step(end)?;
+        }
+        stopped
+    }
+
+    /// OFF1, and whatever it takes until the pulses are off or the control gives up.
+    fn ramp_down(&mut self) -> Result<(), Error> {
+        let now = self.session.now();
+        self.session.client.pursue(now, self.ar, Goal::Stop);
+        loop {
+            match self.look() {
+                Ok(status) if status.view.at_rest => return Ok(()),
+                Ok(_) => {}
+                // the quick stop took over: its end is still waited for
+                Err(Error::Axis { trouble: Trouble::QuickStopUsed, .. })
+                    if self.status().is_some_and(|status| !status.view.at_rest) => {}
+                Err(error) => return Err(error),
+            }
+            let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));
+            self.session.step(soon)?;
+        }
+    }
+}
+
+impl<M: Medium> Drop for Axis<'_, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    fn drop(&mut self) {
+        // nobody is left to tell
+        let _ = self.shut_down();
+    }
+}

@@ -1,0 +1,142 @@
+//! Finding stations, and giving them names and addresses.
+
+use std::time::Duration;
+
+use profinet::controller::{DcpId, DcpReply, Filter, IdentifyOptions, Misuse, Station};
+use profinet::{IpSuite, Instant, MacAddress, Medium};
+
+use super::Session;
+use crate::{Client, Drive, DriveAddress, Error};
+
+/// Longer than any DCP request may take with its repetitions.
+const DCP_LIMIT: Duration = Duration::from_secs(30);
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Everybody who answers within `time`, by name and address.
+    ///
+    /// # Errors
+    /// When the medium fails or the caller wants to stop.
+    pub fn scan(&mut self, time: Duration) -> Result<Vec<Station>, Error> {
+        let factor = u16::try_from(time.as_millis() / 20).unwrap_or(u16::MAX).clamp(1, 6400);
+        let margin = time.saturating_sub(Duration::from_millis(10) * u32::from(factor));
+        self.identify(Filter::all(), IdentifyOptions { delay_factor: factor, margin, sends: 2 })
+    }
+
+    fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
+        let now = self.now();
+        let id = self.client.controller().identify(now, filter, options)?;
+        let limit = Duration::from_millis(10) * u32::from(options.delay_factor) + options.margin + DCP_LIMIT;
+        let mut stations = self.wait(limit, |client| client.take_stations(id))?.unwrap_or_default();
+        stations.sort_by(|a, b| (&a.name, a.ip.address, a.mac).cmp(&(&b.name, b.ip.address, b.mac)));
+        Ok(stations)
+    }
+
+    /// The one station that is meant.
+    ///
+    /// # Errors
+    /// [`Error::NotFound`] with who was heard instead, [`Error::Ambiguous`] with all MAC addresses.
+    pub fn find(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
+        if !self.discovery {
+            return self.find_by_trust(drive);
+        }
+        let filter = match drive {
+            DriveAddress::Name(name) => Filter::name(name),
+            DriveAddress::Mac(_) | DriveAddress::Ip(_) => Filter::all(),
+        };
+        let options = match drive {
+            DriveAddress::Name(_) => IdentifyOptions::ONE,
+            _ => IdentifyOptions::MANY,
+        };
+        let answers = self.identify(filter, options)?;
+        let fits = |station: &&Station| match drive {
+            DriveAddress::Name(name) => station.name == *name,
+            DriveAddress::Ip(ip) => station.ip.address == *ip,
+            DriveAddress::Mac(mac) => station.mac == *mac,
+        };
+        let matching: Vec<&Station> = answers.iter().filter(fits).collect();
+        match matching.as_slice() {
+            [one] => Ok(Drive::new((*one).clone())),
+            [] => {
+                let heard = match drive {
+                    DriveAddress::Name(_) => self.identify(Filter::all(), IdentifyOptions::MANY)?,
+                    _ => answers,
+                };
+                Err(Error::NotFound { drive: drive.clone(), heard })
+            }
+            several => Err(Error::Ambiguous {
+                drive: drive.clone(),
+                macs: several.iter().map(|station| station.mac).collect(),
+            }),
+        }
+    }
+
+    /// Without discovery only an address leads anywhere; who is there is learned from the endpoint mapper.
+    fn find_by_trust(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
+        let DriveAddress::Ip(address) = drive else {
+            return Err(Error::NeedsDiscovery { drive: drive.clone() });
+        };
+        let ip = IpSuite { address: *address, ..IpSuite::NONE };
+        let akd = profidrive::catalogue::AKD.device;
+        let station = Station {
+            ip,
+            vendor_id: akd.vendor_id,
+            device_id: akd.device_id,
+            instance: 1,
+            ..Station::default()
+        };
+        Ok(Drive::new(station))
+    }
+
+    /// Gives a station its name.
+    ///
+    /// # Errors
+    /// A name against the rules, or what the station answers.
+    pub fn set_name(&mut self, drive: &Drive, name: &str, permanent: bool) -> Result<(), Error> {
+        self.set(drive, "setting the name", |client, now, mac| {
+            client.controller().set_name(now, mac, name, permanent)
+        })
+    }
+
+    /// Gives a station its address.
+    ///
+    /// # Errors
+    /// An address against the rules, or what the station answers.
+    pub fn set_ip(&mut self, drive: &Drive, ip: IpSuite, permanent: bool) -> Result<(), Error> {
+        self.set(drive, "setting the IP address", |client, now, mac| {
+            client.controller().set_ip(now, mac, ip, permanent)
+        })
+    }
+
+    /// Lets a station blink once, for about three seconds.
+    ///
+    /// # Errors
+    /// What the station answers.
+    pub fn blink(&mut self, drive: &Drive) -> Result<(), Error> {
+        self.set(drive, "blinking", |client, now, mac| client.controller().signal(now, mac))
+    }
+
+    /// Resets a station to factory values; `mode` as DCP ResetToFactory: 1 application, 2 communication,
+    /// 3 engineering, 4 all data, 8 device.
+    ///
+    /// # Errors
+    /// What the station answers.
+    pub fn reset(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
+        self.set(drive, "resetting", |client, now, mac| client.controller().reset(now, mac, mode))
+    }
+
+    fn set(
+        &mut self, drive: &Drive, what: &'static str,
+        start: impl FnOnce(&mut Client, Instant, MacAddress) -> Result<DcpId, Misuse>,
+    ) -> Result<(), Error> {
+        let now = self.now();
+        let id = start(&mut self.client, now, drive.station.mac)?;
+        match self.wait(DCP_LIMIT, |client| client.take_dcp(id))? {
+            Some(Ok(DcpReply::Done | DcpReply::Values(_))) => Ok(()),
+            Some(Err(error)) => Err(Error::Dcp { drive: drive.label(), what, error }),
+            None => Err(Error::Timeout { drive: drive.label(), what, limit: DCP_LIMIT }),
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The blocking facade: one call per wish, over any medium.
+
+mod access;
+mod axis;
+mod find;
+mod info;
+mod monitor;
+mod parameters;
+
+use std::time::Duration;
+
+use profinet::controller::ControllerConfig;
+use profinet::{Instant, Medium};
+
+use crate::{Client, Error};
+
+pub use axis::{Axis, AxisSettings, AxisStatus};
+pub use info::{Identity, Info};
+pub use monitor::{FaultEntry, Snapshot};
+pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};
+
+/// How often a caller's wish to stop is looked at while nothing happens.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// A client on a medium, with calls that wait for their result.
+///
+/// Reads only until told otherwise: nothing is written and nothing moves on construction, on finding or on reading.
+pub struct Session<M: Medium> {
+    client: Client,
+    medium: M,
+    /// Says that the caller wants to stop.
+    interrupted: Box<dyn FnMut() -> bool>,
+    /// True while a stop is carried out that must not be interrupted.
+    stopping: bool,
+    access: Vec<access::Access>,
+    reference: u8,
+    discovery: bool,
+}
+
+impl<M: Medium> std::fmt::Debug for Session<M> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Session").field("client", &self.client).finish_non_exhaustive()
+    }
+}
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// A session of a controller on a medium.
+    #[must_use]
+    pub fn new(medium: M, config: ControllerConfig) -> Self {
+        Self {
+            client: Client::new(config),
+            medium,
+            interrupted: Box::new(|| false),
+            stopping: false,
+            access: Vec::new(),
+            reference: 0,
+            discovery: true,
+        }
+    }
+
+    /// The same on a medium that carries UDP only: drives go by IP address, nothing cyclic.
+    #[must_use]
+    pub fn without_discovery(mut self) -> Self {
+        self.discovery = false;
+        self
+    }
+
+    /// Asks `interrupted` now and then whether the caller wants to stop; calls then end with
+    /// [`Error::Interrupted`]. An axis under control is stopped all the same.
+    pub fn interrupt_with(&mut self, interrupted: impl FnMut() -> bool + 'static) {
+        self.interrupted = Box::new(interrupted);
+    }
+
+    /// The client inside.
+    #[must_use]
+    pub const fn client(&self) -> &Client {
+        &self.client
+    }
+
+    /// The medium.
+    #[must_use]
+    pub const fn medium(&self) -> &M {
+        &self.medium
+    }
+
+    /// The medium, to change it: cables and taps of a simulated segment.
+    pub fn medium_mut(&mut self) -> &mut M {
+        &mut self.medium
+    }
+
+    /// The present time of the medium.
+    #[must_use]
+    pub fn now(&self) -> Instant {
+        self.medium.now()
+    }
+
+    /// Lets time pass; connections and axes go on.
+    ///
+    /// # Errors
+    /// When the medium fails or the caller wants to stop.
+    pub fn pass(&mut self, time: Duration) -> Result<(), Error> {
+        let end = self.now() + time;
+        while self.now() < end {
+            self.step(end)?;
+        }
+        Ok(())
+    }
+
+    /// Lets one thing happen, at most until `until`.
+    fn step(&mut self, until: Instant) -> Result<(), Error> {
+        if !self.stopping && (self.interrupted)() {
+            return Err(Error::Interrupted);
+        }
+        let until = until.min(self.now() + GLANCE);
+        self.medium.step(&mut self.client, until).map_err(|error| Error::Medium(Box::new(error)))
+    }
+
+    /// Lets things happen until `done` gives something, at most for `limit`; `None` when the time is over.
+    fn wait<T>(
+        &mut self, limit: Duration, mut done: impl FnMut(&mut Client) -> Option<T>,
+    ) -> Result<Option<T>, Error> {
+        let end = self.now() + limit;
+        loop {
+            if let Some(result) = done(&mut self.client) {
+                return Ok(Some(result));
+            }
+            if self.now() >= end {
+                return Ok(None);
+            }
+            self.step(end)?;
+        }
+    }
+}

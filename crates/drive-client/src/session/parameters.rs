@@ -1,0 +1,394 @@
+//! Reading and writing parameters: many in few requests, values checked first, read back after.
+
+use std::ops::Range;
+
+use profidrive::catalogue::{Parameter, Scale, Size};
+use profidrive::notation::Shown;
+use profidrive::parameter::{
+    Answer, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change, encode_read,
+    plan_changes, plan_reads, split_array,
+};
+use profinet::Medium;
+
+use super::Session;
+use crate::parameter::{Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection};
+use crate::{Drive, Error, Refusal};
+
+/// Octets of the largest request any dialect allows.
+const MAX_REQUEST: usize = 1024;
+
+/// Write, or only check and show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WriteMode {
+    /// Nothing is sent but reads.
+    DryRun,
+    /// Values are written and read back.
+    Write,
+}
+
+/// A change that was checked against the tables and compared with the present value.
+#[derive(Debug, Clone)]
+pub struct PlannedChange {
+    /// Where to.
+    pub selection: Selection,
+    /// What.
+    pub value: CheckedValue,
+}
+
+/// What became of a change.
+#[derive(Debug, Clone)]
+pub struct ChangeOutcome {
+    /// Where to and what.
+    pub change: PlannedChange,
+    /// The value before; `None` for a command, which has none.
+    pub old: Option<Result<Reading, Refusal>>,
+    /// How the write ended; `None` for a dry run.
+    pub written: Option<Result<(), Refusal>>,
+    /// The value read back; `None` for a command, a dry run or a refused write.
+    pub new: Option<Result<Reading, Refusal>>,
+}
+
+impl ChangeOutcome {
+    /// True when the value read back is another one than written.
+    #[must_use]
+    pub fn differs(&self) -> bool {
+        let Some(Ok(new)) = &self.new else { return false };
+        match new.content {
+            Content::Number { raw, .. } => raw != self.change.value.raw,
+            Content::Float(value) => (value - self.change.value.engineering).abs() > value.abs() * 1e-6,
+            Content::Text(_) | Content::Octets => true,
+        }
+    }
+}
+
+/// One address of a read, and which selection it belongs to.
+#[derive(Debug, Clone, Copy)]
+struct Item {
+    selection: usize,
+    /// First element within the selection.
+    offset: u16,
+    address: ParameterAddress,
+    octets: Option<usize>,
+}
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Reads every element of every selection, in order, in as few requests as the drive's limits allow. A refused
+    /// parameter does not disturb the others.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached, or its answer makes no sense.
+    pub fn read(
+        &mut self, drive: &mut Drive, selections: &[Selection],
+    ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
+        if selections.iter().any(needs_scaling) {
+            self.read_scaling(drive)?;
+        }
+        self.read_plain(drive, selections)
+    }
+
+    /// The same without looking at the values that scale others first.
+    fn read_plain(
+        &mut self, drive: &Drive, selections: &[Selection],
+    ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
+        let items: Vec<Item> =
+            selections.iter().enumerate().flat_map(|(at, selection)| items(at, selection, drive)).collect();
+        let planned: Vec<_> = items.iter().map(|item| (item.address, item.octets)).collect();
+        let mut results = Vec::new();
+        for group in plan_reads(&planned, drive.model.dialect) {
+            self.read_group(drive, selections, &items, group, &mut results)?;
+        }
+        Ok(results)
+    }
+
+    fn read_group(
+        &mut self, drive: &Drive, selections: &[Selection], items: &[Item], group: Range<usize>,
+        results: &mut Vec<Result<Reading, Refusal>>,
+    ) -> Result<(), Error> {
+        let part = items.get(group).unwrap_or_default();
+        let addresses: Vec<ParameterAddress> = part.iter().map(|item| item.address).collect();
+        let dialect = drive.model.dialect;
+        let mut buffer = [0; MAX_REQUEST];
+        let reference = self.next_reference();
+        let length = encode_read(reference, dialect, &addresses, &mut buffer)
+            .map_err(|error| malformed(drive, &error))?;
+        let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
+            .map_err(|error| malformed(drive, &error))?;
+        for (item, answer) in part.iter().zip(response.answers()) {
+            let Some(selection) = selections.get(item.selection) else { continue };
+            match answer {
+                Answer::Values(block) => {
+                    let interpretation = Interpretation::of(block.format, dialect.code_space);
+                    if matches!(interpretation, Interpretation::Text | Interpretation::Octets) {
+                        results.push(Ok(drive.parameters.reading(
+                            selection,
+                            item.offset,
+                            block.format.0,
+                            interpretation,
+                            block.data,
+                        )));
+                        continue;
+                    }
+                    for at in 0..block.count {
+                        let octets = block.octets(at.into()).unwrap_or_default();
+                        let offset = item.offset + u16::from(at);
+                        let format = block.format.0;
+                        results.push(Ok(drive.parameters.reading(
+                            selection,
+                            offset,
+                            format,
+                            interpretation,
+                            octets,
+                        )));
+                    }
+                }
+                // sizes nobody knew made the answer too long: this one again, alone
+                Answer::Error(error) if error.number == ErrorNumber(0x15) && part.len() > 1 => {
+                    let alone = [*item];
+                    self.read_group(drive, selections, &alone, 0..1, results)?;
+                }
+                Answer::Error(error) => {
+                    results.push(Err(refusal(selection, item.offset, false, error.number, error.info)));
+                }
+                Answer::Written => {
+                    let reason = "a read was answered like a write".to_owned();
+                    return Err(Error::Malformed { drive: drive.label(), reason });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads one value that must be there.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached or refuses.
+    pub fn read_one(&mut self, drive: &mut Drive, selection: &Selection) -> Result<Reading, Error> {
+        let first = self.read(drive, std::slice::from_ref(selection))?.into_iter().next();
+        match first {
+            Some(Ok(reading)) => Ok(reading),
+            Some(Err(refusal)) => Err(Error::Refused { drive: drive.label(), refusal }),
+            None => Err(Error::Malformed { drive: drive.label(), reason: "no value came back".to_owned() }),
+        }
+    }
+
+    /// Checks all assignments against the tables, reads the present values, and, unless it is a dry run, writes and
+    /// reads back. Nothing is written when one of them is wrong.
+    ///
+    /// # Errors
+    /// A wrong assignment, or a drive that cannot be reached. A refused write is told in the outcome.
+    pub fn write(
+        &mut self, drive: &mut Drive, assignments: &[Assignment], mode: WriteMode,
+    ) -> Result<Vec<ChangeOutcome>, Error> {
+        let mut changes = Vec::new();
+        for assignment in assignments {
+            let selection = drive.parameters.select(&assignment.reference)?;
+            if needs_scaling(&selection) {
+                self.read_scaling(drive)?;
+            }
+            let value = drive.parameters.check(&selection, &assignment.quantity)?;
+            changes.push(PlannedChange { selection, value });
+        }
+        let readable: Vec<Selection> =
+            changes.iter().map(|change| change.selection).filter(|selection| !is_command(selection)).collect();
+        let mut old = self.read(drive, &readable)?.into_iter();
+        let mut outcomes: Vec<ChangeOutcome> = changes
+            .into_iter()
+            .map(|change| {
+                let old = if is_command(&change.selection) { None } else { old.next() };
+                ChangeOutcome { change, old, written: None, new: None }
+            })
+            .collect();
+        if mode == WriteMode::DryRun {
+            return Ok(outcomes);
+        }
+        self.write_outcomes(drive, &mut outcomes)?;
+        let mut back: Vec<Selection> = Vec::new();
+        for outcome in &outcomes {
+            if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
+                back.push(outcome.change.selection);
+            }
+        }
+        // a change of a value that scales others counts from here on
+        drive.scaled &= !back.iter().any(|selection| selection.parameter.is_some_and(is_scaling));
+        let mut new = self.read(drive, &back)?.into_iter();
+        for outcome in &mut outcomes {
+            if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
+                outcome.new = new.next();
+            }
+        }
+        Ok(outcomes)
+    }
+
+    fn write_outcomes(&mut self, drive: &Drive, outcomes: &mut [ChangeOutcome]) -> Result<(), Error> {
+        let mut encoded = Vec::new();
+        for outcome in outcomes.iter() {
+            encoded.push(encode(outcome)?);
+        }
+        let sizes: Vec<usize> = encoded.iter().map(|(_, octets)| octets.len()).collect();
+        let dialect = drive.model.dialect;
+        for group in plan_changes(&sizes, dialect) {
+            let values: Vec<NewValue<'_>> = group
+                .clone()
+                .filter_map(|at| {
+                    let (format, octets) = encoded.get(at)?;
+                    let selection = outcomes.get(at)?.change.selection;
+                    let address = ParameterAddress::value(selection.pnu, selection.first);
+                    Some(NewValue { address, format: *format, count: 1, data: octets })
+                })
+                .collect();
+            let addresses: Vec<ParameterAddress> = values.iter().map(|value| value.address).collect();
+            let mut buffer = [0; MAX_REQUEST];
+            let reference = self.next_reference();
+            let length = encode_change(reference, dialect, &values, &mut buffer)
+                .map_err(|error| malformed(drive, &error))?;
+            let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+            let response = Response::parse(&answer, RequestId::Change, reference, &addresses, dialect)
+                .map_err(|error| malformed(drive, &error))?;
+            for (at, answer) in group.zip(response.answers()) {
+                let Some(outcome) = outcomes.get_mut(at) else { continue };
+                outcome.written = Some(match answer {
+                    Answer::Error(error) => {
+                        Err(refusal(&outcome.change.selection, 0, true, error.number, error.info))
+                    }
+                    Answer::Written | Answer::Values(_) => Ok(()),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the values of the drive that scale other values, once.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn read_scaling(&mut self, drive: &mut Drive) -> Result<(), Error> {
+        let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else { return Ok(()) };
+        let wanted: Vec<Selection> = SCALING
+            .iter()
+            .filter_map(|&pnu| tables.by_pnu(pnu))
+            .map(|parameter| Selection {
+                pnu: parameter.pnu,
+                first: 0,
+                count: 1,
+                indexed: false,
+                parameter: Some(parameter),
+            })
+            .collect();
+        for reading in self.read_plain(drive, &wanted)?.into_iter().flatten() {
+            let Some(number) = reading.number().filter(|number| *number > 0.0) else { continue };
+            let scaling = &mut drive.parameters.scaling;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+            match reading.pnu {
+                VELOCITY => scaling.velocity = number as u16,
+                ACCELERATION => scaling.acceleration = number as u16,
+                POSITION => scaling.position = number as u32,
+                PEAK_CURRENT => scaling.peak_current = number,
+                SINGLETURN => scaling.singleturn_bits = number as u16,
+                _ => {}
+            }
+        }
+        drive.scaled = true;
+        Ok(())
+    }
+
+    /// References run from 1 to 255: 0 is reserved.
+    fn next_reference(&mut self) -> u8 {
+        self.reference = self.reference.checked_add(1).unwrap_or(1);
+        self.reference
+    }
+}
+
+const VELOCITY: u16 = 3064;
+const ACCELERATION: u16 = 3065;
+const POSITION: u16 = 3014;
+const PEAK_CURRENT: u16 = 2132;
+const SINGLETURN: u16 = 1002;
+const SCALING: [u16; 5] = [VELOCITY, ACCELERATION, POSITION, PEAK_CURRENT, SINGLETURN];
+
+fn is_scaling(parameter: &Parameter) -> bool {
+    SCALING.contains(&parameter.pnu) || matches!(parameter.pnu, 1008 | 1009)
+}
+
+fn needs_scaling(selection: &Selection) -> bool {
+    selection.parameter.is_some_and(|parameter| !matches!(parameter.scale, Scale::Raw | Scale::Milli))
+}
+
+fn is_command(selection: &Selection) -> bool {
+    selection.parameter.is_some_and(|parameter| parameter.size == Size::Command)
+}
+
+/// The addresses of one selection.
+fn items(at: usize, selection: &Selection, drive: &Drive) -> Vec<Item> {
+    let octets = selection.parameter.map(|parameter| parameter.size.octets());
+    let dialect = drive.model.dialect;
+    let parts = split_array(selection.pnu, selection.first, selection.count, octets.unwrap_or(4), dialect);
+    parts
+        .into_iter()
+        .map(|address| Item { selection: at, offset: address.subindex - selection.first, address, octets })
+        .collect()
+}
+
+fn refusal(
+    selection: &Selection, offset: u16, write: bool, number: ErrorNumber, information: Option<u16>,
+) -> Refusal {
+    let shown: Shown = selection.shown(offset);
+    let name = selection.parameter.map(|parameter| parameter.name);
+    Refusal { shown, name, write, number, information }
+}
+
+fn malformed(drive: &Drive, error: &dyn std::fmt::Display) -> Error {
+    Error::Malformed { drive: drive.label(), reason: error.to_string() }
+}
+
+/// Format and octets of a value: by the table, else as the drive sent the old one.
+fn encode(outcome: &ChangeOutcome) -> Result<(Format, Vec<u8>), Error> {
+    let CheckedValue { raw, engineering, .. } = outcome.change.value;
+    let (format, width) = match (outcome.change.selection.parameter, &outcome.old) {
+        (Some(parameter), _) => (Format(parameter.size.format_code()), parameter.size.octets()),
+        (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),
+        (None, Some(Err(refusal))) => {
+            return Err(Error::Refused { drive: outcome.change.selection.label(), refusal: *refusal });
+        }
+        (None, None) => (Format::WORD, 2),
+    };
+    if format == Format::FLOAT32 {
+        #[expect(clippy::cast_possible_truncation, reason = "the drive holds a single")]
+        let single = engineering as f32;
+        return Ok((format, single.to_be_bytes().to_vec()));
+    }
+    let bits = 8 * u32::try_from(width).unwrap_or(8);
+    let fits = width <= 8 && (bits >= 64 || (-(1_i64 << (bits - 1)) <= raw && raw < 1_i64 << bits));
+    if !fits || width == 0 {
+        let parameter = outcome.change.selection.label();
+        return Err(ParameterProblem::RawSize { parameter, raw: raw.cast_unsigned(), octets: width }.into());
+    }
+    let octets = raw.to_be_bytes();
+    Ok((format, octets.get(octets.len() - width..).unwrap_or_default().to_vec()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameter::Parameters;
+    use profidrive::catalogue::{AKD, Scaling};
+
+    fn outcome(text: &str) -> ChangeOutcome {
+        let tables = Parameters { catalogue: Some(&AKD), scaling: Scaling::default() };
+        let assignment: Assignment = text.parse().unwrap();
+        let selection = tables.select(&assignment.reference).unwrap();
+        let value = tables.check(&selection, &assignment.quantity).unwrap();
+        ChangeOutcome { change: PlannedChange { selection, value }, old: None, written: None, new: None }
+    }
+
+    #[test]
+    fn values_travel_in_the_size_of_their_parameter() {
+        assert_eq!(encode(&outcome("930=2")).unwrap(), (Format::WORD, vec![0, 2]));
+        assert_eq!(encode(&outcome("DRV.OPMODE=1")).unwrap(), (Format::BYTE, vec![1]));
+        assert_eq!(encode(&outcome("DRV.ACC=5000")).unwrap(), (Format::DOUBLE_WORD, vec![0, 0x4C, 0x4B, 0x40]));
+        assert_eq!(encode(&outcome("1004=-1")).unwrap().1.len(), 2);
+    }
+}
