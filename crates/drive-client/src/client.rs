@@ -108,6 +108,12 @@ impl Client {
         self.heard.get(&id).map_or(0, Vec::len)
     }
 
+    /// The stations that answered so far, for a request that was cancelled.
+    pub fn take_stations_so_far(&mut self, id: DcpId) -> Vec<Station> {
+        self.identified.retain(|done| *done != id);
+        self.heard.remove(&id).unwrap_or_default()
+    }
+
     /// The end of a DCP Get or Set.
     pub fn take_dcp(&mut self, id: DcpId) -> Option<Result<DcpReply, DcpError>> {
         self.dcp.remove(&id)

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use profidrive::notation::Shown;
-use profidrive::parameter::ErrorNumber;
+use profidrive::parameter::{ErrorNames, ErrorNumber};
 use profinet::MacAddress;
 use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
@@ -23,7 +23,7 @@ pub enum Error {
     #[error("interrupted")]
     Interrupted,
     /// Nobody of this name or address answered.
-    #[error("no station {drive} answered{}", heard(.heard))]
+    #[error("no station {drive} answered{}", others(.heard))]
     NotFound {
         /// Who was looked for.
         drive: DriveAddress,
@@ -37,6 +37,12 @@ pub enum Error {
         drive: DriveAddress,
         /// All that answered.
         macs: Vec<MacAddress>,
+    },
+    /// A name or MAC address on a medium without discovery.
+    #[error("{drive} cannot be looked up without a raw socket; give its IP address")]
+    NeedsDiscovery {
+        /// Who was looked for.
+        drive: DriveAddress,
     },
     /// The station has no IP address yet.
     #[error("{drive} has no IP address, records cannot be reached")]
@@ -176,7 +182,7 @@ impl fmt::Display for Refusal {
     }
 }
 
-fn heard(stations: &[Station]) -> String {
+fn others(stations: &[Station]) -> String {
     if stations.is_empty() {
         return "; nobody else answered either".into();
     }
@@ -216,7 +222,7 @@ impl Error {
             Self::OwnedByController { .. } => {
                 "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
             }
-            Self::Refused { refusal, .. } => refusal.number.what_to_do()?.into(),
+            Self::Refused { refusal, .. } => refusal.number.info(ErrorNames::Profile)?.remedy.into(),
             Self::Parameter(problem) => problem.hint()?,
             Self::Axis { trouble, .. } => match trouble {
                 Trouble::Fault => "`profidrive info DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",

@@ -1,11 +1,30 @@
 //! What one wants of a drive: find it, know it, read and write its parameters, run it.
 //!
 //! The profile (`profidrive`) and the controller (`profinet::controller`) meet here. Still no I/O: a
-//! [`Medium`](profinet::Medium) carries the bytes.
+//! [`Medium`](profinet::Medium) carries the bytes. [`Client`] is the engine for programs with a loop of their own,
+//! [`Session`] the same with calls that wait.
+//!
+//! | to | use |
+//! |---|---|
+//! | find, name, address, blink, reset | [`Session::scan`], [`Session::find`], [`Session::set_name`], [`Session::set_ip`], .. |
+//! | know | [`Session::info`], [`Session::faults`], [`Session::snapshot`] |
+//! | read and write | [`Session::read`], [`Session::write`] with [`parameter`] |
+//! | move | [`Session::take_axis`], which gives an [`Axis`] that stops when it goes |
 #![forbid(unsafe_code)]
 
 mod address;
 pub mod axis;
+mod client;
+mod drive;
+mod error;
 pub mod parameter;
+mod session;
 
 pub use address::{DriveAddress, DriveAddressError};
+pub use client::{AxisView, Client, Connection};
+pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
+pub use error::{Error, Refusal, describe};
+pub use session::{
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, Identity, Info, PlannedChange, Session, Snapshot,
+    WriteMode,
+};

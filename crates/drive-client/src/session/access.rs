@@ -154,7 +154,7 @@ where
             index: channel.index,
         };
         let what = || "parameter access".to_owned();
-        self.call(drive, &what, |client, now, ar| client.controller().parameter_job(now, ar, at, request.to_vec()))
+        self.call(drive, &what, |client, now, ar| client.controller().parameter_job(now, ar, at, request))
     }
 
     fn call(

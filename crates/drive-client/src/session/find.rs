@@ -10,6 +10,8 @@ use crate::{Client, Drive, DriveAddress, Error};
 
 /// Longer than any DCP request may take with its repetitions.
 const DCP_LIMIT: Duration = Duration::from_secs(30);
+/// How long a second station of the same name may take to answer: ten times the response delay asked for.
+const SECOND_ANSWER: Duration = Duration::from_millis(100);
 
 impl<M: Medium> Session<M>
 where
@@ -27,11 +29,26 @@ where
 
     fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
         let now = self.now();
-        let id = self.client.controller().identify(now, filter, options)?;
+        let id = self.client.controller().identify_with(now, filter, options)?;
         let limit = Duration::from_millis(10) * u32::from(options.delay_factor) + options.margin + DCP_LIMIT;
         let mut stations = self.wait(limit, |client| client.take_stations(id))?.unwrap_or_default();
         stations.sort_by(|a, b| (&a.name, a.ip.address, a.mac).cmp(&(&b.name, b.ip.address, b.mac)));
         Ok(stations)
+    }
+
+    /// Who answers to a filter that fits one station: soon after the first answer nobody else is to be expected.
+    fn identify_one(&mut self, filter: Filter) -> Result<Vec<Station>, Error> {
+        let now = self.now();
+        let id = self.client.controller().identify_with(now, filter, IdentifyOptions::ONE)?;
+        let mut stations = self.wait(DCP_LIMIT, |client| {
+            (client.stations_so_far(id) > 0).then(Vec::new).or_else(|| client.take_stations(id))
+        })?;
+        if self.client.stations_so_far(id) > 0 {
+            self.pass(SECOND_ANSWER)?;
+            self.client.controller().cancel_dcp(id);
+            stations = Some(self.client.take_stations_so_far(id));
+        }
+        Ok(stations.unwrap_or_default())
     }
 
     /// The one station that is meant.
@@ -46,11 +63,10 @@ where
             DriveAddress::Name(name) => Filter::name(name),
             DriveAddress::Mac(_) | DriveAddress::Ip(_) => Filter::all(),
         };
-        let options = match drive {
-            DriveAddress::Name(_) => IdentifyOptions::ONE,
-            _ => IdentifyOptions::MANY,
+        let answers = match drive {
+            DriveAddress::Name(_) => self.identify_one(filter)?,
+            DriveAddress::Mac(_) | DriveAddress::Ip(_) => self.identify(filter, IdentifyOptions::MANY)?,
         };
-        let answers = self.identify(filter, options)?;
         let fits = |station: &&Station| match drive {
             DriveAddress::Name(name) => station.name == *name,
             DriveAddress::Ip(ip) => station.ip.address == *ip,
@@ -96,7 +112,7 @@ where
     /// A name against the rules, or what the station answers.
     pub fn set_name(&mut self, drive: &Drive, name: &str, permanent: bool) -> Result<(), Error> {
         self.set(drive, "setting the name", |client, now, mac| {
-            client.controller().set_name(now, mac, name, permanent)
+            client.controller().dcp_set_name(now, mac, name, permanent)
         })
     }
 
@@ -106,7 +122,7 @@ where
     /// An address against the rules, or what the station answers.
     pub fn set_ip(&mut self, drive: &Drive, ip: IpSuite, permanent: bool) -> Result<(), Error> {
         self.set(drive, "setting the IP address", |client, now, mac| {
-            client.controller().set_ip(now, mac, ip, permanent)
+            client.controller().dcp_set_ip(now, mac, ip, permanent)
         })
     }
 
@@ -115,7 +131,7 @@ where
     /// # Errors
     /// What the station answers.
     pub fn blink(&mut self, drive: &Drive) -> Result<(), Error> {
-        self.set(drive, "blinking", |client, now, mac| client.controller().signal(now, mac))
+        self.set(drive, "blinking", |client, now, mac| client.controller().dcp_signal(now, mac))
     }
 
     /// Resets a station to factory values; `mode` as DCP ResetToFactory: 1 application, 2 communication,
@@ -124,7 +140,7 @@ where
     /// # Errors
     /// What the station answers.
     pub fn reset(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
-        self.set(drive, "resetting", |client, now, mac| client.controller().reset(now, mac, mode))
+        self.set(drive, "resetting", |client, now, mac| client.controller().dcp_reset(now, mac, mode))
     }
 
     fn set(

@@ -1,0 +1,160 @@
+//! Who a drive is.
+
+use profidrive::notation::ParameterReference;
+use profinet::Medium;
+use profinet::controller::RecordAddress;
+use profinet::wire::block::{Block, BlockType};
+use profinet::wire::{DecodeError, Reader};
+
+use super::Session;
+use crate::parameter::{Reading, Selection};
+use crate::{Drive, Error, Refusal};
+
+/// Index of I&M0; I&M1 to 3 follow.
+const IM0: u16 = 0xAFF0;
+/// The page of parameters that tells who and how a drive is: identification, profile, object, telegram, mode, words,
+/// faults.
+const PAGE: [u16; 8] = [964, 965, 975, 922, 930, 1, 2, 944];
+
+/// What I&M0 to 3 say about the device; empty where the device does not say.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Identity {
+    /// I&M0: vendor.
+    pub vendor_id: u16,
+    /// I&M0: order number.
+    pub order_id: String,
+    /// I&M0: serial number.
+    pub serial_number: String,
+    /// I&M0: hardware revision.
+    pub hardware_revision: u16,
+    /// I&M0: software revision, for example `V1.17.0`.
+    pub software_revision: String,
+    /// I&M0: profile, 0x3A00 for PROFIdrive.
+    pub profile_id: u16,
+    /// I&M0: type within the profile.
+    pub profile_type: u16,
+    /// I&M1: function.
+    pub function: String,
+    /// I&M1: location.
+    pub location: String,
+    /// I&M2: installation date.
+    pub installed: String,
+    /// I&M3: descriptor.
+    pub descriptor: String,
+}
+
+/// Everything `info` knows about a drive.
+#[derive(Debug, Clone)]
+pub struct Info {
+    /// I&M0 to 3; `None` when the device has no I&M0.
+    pub identity: Option<Identity>,
+    /// Records and parameters the device refused, with its reason.
+    pub refused: Vec<String>,
+    /// The page of identifying parameters, refused ones left out.
+    pub readings: Vec<Reading>,
+}
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Reads who a drive is and in which state. A drive that does not have something of it does not fail for that.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn info(&mut self, drive: &mut Drive) -> Result<Info, Error> {
+        let mut info = Info { identity: None, refused: Vec::new(), readings: Vec::new() };
+        for number in 0..4 {
+            let at = RecordAddress { api: 0, slot: 0, subslot: 1, index: IM0 + number };
+            match self.read_record(drive, at) {
+                Ok(data) => {
+                    if let Err(error) = take_im(&mut info.identity, number, &data) {
+                        info.refused.push(format!("I&M{number}: {error}"));
+                    }
+                }
+                Err(Error::Record { error, .. }) => info.refused.push(format!("I&M{number}: {error}")),
+                Err(error) => return Err(error),
+            }
+        }
+        let page: Vec<Selection> =
+            PAGE.iter().filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok()).collect();
+        let readings = match self.read(drive, &page) {
+            Ok(readings) => readings,
+            // a device without a parameter channel still has its identity
+            Err(Error::Record { what, error, .. }) => {
+                info.refused.push(format!("{what}: {error}"));
+                Vec::new()
+            }
+            Err(error) => return Err(error),
+        };
+        for reading in readings {
+            match reading {
+                Ok(reading) => info.readings.push(reading),
+                Err(refusal) => info.refused.push(Refusal::to_string(&refusal)),
+            }
+        }
+        Ok(info)
+    }
+}
+
+impl Info {
+    /// The first value of a parameter.
+    #[must_use]
+    pub fn raw(&self, pnu: u16) -> Option<i64> {
+        self.readings.iter().find(|reading| reading.pnu == pnu)?.raw()
+    }
+}
+
+fn take_im(identity: &mut Option<Identity>, number: u16, data: &[u8]) -> Result<(), DecodeError> {
+    let kind = BlockType(BlockType::IM0.0 + number);
+    let mut body = Block::expect(&mut Reader::new(data), kind)?;
+    let identity = identity.get_or_insert_default();
+    match number {
+        0 => {
+            identity.vendor_id = body.u16("VendorID")?;
+            identity.order_id = text(body.bytes(20, "OrderID")?);
+            identity.serial_number = text(body.bytes(16, "IM_Serial_Number")?);
+            identity.hardware_revision = body.u16("IM_Hardware_Revision")?;
+            let [prefix, major, minor, fix] = body.array("IM_Software_Revision")?;
+            identity.software_revision = format!("{}{major}.{minor}.{fix}", text(&[prefix]));
+            body.skip(2, "IM_Revision_Counter")?;
+            identity.profile_id = body.u16("IM_Profile_ID")?;
+            identity.profile_type = body.u16("IM_Profile_Specific_Type")?;
+        }
+        1 => {
+            identity.function = text(body.bytes(32, "IM_Tag_Function")?);
+            identity.location = text(body.bytes(22, "IM_Tag_Location")?);
+        }
+        2 => identity.installed = text(body.rest()),
+        _ => identity.descriptor = text(body.rest()),
+    }
+    Ok(())
+}
+
+fn text(octets: &[u8]) -> String {
+    String::from_utf8_lossy(octets).trim_matches(['\0', ' ']).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn im0_and_im1() {
+        let mut identity = None;
+        let mut im0 = vec![0, 0x20, 0, 0x38, 1, 0, 1, 5];
+        im0.extend(format!("{:<20}{:<16}", "AKD-P00306", "42").bytes());
+        im0.extend([0, 3, b'V', 1, 17, 0, 0, 0, 0x3A, 0, 0, 1, 1, 1, 0, 0x1E]);
+        take_im(&mut identity, 0, &im0).unwrap();
+        let mut im1 = vec![0, 0x21, 0, 0x38, 1, 0];
+        im1.extend(format!("{:<32}{:<22}", "feed axis", "hall 3").bytes());
+        take_im(&mut identity, 1, &im1).unwrap();
+        let identity = identity.unwrap();
+        assert_eq!((identity.order_id.as_str(), identity.serial_number.as_str()), ("AKD-P00306", "42"));
+        assert_eq!((identity.software_revision.as_str(), identity.profile_id), ("V1.17.0", 0x3A00));
+        assert_eq!((identity.function.as_str(), identity.location.as_str()), ("feed axis", "hall 3"));
+        for length in 0..im0.len() {
+            assert!(take_im(&mut None, 0, &im0[..length]).is_err(), "{length}");
+        }
+    }
+}
