@@ -4,7 +4,8 @@ use std::collections::{HashMap, VecDeque};
 use std::net::SocketAddrV4;
 
 use profinet::controller::{
-    ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError, Station,
+    ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError,
+    Station,
 };
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
@@ -140,7 +141,14 @@ impl Client {
     pub fn attach_axis(&mut self, ar: ArId, slot: u16, subslot: u16, limits: Limits) {
         self.axes.retain(|axis| axis.ar != ar);
         let control = AxisControl::new(limits);
-        self.axes.push(AxisLink { ar, slot, subslot, control, seen: None, sent: None });
+        self.axes.push(AxisLink {
+            ar,
+            slot,
+            subslot,
+            control,
+            seen: None,
+            sent: None,
+        });
     }
 
     /// Sets what is wanted of the axis of a connection.
@@ -176,7 +184,10 @@ impl Client {
                 && let [z1, z0, n1, n0, ..] = *data
             {
                 let zsw1 = u16::from_be_bytes([z1, z0]);
-                axis.seen = Some(Seen { zsw1, nist_a: i16::from_be_bytes([n1, n0]) });
+                axis.seen = Some(Seen {
+                    zsw1,
+                    nist_a: i16::from_be_bytes([n1, n0]),
+                });
             }
             // nothing is commanded before the drive said where it is
             let Some(seen) = axis.seen else { continue };
@@ -185,7 +196,11 @@ impl Client {
                 let [s1, s0] = command.stw1.to_be_bytes();
                 let [n1, n0] = command.nsoll_a.to_be_bytes();
                 let data = [s1, s0, n1, n0];
-                if self.controller.set_output(axis.ar, axis.slot, axis.subslot, &data).is_ok() {
+                if self
+                    .controller
+                    .set_output(axis.ar, axis.slot, axis.subslot, &data)
+                    .is_ok()
+                {
                     axis.sent = Some(command);
                 }
             }
@@ -223,7 +238,10 @@ impl Client {
                 bound(&mut self.records);
                 self.records.insert(call, result);
             }
-            Event::Hello { .. } | Event::ProviderState { .. } | Event::Alarm { .. } | Event::WritesDone { .. } => {}
+            Event::Hello { .. }
+            | Event::ProviderState { .. }
+            | Event::Alarm { .. }
+            | Event::WritesDone { .. } => {}
         }
     }
 }

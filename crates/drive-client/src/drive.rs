@@ -43,7 +43,12 @@ const AKD_MODEL: Model = Model {
     name: "AKD",
     catalogue: Some(&AKD),
     dialect: &Dialect::AKD,
-    channel: Channel { api: PROFIDRIVE_API, slot: 1, subslot: 1, index: GLOBAL_ACCESS },
+    channel: Channel {
+        api: PROFIDRIVE_API,
+        slot: 1,
+        subslot: 1,
+        index: GLOBAL_ACCESS,
+    },
 };
 
 /// A drive nobody described: the profile's own way.
@@ -51,7 +56,12 @@ const STANDARD_MODEL: Model = Model {
     name: "PROFIdrive",
     catalogue: None,
     dialect: &Dialect::STANDARD,
-    channel: Channel { api: PROFIDRIVE_API, slot: 1, subslot: 1, index: LOCAL_ACCESS },
+    channel: Channel {
+        api: PROFIDRIVE_API,
+        slot: 1,
+        subslot: 1,
+        index: LOCAL_ACCESS,
+    },
 };
 
 impl Model {
@@ -84,8 +94,16 @@ impl Drive {
     #[must_use]
     pub fn new(station: Station) -> Self {
         let model = Model::of(station.vendor_id, station.device_id);
-        let parameters = Parameters { catalogue: model.catalogue, scaling: Scaling::default() };
-        Self { station, model, parameters, scaled: false }
+        let parameters = Parameters {
+            catalogue: model.catalogue,
+            scaling: Scaling::default(),
+        };
+        Self {
+            station,
+            model,
+            parameters,
+            scaled: false,
+        }
     }
 
     /// Name for people: the station name, else its address.

@@ -178,7 +178,9 @@ impl fmt::Display for Refusal {
             Some(name) => write!(f, "{verb} {name} ({}) refused: {}", self.shown, self.number)?,
             None => write!(f, "{verb} {} refused: {}", self.shown, self.number)?,
         }
-        self.information.filter(|&info| info != 0).map_or(Ok(()), |info| write!(f, " (information {info})"))
+        self.information
+            .filter(|&info| info != 0)
+            .map_or(Ok(()), |info| write!(f, " (information {info})"))
     }
 }
 
@@ -193,7 +195,11 @@ fn others(stations: &[Station]) -> String {
 /// A station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
 #[must_use]
 pub fn describe(station: &Station) -> String {
-    let name = if station.name.is_empty() { "no name" } else { &station.name };
+    let name = if station.name.is_empty() {
+        "no name"
+    } else {
+        &station.name
+    };
     if station.ip.is_set() {
         format!("{name} ({}, {})", station.mac, station.ip.address)
     } else {
@@ -202,7 +208,10 @@ pub fn describe(station: &Station) -> String {
 }
 
 fn join(macs: &[MacAddress]) -> String {
-    macs.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and ")
+    macs.iter()
+        .map(ToString::to_string)
+        .collect::<Vec<_>>()
+        .join(" and ")
 }
 
 impl Error {

@@ -25,6 +25,6 @@ pub use client::{AxisView, Client, Connection};
 pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use session::{
-    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, Identity, Info, PlannedChange, Session, Snapshot,
-    WriteMode,
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, Identity, Info, PlannedChange, Session,
+    Snapshot, WriteMode,
 };

@@ -34,7 +34,12 @@ pub struct Access {
 
 impl Access {
     const fn of(drive: &Drive, ar: ArId, cyclic: bool) -> Self {
-        Self { mac: drive.station.mac, ip: drive.station.ip.address, ar, cyclic }
+        Self {
+            mac: drive.station.mac,
+            ip: drive.station.ip.address,
+            ar,
+            cyclic,
+        }
     }
 
     fn is_to(&self, drive: &Drive) -> bool {
@@ -74,7 +79,10 @@ where
             return Err(Error::NoIpAddress { drive: drive.label() });
         }
         let now = self.now();
-        let ar = self.client.controller().connect_device_access(now, target(drive), Resolve::Trust)?;
+        let ar = self
+            .client
+            .controller()
+            .connect_device_access(now, target(drive), Resolve::Trust)?;
         self.connected(drive, ar)?;
         self.access.push(Access::of(drive, ar, false));
         Ok(ar)
@@ -92,7 +100,11 @@ where
                 Err(connect_error(drive, cause))
             }
             Some(_) => Ok(()),
-            None => Err(Error::Timeout { drive: drive.label(), what: "connecting", limit: CONNECT_LIMIT }),
+            None => Err(Error::Timeout {
+                drive: drive.label(),
+                what: "connecting",
+                limit: CONNECT_LIMIT,
+            }),
         }
     }
 
@@ -112,7 +124,12 @@ where
     /// # Errors
     /// When the medium fails.
     pub fn close(&mut self) -> Result<(), Error> {
-        let open: Vec<ArId> = self.access.iter().filter(|access| !access.cyclic).map(|access| access.ar).collect();
+        let open: Vec<ArId> = self
+            .access
+            .iter()
+            .filter(|access| !access.cyclic)
+            .map(|access| access.ar)
+            .collect();
         for ar in open {
             self.release(ar)?;
         }
@@ -121,7 +138,10 @@ where
 
     /// Releases a connection and waits for its end.
     pub(super) fn release(&mut self, ar: ArId) -> Result<(), Error> {
-        let open = matches!(self.client.connection(ar), Connection::Open | Connection::Running | Connection::Opening);
+        let open = matches!(
+            self.client.connection(ar),
+            Connection::Open | Connection::Running | Connection::Opening
+        );
         let now = self.now();
         if open && self.client.controller().release(now, ar).is_ok() {
             let stopping = std::mem::replace(&mut self.stopping, true);
@@ -140,8 +160,15 @@ where
     /// # Errors
     /// When the drive cannot be reached or refuses.
     pub fn read_record(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
-        let what = || format!("reading record 0x{:04X} of slot {} subslot 0x{:X}", at.index, at.slot, at.subslot);
-        self.call(drive, &what, |client, now, ar| client.controller().read(now, ar, at, MAX_RECORD))
+        let what = || {
+            format!(
+                "reading record 0x{:04X} of slot {} subslot 0x{:X}",
+                at.index, at.slot, at.subslot
+            )
+        };
+        self.call(drive, &what, |client, now, ar| {
+            client.controller().read(now, ar, at, MAX_RECORD)
+        })
     }
 
     /// One parameter job over the parameter channel of the drive.
@@ -154,11 +181,15 @@ where
             index: channel.index,
         };
         let what = || "parameter access".to_owned();
-        self.call(drive, &what, |client, now, ar| client.controller().parameter_job(now, ar, at, request))
+        self.call(drive, &what, |client, now, ar| {
+            client.controller().parameter_job(now, ar, at, request)
+        })
     }
 
     fn call(
-        &mut self, drive: &Drive, what: &dyn Fn() -> String,
+        &mut self,
+        drive: &Drive,
+        what: &dyn Fn() -> String,
         start: impl FnOnce(&mut Client, Instant, ArId) -> Result<CallId, Misuse>,
     ) -> Result<Vec<u8>, Error> {
         let ar = self.access(drive)?;
@@ -172,10 +203,21 @@ where
                     _ => LostCause::Service(ServiceError::Closed { what: service }),
                 };
                 self.drop_access(ar);
-                Err(Error::ConnectionLost { drive: drive.label(), cause })
+                Err(Error::ConnectionLost {
+                    drive: drive.label(),
+                    cause,
+                })
             }
-            Some(Err(error)) => Err(Error::Record { drive: drive.label(), what: what(), error }),
-            None => Err(Error::Timeout { drive: drive.label(), what: "record access", limit: RECORD_LIMIT }),
+            Some(Err(error)) => Err(Error::Record {
+                drive: drive.label(),
+                what: what(),
+                error,
+            }),
+            None => Err(Error::Timeout {
+                drive: drive.label(),
+                what: "record access",
+                limit: RECORD_LIMIT,
+            }),
         }
     }
 
@@ -193,7 +235,11 @@ where
             }
             _ => {
                 self.client.forget(ar);
-                Err(Error::Timeout { drive: drive.label(), what: "cyclic data", limit: CONNECT_LIMIT })
+                Err(Error::Timeout {
+                    drive: drive.label(),
+                    what: "cyclic data",
+                    limit: CONNECT_LIMIT,
+                })
             }
         }
     }
@@ -207,9 +253,15 @@ pub(super) fn connect_error(drive: &Drive, cause: LostCause) -> Error {
         _ => None,
     };
     if status.is_some_and(out_of_relations) {
-        return Error::OwnedByController { drive: drive.label(), cause: cause.to_string() };
+        return Error::OwnedByController {
+            drive: drive.label(),
+            cause: cause.to_string(),
+        };
     }
-    Error::Connect { drive: drive.label(), cause }
+    Error::Connect {
+        drive: drive.label(),
+        cause,
+    }
 }
 
 /// RPC "out of AR resources" or "out of provider, consumer or alarm resources": somebody has the one cyclic connection.

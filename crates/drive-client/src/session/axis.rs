@@ -3,10 +3,10 @@
 
 use std::time::Duration;
 
+use profidrive::catalogue::Device;
 use profinet::Medium;
 use profinet::controller::{ArId, ConnectConfig, ModuleConfig, Resolve, SubmoduleConfig, Target};
 use profinet::cyclic::{CyclicStatistics, Timing};
-use profidrive::catalogue::Device;
 
 use super::Session;
 use crate::axis::{Goal, Jog, Limits, Progress, Trouble};
@@ -36,7 +36,12 @@ pub struct AxisSettings {
 
 impl Default for AxisSettings {
     fn default() -> Self {
-        Self { cycle: None, watchdog: 3, speed_limit: 3000.0, stop: Duration::from_secs(10) }
+        Self {
+            cycle: None,
+            watchdog: 3,
+            speed_limit: 3000.0,
+            stop: Duration::from_secs(10),
+        }
     }
 }
 
@@ -78,7 +83,10 @@ where
     M::Error: Send + Sync + 'static,
 {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Axis").field("drive", &self.drive.label()).field("ar", &self.ar).finish_non_exhaustive()
+        f.debug_struct("Axis")
+            .field("drive", &self.drive.label())
+            .field("ar", &self.ar)
+            .finish_non_exhaustive()
     }
 }
 
@@ -97,17 +105,30 @@ where
             vendor_id: drive.station.vendor_id,
             device_id: drive.station.device_id,
         };
-        let device = drive.model.catalogue.map(|tables| tables.device).ok_or_else(|| unknown("the telegram module"))?;
+        let device = drive
+            .model
+            .catalogue
+            .map(|tables| tables.device)
+            .ok_or_else(|| unknown("the telegram module"))?;
         let modules = modules(&device).ok_or_else(|| unknown("telegram 1"))?;
         self.read_scaling(drive)?;
-        let cycle = settings.cycle.unwrap_or(TICK * u32::from(device.min_device_interval));
+        let cycle = settings
+            .cycle
+            .unwrap_or(TICK * u32::from(device.min_device_interval));
         let timing = Timing::for_interval(cycle).ok_or(profinet::controller::Misuse::Range("cycle"))?;
         let mut config = ConnectConfig::new(modules, timing);
         config.watchdog_factor = settings.watchdog;
         config.data_hold_factor = settings.watchdog;
-        config.resolve = if drive.station.name.is_empty() { Resolve::Trust } else { Resolve::Check };
+        config.resolve = if drive.station.name.is_empty() {
+            Resolve::Trust
+        } else {
+            Resolve::Check
+        };
         let now = self.now();
-        let ar = self.client.controller().connect(now, Target::of(&drive.station), config)?;
+        let ar = self
+            .client
+            .controller()
+            .connect(now, Target::of(&drive.station), config)?;
         let limits = Limits {
             dwell: (timing.interval() * 4).max(Duration::from_millis(8)),
             stop: settings.stop,
@@ -137,7 +158,12 @@ where
 /// The modules of a drive that has telegram 1 in slot 1.
 fn modules(device: &Device) -> Option<Vec<ModuleConfig>> {
     let telegram = device.telegram(TELEGRAM)?;
-    let plain = |subslot, ident| SubmoduleConfig { subslot, ident, input_length: 0, output_length: 0 };
+    let plain = |subslot, ident| SubmoduleConfig {
+        subslot,
+        ident,
+        input_length: 0,
+        output_length: 0,
+    };
     let access_point = ModuleConfig {
         api: 0,
         slot: 0,
@@ -175,7 +201,9 @@ fn speed_raw(drive: &Drive, rpm: f64) -> Option<i16> {
 
 fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
     let parameter = drive.model.catalogue.and_then(|tables| tables.by_pnu(NSOLL_A));
-    parameter.map_or(f64::from(raw), |parameter| parameter.engineering(raw.into(), &drive.parameters.scaling))
+    parameter.map_or(f64::from(raw), |parameter| {
+        parameter.engineering(raw.into(), &drive.parameters.scaling)
+    })
 }
 
 impl<'s, M: Medium> Axis<'s, M>
@@ -236,11 +264,17 @@ where
     /// A speed above the limit, and as [`ready`](Self::ready).
     pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
         if !(rpm.abs() <= self.settings.speed_limit) {
-            return Err(Error::SpeedLimit { wanted: rpm, limit: self.settings.speed_limit });
+            return Err(Error::SpeedLimit {
+                wanted: rpm,
+                limit: self.settings.speed_limit,
+            });
         }
         let setpoint = speed_raw(&self.drive, rpm)
             .filter(|&raw| (speed_rpm(&self.drive, raw) - rpm).abs() <= 1.0)
-            .ok_or_else(|| Error::SpeedLimit { wanted: rpm, limit: speed_rpm(&self.drive, i16::MAX) })?;
+            .ok_or_else(|| Error::SpeedLimit {
+                wanted: rpm,
+                limit: speed_rpm(&self.drive, i16::MAX),
+            })?;
         self.reach(Goal::Run { setpoint })
     }
 
@@ -284,7 +318,9 @@ where
     /// # Errors
     /// As [`hold`](Self::hold).
     pub fn hold_until(
-        &mut self, time: Duration, mut enough: impl FnMut(&AxisStatus) -> bool,
+        &mut self,
+        time: Duration,
+        mut enough: impl FnMut(&AxisStatus) -> bool,
     ) -> Result<bool, Error> {
         let end = self.session.now() + time;
         loop {
@@ -328,11 +364,17 @@ where
             watcher(status);
         }
         if let Connection::Lost(cause) = self.session.client.connection(self.ar) {
-            return Err(Error::ConnectionLost { drive: self.drive.label(), cause });
+            return Err(Error::ConnectionLost {
+                drive: self.drive.label(),
+                cause,
+            });
         }
         let status = status.ok_or(profinet::controller::Misuse::UnknownConnection)?;
         match status.view.progress {
-            Progress::Failed(trouble) => Err(Error::Axis { drive: self.drive.label(), trouble }),
+            Progress::Failed(trouble) => Err(Error::Axis {
+                drive: self.drive.label(),
+                trouble,
+            }),
             Progress::Pursuing | Progress::Reached => Ok(status),
         }
     }
@@ -354,7 +396,9 @@ where
     }
 
     fn bring_to_rest(&mut self) -> Result<(), Error> {
-        let control_taken = self.status().is_some_and(|status| status.view.goal != Goal::Released);
+        let control_taken = self
+            .status()
+            .is_some_and(|status| status.view.goal != Goal::Released);
         let stopped = if control_taken { self.ramp_down() } else { Ok(()) };
         let now = self.session.now();
         self.session.client.pursue(now, self.ar, Goal::Released);
@@ -375,8 +419,10 @@ where
                 Ok(status) if status.view.at_rest => return Ok(()),
                 Ok(_) => {}
                 // the quick stop took over: its end is still waited for
-                Err(Error::Axis { trouble: Trouble::QuickStopUsed, .. })
-                    if self.status().is_some_and(|status| !status.view.at_rest) => {}
+                Err(Error::Axis {
+                    trouble: Trouble::QuickStopUsed,
+                    ..
+                }) if self.status().is_some_and(|status| !status.view.at_rest) => {}
                 Err(error) => return Err(error),
             }
             let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));

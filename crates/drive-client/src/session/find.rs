@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use profinet::controller::{DcpId, DcpReply, Filter, IdentifyOptions, Misuse, Station};
-use profinet::{IpSuite, Instant, MacAddress, Medium};
+use profinet::{Instant, IpSuite, MacAddress, Medium};
 
 use super::Session;
 use crate::{Client, Drive, DriveAddress, Error};
@@ -22,16 +22,27 @@ where
     /// # Errors
     /// When the medium fails or the caller wants to stop.
     pub fn scan(&mut self, time: Duration) -> Result<Vec<Station>, Error> {
-        let factor = u16::try_from(time.as_millis() / 20).unwrap_or(u16::MAX).clamp(1, 6400);
+        let factor = u16::try_from(time.as_millis() / 20)
+            .unwrap_or(u16::MAX)
+            .clamp(1, 6400);
         let margin = time.saturating_sub(Duration::from_millis(10) * u32::from(factor));
-        self.identify(Filter::all(), IdentifyOptions { delay_factor: factor, margin, sends: 2 })
+        self.identify(
+            Filter::all(),
+            IdentifyOptions {
+                delay_factor: factor,
+                margin,
+                sends: 2,
+            },
+        )
     }
 
     fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
         let now = self.now();
         let id = self.client.controller().identify_with(now, filter, options)?;
         let limit = Duration::from_millis(10) * u32::from(options.delay_factor) + options.margin + DCP_LIMIT;
-        let mut stations = self.wait(limit, |client| client.take_stations(id))?.unwrap_or_default();
+        let mut stations = self
+            .wait(limit, |client| client.take_stations(id))?
+            .unwrap_or_default();
         stations.sort_by(|a, b| (&a.name, a.ip.address, a.mac).cmp(&(&b.name, b.ip.address, b.mac)));
         Ok(stations)
     }
@@ -39,9 +50,14 @@ where
     /// Who answers to a filter that fits one station: soon after the first answer nobody else is to be expected.
     fn identify_one(&mut self, filter: Filter) -> Result<Vec<Station>, Error> {
         let now = self.now();
-        let id = self.client.controller().identify_with(now, filter, IdentifyOptions::ONE)?;
+        let id = self
+            .client
+            .controller()
+            .identify_with(now, filter, IdentifyOptions::ONE)?;
         let mut stations = self.wait(DCP_LIMIT, |client| {
-            (client.stations_so_far(id) > 0).then(Vec::new).or_else(|| client.take_stations(id))
+            (client.stations_so_far(id) > 0)
+                .then(Vec::new)
+                .or_else(|| client.take_stations(id))
         })?;
         if self.client.stations_so_far(id) > 0 {
             self.pass(SECOND_ANSWER)?;
@@ -80,7 +96,10 @@ where
                     DriveAddress::Name(_) => self.identify(Filter::all(), IdentifyOptions::MANY)?,
                     _ => answers,
                 };
-                Err(Error::NotFound { drive: drive.clone(), heard })
+                Err(Error::NotFound {
+                    drive: drive.clone(),
+                    heard,
+                })
             }
             several => Err(Error::Ambiguous {
                 drive: drive.clone(),
@@ -94,7 +113,10 @@ where
         let DriveAddress::Ip(address) = drive else {
             return Err(Error::NeedsDiscovery { drive: drive.clone() });
         };
-        let ip = IpSuite { address: *address, ..IpSuite::NONE };
+        let ip = IpSuite {
+            address: *address,
+            ..IpSuite::NONE
+        };
         let akd = profidrive::catalogue::AKD.device;
         let station = Station {
             ip,
@@ -131,7 +153,9 @@ where
     /// # Errors
     /// What the station answers.
     pub fn blink(&mut self, drive: &Drive) -> Result<(), Error> {
-        self.set(drive, "blinking", |client, now, mac| client.controller().dcp_signal(now, mac))
+        self.set(drive, "blinking", |client, now, mac| {
+            client.controller().dcp_signal(now, mac)
+        })
     }
 
     /// Resets a station to factory values; `mode` as DCP ResetToFactory: 1 application, 2 communication,
@@ -140,19 +164,31 @@ where
     /// # Errors
     /// What the station answers.
     pub fn reset(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
-        self.set(drive, "resetting", |client, now, mac| client.controller().dcp_reset(now, mac, mode))
+        self.set(drive, "resetting", |client, now, mac| {
+            client.controller().dcp_reset(now, mac, mode)
+        })
     }
 
     fn set(
-        &mut self, drive: &Drive, what: &'static str,
+        &mut self,
+        drive: &Drive,
+        what: &'static str,
         start: impl FnOnce(&mut Client, Instant, MacAddress) -> Result<DcpId, Misuse>,
     ) -> Result<(), Error> {
         let now = self.now();
         let id = start(&mut self.client, now, drive.station.mac)?;
         match self.wait(DCP_LIMIT, |client| client.take_dcp(id))? {
             Some(Ok(DcpReply::Done | DcpReply::Values(_))) => Ok(()),
-            Some(Err(error)) => Err(Error::Dcp { drive: drive.label(), what, error }),
-            None => Err(Error::Timeout { drive: drive.label(), what, limit: DCP_LIMIT }),
+            Some(Err(error)) => Err(Error::Dcp {
+                drive: drive.label(),
+                what,
+                error,
+            }),
+            None => Err(Error::Timeout {
+                drive: drive.label(),
+                what,
+                limit: DCP_LIMIT,
+            }),
         }
     }
 }

@@ -63,9 +63,18 @@ where
     /// # Errors
     /// When the drive cannot be reached.
     pub fn info(&mut self, drive: &mut Drive) -> Result<Info, Error> {
-        let mut info = Info { identity: None, refused: Vec::new(), readings: Vec::new() };
+        let mut info = Info {
+            identity: None,
+            refused: Vec::new(),
+            readings: Vec::new(),
+        };
         for number in 0..4 {
-            let at = RecordAddress { api: 0, slot: 0, subslot: 1, index: IM0 + number };
+            let at = RecordAddress {
+                api: 0,
+                slot: 0,
+                subslot: 1,
+                index: IM0 + number,
+            };
             match self.read_record(drive, at) {
                 Ok(data) => {
                     if let Err(error) = take_im(&mut info.identity, number, &data) {
@@ -76,8 +85,10 @@ where
                 Err(error) => return Err(error),
             }
         }
-        let page: Vec<Selection> =
-            PAGE.iter().filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok()).collect();
+        let page: Vec<Selection> = PAGE
+            .iter()
+            .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
+            .collect();
         let readings = match self.read(drive, &page) {
             Ok(readings) => readings,
             // a device without a parameter channel still has its identity
@@ -132,7 +143,9 @@ fn take_im(identity: &mut Option<Identity>, number: u16, data: &[u8]) -> Result<
 }
 
 fn text(octets: &[u8]) -> String {
-    String::from_utf8_lossy(octets).trim_matches(['\0', ' ']).to_owned()
+    String::from_utf8_lossy(octets)
+        .trim_matches(['\0', ' '])
+        .to_owned()
 }
 
 #[cfg(test)]
@@ -150,9 +163,18 @@ mod tests {
         im1.extend(format!("{:<32}{:<22}", "feed axis", "hall 3").bytes());
         take_im(&mut identity, 1, &im1).unwrap();
         let identity = identity.unwrap();
-        assert_eq!((identity.order_id.as_str(), identity.serial_number.as_str()), ("AKD-P00306", "42"));
-        assert_eq!((identity.software_revision.as_str(), identity.profile_id), ("V1.17.0", 0x3A00));
-        assert_eq!((identity.function.as_str(), identity.location.as_str()), ("feed axis", "hall 3"));
+        assert_eq!(
+            (identity.order_id.as_str(), identity.serial_number.as_str()),
+            ("AKD-P00306", "42")
+        );
+        assert_eq!(
+            (identity.software_revision.as_str(), identity.profile_id),
+            ("V1.17.0", 0x3A00)
+        );
+        assert_eq!(
+            (identity.function.as_str(), identity.location.as_str()),
+            ("feed axis", "hall 3")
+        );
         for length in 0..im0.len() {
             assert!(take_im(&mut None, 0, &im0[..length]).is_err(), "{length}");
         }

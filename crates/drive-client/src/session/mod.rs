@@ -39,7 +39,9 @@ pub struct Session<M: Medium> {
 
 impl<M: Medium> std::fmt::Debug for Session<M> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Session").field("client", &self.client).finish_non_exhaustive()
+        f.debug_struct("Session")
+            .field("client", &self.client)
+            .finish_non_exhaustive()
     }
 }
 
@@ -115,12 +117,16 @@ where
             return Err(Error::Interrupted);
         }
         let until = until.min(self.now() + GLANCE);
-        self.medium.step(&mut self.client, until).map_err(|error| Error::Medium(Box::new(error)))
+        self.medium
+            .step(&mut self.client, until)
+            .map_err(|error| Error::Medium(Box::new(error)))
     }
 
     /// Lets things happen until `done` gives something, at most for `limit`; `None` when the time is over.
     fn wait<T>(
-        &mut self, limit: Duration, mut done: impl FnMut(&mut Client) -> Option<T>,
+        &mut self,
+        limit: Duration,
+        mut done: impl FnMut(&mut Client) -> Option<T>,
     ) -> Result<Option<T>, Error> {
         let end = self.now() + limit;
         loop {

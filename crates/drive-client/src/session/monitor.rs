@@ -41,7 +41,10 @@ impl Snapshot {
     /// The status word with everything it tells.
     #[must_use]
     pub fn seen(&self) -> Option<Seen> {
-        Some(Seen { zsw1: self.zsw1?, nist_a: 0 })
+        Some(Seen {
+            zsw1: self.zsw1?,
+            nist_a: 0,
+        })
     }
 }
 
@@ -92,7 +95,9 @@ where
     /// # Errors
     /// When the drive cannot be reached, has no fault buffer, or the buffer keeps changing.
     pub fn faults(&mut self, drive: &mut Drive) -> Result<Vec<FaultEntry>, Error> {
-        let counter = drive.parameters.select(&ParameterReference::number(FAULT_COUNTER))?;
+        let counter = drive
+            .parameters
+            .select(&ParameterReference::number(FAULT_COUNTER))?;
         let buffer = self.fault_selection(drive)?;
         let mut order = ConsistentRead::new(ATTEMPTS);
         let mut numbers = Vec::new();
@@ -110,18 +115,28 @@ where
                 Next::GiveUp => {
                     let what = "reading the fault buffer, which kept changing;";
                     let limit = std::time::Duration::from_millis(0);
-                    return Err(Error::Timeout { drive: drive.label(), what, limit });
+                    return Err(Error::Timeout {
+                        drive: drive.label(),
+                        what,
+                        limit,
+                    });
                 }
             }
         }
         let mut faults = Vec::new();
         for (at, reading) in numbers.into_iter().enumerate() {
-            let reading = reading.map_err(|refusal| Error::Refused { drive: drive.label(), refusal })?;
+            let reading = reading.map_err(|refusal| Error::Refused {
+                drive: drive.label(),
+                refusal,
+            })?;
             let number = reading.raw().and_then(|raw| u16::try_from(raw).ok()).unwrap_or(0);
             if number == 0 {
                 continue;
             }
-            let text = drive.model.catalogue.and_then(|tables| tables.fault(number, false));
+            let text = drive
+                .model
+                .catalogue
+                .and_then(|tables| tables.fault(number, false));
             let at = u8::try_from(at).unwrap_or(u8::MAX);
             faults.push(FaultEntry {
                 situation: at / 8,
@@ -138,7 +153,11 @@ where
     fn fault_selection(&self, drive: &Drive) -> Result<Selection, Error> {
         let known = drive.model.catalogue.is_some();
         let elements = (!known).then_some(Elements { first: 0, count: 64 });
-        let reference = ParameterReference { target: Target::Number(FAULT_NUMBERS), elements, prefix: None };
+        let reference = ParameterReference {
+            target: Target::Number(FAULT_NUMBERS),
+            elements,
+            prefix: None,
+        };
         Ok(drive.parameters.select(&reference)?)
     }
 }

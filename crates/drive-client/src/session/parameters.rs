@@ -11,7 +11,9 @@ use profidrive::parameter::{
 use profinet::Medium;
 
 use super::Session;
-use crate::parameter::{Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection};
+use crate::parameter::{
+    Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection,
+};
 use crate::{Drive, Error, Refusal};
 
 /// Octets of the largest request any dialect allows.
@@ -81,7 +83,9 @@ where
     /// # Errors
     /// When the drive cannot be reached, or its answer makes no sense.
     pub fn read(
-        &mut self, drive: &mut Drive, selections: &[Selection],
+        &mut self,
+        drive: &mut Drive,
+        selections: &[Selection],
     ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
         if selections.iter().any(needs_scaling) {
             self.read_scaling(drive)?;
@@ -91,10 +95,15 @@ where
 
     /// The same without looking at the values that scale others first.
     fn read_plain(
-        &mut self, drive: &Drive, selections: &[Selection],
+        &mut self,
+        drive: &Drive,
+        selections: &[Selection],
     ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
-        let items: Vec<Item> =
-            selections.iter().enumerate().flat_map(|(at, selection)| items(at, selection, drive)).collect();
+        let items: Vec<Item> = selections
+            .iter()
+            .enumerate()
+            .flat_map(|(at, selection)| items(at, selection, drive))
+            .collect();
         let planned: Vec<_> = items.iter().map(|item| (item.address, item.octets)).collect();
         let mut results = Vec::new();
         for group in plan_reads(&planned, drive.model.dialect) {
@@ -104,7 +113,11 @@ where
     }
 
     fn read_group(
-        &mut self, drive: &Drive, selections: &[Selection], items: &[Item], group: Range<usize>,
+        &mut self,
+        drive: &Drive,
+        selections: &[Selection],
+        items: &[Item],
+        group: Range<usize>,
         results: &mut Vec<Result<Reading, Refusal>>,
     ) -> Result<(), Error> {
         let part = items.get(group).unwrap_or_default();
@@ -118,7 +131,9 @@ where
         let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
             .map_err(|error| malformed(drive, &error))?;
         for (item, answer) in part.iter().zip(response.answers()) {
-            let Some(selection) = selections.get(item.selection) else { continue };
+            let Some(selection) = selections.get(item.selection) else {
+                continue;
+            };
             match answer {
                 Answer::Values(block) => {
                     let interpretation = Interpretation::of(block.format, dialect.code_space);
@@ -151,11 +166,20 @@ where
                     self.read_group(drive, selections, &alone, 0..1, results)?;
                 }
                 Answer::Error(error) => {
-                    results.push(Err(refusal(selection, item.offset, false, error.number, error.info)));
+                    results.push(Err(refusal(
+                        selection,
+                        item.offset,
+                        false,
+                        error.number,
+                        error.info,
+                    )));
                 }
                 Answer::Written => {
                     let reason = "a read was answered like a write".to_owned();
-                    return Err(Error::Malformed { drive: drive.label(), reason });
+                    return Err(Error::Malformed {
+                        drive: drive.label(),
+                        reason,
+                    });
                 }
             }
         }
@@ -167,11 +191,20 @@ where
     /// # Errors
     /// When the drive cannot be reached or refuses.
     pub fn read_one(&mut self, drive: &mut Drive, selection: &Selection) -> Result<Reading, Error> {
-        let first = self.read(drive, std::slice::from_ref(selection))?.into_iter().next();
+        let first = self
+            .read(drive, std::slice::from_ref(selection))?
+            .into_iter()
+            .next();
         match first {
             Some(Ok(reading)) => Ok(reading),
-            Some(Err(refusal)) => Err(Error::Refused { drive: drive.label(), refusal }),
-            None => Err(Error::Malformed { drive: drive.label(), reason: "no value came back".to_owned() }),
+            Some(Err(refusal)) => Err(Error::Refused {
+                drive: drive.label(),
+                refusal,
+            }),
+            None => Err(Error::Malformed {
+                drive: drive.label(),
+                reason: "no value came back".to_owned(),
+            }),
         }
     }
 
@@ -181,7 +214,10 @@ where
     /// # Errors
     /// A wrong assignment, or a drive that cannot be reached. A refused write is told in the outcome.
     pub fn write(
-        &mut self, drive: &mut Drive, assignments: &[Assignment], mode: WriteMode,
+        &mut self,
+        drive: &mut Drive,
+        assignments: &[Assignment],
+        mode: WriteMode,
     ) -> Result<Vec<ChangeOutcome>, Error> {
         let mut changes = Vec::new();
         for assignment in assignments {
@@ -192,14 +228,26 @@ where
             let value = drive.parameters.check(&selection, &assignment.quantity)?;
             changes.push(PlannedChange { selection, value });
         }
-        let readable: Vec<Selection> =
-            changes.iter().map(|change| change.selection).filter(|selection| !is_command(selection)).collect();
+        let readable: Vec<Selection> = changes
+            .iter()
+            .map(|change| change.selection)
+            .filter(|selection| !is_command(selection))
+            .collect();
         let mut old = self.read(drive, &readable)?.into_iter();
         let mut outcomes: Vec<ChangeOutcome> = changes
             .into_iter()
             .map(|change| {
-                let old = if is_command(&change.selection) { None } else { old.next() };
-                ChangeOutcome { change, old, written: None, new: None }
+                let old = if is_command(&change.selection) {
+                    None
+                } else {
+                    old.next()
+                };
+                ChangeOutcome {
+                    change,
+                    old,
+                    written: None,
+                    new: None,
+                }
             })
             .collect();
         if mode == WriteMode::DryRun {
@@ -213,7 +261,9 @@ where
             }
         }
         // a change of a value that scales others counts from here on
-        drive.scaled &= !back.iter().any(|selection| selection.parameter.is_some_and(is_scaling));
+        drive.scaled &= !back
+            .iter()
+            .any(|selection| selection.parameter.is_some_and(is_scaling));
         let mut new = self.read(drive, &back)?.into_iter();
         for outcome in &mut outcomes {
             if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
@@ -237,7 +287,12 @@ where
                     let (format, octets) = encoded.get(at)?;
                     let selection = outcomes.get(at)?.change.selection;
                     let address = ParameterAddress::value(selection.pnu, selection.first);
-                    Some(NewValue { address, format: *format, count: 1, data: octets })
+                    Some(NewValue {
+                        address,
+                        format: *format,
+                        count: 1,
+                        data: octets,
+                    })
                 })
                 .collect();
             let addresses: Vec<ParameterAddress> = values.iter().map(|value| value.address).collect();
@@ -249,11 +304,17 @@ where
             let response = Response::parse(&answer, RequestId::Change, reference, &addresses, dialect)
                 .map_err(|error| malformed(drive, &error))?;
             for (at, answer) in group.zip(response.answers()) {
-                let Some(outcome) = outcomes.get_mut(at) else { continue };
+                let Some(outcome) = outcomes.get_mut(at) else {
+                    continue;
+                };
                 outcome.written = Some(match answer {
-                    Answer::Error(error) => {
-                        Err(refusal(&outcome.change.selection, 0, true, error.number, error.info))
-                    }
+                    Answer::Error(error) => Err(refusal(
+                        &outcome.change.selection,
+                        0,
+                        true,
+                        error.number,
+                        error.info,
+                    )),
                     Answer::Written | Answer::Values(_) => Ok(()),
                 });
             }
@@ -266,7 +327,9 @@ where
     /// # Errors
     /// When the drive cannot be reached.
     pub fn read_scaling(&mut self, drive: &mut Drive) -> Result<(), Error> {
-        let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else { return Ok(()) };
+        let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else {
+            return Ok(());
+        };
         let wanted: Vec<Selection> = SCALING
             .iter()
             .filter_map(|&pnu| tables.by_pnu(pnu))
@@ -279,9 +342,15 @@ where
             })
             .collect();
         for reading in self.read_plain(drive, &wanted)?.into_iter().flatten() {
-            let Some(number) = reading.number().filter(|number| *number > 0.0) else { continue };
+            let Some(number) = reading.number().filter(|number| *number > 0.0) else {
+                continue;
+            };
             let scaling = &mut drive.parameters.scaling;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates"
+            )]
             match reading.pnu {
                 VELOCITY => scaling.velocity = number as u16,
                 ACCELERATION => scaling.acceleration = number as u16,
@@ -314,34 +383,62 @@ fn is_scaling(parameter: &Parameter) -> bool {
 }
 
 fn needs_scaling(selection: &Selection) -> bool {
-    selection.parameter.is_some_and(|parameter| !matches!(parameter.scale, Scale::Raw | Scale::Milli))
+    selection
+        .parameter
+        .is_some_and(|parameter| !matches!(parameter.scale, Scale::Raw | Scale::Milli))
 }
 
 fn is_command(selection: &Selection) -> bool {
-    selection.parameter.is_some_and(|parameter| parameter.size == Size::Command)
+    selection
+        .parameter
+        .is_some_and(|parameter| parameter.size == Size::Command)
 }
 
 /// The addresses of one selection.
 fn items(at: usize, selection: &Selection, drive: &Drive) -> Vec<Item> {
     let octets = selection.parameter.map(|parameter| parameter.size.octets());
     let dialect = drive.model.dialect;
-    let parts = split_array(selection.pnu, selection.first, selection.count, octets.unwrap_or(4), dialect);
+    let parts = split_array(
+        selection.pnu,
+        selection.first,
+        selection.count,
+        octets.unwrap_or(4),
+        dialect,
+    );
     parts
         .into_iter()
-        .map(|address| Item { selection: at, offset: address.subindex - selection.first, address, octets })
+        .map(|address| Item {
+            selection: at,
+            offset: address.subindex - selection.first,
+            address,
+            octets,
+        })
         .collect()
 }
 
 fn refusal(
-    selection: &Selection, offset: u16, write: bool, number: ErrorNumber, information: Option<u16>,
+    selection: &Selection,
+    offset: u16,
+    write: bool,
+    number: ErrorNumber,
+    information: Option<u16>,
 ) -> Refusal {
     let shown: Shown = selection.shown(offset);
     let name = selection.parameter.map(|parameter| parameter.name);
-    Refusal { shown, name, write, number, information }
+    Refusal {
+        shown,
+        name,
+        write,
+        number,
+        information,
+    }
 }
 
 fn malformed(drive: &Drive, error: &dyn std::fmt::Display) -> Error {
-    Error::Malformed { drive: drive.label(), reason: error.to_string() }
+    Error::Malformed {
+        drive: drive.label(),
+        reason: error.to_string(),
+    }
 }
 
 /// Format and octets of a value: by the table, else as the drive sent the old one.
@@ -351,7 +448,10 @@ fn encode(outcome: &ChangeOutcome) -> Result<(Format, Vec<u8>), Error> {
         (Some(parameter), _) => (Format(parameter.size.format_code()), parameter.size.octets()),
         (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),
         (None, Some(Err(refusal))) => {
-            return Err(Error::Refused { drive: outcome.change.selection.label(), refusal: *refusal });
+            return Err(Error::Refused {
+                drive: outcome.change.selection.label(),
+                refusal: *refusal,
+            });
         }
         (None, None) => (Format::WORD, 2),
     };
@@ -364,10 +464,18 @@ fn encode(outcome: &ChangeOutcome) -> Result<(Format, Vec<u8>), Error> {
     let fits = width <= 8 && (bits >= 64 || (-(1_i64 << (bits - 1)) <= raw && raw < 1_i64 << bits));
     if !fits || width == 0 {
         let parameter = outcome.change.selection.label();
-        return Err(ParameterProblem::RawSize { parameter, raw: raw.cast_unsigned(), octets: width }.into());
+        return Err(ParameterProblem::RawSize {
+            parameter,
+            raw: raw.cast_unsigned(),
+            octets: width,
+        }
+        .into());
     }
     let octets = raw.to_be_bytes();
-    Ok((format, octets.get(octets.len() - width..).unwrap_or_default().to_vec()))
+    Ok((
+        format,
+        octets.get(octets.len() - width..).unwrap_or_default().to_vec(),
+    ))
 }
 
 #[cfg(test)]
@@ -377,18 +485,29 @@ mod tests {
     use profidrive::catalogue::{AKD, Scaling};
 
     fn outcome(text: &str) -> ChangeOutcome {
-        let tables = Parameters { catalogue: Some(&AKD), scaling: Scaling::default() };
+        let tables = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
         let assignment: Assignment = text.parse().unwrap();
         let selection = tables.select(&assignment.reference).unwrap();
         let value = tables.check(&selection, &assignment.quantity).unwrap();
-        ChangeOutcome { change: PlannedChange { selection, value }, old: None, written: None, new: None }
+        ChangeOutcome {
+            change: PlannedChange { selection, value },
+            old: None,
+            written: None,
+            new: None,
+        }
     }
 
     #[test]
     fn values_travel_in_the_size_of_their_parameter() {
         assert_eq!(encode(&outcome("930=2")).unwrap(), (Format::WORD, vec![0, 2]));
         assert_eq!(encode(&outcome("DRV.OPMODE=1")).unwrap(), (Format::BYTE, vec![1]));
-        assert_eq!(encode(&outcome("DRV.ACC=5000")).unwrap(), (Format::DOUBLE_WORD, vec![0, 0x4C, 0x4B, 0x40]));
+        assert_eq!(
+            encode(&outcome("DRV.ACC=5000")).unwrap(),
+            (Format::DOUBLE_WORD, vec![0, 0x4C, 0x4B, 0x40])
+        );
         assert_eq!(encode(&outcome("1004=-1")).unwrap().1.len(), 2);
     }
 }
