@@ -11,6 +11,8 @@ pub mod controller;
 pub mod cyclic;
 pub mod device;
 mod endpoint;
+#[cfg(test)]
+mod pair;
 pub mod rpc;
 mod time;
 pub mod wire;

@@ -714,6 +714,9 @@ impl Ar {
             self.shut(shared);
             shared.events.push_back(Event::Released { ar: self.id });
         } else {
+            // a device that is busy for longer has lost its chance to answer
+            let timeouts = shared.timeouts;
+            self.until = Some(shared.now + timeouts.call * u32::from(timeouts.call_sends));
             self.ops.push_back(Op::Release);
             self.next_call(shared);
         }
@@ -747,6 +750,7 @@ impl Ar {
                         },
                     );
                 }
+                (Phase::Release, _) => self.close(shared),
                 _ => {}
             }
         }

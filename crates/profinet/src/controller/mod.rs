@@ -671,3 +671,6 @@ const fn qualifier(permanent: bool) -> Qualifier {
         Qualifier::TEMPORARY
     }
 }
+
+#[cfg(test)]
+mod tests;
