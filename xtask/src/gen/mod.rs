@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use crate::Outcome;
 
 mod catalogue;
+mod parameter;
 mod profile;
 
 /// What to do with the generated text.
@@ -32,6 +33,7 @@ pub struct Generated {
 pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
     let mut files = catalogue::files(root)?;
     files.extend(profile::files(root)?);
+    files.extend(parameter::files(root)?);
     let mut stale = Vec::new();
     for file in files {
         let text = rustfmt(

@@ -5,7 +5,7 @@ use core::ops::Range;
 /// Octets of a whole description.
 pub(super) const LENGTH: u8 = 46;
 
-/// Where the twelve elements lie. Source: profile reference 1.9.
+/// Where the twelve elements lie. Source: Danfoss MCA 101 p. 29 and 32, Vacon OPTEA p. 118.
 const ELEMENTS: [Range<usize>; 12] = [
     0..2,
     2..4,
@@ -53,7 +53,7 @@ impl Identifier {
 }
 
 /// Description of a parameter: type, unit, name and limits in 46 octets.
-/// Source: profile reference 1.9 (Danfoss and Vacon manuals).
+/// Source: Danfoss MCA 101 p. 29 and 32, Vacon OPTEA p. 118.
 ///
 /// ```
 /// use profidrive::parameter::{Description, Identifier};

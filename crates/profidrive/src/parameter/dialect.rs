@@ -13,7 +13,7 @@ pub enum ChangeResponse {
 }
 
 /// Facts about one maker's parameter manager. A virtual drive answers by them, a client asks by them.
-/// Source: profile reference 8.
+/// Source: AKD PROFINET manual 3.6; Danfoss MG06G102 5.5 and MCA 101 p. 27-34; Vacon OPTEA manual p. 116-123.
 ///
 /// ```
 /// use profidrive::parameter::{ChangeResponse, Dialect};

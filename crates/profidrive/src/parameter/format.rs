@@ -2,11 +2,11 @@
 
 use core::fmt;
 
-pub use super::format_table::FORMATS;
-use super::format_table::V3;
+pub use super::generated_formats::FORMATS;
+use super::generated_formats::V3;
 
 /// Which numbers the profile-specific types have.
-/// Source: profile reference 1.7; V4 codes from 0x71, V2/V3 and Danfoss count decimal from 33.
+/// Source: Wireshark (V4, from 0x71); Danfoss MCA 101 and TR encoTRive p. 195 (V2/V3, decimal from 33).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum CodeSpace {
     /// PROFIdrive V4: N2 is 0x71.
@@ -38,6 +38,10 @@ pub struct FormatInfo {
     pub octets: Octets,
     /// How the octets are read.
     pub kind: Kind,
+    /// False where no public document says the code or the length.
+    pub verified: bool,
+    /// Where this is from.
+    pub source: &'static str,
 }
 
 /// How the octets of a value are read.

@@ -97,7 +97,7 @@ fn ask_of(drive: &mut Bench, dialect: &Dialect, request: &str) -> Result<Vec<u8>
     serve(&hex(request), dialect, drive, &mut out).map(|length| out[..length].to_vec())
 }
 
-/// Requests of profile reference 1.4: the bytes, what they mean, and the same bytes written again.
+/// Requests out of the manuals (AKD 3.6.2, OPTE9 p. 32, Toshiba p. 32, G120X p. 258): the bytes, what they mean, and the same bytes written again.
 #[test]
 fn worked_requests() {
     let read = |bytes: &str, dialect: Dialect, address: ParameterAddress| {
@@ -162,7 +162,7 @@ fn worked_requests() {
     );
 }
 
-/// Responses of profile reference 1.5.
+/// Responses out of the manuals (OPTE9 p. 32, FENA p. 351, Lenze p. 52, Toshiba, AKD 3.6.2 and its byte description).
 #[test]
 fn worked_responses() {
     let parse = |bytes: &str, id, reference, addresses: &[ParameterAddress], dialect| {
@@ -238,7 +238,7 @@ fn worked_responses() {
     );
 }
 
-/// Byte examples served: AKD manual 3.6.2, OPTE9, profile reference 1.5.
+/// Byte examples served: AKD manual 3.6.2, OPTE9 p. 32.
 #[test]
 fn worked_answers() {
     let (akd, vacon) = (Dialect::AKD, Dialect::VACON);
