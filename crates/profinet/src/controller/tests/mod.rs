@@ -689,7 +689,7 @@ fn a_device_that_is_early_late_or_never_ready() {
     p.run(SECOND);
     assert_eq!(p.b.aborted, Some(PnioStatus::aborted(0x28)));
     assert!(
-        p.b.reads.iter().any(|index| *index == 0xFBFF),
+        p.b.reads.contains(&0xFBFF),
         "signs of life while waiting"
     );
 }

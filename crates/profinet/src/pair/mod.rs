@@ -90,7 +90,7 @@ impl<A: Endpoint, B: Endpoint> Pair<A, B> {
             b,
             wire,
             now: Instant::ZERO,
-           
+
             sent: vec![],
         }
     }
@@ -207,3 +207,6 @@ impl<A: Endpoint, B: Endpoint> Pair<A, B> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,611 @@
+//! Controller and device of this crate with each other.
+
+use alloc::collections::BTreeMap;
+use alloc::string::ToString;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::net::SocketAddrV4;
+use core::time::Duration;
+
+use super::Pair;
+use crate::controller::{
+    ConnectConfig, Controller, ControllerConfig, DcpReply, Event, Filter, LostCause, ModuleConfig,
+    RecordAddress, Resolve, ServiceError, SubmoduleConfig, Target,
+};
+use crate::cyclic::Timing;
+use crate::device::{
+    self, ArKey, Device, DeviceConfig, Identity, ModuleDescription, Stored, SubmoduleDescription,
+};
+use crate::wire::PnioStatus;
+use crate::wire::alarm::{AlarmType, ChannelDiagnosis, DiagnosisItem};
+use crate::wire::rt::Iops;
+use crate::wire::status::record;
+use crate::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+
+const PLC: MacAddress = MacAddress([2, 0x50, 0x4e, 0, 0, 2]);
+const DRIVE: MacAddress = MacAddress([2, 0x50, 0x4e, 0, 0, 1]);
+const SECOND: Duration = Duration::from_secs(1);
+
+fn ip(last: u8) -> IpSuite {
+    IpSuite {
+        address: [192, 168, 77, last].into(),
+        mask: [255, 255, 255, 0].into(),
+        gateway: [0; 4].into(),
+    }
+}
+
+/// A device with an application that answers parameter jobs after some reads and mirrors its output.
+struct Station {
+    device: Device,
+    jobs: BTreeMap<ArKey, (Vec<u8>, u32)>,
+    not_ready: u32,
+    events: Vec<device::Event>,
+}
+
+impl Station {
+    fn new(name: &str, suite: IpSuite) -> Self {
+        let none = |subslot, ident| SubmoduleDescription {
+            subslot,
+            ident,
+            api: 0,
+            input_length: 0,
+            output_length: 0,
+        };
+        let telegram = SubmoduleDescription {
+            subslot: 1,
+            ident: 0x11,
+            api: 0x3A00,
+            input_length: 4,
+            output_length: 4,
+        };
+        let modules = vec![
+            ModuleDescription {
+                ident: 1,
+                slots: vec![0],
+                submodules: vec![none(1, 1), none(0x8000, 2), none(0x8001, 3)],
+            },
+            ModuleDescription {
+                ident: 0x10,
+                slots: vec![1],
+                submodules: vec![telegram],
+            },
+        ];
+        let identity = Identity {
+            vendor_id: 0x0105,
+            device_id: 1,
+            instance: 1,
+            station_type: "AKD".into(),
+            order_id: "AKD-P00306".into(),
+            serial_number: "1".into(),
+            hardware_revision: 1,
+            software_prefix: 'V',
+            software_revision: [1, 2, 3],
+            profile_id: 0x3A00,
+            profile_specific_type: 0,
+        };
+        let stored = Stored {
+            name: name.into(),
+            ip: suite,
+            ..Stored::default()
+        };
+        let device = Device::new(DeviceConfig::new(DRIVE, identity, modules), stored);
+        Self {
+            device,
+            jobs: BTreeMap::new(),
+            not_ready: 0,
+            events: vec![],
+        }
+    }
+
+    fn work(&mut self, now: Instant) {
+        while let Some(event) = self.device.poll_event() {
+            match &event {
+                device::Event::ParameterEnd { ar } => {
+                    self.device.set_input(1, 1, &[0, 0, 0, 0], Iops::GOOD);
+                    self.device.application_ready(now, *ar);
+                }
+                device::Event::RecordWrite { token, ar, data, .. } => {
+                    self.jobs.insert(*ar, (data.clone(), self.not_ready));
+                    self.device.answer_write(now, *token, Ok(()));
+                }
+                device::Event::RecordRead { token, ar, .. } => {
+                    let job = ar.and_then(|ar| self.jobs.get_mut(&ar));
+                    match job {
+                        Some((data, 0)) => {
+                            let data = data.clone();
+                            self.device.answer_read(now, *token, Ok(&data));
+                        }
+                        Some((_, wait)) => {
+                            *wait -= 1;
+                            let busy = PnioStatus::read(record::STATE_CONFLICT);
+                            self.device.answer_read(now, *token, Err(busy));
+                        }
+                        None => {
+                            let none = PnioStatus::read(record::STATE_CONFLICT);
+                            self.device.answer_read(now, *token, Err(none));
+                        }
+                    }
+                }
+                _ => {}
+            }
+            self.events.push(event);
+        }
+        if let Some((output, iops)) = self.device.output(1, 1) {
+            let mirrored = [output[0], output[1], output[2], output[3]];
+            if iops.is_good() {
+                self.device.set_input(1, 1, &mirrored, Iops::GOOD);
+            }
+        }
+    }
+}
+
+impl Endpoint for Station {
+    fn mac(&self) -> MacAddress {
+        self.device.mac()
+    }
+    fn ip(&self) -> IpSuite {
+        self.device.ip()
+    }
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.device.handle_frame(now, frame);
+        self.work(now);
+    }
+    fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        self.device.handle_datagram(now, source, local_port, payload);
+        self.work(now);
+    }
+    fn handle_timeout(&mut self, now: Instant) {
+        self.device.handle_timeout(now);
+        self.work(now);
+    }
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        self.device.poll_transmit(now, buffer)
+    }
+    fn poll_timeout(&self) -> Option<Instant> {
+        self.device.poll_timeout()
+    }
+}
+
+type Both = Pair<Controller, Station>;
+
+fn pair() -> Both {
+    let controller = Controller::new(ControllerConfig::new(PLC, ip(11), "plc", 7));
+    Pair::new(controller, Station::new("drive-1", ip(50)), 1)
+}
+
+fn target() -> Target {
+    Target {
+        name: "drive-1".into(),
+        mac: None,
+        ip: IpSuite::NONE,
+        vendor_id: 0x0105,
+        device_id: 1,
+        instance: 1,
+    }
+}
+
+fn config(milliseconds: u64) -> ConnectConfig {
+    let none = |subslot, ident| SubmoduleConfig {
+        subslot,
+        ident,
+        input_length: 0,
+        output_length: 0,
+    };
+    let telegram = SubmoduleConfig {
+        subslot: 1,
+        ident: 0x11,
+        input_length: 4,
+        output_length: 4,
+    };
+    let modules = vec![
+        ModuleConfig {
+            api: 0,
+            slot: 0,
+            ident: 1,
+            submodules: vec![none(1, 1), none(0x8000, 2), none(0x8001, 3)],
+        },
+        ModuleConfig {
+            api: 0x3A00,
+            slot: 1,
+            ident: 0x10,
+            submodules: vec![telegram],
+        },
+    ];
+    ConnectConfig::new(
+        modules,
+        Timing::for_interval(Duration::from_millis(milliseconds)).unwrap(),
+    )
+}
+
+fn event(p: &mut Both, limit: Duration) -> Option<Event> {
+    p.until(limit, |p| p.a.poll_event())
+}
+
+fn connected(p: &mut Both, config: ConnectConfig) -> crate::controller::ArId {
+    let ar = p.a.connect(p.now, target(), config).unwrap();
+    assert_eq!(event(p, SECOND), Some(Event::Connected { ar, diff: None }));
+    assert_eq!(event(p, SECOND), Some(Event::Ready { ar, diff: None }));
+    assert_eq!(event(p, SECOND), Some(Event::Running { ar }));
+    ar
+}
+
+const IM0: RecordAddress = RecordAddress {
+    api: 0,
+    slot: 0,
+    subslot: 1,
+    index: 0xAFF0,
+};
+const CHANNEL: RecordAddress = RecordAddress {
+    api: 0x3A00,
+    slot: 1,
+    subslot: 1,
+    index: 0xB02E,
+};
+
+#[test]
+fn the_whole_way_at_every_interval_and_in_both_start_ups() {
+    for power in 0..10 {
+        for legacy in [false, true] {
+            let mut p = pair();
+            let mut config = config(1 << power);
+            if legacy {
+                config = ConnectConfig::legacy(config.modules, config.timing);
+            }
+            let ar = p.a.connect(p.now, target(), config).unwrap();
+            let running = p.until(5 * SECOND, |p| {
+                matches!(p.a.poll_event()?, Event::Running { .. }).then_some(())
+            });
+            assert!(
+                running.is_some(),
+                "{power} {legacy} {:?} {:?}",
+                p.a.phase(ar),
+                p.b.events
+            );
+            p.a.set_output(ar, 1, 1, &[1, 2, 3, 4]).unwrap();
+            let cycles = Duration::from_millis(10 << power);
+            p.run(cycles);
+            assert_eq!(p.a.input(ar, 1, 1), Some((&[1, 2, 3, 4][..], Iops::GOOD)));
+            assert_eq!(p.a.output_taken(ar, 1, 1), Some(Iops::GOOD));
+            let (own, other) = (p.a.statistics(ar).unwrap(), p.b.device.statistics().unwrap());
+            assert_eq!((own.missed, other.missed), (0, 0));
+            assert!(own.received >= 10 && other.received >= 10);
+            p.a.release(p.now, ar).unwrap();
+            let end = p.until(SECOND, |p| p.a.poll_event());
+            assert_eq!(end, Some(Event::Released { ar }));
+            assert!(
+                p.b.events
+                    .iter()
+                    .any(|e| matches!(e, device::Event::Disconnected { .. }))
+            );
+        }
+    }
+}
+
+#[test]
+fn a_new_device_gets_name_and_address_and_is_used() {
+    let mut p = pair();
+    p.b = Station::new("", IpSuite::NONE);
+    p.a.identify(p.now, Filter::all()).unwrap();
+    let Some(Event::Identified { station, .. }) = event(&mut p, 2 * SECOND) else {
+        panic!()
+    };
+    assert_eq!(
+        (station.mac, station.name.as_str(), station.ip),
+        (DRIVE, "", IpSuite::NONE)
+    );
+    assert_eq!(station.station_type, "AKD");
+    let Some(Event::IdentifyDone { count: 1, .. }) = event(&mut p, 2 * SECOND) else {
+        panic!()
+    };
+    let id = p.a.dcp_set_name(p.now, DRIVE, "drive-1", true).unwrap();
+    assert_eq!(
+        event(&mut p, SECOND),
+        Some(Event::DcpDone {
+            id,
+            result: Ok(DcpReply::Done)
+        })
+    );
+    let mut wanted = target();
+    wanted.ip = ip(77);
+    let ar =
+        p.a.connect(
+            p.now,
+            wanted,
+            ConnectConfig {
+                resolve: Resolve::SetIp,
+                ..config(16)
+            },
+        )
+        .unwrap();
+    assert_eq!(
+        event(&mut p, 3 * SECOND),
+        Some(Event::Connected { ar, diff: None })
+    );
+    assert_eq!(p.b.ip().address, ip(77).address);
+    assert_eq!(
+        (p.b.device.name(), p.a.target(ar).unwrap().mac),
+        ("drive-1", Some(DRIVE))
+    );
+}
+
+#[test]
+fn records_and_parameter_jobs_beside_cyclic_data() {
+    let mut p = pair();
+    let ar = connected(&mut p, config(1));
+    let call = p.a.read(p.now, ar, IM0, 4096).unwrap();
+    let Some(Event::RecordDone { result: Ok(im0), .. }) = event(&mut p, SECOND) else {
+        panic!("{call:?}")
+    };
+    assert_eq!(
+        (im0.len(), &im0[..2], &im0[6..8]),
+        (60, &[0, 0x20][..], &[0x01, 0x05][..])
+    );
+    p.b.not_ready = 2;
+    let job =
+        p.a.parameter_job(p.now, ar, CHANNEL, &[1, 1, 1, 1, 0x10, 1, 3, 0xC4, 0, 0])
+            .unwrap();
+    let answer = event(&mut p, SECOND);
+    assert_eq!(
+        answer,
+        Some(Event::RecordDone {
+            call: job,
+            result: Ok(vec![1, 1, 1, 1, 0x10, 1, 3, 0xC4, 0, 0])
+        })
+    );
+    // a tool beside the controller, twice
+    let mut here = target();
+    here.ip = ip(50);
+    for _ in 0..2 {
+        let tool =
+            p.a.connect_device_access(p.now, here.clone(), Resolve::Trust)
+                .unwrap();
+        assert_eq!(
+            event(&mut p, SECOND),
+            Some(Event::Connected { ar: tool, diff: None })
+        );
+        let job = p.a.parameter_job(p.now, tool, CHANNEL, b"tool").unwrap();
+        assert_eq!(
+            event(&mut p, SECOND),
+            Some(Event::RecordDone {
+                call: job,
+                result: Ok(b"tool".to_vec())
+            })
+        );
+    }
+    let implicit = p.a.read_implicit(p.now, &here, IM0, 4096).unwrap();
+    assert_eq!(
+        event(&mut p, SECOND),
+        Some(Event::RecordDone {
+            call: implicit,
+            result: Ok(im0)
+        })
+    );
+    let none =
+        p.a.read(p.now, ar, RecordAddress { index: 0xAFFE, ..IM0 }, 60)
+            .unwrap();
+    let Some(Event::RecordDone {
+        call,
+        result: Err(error),
+    }) = event(&mut p, SECOND)
+    else {
+        panic!()
+    };
+    assert_eq!(
+        (call, error.to_string().as_str()),
+        (none, "record read: DE 80 B0 00: read refused, invalid index")
+    );
+    p.run(60 * SECOND);
+    assert_eq!(
+        p.a.poll_event(),
+        None,
+        "the tools' connections are kept alive, nothing is lost"
+    );
+    assert_eq!(p.a.statistics(ar).unwrap().missed, 0);
+    let (sent, skipped) = p.a.sent(ar).unwrap();
+    assert!(sent >= 60_000 && skipped == 0);
+}
+
+#[test]
+fn a_broken_link_ends_it_on_both_sides_and_both_recover() {
+    let mut p = pair();
+    connected(&mut p, config(16));
+    p.run(SECOND);
+    p.b.events.clear();
+    p.wire.cut = true;
+    let Some(Event::Lost { cause, .. }) = event(&mut p, SECOND) else {
+        panic!()
+    };
+    assert_eq!(
+        cause,
+        LostCause::Watchdog {
+            hold: Duration::from_millis(48)
+        }
+    );
+    p.run(SECOND);
+    let gone = p.b.events.iter().find_map(|e| match e {
+        device::Event::Disconnected { cause, .. } => Some(*cause),
+        _ => None,
+    });
+    assert_eq!(gone, Some(PnioStatus::aborted(5)));
+    p.wire.cut = false;
+    connected(&mut p, config(16));
+}
+
+#[test]
+fn a_controller_that_starts_anew_is_taken_at_once() {
+    let mut p = pair();
+    connected(&mut p, config(512));
+    // the program is killed and started again: nothing was released
+    p.a = Controller::new(ControllerConfig::new(PLC, ip(11), "plc", 8));
+    let start = p.now;
+    p.a.connect(p.now, target(), config(16)).unwrap();
+    let ready = p.until(SECOND, |p| {
+        matches!(p.a.poll_event()?, Event::Running { .. }).then_some(())
+    });
+    assert!(ready.is_some(), "{:?}", p.b.events);
+    assert!(p.now - start < SECOND);
+}
+
+#[test]
+fn a_wrong_module_is_reported_not_refused() {
+    let mut p = pair();
+    let mut wrong = config(16);
+    wrong.modules[1].ident = 0x99;
+    let ar = p.a.connect(p.now, target(), wrong).unwrap();
+    let Some(Event::Connected { diff: Some(diff), .. }) = event(&mut p, SECOND) else {
+        panic!()
+    };
+    assert_eq!((diff.modules[0].slot, diff.modules[0].ident), (1, 0x10));
+    let _ = p.until(SECOND, |p| {
+        matches!(p.a.poll_event()?, Event::Running { .. }).then_some(())
+    });
+    assert_eq!(p.a.input(ar, 1, 1).map(|i| i.1.is_good()), Some(false));
+    assert_eq!(p.a.input(ar, 0, 1).map(|i| i.1.is_good()), Some(true));
+}
+
+#[test]
+fn stop_and_abort() {
+    let mut p = pair();
+    let ar = connected(&mut p, config(16));
+    p.run(SECOND);
+    p.b.events.clear();
+    p.a.set_run(ar, false).unwrap();
+    p.run(SECOND);
+    p.a.set_run(ar, true).unwrap();
+    p.run(SECOND);
+    let runs: Vec<_> =
+        p.b.events
+            .iter()
+            .filter_map(|e| match e {
+                device::Event::ProviderState { run, .. } => Some(*run),
+                _ => None,
+            })
+            .collect();
+    assert_eq!(runs, [false, true]);
+    let key = p.b.device.controller().unwrap();
+    p.b.device.abort(p.now, key, 0xFF);
+    let Some(Event::Lost { cause, .. }) = event(&mut p, SECOND) else {
+        panic!()
+    };
+    assert_eq!(cause, LostCause::AbortedByPeer(PnioStatus::aborted(0xFF)));
+}
+
+#[test]
+fn alarms_and_diagnosis_reach_the_controller_and_are_acknowledged() {
+    let mut p = pair();
+    let ar = connected(&mut p, config(16));
+    p.run(SECOND);
+    p.b.events.clear();
+    p.wire.loss = 200;
+    for number in 0..20u8 {
+        p.b.device.raise_alarm(p.now, 1, 1, AlarmType::PROCESS, Some(7), &[number]).unwrap();
+        let Some(Event::Alarm { ar: of, alarm }) = event(&mut p, SECOND) else { panic!("{number}") };
+        assert_eq!((of, alarm.alarm_type, &alarm.data[..]), (ar, AlarmType::PROCESS, &[number][..]));
+        p.run(Duration::from_millis(500));
+    }
+    p.wire.loss = 0;
+    p.run(SECOND);
+    let acknowledged = |e: &&device::Event| matches!(e, device::Event::AlarmAcknowledged { .. });
+    assert_eq!(p.b.events.iter().filter(acknowledged).count(), 20);
+    let fault = ChannelDiagnosis {
+        channel: ChannelDiagnosis::WHOLE_SUBMODULE,
+        properties: 0,
+        error_type: 5,
+        extended: None,
+        qualifier: None,
+    };
+    p.b.device.set_diagnosis(p.now, 1, 1, fault, true);
+    let mut seen = vec![];
+    p.until(SECOND, |p| {
+        seen.extend(p.a.poll_event());
+        (seen.len() == 2).then_some(())
+    });
+    let problem = Event::ProviderState { ar, run: true, problem: true };
+    assert!(seen.contains(&problem), "{seen:?}");
+    let alarm = seen.iter().find_map(|e| match e {
+        Event::Alarm { alarm, .. } => Some(alarm),
+        _ => None,
+    });
+    let items: Vec<_> = alarm.unwrap().items().map(Result::unwrap).collect();
+    let expected = ChannelDiagnosis { properties: ChannelDiagnosis::APPEARS, ..fault };
+    assert_eq!(items, [DiagnosisItem::Channel(expected)]);
+}
+
+#[test]
+fn a_name_change_by_another_tool_ends_the_connection() {
+    let mut p = pair();
+    connected(&mut p, config(16));
+    p.run(5 * SECOND);
+    p.a.dcp_set_name(p.now, DRIVE, "other", true).unwrap();
+    let mut seen = vec![];
+    p.until(SECOND, |p| {
+        seen.extend(p.a.poll_event());
+        (seen.len() == 2).then_some(())
+    });
+    assert!(
+        seen.iter()
+            .any(|e| matches!(e, Event::DcpDone { result: Ok(_), .. })),
+        "{seen:?}"
+    );
+    let cause = LostCause::AbortedByPeer(PnioStatus::aborted(0x1F));
+    assert!(
+        seen.iter()
+            .any(|e| matches!(e, Event::Lost { cause: c, .. } if *c == cause)),
+        "{seen:?}"
+    );
+}
+
+#[test]
+fn ten_minutes_with_loss_duplication_and_reordering() {
+    for seed in [1, 2, 3] {
+        let mut p = pair();
+        p.wire = Pair::new(
+            Controller::new(ControllerConfig::new(PLC, ip(11), "plc", seed)),
+            Station::new("drive-1", ip(50)),
+            seed,
+        )
+        .wire;
+        p.wire.loss = 10;
+        p.wire.duplication = 10;
+        p.wire.reordering = 10;
+        // 1 % loss takes three frames in a row about once a million: seven intervals make it never
+        let patient = ConnectConfig {
+            data_hold_factor: 7,
+            watchdog_factor: 7,
+            ..config(16)
+        };
+        let ar = p.a.connect(p.now, target(), patient).unwrap();
+        let running = p.until(60 * SECOND, |p| {
+            matches!(p.a.poll_event()?, Event::Running { .. }).then_some(())
+        });
+        assert!(running.is_some(), "seed {seed}");
+        let end = p.now + 600 * SECOND;
+        let (mut jobs, mut late) = (0, 0);
+        while p.now < end {
+            p.b.not_ready = jobs % 4;
+            let job =
+                p.a.parameter_job(p.now, ar, CHANNEL, &jobs.to_be_bytes())
+                    .unwrap();
+            let result = p.until(30 * SECOND, |p| match p.a.poll_event()? {
+                Event::RecordDone { call, result } if call == job => Some(result),
+                other => panic!("seed {seed}: {other:?}"),
+            });
+            match result.expect("a job ends") {
+                Ok(answer) => assert_eq!(answer, jobs.to_be_bytes(), "seed {seed}"),
+                Err(ServiceError::Timeout { .. } | ServiceError::NotReady { .. }) => late += 1,
+                Err(other) => panic!("seed {seed}: {other}"),
+            }
+            jobs += 1;
+            p.run(Duration::from_millis(200));
+        }
+        assert!(
+            jobs > 1000 && late * 1000 < jobs,
+            "seed {seed}: {jobs} jobs, {late} in vain"
+        );
+        let statistics = p.a.statistics(ar).unwrap();
+        assert!(
+            statistics.missed > 100 && statistics.received > 36_000,
+            "{statistics:?}"
+        );
+    }
+}
