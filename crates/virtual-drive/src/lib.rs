@@ -6,4 +6,5 @@
 pub mod axis;
 pub mod drive;
 pub mod model;
+pub mod station;
 pub mod store;

@@ -187,6 +187,16 @@ impl Drive {
         Ok(left_out)
     }
 
+    /// Puts everything that can be saved back to the values as delivered and saves it; stops the axis first.
+    pub fn reset_to_delivery(&mut self) {
+        self.disable_requested = self.is_enabled();
+        self.values.reset();
+        self.apply();
+        let text = self.values.image().encode();
+        self.saved = Some(text.clone());
+        self.emit(Event::Save { text });
+    }
+
     /// The model of the drive.
     #[must_use]
     pub const fn model(&self) -> &'static Model {

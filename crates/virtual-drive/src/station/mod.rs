@@ -1,0 +1,359 @@
+//! A drive on its PROFINET device: the one thing a network carrier runs.
+
+mod channel;
+mod describe;
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+use std::net::SocketAddrV4;
+
+use profidrive::state::State;
+use profinet::device::{ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, ResetMode, Stored};
+use profinet::wire::PnioStatus;
+use profinet::wire::rt::Iops;
+use profinet::wire::status::{abort, record as code1};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+
+use crate::drive::{Disconnect, Drive, Event as DriveEvent};
+use crate::model::Model;
+use crate::store::ImageError;
+use channel::{Channels, INDICES};
+
+/// Slot and subslot of the telegram and of the parameter access point.
+const SLOT: u16 = 1;
+const SUBSLOT: u16 = 1;
+
+/// Longest telegram of any model, in octets.
+const LONGEST_TELEGRAM: usize = 64;
+
+/// Most events that wait; older ones are dropped.
+const MOST_EVENTS: usize = 256;
+
+/// How a station is made.
+#[derive(Debug, Clone)]
+pub struct StationConfig {
+    /// The drive model.
+    pub model: &'static Model,
+    /// Own Ethernet address.
+    pub mac: MacAddress,
+    /// Shortest update time in steps of 31.25 us; `None` for that of the model.
+    pub min_device_interval: Option<u16>,
+    /// Name, address and I&M data from the last run, or given by the user.
+    pub network: Stored,
+    /// Text of the saved parameters from the last run.
+    pub parameters: Option<Vec<u8>>,
+}
+
+impl StationConfig {
+    /// A new station without name and address.
+    #[must_use]
+    pub fn new(model: &'static Model, mac: MacAddress) -> Self {
+        Self {
+            model,
+            mac,
+            min_device_interval: None,
+            network: Stored::default(),
+            parameters: None,
+        }
+    }
+}
+
+/// Something its owner should do or may want to know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StationEvent {
+    /// Keep this over a restart: name, address and I&M data that were set permanently.
+    PersistNetwork(Stored),
+    /// Keep this text over a restart.
+    PersistParameters {
+        /// Image of the saved parameters.
+        text: String,
+    },
+    /// The saved parameters could not be used; the drive has the values as delivered.
+    ParametersIgnored(ImageError),
+    /// Show which drive this is.
+    Blink,
+    /// A relation was opened.
+    Connected {
+        /// A controller, else a tool that reads and writes parameters.
+        controller: bool,
+        /// Name of the other station.
+        station: String,
+    },
+    /// The controller and the drive exchange data.
+    Exchanging {
+        /// Telegram in use.
+        telegram: u16,
+    },
+    /// The connection of the controller ended.
+    Disconnected {
+        /// Why.
+        cause: PnioStatus,
+    },
+    /// The profile state changed.
+    State {
+        /// Before.
+        from: State,
+        /// Now.
+        to: State,
+    },
+    /// A fault came.
+    Fault {
+        /// Its number.
+        number: u16,
+    },
+    /// The faults were acknowledged.
+    Acknowledged,
+}
+
+/// A virtual drive with its field bus.
+///
+/// ```
+/// use profinet::{Endpoint, MacAddress};
+/// use virtual_drive::{model, station::{Station, StationConfig}};
+/// let station = Station::new(StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1])));
+/// assert_eq!(station.poll_timeout(), None); // nothing to do until somebody speaks
+/// ```
+#[derive(Debug)]
+pub struct Station {
+    device: Device,
+    drive: Drive,
+    network: Stored,
+    channels: Channels<ArKey>,
+    controller: Option<ArKey>,
+    inputs: [u8; LONGEST_TELEGRAM],
+    input_length: usize,
+    events: VecDeque<StationEvent>,
+}
+
+impl Station {
+    /// A station as it starts.
+    #[must_use]
+    pub fn new(config: StationConfig) -> Self {
+        let device = Device::new(describe::device_config(&config), config.network.clone());
+        let mut station = Self {
+            device,
+            drive: Drive::new(config.model),
+            network: config.network,
+            channels: Channels::default(),
+            controller: None,
+            inputs: [0; LONGEST_TELEGRAM],
+            input_length: 0,
+            events: VecDeque::new(),
+        };
+        if let Some(Err(error)) = config.parameters.map(|text| station.drive.start_with(&text)) {
+            station.emit(StationEvent::ParametersIgnored(error));
+        }
+        station
+    }
+
+    /// Takes one event.
+    pub fn poll_event(&mut self) -> Option<StationEvent> {
+        self.events.pop_front()
+    }
+
+    /// The drive behind the field bus.
+    #[must_use]
+    pub const fn drive(&self) -> &Drive {
+        &self.drive
+    }
+
+    /// The drive, to put a load on it or to make it fail.
+    pub const fn drive_mut(&mut self) -> &mut Drive {
+        &mut self.drive
+    }
+
+    /// The PROFINET device.
+    #[must_use]
+    pub const fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Name of station, empty while none is set.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        self.device.name()
+    }
+
+    fn emit(&mut self, event: StationEvent) {
+        if self.events.len() >= MOST_EVENTS {
+            self.events.pop_front();
+        }
+        self.events.push_back(event);
+    }
+
+    /// Steps the drive with the present outputs and sets its inputs. Allocates nothing.
+    fn tick(&mut self, now: Instant) {
+        let usable = self.device.is_exchanging() && self.device.provider_running();
+        let outputs = self
+            .device
+            .output(SLOT, SUBSLOT)
+            .filter(|(_, iops)| usable && iops.is_good());
+        let inputs = self.inputs.get_mut(..self.input_length).unwrap_or_default();
+        self.drive.tick(now, outputs.map(|(data, _)| data), inputs);
+        if self.controller.is_some() {
+            self.device.set_input(SLOT, SUBSLOT, inputs, Iops::GOOD);
+        }
+    }
+
+    /// Does what the device and the drive have to tell.
+    fn settle(&mut self, now: Instant) {
+        while let Some(event) = self.device.poll_event() {
+            self.device_event(now, event);
+        }
+        while let Some(event) = self.drive.poll_event() {
+            self.emit(match event {
+                DriveEvent::State { from, to } => StationEvent::State { from, to },
+                DriveEvent::Fault { number } => StationEvent::Fault { number },
+                DriveEvent::Acknowledged => StationEvent::Acknowledged,
+                DriveEvent::Save { text } => StationEvent::PersistParameters { text },
+                DriveEvent::Blink => StationEvent::Blink,
+            });
+        }
+    }
+
+    fn device_event(&mut self, now: Instant, event: DeviceEvent) {
+        match event {
+            DeviceEvent::NameChanged { name, permanent } => {
+                self.network.name = if permanent { name } else { String::new() };
+                self.emit(StationEvent::PersistNetwork(self.network.clone()));
+            }
+            DeviceEvent::IpChanged { suite, permanent } => {
+                self.network.ip = if permanent { suite } else { IpSuite::NONE };
+                self.emit(StationEvent::PersistNetwork(self.network.clone()));
+            }
+            DeviceEvent::ImChanged(im) => {
+                self.network.im = im;
+                self.emit(StationEvent::PersistNetwork(self.network.clone()));
+            }
+            DeviceEvent::Signal => self.emit(StationEvent::Blink),
+            DeviceEvent::FactoryReset { mode } => self.reset(mode),
+            DeviceEvent::Connected { ar, kind, station } => {
+                let controller = kind == ArKind::IoController;
+                if controller {
+                    self.controller = Some(ar);
+                }
+                self.emit(StationEvent::Connected { controller, station });
+            }
+            DeviceEvent::ParameterEnd { ar } => self.parameter_end(now, ar),
+            DeviceEvent::DataExchange { .. } => {
+                let telegram = self.telegram().map_or(0, |module| module.telegram);
+                self.emit(StationEvent::Exchanging { telegram });
+            }
+            DeviceEvent::Disconnected { ar, cause } => {
+                self.channels.forget(ar);
+                if self.controller == Some(ar) {
+                    self.controller = None;
+                    let released = cause == PnioStatus::aborted(abort::RELEASED);
+                    self.drive.disconnect(if released {
+                        Disconnect::Released
+                    } else {
+                        Disconnect::Lost
+                    });
+                    self.tick(now);
+                    self.emit(StationEvent::Disconnected { cause });
+                }
+            }
+            DeviceEvent::RecordRead {
+                token,
+                ar,
+                address,
+                length,
+            } => {
+                let answer = check(address, PnioStatus::read).and_then(|()| self.channels.read(ar, length));
+                let answer = answer.as_deref().map_err(|status| *status);
+                self.device.answer_read(now, token, answer);
+            }
+            DeviceEvent::RecordWrite {
+                token,
+                ar,
+                address,
+                data,
+            } => {
+                let written = check(address, PnioStatus::write)
+                    .and_then(|()| self.channels.write(ar, &data, &mut self.drive));
+                self.device.answer_write(now, token, written);
+            }
+            DeviceEvent::ProviderState { .. } | DeviceEvent::AlarmAcknowledged { .. } => {}
+        }
+    }
+
+    fn telegram(&self) -> Option<&'static profidrive::catalogue::TelegramModule> {
+        let device = &self.drive.model().catalogue.device;
+        device.telegram_of_module(self.device.plugged(SLOT)?)
+    }
+
+    /// The controller has said what it wants: put the first inputs in and report ready.
+    fn parameter_end(&mut self, now: Instant, ar: ArKey) {
+        if let Some(module) = self.telegram() {
+            self.input_length = usize::from(module.inputs).min(LONGEST_TELEGRAM);
+            self.inputs = [0; LONGEST_TELEGRAM];
+            let watchdog = self.device.watchdog().unwrap_or_default();
+            // Every telegram module of the model carries a telegram of the model.
+            let _ = self.drive.connect(module.telegram, watchdog);
+        }
+        self.tick(now);
+        self.device.application_ready(now, ar);
+    }
+
+    /// Name, address and I&M data are reset by the device already.
+    fn reset(&mut self, mode: ResetMode) {
+        if mode.clears_address() {
+            self.network.name.clear();
+            self.network.ip = IpSuite::NONE;
+        }
+        if mode.clears_im() {
+            self.network.im = profinet::device::ImRecords::default();
+            self.drive.reset_to_delivery();
+        }
+        self.emit(StationEvent::PersistNetwork(self.network.clone()));
+    }
+}
+
+/// Refuses records that are not the parameter channel.
+fn check(address: RecordAddress, refuse: fn(u8) -> PnioStatus) -> Result<(), PnioStatus> {
+    if (address.slot, address.subslot) != (SLOT, SUBSLOT) || !INDICES.contains(&address.index) {
+        return Err(refuse(code1::INVALID_INDEX));
+    }
+    Ok(())
+}
+
+impl Endpoint for Station {
+    fn mac(&self) -> MacAddress {
+        self.device.mac()
+    }
+
+    fn ip(&self) -> IpSuite {
+        self.device.ip()
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.device.handle_frame(now, frame);
+        self.settle(now);
+    }
+
+    fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        self.device.handle_datagram(now, source, local_port, payload);
+        self.settle(now);
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        let cycle = self.device.next_cycle().is_some_and(|due| due <= now);
+        if cycle || self.drive.next_tick().is_some_and(|due| due <= now) {
+            self.tick(now);
+        }
+        self.device.handle_timeout(now);
+        self.settle(now);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        self.device.poll_transmit(now, buffer)
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        [self.device.poll_timeout(), self.drive.next_tick()]
+            .into_iter()
+            .flatten()
+            .min()
+    }
+}

@@ -1,0 +1,349 @@
+//! The station against our own controller, frames handed over in virtual time without a network.
+
+use std::net::SocketAddrV4;
+use std::time::Duration;
+
+use profidrive::state::State;
+use profinet::controller::{
+    ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve,
+    SubmoduleConfig, Target,
+};
+use profinet::cyclic::Timing;
+use profinet::{Endpoint, IpSuite, MAX_FRAME, MacAddress, Transmit};
+
+use super::*;
+use crate::model::AKD;
+
+const DRIVE: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
+const PLC: MacAddress = MacAddress([2, 0, 0, 0, 0, 2]);
+
+fn suite(last: u8) -> IpSuite {
+    IpSuite {
+        address: [192, 168, 0, last].into(),
+        mask: [255, 255, 255, 0].into(),
+        gateway: [0, 0, 0, 0].into(),
+    }
+}
+
+struct Plant {
+    now: Instant,
+    station: Station,
+    controller: Controller,
+    events: Vec<Event>,
+    happenings: Vec<StationEvent>,
+    /// The cable is plugged.
+    cable: bool,
+}
+
+impl Plant {
+    fn new() -> Self {
+        let mut config = StationConfig::new(&AKD, DRIVE);
+        config.network = Stored {
+            name: "akd-1".into(),
+            ip: suite(1),
+            ..Stored::default()
+        };
+        Self::with(config)
+    }
+
+    fn with(config: StationConfig) -> Self {
+        Self {
+            now: Instant::from_millis(1000),
+            station: Station::new(config),
+            controller: Controller::new(ControllerConfig::new(PLC, suite(2), "plc", 7)),
+            events: Vec::new(),
+            happenings: Vec::new(),
+            cable: true,
+        }
+    }
+
+    fn carry(&mut self) {
+        let mut buffer = [0; MAX_FRAME];
+        loop {
+            let mut quiet = true;
+            while let Some(sent) = self.controller.poll_transmit(self.now, &mut buffer) {
+                quiet = false;
+                let source = self.controller.ip();
+                if self.cable {
+                    hand_over(self.now, sent, &buffer, source, &mut self.station);
+                }
+            }
+            while let Some(sent) = self.station.poll_transmit(self.now, &mut buffer) {
+                quiet = false;
+                let source = self.station.ip();
+                if self.cable {
+                    hand_over(self.now, sent, &buffer, source, &mut self.controller);
+                }
+            }
+            if quiet {
+                break;
+            }
+        }
+        self.events
+            .extend(core::iter::from_fn(|| self.controller.poll_event()));
+        self.happenings
+            .extend(core::iter::from_fn(|| self.station.poll_event()));
+    }
+
+    /// Lets time pass.
+    fn run(&mut self, time: Duration) {
+        let end = self.now + time;
+        self.carry();
+        loop {
+            let next = [self.controller.poll_timeout(), self.station.poll_timeout()]
+                .into_iter()
+                .flatten()
+                .min();
+            match next.filter(|next| *next <= end) {
+                Some(next) => self.now = next.max(self.now),
+                None => break,
+            }
+            self.controller.handle_timeout(self.now);
+            self.station.handle_timeout(self.now);
+            self.carry();
+        }
+        self.now = end;
+    }
+
+    fn seconds(&mut self, seconds: f64) {
+        self.run(Duration::from_secs_f64(seconds));
+    }
+
+    fn connect(&mut self, telegram: u16) -> profinet::controller::ArId {
+        let device = &AKD.catalogue.device;
+        let module = device.telegram(telegram).unwrap();
+        let sub = |subslot, ident| SubmoduleConfig {
+            subslot,
+            ident,
+            input_length: 0,
+            output_length: 0,
+        };
+        let modules = vec![
+            ModuleConfig {
+                api: 0,
+                slot: 0,
+                ident: device.access_point_module,
+                submodules: vec![
+                    sub(1, device.access_point_submodule),
+                    sub(0x8000, device.interface_submodule),
+                    sub(0x8001, device.port_submodule),
+                ],
+            },
+            ModuleConfig {
+                api: u32::from(device.api),
+                slot: 1,
+                ident: module.module,
+                submodules: vec![SubmoduleConfig {
+                    subslot: 1,
+                    ident: module.submodule,
+                    input_length: module.inputs,
+                    output_length: module.outputs,
+                }],
+            },
+        ];
+        let target = Target {
+            name: "akd-1".into(),
+            mac: Some(DRIVE),
+            ip: suite(1),
+            vendor_id: device.vendor_id,
+            device_id: device.device_id,
+            instance: 1,
+        };
+        let timing = Timing::for_interval(Duration::from_millis(16)).unwrap();
+        let mut config = ConnectConfig::new(modules, timing);
+        config.resolve = Resolve::Trust;
+        let ar = self.controller.connect(self.now, target, config).unwrap();
+        self.seconds(0.5);
+        assert!(self.events.contains(&Event::Running { ar }), "{:?}", self.events);
+        ar
+    }
+
+    fn send(&mut self, ar: profinet::controller::ArId, control: u16, speed: i16, seconds: f64) -> (u16, i16) {
+        let [a, b] = control.to_be_bytes();
+        let [c, d] = speed.to_be_bytes();
+        self.controller.set_output(ar, 1, 1, &[a, b, c, d]).unwrap();
+        self.seconds(seconds);
+        match self.controller.input(ar, 1, 1) {
+            Some((&[a, b, c, d, ..], _)) => (u16::from_be_bytes([a, b]), i16::from_be_bytes([c, d])),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn job(&mut self, ar: profinet::controller::ArId, index: u16, request: &[u8]) -> Vec<u8> {
+        let at = RecordAddress {
+            api: 0x3A00,
+            slot: 1,
+            subslot: 1,
+            index,
+        };
+        self.events.clear();
+        self.controller.parameter_job(self.now, ar, at, request).unwrap();
+        self.seconds(0.3);
+        let done = self.events.iter().find_map(|event| match event {
+            Event::RecordDone { result, .. } => Some(result.clone()),
+            _ => None,
+        });
+        done.expect("answered").expect("positive")
+    }
+}
+
+fn hand_over(now: Instant, sent: Transmit, buffer: &[u8], source: IpSuite, to: &mut dyn Endpoint) {
+    match sent {
+        Transmit::Frame { length } => to.handle_frame(now, &buffer[..length]),
+        Transmit::Datagram {
+            destination,
+            source_port,
+            length,
+        } => {
+            let source = SocketAddrV4::new(source.address, source_port);
+            to.handle_datagram(now, source, destination.port(), &buffer[..length]);
+        }
+    }
+}
+
+#[test]
+fn sixty_rpm_over_profinet() {
+    let mut plant = Plant::new();
+    let ar = plant.connect(1);
+    assert!(
+        plant
+            .happenings
+            .contains(&StationEvent::Exchanging { telegram: 1 })
+    );
+    assert_eq!(plant.send(ar, 0x047E, 0, 0.2).0 & 0x0077, 0x0031);
+    let (status, speed) = plant.send(ar, 0x047F, 164, 2.0);
+    assert_eq!(status & 0x077F, 0x0737, "{status:#06x}");
+    assert!((160..=168).contains(&speed), "{speed}");
+    assert_eq!(plant.send(ar, 0x047E, 0, 1.0).0 & 0x0077, 0x0031);
+    plant.controller.release(plant.now, ar).unwrap();
+    plant.seconds(0.5);
+    assert!(
+        plant.events.contains(&Event::Released { ar }),
+        "{:?}",
+        plant.events
+    );
+    assert!(!plant.station.drive().has_fault());
+    plant.seconds(120.0); // answers are kept a while for repeated requests
+    assert_eq!(plant.station.poll_timeout(), None, "idle again");
+}
+
+#[test]
+fn parameters_by_all_three_records() {
+    let mut plant = Plant::new();
+    let ar = plant.connect(1);
+    for index in INDICES {
+        let answer = plant.job(ar, index, &[1, 1, 0, 1, 0x10, 1, 0x03, 0x9A, 0, 0]);
+        assert_eq!(answer, [1, 1, 0, 1, 0x42, 1, 0, 1]);
+    }
+    let answer = plant.job(ar, 0xB02F, &[2, 1, 0, 1, 0x10, 1, 0x0B, 0xCE, 0, 0]); // PN.TIMEOUTFTHRESH
+    assert_eq!(answer, [2, 1, 0, 1, 0x43, 1, 0, 0, 0, 48]);
+    plant.job(
+        ar,
+        0xB02E,
+        &[3, 2, 0, 1, 0x10, 1, 0x09, 0xA5, 0, 0, 0x42, 1, 0, 1],
+    ); // DRV.NVSAVE
+    assert!(
+        plant
+            .happenings
+            .iter()
+            .any(|event| matches!(event, StationEvent::PersistParameters { .. }))
+    );
+}
+
+#[test]
+fn a_pulled_cable_ends_in_fault_702_and_both_recover() {
+    let mut plant = Plant::new();
+    let ar = plant.connect(1);
+    plant.send(ar, 0x047E, 0, 0.2);
+    plant.send(ar, 0x047F, 1638, 1.0);
+    plant.cable = false;
+    plant.seconds(1.0);
+    assert!(
+        plant
+            .events
+            .iter()
+            .any(|event| matches!(event, Event::Lost { .. }))
+    );
+    assert!(plant.happenings.contains(&StationEvent::Fault { number: 702 }));
+    assert_eq!(plant.station.drive().state(), State::S1);
+    assert!(plant.station.drive().axis().is_at_rest());
+    let next = plant.station.poll_timeout();
+    assert!(
+        next.is_none_or(|next| next > plant.now + Duration::from_secs(1)),
+        "idle"
+    );
+    plant.cable = true;
+    plant.seconds(1.0);
+    plant.events.clear();
+    let ar = plant.connect(1);
+    assert_eq!(plant.send(ar, 0x047E, 0, 0.2).0 & 0x0008, 0x0008);
+    assert_eq!(plant.send(ar, 0x04FE, 0, 0.2).0 & 0x0008, 0);
+    plant.send(ar, 0x047E, 0, 0.2);
+    assert_eq!(plant.send(ar, 0x047F, 164, 1.0).0 & 0x0077, 0x0037);
+}
+
+#[test]
+fn a_controller_in_stop_ramps_the_axis_down() {
+    let mut plant = Plant::new();
+    let ar = plant.connect(1);
+    plant.send(ar, 0x047E, 0, 0.2);
+    plant.send(ar, 0x047F, 1638, 1.0);
+    plant.controller.set_run(ar, false).unwrap();
+    plant.seconds(0.6);
+    assert!(!plant.station.drive().is_enabled() && !plant.station.drive().has_fault());
+    plant.controller.set_run(ar, true).unwrap();
+    assert_eq!(plant.send(ar, 0x047F, 1638, 0.5).0 & 0x0077, 0x0070);
+}
+
+#[test]
+fn another_telegram_is_plugged_by_the_controller() {
+    let mut plant = Plant::new();
+    plant.connect(350);
+    assert!(
+        plant
+            .happenings
+            .contains(&StationEvent::Exchanging { telegram: 350 })
+    );
+}
+
+#[test]
+fn named_and_addressed_and_both_are_kept() {
+    let mut plant = Plant::with(StationConfig::new(&AKD, DRIVE));
+    plant
+        .controller
+        .dcp_set_name(plant.now, DRIVE, "akd-7", true)
+        .unwrap();
+    plant.seconds(2.0);
+    plant
+        .controller
+        .dcp_set_ip(plant.now, DRIVE, suite(9), true)
+        .unwrap();
+    plant.seconds(2.0);
+    let kept = plant.happenings.iter().rev().find_map(|event| match event {
+        StationEvent::PersistNetwork(stored) => Some(stored.clone()),
+        _ => None,
+    });
+    let kept = kept.expect("told to keep it");
+    assert_eq!((kept.name.as_str(), kept.ip.address), ("akd-7", suite(9).address));
+    assert_eq!(plant.station.name(), "akd-7");
+    plant.controller.dcp_signal(plant.now, DRIVE).unwrap();
+    plant.seconds(2.0);
+    assert!(plant.happenings.contains(&StationEvent::Blink));
+}
+
+#[test]
+fn saved_parameters_come_back_and_damaged_ones_are_told() {
+    let mut drive = Drive::new(&AKD);
+    drive.reset_to_delivery();
+    let Some(DriveEvent::Save { text }) = drive.poll_event() else {
+        panic!("saves")
+    };
+    let mut config = StationConfig::new(&AKD, DRIVE);
+    config.parameters = Some(text.clone().into_bytes());
+    assert_eq!(Station::new(config.clone()).poll_event(), None);
+    config.parameters = Some(text.replace("3000.000", "9000.000").into_bytes());
+    assert!(matches!(
+        Station::new(config).poll_event(),
+        Some(StationEvent::ParametersIgnored(_))
+    ));
+}
