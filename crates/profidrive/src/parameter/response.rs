@@ -192,6 +192,12 @@ impl<'a> Response<'a> {
         self.bytes.get(1).is_some_and(|id| id & 0x80 != 0)
     }
 
+    fn is_change(&self) -> bool {
+        self.bytes
+            .get(1)
+            .is_some_and(|id| id & 0x7F == RequestId::Change.octet())
+    }
+
     /// The answers in the order of the request.
     #[must_use]
     pub fn answers(&self) -> Answers<'a> {
@@ -231,7 +237,9 @@ impl<'a> Iterator for Answers<'a> {
         self.offset += used;
         Some(match block.format {
             Format::ERROR => Answer::Error(error_of(&block)),
-            Format::ZERO => Answer::Written,
+            Format::ZERO | Format::RESERVED if self.response.is_change() && block.count == 0 => {
+                Answer::Written
+            }
             _ => Answer::Values(block),
         })
     }

@@ -231,6 +231,25 @@ fn worked_responses() {
         Dialect::AKD,
     );
     assert_eq!(repeated, [Ok(vec![2])]);
+    // the note prints the same columns for a change; zeros may come once for all, once each, or as format 0x40
+    let addressed = parse(
+        "09 02 00 01 10 01 03 A2 00 00 00 00",
+        change,
+        9,
+        &one,
+        Dialect::AKD,
+    );
+    assert_eq!(addressed, [Ok(vec![])]);
+    for blocks in ["", "00 00", "00 00 00 00", "40 00 40 00"] {
+        let bytes = hex(&alloc::format!("08 02 00 02 {blocks}"));
+        let response = Response::parse(&bytes, change, 8, &two, &Dialect::AKD).unwrap();
+        let answers: Vec<_> = response.answers().collect();
+        assert_eq!(answers, [Answer::Written, Answer::Written], "{blocks}");
+    }
+    // "written" is no answer to a read
+    let bytes = hex("07 01 00 01 40 00");
+    let response = Response::parse(&bytes, read, 7, &one, &Dialect::AKD).unwrap();
+    assert!(matches!(response.answers().next(), Some(Answer::Values(block)) if block.raw(0).is_none()));
     // no pad octet at the end
     assert_eq!(
         parse("09 01 00 01 41 01 07", read, 9, &one, Dialect::AKD),
