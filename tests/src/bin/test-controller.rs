@@ -1,0 +1,448 @@
+//! Our controller as a program, for the tests: connects to one or many devices, exchanges data, reads records, and says
+//! what happened in one JSON object a line.
+//!
+//! `test-controller INTERFACE pnio|akd NAME[,NAME...] [key=value ...]` with `cycle_us`, `seconds`, `hold` (intervals),
+//! `records` (reads of I&M0 for each device), `reconnect` (1: after a loss wait for the device and connect again, once),
+//! `hammer` (1: look for the device every 2 ms instead of once), `speed` (akd: runs at this NSOLL).
+#![forbid(unsafe_code)]
+
+use std::collections::HashMap;
+use std::process::ExitCode;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use network::linux::{InterfaceInfo, PacketMedium, ServerPort};
+use profidrive::catalogue::AKD;
+use profinet::controller::{
+    ArId, ConnectConfig, Controller, ControllerConfig, Event, Filter, IdentifyOptions, ModuleConfig,
+    RecordAddress, Resolve, SubmoduleConfig, Target,
+};
+use profinet::cyclic::{CyclicStatistics, Timing};
+use profinet::{Instant, IpSuite, Medium};
+use serde_json::json;
+
+/// What is at the other end.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Pnio,
+    Akd,
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [interface, kind, names, options @ ..] = arguments.as_slice() else {
+        eprintln!("usage: test-controller INTERFACE pnio|akd NAME[,NAME...] [key=value ...]");
+        return ExitCode::from(2);
+    };
+    let options: HashMap<&str, u64> = options
+        .iter()
+        .filter_map(|o| o.split_once('='))
+        .map(|(k, v)| (k, v.parse().unwrap()))
+        .collect();
+    let kind = if kind == "pnio" { Kind::Pnio } else { Kind::Akd };
+    let names: Vec<&str> = names.split(',').collect();
+    match App::open(interface, kind, options).and_then(|mut app| app.run(&names)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("test-controller: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+
+struct App<'a> {
+    medium: PacketMedium,
+    controller: Controller,
+    kind: Kind,
+    options: HashMap<&'a str, u64>,
+    names: HashMap<ArId, String>,
+    running: Vec<ArId>,
+    ready: Vec<ArId>,
+    lost: Vec<(ArId, String)>,
+    released: usize,
+    records: Vec<(usize, Result<Vec<u8>, String>)>,
+    calls: Vec<profinet::controller::CallId>,
+    heard: Vec<profinet::controller::Station>,
+    identify_done: bool,
+}
+
+impl<'a> App<'a> {
+    fn open(interface: &str, kind: Kind, options: HashMap<&'a str, u64>) -> Outcome<Self> {
+        let info = InterfaceInfo::find(interface)?;
+        let medium = PacketMedium::open(interface, ServerPort::Required)?;
+        let seed = SystemTime::now().duration_since(UNIX_EPOCH)?.as_nanos() as u64;
+        let config = ControllerConfig::new(info.usable()?, info.ip(), "test-controller", seed);
+        Ok(Self {
+            medium,
+            controller: Controller::new(config),
+            kind,
+            options,
+            names: HashMap::new(),
+            running: Vec::new(),
+            ready: Vec::new(),
+            lost: Vec::new(),
+            released: 0,
+            records: Vec::new(),
+            calls: Vec::new(),
+            heard: Vec::new(),
+            identify_done: false,
+        })
+    }
+
+    fn option(&self, name: &str, default: u64) -> u64 {
+        self.options.get(name).copied().unwrap_or(default)
+    }
+
+    fn run(&mut self, names: &[&str]) -> Outcome<()> {
+        let reconnect = self.option("reconnect", 0) == 1;
+        let ars = self.connect_all(names)?;
+        let complete = self.exchange(&ars, reconnect)?;
+        if !complete {
+            // the device was lost: wait until it is back, then everything again
+            let again = self.connect_again(names)?;
+            if !self.exchange(&again, false)? {
+                return Err(format!("lost again: {:?}", self.lost).into());
+            }
+            self.release_all(&again)?;
+        } else {
+            self.release_all(&ars)?;
+        }
+        say(json!({"step": "done"}));
+        Ok(())
+    }
+
+    fn connect_all(&mut self, names: &[&str]) -> Outcome<Vec<ArId>> {
+        let mut ars = Vec::new();
+        for name in names {
+            let target = if self.option("hammer", 0) == 1 {
+                Target::of(&self.hammer(name)?)
+            } else {
+                let (vendor_id, device_id) = match self.kind {
+                    Kind::Pnio => (0xFFFF, 0x0001),
+                    Kind::Akd => (AKD.device.vendor_id, AKD.device.device_id),
+                };
+                Target {
+                    name: (*name).into(),
+                    mac: None,
+                    ip: IpSuite::NONE,
+                    vendor_id,
+                    device_id,
+                    instance: 1,
+                }
+            };
+            let mut config = self.connect_config()?;
+            if self.option("hammer", 0) == 1 {
+                config.resolve = Resolve::Trust;
+            }
+            let now = self.medium.now();
+            let ar = self.controller.connect(now, target, config)?;
+            self.names.insert(ar, (*name).into());
+            ars.push(ar);
+        }
+        let limit = Duration::from_secs(20);
+        let all = ars.clone();
+        self.until("all devices running", limit, |app| {
+            all.iter()
+                .all(|ar| app.running.contains(ar) && app.ready.contains(ar))
+                || !app.lost.is_empty()
+        })?;
+        if !self.lost.is_empty() {
+            return Err(format!("not connected: {:?}", self.lost).into());
+        }
+        let at = SystemTime::now().duration_since(UNIX_EPOCH)?.as_micros() as u64;
+        say(json!({"step": "running", "devices": ars.len(), "at_us": at}));
+        Ok(ars)
+    }
+
+    /// After a loss: the device comes back some time.
+    fn connect_again(&mut self, names: &[&str]) -> Outcome<Vec<ArId>> {
+        let until = self.medium.now() + Duration::from_secs(20);
+        loop {
+            self.lost.clear();
+            self.running.clear();
+            self.ready.clear();
+            match self.connect_all(names) {
+                Ok(ars) => return Ok(ars),
+                Err(error) if self.medium.now() > until => return Err(error),
+                Err(_) => {}
+            }
+        }
+    }
+
+    /// Looks for a device again and again, as soon as it answers it is known.
+    fn hammer(&mut self, name: &str) -> Outcome<profinet::controller::Station> {
+        let until = self.medium.now() + Duration::from_secs(20);
+        while self.medium.now() < until {
+            self.identify_done = false;
+            let options = IdentifyOptions {
+                delay_factor: 1,
+                margin: Duration::ZERO,
+                sends: 1,
+            };
+            let now = self.medium.now();
+            let id = self.controller.identify_with(now, Filter::name(name), options)?;
+            let short = now + Duration::from_millis(2);
+            while self.medium.now() < short && self.heard.is_empty() {
+                self.medium.step(&mut self.controller, short)?;
+                self.drain();
+            }
+            self.controller.cancel_dcp(id);
+            if let Some(station) = self.heard.pop() {
+                return Ok(station);
+            }
+        }
+        Err(format!("{name} did not answer").into())
+    }
+
+    fn connect_config(&self) -> Outcome<ConnectConfig> {
+        let timing = Timing::for_interval(Duration::from_micros(self.option("cycle_us", 16_000)))
+            .ok_or("no such cycle time")?;
+        let mut config = ConnectConfig::new(modules(self.kind), timing);
+        config.watchdog_factor = self.option("hold", 3) as u16;
+        config.data_hold_factor = config.watchdog_factor;
+        Ok(config)
+    }
+
+    fn outputs(&mut self, ar: ArId) {
+        let done = match self.kind {
+            Kind::Pnio => self
+                .controller
+                .set_output(ar, 3, 1, &PATTERN)
+                .and(self.controller.set_output(ar, 4, 1, &[0; 4])),
+            Kind::Akd => self.controller.set_output(ar, 1, 1, &[0x04, 0x7E, 0, 0]),
+        };
+        done.unwrap();
+    }
+
+    /// Exchanges data for the time asked for. False when a connection was lost and that is allowed.
+    fn exchange(&mut self, ars: &[ArId], may_lose: bool) -> Outcome<bool> {
+        // the frames of the start-up do not count
+        let start = self.medium.now() + Duration::from_millis(500);
+        self.pass(start)?;
+        let before: Vec<CyclicStatistics> = ars
+            .iter()
+            .map(|ar| self.controller.statistics(*ar))
+            .map(Option::unwrap_or_default)
+            .collect();
+        let sent: Vec<(u64, u64)> = ars
+            .iter()
+            .map(|ar| self.controller.sent(*ar).unwrap_or_default())
+            .collect();
+        let seconds = self.option("seconds", 20);
+        let until = start + Duration::from_secs(seconds);
+        let speed = self.option("speed", 0) as i16;
+        if speed != 0 {
+            self.drive(ars, speed)?;
+        }
+        self.pass(until)?;
+        if let Some((ar, cause)) = self.lost.first().cloned() {
+            say(json!({"step": "lost", "name": self.names[&ar], "cause": cause}));
+            return if may_lose {
+                Ok(false)
+            } else {
+                Err(format!("lost: {:?}", self.lost).into())
+            };
+        }
+        for ((ar, before), sent) in ars.iter().zip(before).zip(sent) {
+            let after = self.controller.statistics(*ar).unwrap_or_default();
+            let sent_after = self.controller.sent(*ar).unwrap_or_default();
+            let input = self
+                .controller
+                .input(*ar, 1, 1)
+                .map(|(data, iops)| (data.to_vec(), iops.is_good()));
+            let (input, good) = input.unwrap_or_default();
+            say(json!({
+                "step": "exchange", "name": self.names[ar], "received": after.received - before.received,
+                "missed": after.missed - before.missed, "disordered": after.out_of_order - before.out_of_order,
+                "rejected": after.rejected - before.rejected, "longest_gap_us": after.longest_gap.as_micros() as u64,
+                "sent": sent_after.0 - sent.0, "skipped": sent_after.1 - sent.1, "input": hex(&input), "good": good,
+                "mirrored": input == PATTERN,
+            }));
+        }
+        let reads = self.option("records", 1);
+        for _ in 0..reads {
+            self.read_identification(ars)?;
+        }
+        Ok(true)
+    }
+
+    /// Steps to operation and sets the speed.
+    fn drive(&mut self, ars: &[ArId], speed: i16) -> Outcome<()> {
+        let [high, low] = speed.to_be_bytes();
+        for (word, setpoint) in [
+            ([0x04, 0x7E], [0, 0]),
+            ([0x04, 0x7F], [0, 0]),
+            ([0x04, 0x7F], [high, low]),
+        ] {
+            for ar in ars {
+                self.controller
+                    .set_output(*ar, 1, 1, &[word[0], word[1], setpoint[0], setpoint[1]])?;
+            }
+            let soon = self.medium.now() + Duration::from_millis(200);
+            self.pass(soon)?;
+        }
+        Ok(())
+    }
+
+    fn read_identification(&mut self, ars: &[ArId]) -> Outcome<()> {
+        self.records.clear();
+        self.calls.clear();
+        for ar in ars {
+            let at = RecordAddress {
+                api: 0,
+                slot: 0,
+                subslot: 1,
+                index: 0xAFF0,
+            };
+            let now = self.medium.now();
+            self.calls.push(self.controller.read(now, *ar, at, 4096)?);
+        }
+        let count = ars.len();
+        self.until("records read", Duration::from_secs(10), |app| {
+            app.records.len() == count
+        })?;
+        for (at, result) in std::mem::take(&mut self.records) {
+            match result {
+                Ok(data) => say(json!({"step": "im0", "name": self.names[&ars[at]], "data": hex(&data)})),
+                Err(error) => return Err(format!("I&M0: {error}").into()),
+            }
+        }
+        Ok(())
+    }
+
+    fn release_all(&mut self, ars: &[ArId]) -> Outcome<()> {
+        self.released = 0;
+        for ar in ars {
+            let now = self.medium.now();
+            self.controller.release(now, *ar)?;
+        }
+        let count = ars.len();
+        self.until("all released", Duration::from_secs(10), |app| {
+            app.released == count
+        })?;
+        say(json!({"step": "released", "devices": count}));
+        Ok(())
+    }
+
+    /// Lets time pass; ends early when a connection is lost.
+    fn pass(&mut self, until: Instant) -> Outcome<()> {
+        while self.medium.now() < until && self.lost.is_empty() {
+            self.medium.step(&mut self.controller, until)?;
+            self.drain();
+        }
+        Ok(())
+    }
+
+    fn until(&mut self, what: &str, limit: Duration, mut done: impl FnMut(&Self) -> bool) -> Outcome<()> {
+        let until = self.medium.now() + limit;
+        while !done(self) {
+            if self.medium.now() >= until {
+                return Err(format!("not within {limit:?}: {what}").into());
+            }
+            self.medium.step(&mut self.controller, until)?;
+            self.drain();
+        }
+        Ok(())
+    }
+
+    fn drain(&mut self) {
+        while let Some(event) = self.controller.poll_event() {
+            match event {
+                Event::Identified { station, .. } => self.heard.push(station),
+                Event::IdentifyDone { .. } => self.identify_done = true,
+                Event::Connected { ar, .. } => self.outputs(ar),
+                Event::Running { ar } => self.running.push(ar),
+                Event::Ready { ar, diff } => {
+                    if let Some(diff) = diff {
+                        say(json!({"step": "diff", "diff": format!("{diff:?}")}));
+                    }
+                    self.ready.push(ar);
+                }
+                Event::Lost { ar, cause } => self.lost.push((ar, cause.to_string())),
+                Event::Released { .. } => self.released += 1,
+                Event::RecordDone { call, result } => {
+                    if let Some(at) = self.calls.iter().position(|known| *known == call) {
+                        self.records.push((at, result.map_err(|e| e.to_string())));
+                    }
+                }
+                Event::Alarm { alarm, .. } => say(json!({"step": "alarm", "alarm": format!("{alarm:?}")})),
+                _ => {}
+            }
+        }
+    }
+}
+
+/// What is sent to the device that mirrors: 16 REAL values that survive as such.
+const PATTERN: [u8; 64] = {
+    let mut pattern = [0x40; 64];
+    let mut at = 0;
+    while at < 64 {
+        pattern[at + 1] = at as u8;
+        at += 4;
+    }
+    pattern
+};
+
+fn modules(kind: Kind) -> Vec<ModuleConfig> {
+    let sub = |subslot, ident, input_length, output_length| SubmoduleConfig {
+        subslot,
+        ident,
+        input_length,
+        output_length,
+    };
+    let module = |api, slot, ident, submodules| ModuleConfig {
+        api,
+        slot,
+        ident,
+        submodules,
+    };
+    match kind {
+        Kind::Pnio => vec![
+            module(
+                0,
+                0,
+                1,
+                vec![
+                    sub(1, 1, 0, 0),
+                    sub(0x8000, 0x8000, 0, 0),
+                    sub(0x8001, 0x8001, 0, 0),
+                ],
+            ),
+            module(0, 1, 0x101, vec![sub(1, 1, 64, 0)]),
+            module(0, 2, 0x102, vec![sub(1, 1, 4, 0)]),
+            module(0, 3, 0x103, vec![sub(1, 1, 0, 64)]),
+            module(0, 4, 0x104, vec![sub(1, 1, 0, 4)]),
+        ],
+        Kind::Akd => {
+            let device = &AKD.device;
+            let telegram = device.telegram(1).unwrap();
+            vec![
+                module(
+                    0,
+                    0,
+                    device.access_point_module,
+                    vec![
+                        sub(1, device.access_point_submodule, 0, 0),
+                        sub(0x8000, device.interface_submodule, 0, 0),
+                        sub(0x8001, device.port_submodule, 0, 0),
+                    ],
+                ),
+                module(
+                    device.api.into(),
+                    1,
+                    telegram.module,
+                    vec![sub(1, telegram.submodule, telegram.inputs, telegram.outputs)],
+                ),
+            ]
+        }
+    }
+}
+
+fn hex(data: &[u8]) -> String {
+    data.iter().map(|octet| format!("{octet:02x}")).collect()
+}
+
+fn say(value: serde_json::Value) {
+    println!("{value}");
+}

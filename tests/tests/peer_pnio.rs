@@ -1,0 +1,97 @@
+//! An independent device (the pnio crate) and our controller.
+
+use std::time::Duration;
+
+use system_tests::{Lab, Running, Side, built, judge, traffic};
+
+fn device(lab: &Lab) -> Running {
+    let mut device = lab.spawn(
+        Side::Device,
+        built("pnio-device"),
+        ["dev0", "pnio-dev", "192.168.77.50"],
+    );
+    device.wait_for("ready", Duration::from_secs(5));
+    device
+}
+
+fn step<'a>(steps: &'a [serde_json::Value], name: &str) -> &'a serde_json::Value {
+    steps
+        .iter()
+        .find(|s| s["step"] == name)
+        .unwrap_or_else(|| panic!("step {name} did not happen: {steps:?}"))
+}
+
+#[test]
+fn twenty_seconds_of_data_without_a_lost_cycle() {
+    let lab = Lab::new("pnio-exchange");
+    lab.address(Side::Device, "192.168.77.50/24");
+    let mut device = device(&lab);
+    let capture = lab.capture("traffic");
+    let arguments = ["ctl0", "pnio", "pnio-dev", "cycle_us=8000", "seconds=20"];
+    let finished = lab
+        .run(
+            Side::Controller,
+            built("test-controller"),
+            arguments,
+            Duration::from_secs(60),
+        )
+        .ok();
+    let file = capture.stop();
+    let steps = finished.json_lines();
+    let exchange = step(&steps, "exchange");
+    for counter in ["missed", "disordered", "rejected", "skipped"] {
+        assert_eq!(exchange[counter], 0, "{counter}: {exchange}");
+    }
+    let received = exchange["received"].as_u64().unwrap();
+    assert!((2490..=2510).contains(&received), "{exchange}");
+    assert_eq!(exchange["mirrored"], true, "{exchange}");
+    assert_eq!(exchange["good"], true, "{exchange}");
+    let order: String = "PNIO-PEER".bytes().map(|b| format!("{b:02x}")).collect();
+    assert!(step(&steps, "im0")["data"].as_str().unwrap().contains(&order));
+    step(&steps, "released");
+    device.wait_for("Idle", Duration::from_secs(3));
+
+    judge::judge(&file)
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10)
+        .saw("pn_rt", 4000);
+    let streams = traffic::streams(&file, 256);
+    assert_eq!(streams.len(), 2, "{streams:?}");
+    assert!(streams.values().all(|stream| stream.lost == 0), "{streams:?}");
+}
+
+#[test]
+fn a_killed_device_is_noticed_and_found_again() {
+    let lab = Lab::new("pnio-killed");
+    lab.address(Side::Device, "192.168.77.50/24");
+    let mut first = device(&lab);
+    let capture = lab.capture("traffic");
+    let arguments = [
+        "ctl0",
+        "pnio",
+        "pnio-dev",
+        "cycle_us=8000",
+        "seconds=3",
+        "reconnect=1",
+    ];
+    let mut controller = lab.spawn(Side::Controller, built("test-controller"), arguments);
+    controller.wait_for("running", Duration::from_secs(20));
+    std::thread::sleep(Duration::from_secs(1));
+    first.kill();
+    controller.wait_for("lost", Duration::from_secs(3));
+    std::thread::sleep(Duration::from_secs(1));
+    let _second = device(&lab);
+    let steps = controller.finish(Duration::from_secs(60)).ok().json_lines();
+    let file = capture.stop();
+    let cause = step(&steps, "lost")["cause"].as_str().unwrap();
+    assert!(cause.contains("no cyclic data for 24 ms"), "{cause}");
+    assert_eq!(
+        steps.iter().filter(|s| s["step"] == "running").count(),
+        2,
+        "{steps:?}"
+    );
+    assert_eq!(step(&steps, "exchange")["missed"], 0, "{steps:?}");
+    step(&steps, "released");
+    judge::judge(&file).clean();
+}
