@@ -100,6 +100,8 @@ enum State {
 struct Activity {
     peer: SocketAddrV4,
     header: Header,
+    /// Of the body of the first PDU of the call: tells a repetition from another call with the same number.
+    digest: u64,
     state: State,
     used: Instant,
 }
@@ -144,6 +146,13 @@ pub struct Server {
     activities: Vec<Activity>,
     shorts: VecDeque<(SocketAddrV4, Header, Short)>,
     serial: u16,
+}
+
+/// FNV-1a.
+fn digest(body: &[u8]) -> u64 {
+    body.iter().fold(0xCBF2_9CE4_8422_2325, |hash, octet| {
+        (hash ^ u64::from(*octet)).wrapping_mul(0x0000_0100_0000_01B3)
+    })
 }
 
 impl Server {
@@ -230,11 +239,16 @@ impl Server {
                 if ahead > u32::MAX / 2 {
                     return None;
                 }
-                if ahead > 0 {
+                let other = header.fragment == 0 && digest(body) != activity.digest;
+                let restarted = other && matches!(activity.state, State::Answering { .. } | State::Forgotten);
+                if ahead > 0 || restarted {
+                    // A client that always begins with the same activity and number has started again when it says
+                    // something else: the answer to its former life is not for it.
                     if header.flags.is_fragment() && header.fragment != 0 {
                         return None;
                     }
                     activity.header = *header;
+                    activity.digest = digest(body);
                     activity.state = State::Receiving(Incoming::new(header.order, now + REASSEMBLY));
                 }
                 activity.peer = source;
@@ -256,6 +270,7 @@ impl Server {
                 let activity = Activity {
                     peer: source,
                     header: *header,
+                    digest: digest(body),
                     state,
                     used: now,
                 };

@@ -401,3 +401,24 @@ fn answers_from_elsewhere_are_no_answers() {
         Some((id, Err(CallError::Fault(reject::OP_RANGE))))
     );
 }
+
+/// The pnio device derives its activity from its address and counts from 0 after every start.
+#[test]
+fn a_client_that_started_again_with_the_same_number_is_not_given_its_old_answer() {
+    let mut server = server();
+    let first = pdu(&header(1, 0), b"ready, connection 1");
+    let call = server.handle(Instant::ZERO, CLIENT, &first).unwrap();
+    server.respond(Instant::ZERO, call.key, b"done 1".to_vec());
+    assert_eq!(sent(&mut server, Instant::ZERO)[0].2, b"done 1");
+    // a repetition is answered from memory
+    assert_eq!(server.handle(Instant::ZERO, CLIENT, &first), None);
+    assert_eq!(sent(&mut server, Instant::ZERO)[0].2, b"done 1");
+    // the same number with another content is another call
+    let second = pdu(&header(1, 0), b"ready, connection 2");
+    let call = server.handle(Instant::ZERO, CLIENT, &second).unwrap();
+    assert_eq!(call.stub, b"ready, connection 2");
+    server.respond(Instant::ZERO, call.key, b"done 2".to_vec());
+    assert_eq!(sent(&mut server, Instant::ZERO)[0].2, b"done 2");
+    assert_eq!(server.handle(Instant::ZERO, CLIENT, &second), None);
+    assert_eq!(sent(&mut server, Instant::ZERO)[0].2, b"done 2");
+}
