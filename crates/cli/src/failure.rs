@@ -74,3 +74,77 @@ impl fmt::Display for Failure {
 }
 
 impl std::error::Error for Failure {}
+
+impl From<network::linux::Error> for Failure {
+    fn from(error: network::linux::Error) -> Self {
+        let failure = Self::new(Exit::Unreachable, error.to_string());
+        match error.hint() {
+            Some(hint) => failure.hint(hint),
+            None => failure,
+        }
+    }
+}
+
+impl From<drive_client::Error> for Failure {
+    fn from(error: drive_client::Error) -> Self {
+        if let drive_client::Error::Medium(inner) = &error
+            && let Some(network) = inner.downcast_ref::<network::linux::Error>()
+        {
+            let failure = Self::new(Exit::Unreachable, network.to_string());
+            return match network.hint() {
+                Some(hint) => failure.hint(hint),
+                None => failure,
+            };
+        }
+        let failure = Self::new(exit_of(&error), error.to_string());
+        match error.hint() {
+            Some(hint) => failure.hint(hint),
+            None => failure,
+        }
+    }
+}
+
+impl From<drive_client::parameter::ParameterProblem> for Failure {
+    fn from(problem: drive_client::parameter::ParameterProblem) -> Self {
+        drive_client::Error::from(problem).into()
+    }
+}
+
+fn exit_of(error: &drive_client::Error) -> Exit {
+    use drive_client::Error;
+    use profinet::controller::{DcpError, LostCause, ServiceError};
+    match error {
+        Error::Dcp {
+            error: DcpError::Refused { .. } | DcpError::NotSupported,
+            ..
+        }
+        | Error::Connect {
+            cause: LostCause::Service(ServiceError::Refused { .. }),
+            ..
+        }
+        | Error::Connect {
+            cause: LostCause::AbortedByPeer(_),
+            ..
+        }
+        | Error::OwnedByController { .. }
+        | Error::Record {
+            error: ServiceError::Refused { .. } | ServiceError::NotReady { .. },
+            ..
+        }
+        | Error::Refused { .. }
+        | Error::Axis { .. } => Exit::Refused,
+        Error::Medium(_)
+        | Error::NotFound { .. }
+        | Error::Ambiguous { .. }
+        | Error::NeedsDiscovery { .. }
+        | Error::NoIpAddress { .. }
+        | Error::Dcp { .. }
+        | Error::Connect { .. }
+        | Error::ConnectionLost { .. }
+        | Error::Record { .. }
+        | Error::Timeout { .. } => Exit::Unreachable,
+        Error::Parameter(_) | Error::Misuse(_) => Exit::Usage,
+        Error::SpeedLimit { .. } => Exit::Safety,
+        _ => Exit::Failed,
+    }
+}

@@ -3,6 +3,7 @@
 
 mod args;
 mod commands;
+mod connect;
 mod decode;
 mod failure;
 mod job;

@@ -1,5 +1,6 @@
 //! Tables, words and live views. Knows how things look, nothing of where they come from.
 
+pub mod live;
 pub mod table;
 pub mod value;
 pub mod words;

@@ -258,6 +258,19 @@ where
         self.reach(Goal::Ready)
     }
 
+    /// As [`ready`](Self::ready), but content with a fault that waits to be acknowledged.
+    ///
+    /// # Errors
+    /// When the connection is lost or the caller wants to stop.
+    pub fn ready_or_fault(&mut self) -> Result<(), Error> {
+        let now = self.session.now();
+        self.session.client.pursue(now, self.ar, Goal::Ready);
+        let fault = |status: &AxisStatus| status.view.seen.is_some_and(crate::axis::Seen::fault);
+        let ready = |status: &AxisStatus| status.view.progress == Progress::Reached;
+        self.hold_until(Limits::default().step, |status| fault(status) || ready(status))
+            .map(|_| ())
+    }
+
     /// Switches on and follows `rpm`; returns once operation (S4) is reached.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use profidrive::notation::ParameterReference;
 use profinet::Medium;
 use profinet::controller::RecordAddress;
-use profinet::wire::block::{Block, BlockType};
+use profinet::wire::record::{Im0, ImText};
 use profinet::wire::{DecodeError, Reader};
 
 use super::Session;
@@ -68,12 +68,12 @@ where
             refused: Vec::new(),
             readings: Vec::new(),
         };
-        for number in 0..4 {
+        for number in 0..4_u8 {
             let at = RecordAddress {
                 api: 0,
                 slot: 0,
                 subslot: 1,
-                index: IM0 + number,
+                index: IM0 + u16::from(number),
             };
             match self.read_record(drive, at) {
                 Ok(data) => {
@@ -116,28 +116,30 @@ impl Info {
     }
 }
 
-fn take_im(identity: &mut Option<Identity>, number: u16, data: &[u8]) -> Result<(), DecodeError> {
-    let kind = BlockType(BlockType::IM0.0 + number);
-    let mut body = Block::expect(&mut Reader::new(data), kind)?;
+fn take_im(identity: &mut Option<Identity>, number: u8, data: &[u8]) -> Result<(), DecodeError> {
+    let reader = Reader::new(data);
+    if number == 0 {
+        let im0 = Im0::decode(reader)?;
+        let [major, minor, fix] = im0.software_revision;
+        let identity = identity.get_or_insert_default();
+        identity.vendor_id = im0.vendor_id;
+        identity.order_id = text(&im0.order_id);
+        identity.serial_number = text(&im0.serial_number);
+        identity.hardware_revision = im0.hardware_revision;
+        identity.software_revision = format!("{}{major}.{minor}.{fix}", text(&[im0.software_prefix]));
+        identity.profile_id = im0.profile_id;
+        identity.profile_type = im0.profile_specific_type;
+        return Ok(());
+    }
+    let record = ImText::decode(reader, number)?;
     let identity = identity.get_or_insert_default();
     match number {
-        0 => {
-            identity.vendor_id = body.u16("VendorID")?;
-            identity.order_id = text(body.bytes(20, "OrderID")?);
-            identity.serial_number = text(body.bytes(16, "IM_Serial_Number")?);
-            identity.hardware_revision = body.u16("IM_Hardware_Revision")?;
-            let [prefix, major, minor, fix] = body.array("IM_Software_Revision")?;
-            identity.software_revision = format!("{}{major}.{minor}.{fix}", text(&[prefix]));
-            body.skip(2, "IM_Revision_Counter")?;
-            identity.profile_id = body.u16("IM_Profile_ID")?;
-            identity.profile_type = body.u16("IM_Profile_Specific_Type")?;
-        }
         1 => {
-            identity.function = text(body.bytes(32, "IM_Tag_Function")?);
-            identity.location = text(body.bytes(22, "IM_Tag_Location")?);
+            identity.function = text(record.tag_function());
+            identity.location = text(record.tag_location());
         }
-        2 => identity.installed = text(body.rest()),
-        _ => identity.descriptor = text(body.rest()),
+        2 => identity.installed = text(record.body),
+        _ => identity.descriptor = text(record.body),
     }
     Ok(())
 }

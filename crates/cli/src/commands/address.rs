@@ -1,0 +1,187 @@
+//! `profidrive name`, `profidrive ip`, `profidrive blink`, `profidrive reset`
+
+use std::io::{self, BufRead, IsTerminal, Write};
+use std::net::Ipv4Addr;
+
+use drive_client::{Drive, describe};
+use profinet::IpSuite;
+use profinet::wire::dcp::{check_name, legal_name};
+
+use crate::args::{Blink, Global, Ip, Name, Reset, ResetMode};
+use crate::connect::{self, Live, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+
+pub fn name(args: &Name, global: &Global, output: &Output) -> Result<(), Failure> {
+    if !args.name.is_empty()
+        && let Err(rule) = check_name(args.name.as_bytes())
+    {
+        let failure = Failure::usage(format!("`{}` is no station name: {rule}", args.name));
+        let legal = legal_name(&args.name);
+        return Err(if legal.is_empty() {
+            failure
+        } else {
+            failure.hint(format!("perhaps {legal}"))
+        });
+    }
+    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+    other_of_that_name(&mut session, &drive, &args.name)?;
+    session.set_name(&drive, &args.name, !args.temporary)?;
+    let kept = kept(args.temporary);
+    output.say(&format!(
+        "{} is {} now ({kept})",
+        describe(&drive.station),
+        shown(&args.name)
+    ));
+    if output.json() {
+        let mac = drive.station.mac.to_string();
+        let fields = fields! {
+            "mac": mac, "old": drive.station.name.as_str(), "name": args.name.as_str(), "permanent": !args.temporary,
+        };
+        output.document("name", fields);
+    }
+    Ok(())
+}
+
+fn shown(name: &str) -> &str {
+    if name.is_empty() { "without a name" } else { name }
+}
+
+const fn kept(temporary: bool) -> &'static str {
+    if temporary {
+        "until the next power-on"
+    } else {
+        "kept over power-off"
+    }
+}
+
+/// One name, one station.
+fn other_of_that_name(session: &mut Live, drive: &Drive, name: &str) -> Result<(), Failure> {
+    if name.is_empty() {
+        return Ok(());
+    }
+    let address = drive_client::DriveAddress::Name(name.to_owned());
+    match session.find(&address) {
+        Ok(other) if other.station.mac == drive.station.mac => Ok(()),
+        Ok(other) => {
+            let message = format!("the name {name} is taken already: {}", describe(&other.station));
+            Err(Failure::new(Exit::Failed, message)
+                .hint("one name belongs to one station; rename the other first"))
+        }
+        Err(drive_client::Error::NotFound { .. }) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
+}
+
+pub fn ip(args: &Ip, global: &Global, output: &Output) -> Result<(), Failure> {
+    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+    let ip = IpSuite {
+        address: args.address.address,
+        mask: args.address.mask(),
+        gateway: args.gateway.unwrap_or(Ipv4Addr::UNSPECIFIED),
+    };
+    let address = drive_client::DriveAddress::Ip(ip.address);
+    match session.find(&address) {
+        Ok(other) if other.station.mac != drive.station.mac => {
+            let message = format!(
+                "the address {} is taken already: {}",
+                ip.address,
+                describe(&other.station)
+            );
+            return Err(Failure::new(Exit::Failed, message).hint("choose a free address"));
+        }
+        Ok(_) | Err(drive_client::Error::NotFound { .. }) => {}
+        Err(error) => return Err(error.into()),
+    }
+    session.set_ip(&drive, ip, !args.temporary)?;
+    let kept = kept(args.temporary);
+    output.say(&format!(
+        "{} has {}/{} now ({kept})",
+        drive.label(),
+        ip.address,
+        args.address.prefix
+    ));
+    if output.json() {
+        let fields = fields! {
+            "mac": drive.station.mac.to_string(), "name": drive.station.name.as_str(),
+            "ip": ip.address.to_string(), "mask": ip.mask.to_string(), "gateway": ip.gateway.to_string(),
+            "permanent": !args.temporary,
+        };
+        output.document("ip", fields);
+    }
+    Ok(())
+}
+
+pub fn blink(args: &Blink, global: &Global, output: &Output) -> Result<(), Failure> {
+    /// One signal lasts about three seconds.
+    const EVERY: std::time::Duration = std::time::Duration::from_secs(3);
+    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+    output.say(&format!("{} blinks", describe(&drive.station)));
+    let end = session.now() + args.time;
+    loop {
+        session.blink(&drive)?;
+        let next = (session.now() + EVERY).min(end);
+        let pause = next - session.now();
+        if pause.is_zero() {
+            break;
+        }
+        match session.pass(pause) {
+            Err(drive_client::Error::Interrupted) => break,
+            other => other?,
+        }
+        if session.now() >= end {
+            break;
+        }
+    }
+    if output.json() {
+        output.document("blink", fields! { "mac": drive.station.mac.to_string() });
+    }
+    Ok(())
+}
+
+pub fn reset(args: &Reset, global: &Global, output: &Output) -> Result<(), Failure> {
+    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+    let (mode, what) = mode(args.mode);
+    if !args.yes {
+        confirm(&format!(
+            "Reset {} of {} to factory values?",
+            what,
+            describe(&drive.station)
+        ))?;
+    }
+    session.reset(&drive, mode)?;
+    output.say(&format!("{} reset: {what}", drive.label()));
+    if output.json() {
+        let fields = fields! { "mac": drive.station.mac.to_string(), "mode": mode, "what": what };
+        output.document("reset", fields);
+    }
+    Ok(())
+}
+
+const fn mode(mode: ResetMode) -> (u8, &'static str) {
+    match mode {
+        ResetMode::Application => (1, "application data (parameters, I&M records)"),
+        ResetMode::Communication => (2, "communication data (name, IP address)"),
+        ResetMode::Engineering => (3, "engineering data"),
+        ResetMode::All => (4, "all stored data"),
+        ResetMode::Device => (8, "the whole device"),
+    }
+}
+
+/// Asks a person; without one there is no yes.
+fn confirm(question: &str) -> Result<(), Failure> {
+    if !io::stdin().is_terminal() {
+        return Err(Failure::new(Exit::Safety, "not reset: nobody is there to ask")
+            .hint("--yes resets without asking"));
+    }
+    let mut stderr = io::stderr();
+    let _ = write!(stderr, "{question} [y/N] ").and_then(|()| stderr.flush());
+    let mut answer = String::new();
+    let read = io::stdin().lock().read_line(&mut answer);
+    if read.is_ok() && matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes") {
+        Ok(())
+    } else {
+        Err(Failure::new(Exit::Safety, "not reset"))
+    }
+}

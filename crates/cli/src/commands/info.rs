@@ -1,0 +1,251 @@
+//! `profidrive info DRIVE`
+
+use drive_client::parameter::Reading;
+use drive_client::{FaultEntry, Identity, Info, describe};
+use serde_json::Value;
+
+use crate::args;
+use crate::args::Global;
+use crate::connect::{self, Need};
+use crate::failure::Failure;
+use crate::fields;
+use crate::output::{Colour, Output};
+use crate::render::{hex16, value, words};
+
+/// The status word as a parameter.
+const ZSW1: u16 = 2;
+const STW1: u16 = 1;
+
+pub fn run(args: &args::Drive, global: &Global, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let spinner = connect::spinner(output, format!("reading {}", drive.label()));
+    let info = session.info(&mut drive);
+    let faults = session.faults(&mut drive);
+    spinner.finish_and_clear();
+    let info = info?;
+    let faults = faults.unwrap_or_default();
+    session.close()?;
+    if output.json() {
+        output.document("info", json(&drive, &info, &faults));
+        return Ok(());
+    }
+    output.line(&format!("{} ({})", describe(&drive.station), drive.model.name));
+    for line in lines(&info, &faults) {
+        output.line(&line);
+    }
+    if let Some(zsw1) = word(&info, ZSW1) {
+        let colour = match zsw1 {
+            fault if fault & 1 << 3 != 0 => Colour::Fault,
+            warning if warning & 1 << 7 != 0 => Colour::Warning,
+            _ => Colour::Normal,
+        };
+        output.line(&output.paint(colour, &format!("state        {}", words::state(zsw1))));
+    }
+    for refused in &info.refused {
+        output.say(&format!("not available: {refused}"));
+    }
+    Ok(())
+}
+
+fn word(info: &Info, pnu: u16) -> Option<u16> {
+    info.raw(pnu).and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
+}
+
+fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut line = |name: &str, text: String| {
+        if !text.trim().is_empty() {
+            lines.push(format!("{name:<12} {text}"));
+        }
+    };
+    if let Some(identity) = &info.identity {
+        for (name, text) in identity_lines(identity) {
+            line(name, text);
+        }
+    }
+    for (pnu, name) in [(964, "unit (964)"), (965, "profile (965)"), (975, "object (975)")] {
+        line(name, page(info, pnu));
+    }
+    for (pnu, name) in [(922, "telegram"), (930, "mode")] {
+        if let Some(reading) = info.readings.iter().find(|reading| reading.pnu == pnu) {
+            line(name, format!("{} ({})", value::full(reading), reading.shown()));
+        }
+    }
+    if let Some(stw1) = word(info, STW1) {
+        let set = words::set_names(&words::STW1, stw1);
+        line(
+            "STW1",
+            format!("{} {} [{set}]", hex16(stw1), words::stw1_meaning(stw1)),
+        );
+    }
+    if let Some(zsw1) = word(info, ZSW1) {
+        let set = words::set_names(&words::ZSW1, zsw1);
+        line(
+            "ZSW1",
+            format!(
+                "{} [{set}] {}",
+                hex16(zsw1),
+                words::inverse_meanings(&words::ZSW1, zsw1)
+            ),
+        );
+    }
+    for fault in faults {
+        let state = if fault.situation == 0 {
+            "present"
+        } else {
+            "acknowledged"
+        };
+        let meaning = fault.meaning.unwrap_or("not in the tables");
+        line(
+            "fault",
+            format!(
+                "F{} {meaning} ({state}, situation {})",
+                fault.number, fault.situation
+            ),
+        );
+    }
+    lines
+}
+
+fn identity_lines(identity: &Identity) -> [(&'static str, String); 8] {
+    let profile = match identity.profile_id {
+        0x3A00..=0x3AFF => "PROFIdrive",
+        0x3D00 => "encoder",
+        0 => "",
+        _ => "other",
+    };
+    [
+        ("order no.", identity.order_id.clone()),
+        ("serial no.", identity.serial_number.clone()),
+        (
+            "revision",
+            format!(
+                "hardware {}, software {}",
+                identity.hardware_revision, identity.software_revision
+            ),
+        ),
+        (
+            "profile",
+            format!(
+                "0x{:04X} {profile}, type {}",
+                identity.profile_id, identity.profile_type
+            ),
+        ),
+        ("function", identity.function.clone()),
+        ("location", identity.location.clone()),
+        ("installed", identity.installed.clone()),
+        ("descriptor", identity.descriptor.clone()),
+    ]
+}
+
+/// One of the identification parameters in words.
+fn page(info: &Info, pnu: u16) -> String {
+    let values: Vec<&Reading> = info
+        .readings
+        .iter()
+        .filter(|reading| reading.pnu == pnu)
+        .collect();
+    if values.is_empty() {
+        return String::new();
+    }
+    let numbers: Vec<i64> = values.iter().filter_map(|reading| reading.raw()).collect();
+    let octets: Vec<u8> = values.iter().flat_map(|reading| reading.octets.clone()).collect();
+    match (pnu, numbers.as_slice(), octets.as_slice()) {
+        (964, [maker, kind, version, year, day_month, ..], _) => format!(
+            "manufacturer {maker} (0x{maker:04X}), type {kind}, software {}.{:02}, {}",
+            version / 100,
+            version % 100,
+            date(*year, *day_month)
+        ),
+        (975, [maker, kind, version, year, day_month, rest @ ..], _) => {
+            let class = match rest.first() {
+                Some(1) => ", axis",
+                Some(5) => ", encoder",
+                _ => "",
+            };
+            let id = rest.get(2).map_or_else(String::new, |id| format!(", DO-ID {id}"));
+            format!(
+                "manufacturer {maker}, type {kind}, software {}.{:02}, {}{class}{id}",
+                version / 100,
+                version % 100,
+                date(*year, *day_month)
+            )
+        }
+        (965, _, [profile, version, ..]) => {
+            let name = if *profile == 3 {
+                "PROFIdrive"
+            } else {
+                "other profile"
+            };
+            format!("{profile} {name}, version {}.{}", version / 10, version % 10)
+        }
+        _ => values
+            .iter()
+            .map(|reading| value::value(reading))
+            .collect::<Vec<_>>()
+            .join(", "),
+    }
+}
+
+/// Year as YYYY, day and month as DDMM.
+fn date(year: i64, day_month: i64) -> String {
+    format!("{year:04}-{:02}-{:02}", day_month % 100, day_month / 100)
+}
+
+fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serde_json::Map<String, Value> {
+    let station = &drive.station;
+    let mut fields = fields! {
+        "name": station.name.as_str(), "mac": station.mac.to_string(), "ip": station.ip.address.to_string(),
+        "vendor_id": station.vendor_id, "device_id": station.device_id, "type": station.station_type.as_str(),
+        "model": drive.model.name,
+    };
+    if let Some(identity) = &info.identity {
+        let identity = fields! {
+            "vendor_id": identity.vendor_id, "order_id": identity.order_id.as_str(),
+            "serial_number": identity.serial_number.as_str(), "hardware_revision": identity.hardware_revision,
+            "software_revision": identity.software_revision.as_str(), "profile_id": identity.profile_id,
+            "profile_type": identity.profile_type, "function": identity.function.as_str(),
+            "location": identity.location.as_str(), "installed": identity.installed.as_str(),
+            "descriptor": identity.descriptor.as_str(),
+        };
+        fields.insert("identity".into(), Value::Object(identity));
+    }
+    if let Some(zsw1) = word(info, ZSW1) {
+        fields.insert("state".into(), words::state_number(zsw1).into());
+        fields.insert("state_meaning".into(), words::state(zsw1).into());
+        fields.insert("zsw1".into(), words::word_json(&words::ZSW1, zsw1));
+    }
+    if let Some(stw1) = word(info, STW1) {
+        fields.insert("stw1".into(), words::word_json(&words::STW1, stw1));
+    }
+    let readings: Vec<Value> = info.readings.iter().map(value::json).collect();
+    fields.insert("parameters".into(), readings.into());
+    let faults: Vec<Value> = faults
+        .iter()
+        .map(|fault| {
+            Value::Object(fields! {
+                "number": fault.number, "meaning": fault.meaning, "remedy": fault.remedy,
+                "situation": fault.situation, "position": fault.position,
+            })
+        })
+        .collect();
+    fields.insert("faults".into(), faults.into());
+    let refused: Vec<Value> = info
+        .refused
+        .iter()
+        .map(|text| Value::from(text.as_str()))
+        .collect();
+    fields.insert("refused".into(), refused.into());
+    fields
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_as_the_profile_writes_them() {
+        assert_eq!(date(2017, 110), "2017-10-01");
+        assert_eq!(date(2010, 1705), "2010-05-17");
+    }
+}

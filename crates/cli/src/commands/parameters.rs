@@ -1,0 +1,544 @@
+//! `profidrive read`, `profidrive write`, `profidrive list`, `profidrive describe`
+
+use drive_client::parameter::{Assignment, ParameterProblem, Reading, Selection};
+use drive_client::{ChangeOutcome, Refusal, WriteMode};
+use profidrive::catalogue::{Access, Parameter};
+use profidrive::notation::{ParameterReference, Shown};
+use profidrive::parameter::ErrorNames;
+use serde_json::{Map, Value};
+
+use crate::args::{Describe, Global, List, Read, Write};
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::{Colour, Output};
+use crate::render::table::Table;
+use crate::render::{number, value};
+
+pub fn read(args: &Read, global: &Global, output: &Output) -> Result<(), Failure> {
+    let references = parse_all(&args.parameters)?;
+    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let mut selections = Vec::new();
+    let mut problems: Vec<Failure> = Vec::new();
+    // one unknown name does not break the whole page
+    for reference in &references {
+        match drive.parameters.select(reference) {
+            Ok(selection) => selections.push(selection),
+            Err(problem) => problems.push(problem.into()),
+        }
+    }
+    let readings = session.read(&mut drive, &selections)?;
+    session.close()?;
+    print_readings("read", &drive.label(), &readings, args.raw, output);
+    let refused = readings.iter().filter_map(|reading| reading.as_ref().err());
+    problems.extend(refused.map(|refusal| refused_failure(&drive.label(), refusal)));
+    last_failure(problems, output)
+}
+
+/// All but the last failure are told at once; the last ends the command.
+fn last_failure(mut problems: Vec<Failure>, output: &Output) -> Result<(), Failure> {
+    let last = problems.pop();
+    for problem in problems {
+        output.error(&problem.message, problem.hint.as_deref());
+    }
+    last.map_or(Ok(()), Err)
+}
+
+fn refused_failure(drive: &str, refusal: &Refusal) -> Failure {
+    drive_client::Error::Refused {
+        drive: drive.to_owned(),
+        refusal: *refusal,
+    }
+    .into()
+}
+
+fn parse_all(texts: &[String]) -> Result<Vec<ParameterReference>, Failure> {
+    let parse = |text: &String| {
+        text.parse()
+            .map_err(|error| Failure::from(ParameterProblem::from(error)))
+    };
+    texts.iter().map(parse).collect()
+}
+
+/// Readings as a table, or as one document.
+fn print_readings(
+    command: &str,
+    drive: &str,
+    readings: &[Result<Reading, Refusal>],
+    raw: bool,
+    output: &Output,
+) {
+    if output.json() {
+        let values: Vec<Value> = readings.iter().map(|reading| reading_json(reading)).collect();
+        output.document(command, fields! { "drive": drive, "parameters": values });
+        return;
+    }
+    let mut table = Table::new(&[
+        "name",
+        "number",
+        ">value",
+        "unit",
+        "meaning",
+        if raw { "raw" } else { "" },
+    ]);
+    for reading in readings.iter().flatten() {
+        table.row([
+            reading.name.unwrap_or_default().to_owned(),
+            reading.shown().to_string(),
+            value::value(reading),
+            reading.unit.to_owned(),
+            value::meaning(reading),
+            if raw { value::raw(reading) } else { String::new() },
+        ]);
+    }
+    if !table.is_empty() {
+        for line in table.lines() {
+            output.line(&line);
+        }
+    }
+}
+
+fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
+    match reading {
+        Ok(reading) => value::json(reading),
+        Err(refusal) => Value::Object(refusal_json(refusal)),
+    }
+}
+
+fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
+    let error = fields! {
+        "number": refusal.number.0, "meaning": refusal.number.to_string(), "information": refusal.information,
+        "remedy": refusal.number.info(ErrorNames::Profile).map(|info| info.remedy),
+    };
+    fields! { "pnu": refusal.shown.pnu, "index": refusal.shown.index, "name": refusal.name, "error": error }
+}
+
+pub fn write(args: &Write, global: &Global, output: &Output) -> Result<(), Failure> {
+    let assignments: Vec<Assignment> = args
+        .assignments
+        .iter()
+        .map(|text| text.parse().map_err(Failure::from))
+        .collect::<Result<_, _>>()?;
+    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let mode = if args.dry_run {
+        WriteMode::DryRun
+    } else {
+        WriteMode::Write
+    };
+    let outcomes = session.write(&mut drive, &assignments, mode)?;
+    session.close()?;
+    if output.json() {
+        let changes: Vec<Value> = outcomes
+            .iter()
+            .map(|outcome| Value::Object(outcome_json(outcome)))
+            .collect();
+        output.document(
+            "write",
+            fields! { "drive": drive.label(), "dry_run": args.dry_run, "changes": changes },
+        );
+    } else {
+        let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "result"]);
+        for outcome in &outcomes {
+            table.row(outcome_row(outcome));
+        }
+        for line in table.lines() {
+            output.line(&line);
+        }
+        if args.dry_run {
+            output.say("dry run: nothing was written");
+        }
+    }
+    let mut problems: Vec<Failure> = Vec::new();
+    for outcome in &outcomes {
+        if let Some(Err(refusal)) = &outcome.written {
+            problems.push(refused_failure(&drive.label(), refusal));
+        } else if outcome.differs() {
+            let label = outcome.change.selection.label();
+            let message = format!(
+                "{}: {label} reads back another value than was written",
+                drive.label()
+            );
+            problems.push(
+                Failure::new(Exit::Difference, message)
+                    .hint("the drive may round, limit or change it by itself; read it again"),
+            );
+        }
+    }
+    last_failure(problems, output)
+}
+
+fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
+    let selection = &outcome.change.selection;
+    let old = match &outcome.old {
+        Some(Ok(reading)) => value::value(reading),
+        Some(Err(refusal)) => format!("({})", refusal.number),
+        None => "-".into(),
+    };
+    let result = match (&outcome.written, &outcome.new) {
+        (None, _) => "would be written".into(),
+        (Some(Err(refusal)), _) => format!("refused: {}", refusal.number),
+        (Some(Ok(())), None) => "executed".into(),
+        (Some(Ok(())), Some(Ok(_))) if !outcome.differs() => "written, read back".into(),
+        (Some(Ok(())), Some(Ok(back))) => format!("written, but reads back {}", value::full(back)),
+        (Some(Ok(())), Some(Err(refusal))) => format!("written, not readable: {}", refusal.number),
+    };
+    [
+        selection
+            .parameter
+            .map_or_else(String::new, |parameter| parameter.name.to_owned()),
+        selection.shown(0).to_string(),
+        old,
+        "->".into(),
+        wanted(outcome),
+        outcome.change.value.unit.to_owned(),
+        result,
+    ]
+}
+
+/// The new value as the drive will show it: rounded to its own steps.
+fn wanted(outcome: &ChangeOutcome) -> String {
+    let value = outcome.change.value.engineering;
+    match outcome.change.selection.parameter {
+        Some(parameter) => {
+            let text = format!("{value:.*}", usize::from(parameter.decimals()));
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                text
+            }
+        }
+        None => number(value),
+    }
+}
+
+fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
+    let selection = &outcome.change.selection;
+    let mut fields = fields! {
+        "pnu": selection.pnu, "index": selection.shown(0).index,
+        "name": selection.parameter.map(|parameter| parameter.name),
+        "value": outcome.change.value.engineering, "raw": outcome.change.value.raw, "unit": outcome.change.value.unit,
+        "written": matches!(outcome.written, Some(Ok(()))), "differs": outcome.differs(),
+    };
+    if let Some(old) = &outcome.old {
+        fields.insert("old".into(), reading_json(old));
+    }
+    if let Some(new) = &outcome.new {
+        fields.insert("new".into(), reading_json(new));
+    }
+    if let Some(Err(refusal)) = &outcome.written {
+        fields.insert("error".into(), Value::Object(refusal_json(refusal)));
+    }
+    fields
+}
+
+pub fn list(args: &List, global: &Global, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let Some(tables) = drive.model.catalogue else {
+        return list_numbers(&mut session, &mut drive, output);
+    };
+    let parameters: Vec<&'static Parameter> = match &args.filter {
+        Some(text) => filtered(tables, text),
+        None => tables.parameters.iter().collect(),
+    };
+    if parameters.is_empty() {
+        let text = args.filter.as_deref().unwrap_or_default();
+        return Err(Failure::new(
+            Exit::Failed,
+            format!("no parameter of the {} matches `{text}`", tables.model),
+        ));
+    }
+    if args.values {
+        let selections: Vec<Selection> = parameters
+            .iter()
+            .filter_map(|parameter| {
+                drive
+                    .parameters
+                    .select(&ParameterReference::number(parameter.pnu))
+                    .ok()
+            })
+            .collect();
+        let bar = connect::bar(output, selections.len(), "reading");
+        let mut readings = Vec::new();
+        for part in selections.chunks(64) {
+            readings.extend(session.read(&mut drive, part)?);
+            bar.inc(part.len() as u64);
+        }
+        bar.finish_and_clear();
+        session.close()?;
+        print_readings("list", &drive.label(), &readings, false, output);
+        let refused = readings.iter().filter(|reading| reading.is_err()).count();
+        if refused > 0 {
+            output.say(&format!("{refused} of {} could not be read", readings.len()));
+        }
+        return Ok(());
+    }
+    if output.json() {
+        let list: Vec<Value> = parameters
+            .iter()
+            .map(|parameter| Value::Object(parameter_json(parameter)))
+            .collect();
+        output.document(
+            "list",
+            fields! { "drive": drive.label(), "model": tables.model, "parameters": list },
+        );
+        return Ok(());
+    }
+    let mut table = Table::new(&["name", "number", "access", "unit", "description"]);
+    for parameter in &parameters {
+        table.row([
+            parameter.name.to_owned(),
+            number_of(parameter),
+            access_word(parameter.access).to_owned(),
+            parameter.unit.to_owned(),
+            parameter.description.to_owned(),
+        ]);
+    }
+    for line in table.lines() {
+        output.line(&line);
+    }
+    output.say(&format!("{} parameters", parameters.len()));
+    Ok(())
+}
+
+/// Text in name or description, or the number itself.
+fn filtered(tables: &'static profidrive::catalogue::Catalogue, text: &str) -> Vec<&'static Parameter> {
+    let by_number = text
+        .parse::<ParameterReference>()
+        .ok()
+        .and_then(|reference| match reference.target {
+            profidrive::notation::Target::Number(pnu) => tables.by_pnu(pnu),
+            profidrive::notation::Target::Name(_) => None,
+        });
+    let mut found: Vec<_> = tables.filter(text).collect();
+    if let Some(exact) = by_number.filter(|exact| found.iter().all(|other| other.pnu != exact.pnu)) {
+        found.insert(0, exact);
+    }
+    found
+}
+
+/// A drive without tables lists its numbers itself (PNU 980 and following).
+fn list_numbers(
+    session: &mut connect::Live,
+    drive: &mut drive_client::Drive,
+    output: &Output,
+) -> Result<(), Failure> {
+    let mut numbers: Vec<u16> = Vec::new();
+    for list in 980..990_u16 {
+        let reference: ParameterReference =
+            format!("{list}[0..99]").parse().map_err(ParameterProblem::from)?;
+        let selection = drive.parameters.select(&reference)?;
+        let readings = session.read(drive, &[selection])?;
+        let found: Vec<u16> = readings
+            .into_iter()
+            .flatten()
+            .filter_map(|reading| u16::try_from(reading.raw()?).ok())
+            .take_while(|&pnu| pnu != 0)
+            .collect();
+        if found.is_empty() {
+            break;
+        }
+        numbers.extend(found);
+    }
+    session.close()?;
+    if output.json() {
+        let list: Vec<Value> = numbers
+            .iter()
+            .map(|&pnu| Value::Object(fields! { "pnu": pnu }))
+            .collect();
+        output.document(
+            "list",
+            fields! { "drive": drive.label(), "model": drive.model.name, "parameters": list },
+        );
+    } else {
+        for pnu in &numbers {
+            output.line(
+                &Shown {
+                    pnu: *pnu,
+                    index: None,
+                    writable: None,
+                }
+                .to_string(),
+            );
+        }
+        output.say(&format!(
+            "{} parameters; no names are known for this drive",
+            numbers.len()
+        ));
+    }
+    Ok(())
+}
+
+pub fn describe(args: &Describe, global: &Global, output: &Output) -> Result<(), Failure> {
+    let reference = parse_all(std::slice::from_ref(&args.parameter))?.remove(0);
+    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let selection = drive.parameters.select(&reference)?;
+    let Some(parameter) = selection.parameter else {
+        return Err(Failure::new(
+            Exit::Failed,
+            format!("{} is in no table of the {}", selection.label(), drive.model.name),
+        )
+        .hint("`profidrive read` may read it all the same"));
+    };
+    let readings = session.read(&mut drive, &[selection])?;
+    session.close()?;
+    if output.json() {
+        let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
+        fields.extend(parameter_json(parameter));
+        let values: Vec<Value> = readings.iter().map(reading_json).collect();
+        fields.insert("values".into(), values.into());
+        output.document("describe", fields);
+        return Ok(());
+    }
+    let limits = drive.parameters.limits(parameter);
+    output.line(&output.paint(
+        Colour::Strong,
+        &format!("{} ({})", parameter.name, number_of(parameter)),
+    ));
+    for line in description_lines(parameter, limits, &readings) {
+        output.line(&line);
+    }
+    Ok(())
+}
+
+fn description_lines(
+    parameter: &Parameter,
+    (low, high): (f64, f64),
+    readings: &[Result<Reading, Refusal>],
+) -> Vec<String> {
+    let unit = parameter.unit;
+    let with_unit = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
+    let mut lines = Vec::new();
+    let mut line = |name: &str, text: String| {
+        if !text.is_empty() {
+            lines.push(format!("  {name:<10} {text}"));
+        }
+    };
+    line("meaning", parameter.description.to_owned());
+    match readings {
+        [Ok(reading)] => line("value", value::full(reading)),
+        [Err(refusal)] => line("value", format!("not readable now: {}", refusal.number)),
+        several => {
+            let values: Vec<String> = several.iter().flatten().take(16).map(value::value).collect();
+            let more = if several.len() > 16 { " .." } else { "" };
+            line("values", format!("{}{more}", values.join(", ")));
+        }
+    }
+    line(
+        "unit",
+        if unit.is_empty() {
+            "none".into()
+        } else {
+            unit.to_owned()
+        },
+    );
+    line(
+        "limits",
+        format!("{} to {}{}", with_unit(low), with_unit(high), known(parameter)),
+    );
+    line(
+        "default",
+        parameter.default.map_or_else(|| "unknown".into(), with_unit),
+    );
+    line("access", access_word(parameter.access).to_owned());
+    line("size", size_words(parameter));
+    line(
+        "saved",
+        if parameter.saved { "by DRV.NVSAVE" } else { "no" }.into(),
+    );
+    for choice in parameter.choices {
+        line("choice", format!("{} {}", choice.value, choice.text));
+    }
+    for bit in parameter.bits {
+        line("bit", format!("{} {}", bit.value, bit.text));
+    }
+    line("source", parameter.source.to_owned());
+    lines
+}
+
+const fn known(parameter: &Parameter) -> &'static str {
+    match (parameter.minimum, parameter.maximum) {
+        (Some(_), Some(_)) => "",
+        (None, None) => " (what fits the size; the drive may take less)",
+        _ => " (one of them is only what fits the size)",
+    }
+}
+
+fn size_words(parameter: &Parameter) -> String {
+    let sign = if parameter.signed { "signed" } else { "unsigned" };
+    let octets = parameter.size.octets();
+    let plural = if octets == 1 { "" } else { "s" };
+    let elements = match parameter.elements {
+        0 | 1 => String::new(),
+        count => format!(", {count} elements"),
+    };
+    format!("{octets} octet{plural}, {sign}{elements}")
+}
+
+const fn access_word(access: Access) -> &'static str {
+    match access {
+        Access::ReadOnly => "read",
+        Access::ReadWrite => "read, write",
+        Access::WriteOnly => "command",
+    }
+}
+
+fn number_of(parameter: &Parameter) -> String {
+    let writable = Some(parameter.access != Access::ReadOnly);
+    Shown {
+        pnu: parameter.pnu,
+        index: None,
+        writable,
+    }
+    .to_string()
+}
+
+fn parameter_json(parameter: &Parameter) -> Map<String, Value> {
+    let meanings = |list: &[profidrive::catalogue::Meaning]| -> Vec<Value> {
+        list.iter()
+            .map(|row| Value::Object(fields! { "value": row.value, "text": row.text }))
+            .collect()
+    };
+    fields! {
+        "pnu": parameter.pnu, "name": parameter.name, "description": parameter.description, "unit": parameter.unit,
+        "access": access_word(parameter.access), "elements": parameter.elements, "octets": parameter.size.octets(),
+        "signed": parameter.signed, "saved": parameter.saved, "minimum": parameter.minimum,
+        "maximum": parameter.maximum, "default": parameter.default, "choices": meanings(parameter.choices),
+        "bits": meanings(parameter.bits), "source": parameter.source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::{AKD, Scaling};
+
+    #[test]
+    fn a_description_says_unit_and_limits() {
+        let parameter = AKD.by_name("DRV.ACC").unwrap();
+        let drive = drive_client::parameter::Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let text = description_lines(parameter, drive.limits(parameter), &[]).join("\n");
+        assert!(
+            text.contains("limits     1.86 rpm/s to 4294967.295 rpm/s"),
+            "{text}"
+        );
+        assert!(text.contains("default    3000 rpm/s"), "{text}");
+        assert!(text.contains("access     read, write"), "{text}");
+    }
+
+    #[test]
+    fn filters_find_names_words_and_numbers() {
+        assert!(
+            filtered(&AKD, "drv.acc")
+                .iter()
+                .any(|parameter| parameter.pnu == 2108)
+        );
+        assert_eq!(
+            filtered(&AKD, "p930").first().map(|parameter| parameter.pnu),
+            Some(930)
+        );
+        assert!(filtered(&AKD, "nothing like it").is_empty());
+    }
+}

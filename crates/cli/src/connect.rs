@@ -1,0 +1,198 @@
+//! From the command line to a session with a drive: which interface, which way, which rights.
+
+use std::net::Ipv4Addr;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use drive_client::{Drive, DriveAddress, Session};
+use indicatif::{ProgressBar, ProgressStyle};
+use network::linux::{Error as NetworkError, InterfaceInfo, PacketMedium, ServerPort, Stop, UdpMedium};
+use profinet::controller::ControllerConfig;
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
+
+use crate::args::Global;
+use crate::failure::{Exit, Failure};
+use crate::output::Output;
+
+/// What a command needs of the network.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// Discovery and addressing.
+    Discovery,
+    /// Records; UDP is enough for a drive given by IP address.
+    Records,
+    /// Cyclic data.
+    Cyclic,
+}
+
+/// A network interface, with or without the right to raw frames.
+#[derive(Debug)]
+pub enum AnyMedium {
+    /// Everything.
+    Packet(Box<PacketMedium>),
+    /// Records only.
+    Udp(Box<UdpMedium>),
+}
+
+impl Medium for AnyMedium {
+    type Error = NetworkError;
+
+    fn now(&self) -> Instant {
+        match self {
+            Self::Packet(medium) => medium.now(),
+            Self::Udp(medium) => medium.now(),
+        }
+    }
+
+    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), NetworkError> {
+        match self {
+            Self::Packet(medium) => medium.step(endpoint, until),
+            Self::Udp(medium) => medium.step(endpoint, until),
+        }
+    }
+}
+
+/// A session on a real network.
+pub type Live = Session<AnyMedium>;
+
+/// Opens the network for a command.
+pub fn session(
+    global: &Global,
+    need: Need,
+    drive: Option<&DriveAddress>,
+    output: &Output,
+) -> Result<Live, Failure> {
+    let stop = Stop::on_signals()
+        .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
+    let by_ip = matches!((need, drive), (Need::Records, Some(DriveAddress::Ip(_))));
+    let mut session = match (interface(global)?, by_ip) {
+        (Some(name), _) => match PacketMedium::open(&name, server(need)) {
+            Err(NetworkError::NoPermission { .. }) if by_ip => {
+                output.say("no right to open a raw socket: going by UDP alone");
+                udp(&stop)?
+            }
+            Err(error) => return Err(error.into()),
+            Ok(medium) => packet(medium, need, &stop)?,
+        },
+        (None, true) => udp(&stop)?,
+        (None, false) => return Err(no_interface()),
+    };
+    let flag = stop;
+    session.interrupt_with(move || flag.is_stopped());
+    Ok(session)
+}
+
+fn server(need: Need) -> ServerPort {
+    // devices call back on this port when a cyclic connection becomes ready
+    if need == Need::Cyclic {
+        ServerPort::Required
+    } else {
+        ServerPort::IfFree
+    }
+}
+
+fn packet(mut medium: PacketMedium, need: Need, stop: &Stop) -> Result<Live, Failure> {
+    let info = medium.interface().clone();
+    if need != Need::Discovery && !info.ip().is_set() {
+        return Err(NetworkError::NoAddress { interface: info.name }.into());
+    }
+    medium.set_stop(stop.clone());
+    let config = config(info.usable()?, info.ip());
+    Ok(Session::new(AnyMedium::Packet(Box::new(medium)), config))
+}
+
+fn udp(stop: &Stop) -> Result<Live, Failure> {
+    let mut medium = UdpMedium::open(Ipv4Addr::UNSPECIFIED, ServerPort::IfFree)?;
+    medium.set_stop(stop.clone());
+    let mac = InterfaceInfo::list()
+        .ok()
+        .and_then(|all| all.into_iter().find(|info| info.up && !info.loopback)?.mac)
+        .unwrap_or(MacAddress([2, 0, 0, 0, 0, 1]));
+    let config = config(mac, IpSuite::NONE);
+    Ok(Session::new(AnyMedium::Udp(Box::new(medium)), config).without_discovery())
+}
+
+fn config(mac: MacAddress, ip: IpSuite) -> ControllerConfig {
+    let seed = seed();
+    let mut config = ControllerConfig::new(mac, ip, "profidrive", seed);
+    // several commands may run side by side
+    config.client_port = 0xC000 | u16::try_from(seed >> 17 & 0x3FFF).unwrap_or(0);
+    config
+}
+
+/// Differs from one start of the program to the next.
+fn seed() -> u64 {
+    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let nanos = u64::try_from(time.as_nanos() & u128::from(u64::MAX)).unwrap_or_default();
+    (nanos ^ u64::from(std::process::id()).rotate_left(40)).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+}
+
+/// The interface to use: as told, else the only one there is.
+pub fn interface(global: &Global) -> Result<Option<String>, Failure> {
+    if let Some(name) = &global.interface {
+        return Ok(Some(name.clone()));
+    }
+    let usable: Vec<InterfaceInfo> = InterfaceInfo::list()?
+        .into_iter()
+        .filter(|info| !info.loopback && info.usable().is_ok())
+        .collect();
+    match <[InterfaceInfo; 1]>::try_from(usable) {
+        Ok([only]) => Ok(Some(only.name)),
+        Err(_) => Ok(None),
+    }
+}
+
+/// No interface was named, and there is none to take without asking.
+pub fn no_interface() -> Failure {
+    let names: Vec<String> = InterfaceInfo::list()
+        .unwrap_or_default()
+        .into_iter()
+        .filter(|info| !info.loopback)
+        .map(|info| {
+            if info.up {
+                info.name
+            } else {
+                format!("{} (down)", info.name)
+            }
+        })
+        .collect();
+    let there = if names.is_empty() {
+        "there is none".to_owned()
+    } else {
+        format!("there are: {}", names.join(", "))
+    };
+    Failure::usage("which network interface?").hint(format!("-i IFACE, or PROFIDRIVE_INTERFACE; {there}"))
+}
+
+/// Opens the network and finds the drive.
+pub fn drive(global: &Global, need: Need, text: &str, output: &Output) -> Result<(Live, Drive), Failure> {
+    let address: DriveAddress = text.parse().map_err(|error: drive_client::DriveAddressError| {
+        Failure::usage(error.to_string())
+            .hint("DRIVE is a station name (akd-1), an IP address or a MAC address")
+    })?;
+    let mut session = session(global, need, Some(&address), output)?;
+    let spinner = spinner(output, format!("looking for {address}"));
+    let found = session.find(&address);
+    spinner.finish_and_clear();
+    Ok((session, found?))
+}
+
+/// Something is going on; nothing where nobody watches.
+pub fn spinner(output: &Output, words: String) -> ProgressBar {
+    if !output.progress() {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new_spinner().with_message(words);
+    bar.enable_steady_tick(Duration::from_millis(120));
+    bar
+}
+
+/// So many of something are done; nothing where nobody watches.
+pub fn bar(output: &Output, length: usize, words: &'static str) -> ProgressBar {
+    if !output.progress() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len}");
+    ProgressBar::new(length as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        .with_message(words)
+}

@@ -1,0 +1,225 @@
+//! A running axis: overwritten in place on a terminal, a line per change elsewhere, a document per change as JSON.
+
+use std::time::Duration;
+
+use drive_client::AxisStatus;
+
+use super::{hex16, nibbles, words};
+use crate::fields;
+use crate::output::{Colour, Output};
+
+/// Shortest time between two pictures on a terminal.
+const PICTURE: Duration = Duration::from_millis(100);
+/// Shortest time between two lines while only the speed changes.
+const LINE: Duration = Duration::from_millis(1000);
+
+/// What a view shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisView {
+    /// Since control was taken.
+    pub time: Duration,
+    /// Control word being sent.
+    pub stw1: u16,
+    /// Status word, once there is one.
+    pub zsw1: Option<u16>,
+    /// Speed asked for, rpm.
+    pub speed_set: f64,
+    /// Speed of the motor, rpm.
+    pub speed_actual: f64,
+    /// Position in the drive's unit, where somebody reads it.
+    pub position: Option<f64>,
+}
+
+impl AxisView {
+    /// Out of what the client says about an axis.
+    pub fn of(status: &AxisStatus) -> Self {
+        Self {
+            time: status.time,
+            stw1: status.view.command.stw1,
+            zsw1: status.view.seen.map(|seen| seen.zsw1),
+            speed_set: status.speed_set,
+            speed_actual: status.speed_actual,
+            position: None,
+        }
+    }
+
+    fn state(&self) -> &'static str {
+        self.zsw1.map_or("no data yet", words::state)
+    }
+}
+
+/// Shows an axis while it moves.
+#[derive(Debug)]
+pub struct LiveView {
+    output: Output,
+    command: &'static str,
+    last: Option<AxisView>,
+    /// Lines of the picture on the terminal.
+    drawn: usize,
+}
+
+impl LiveView {
+    /// A view for a command.
+    pub const fn new(output: Output, command: &'static str) -> Self {
+        Self {
+            output,
+            command,
+            last: None,
+            drawn: 0,
+        }
+    }
+
+    /// Shows what is new; leaves out what would only flicker.
+    pub fn show(&mut self, view: &AxisView) {
+        let words_changed = self
+            .last
+            .is_none_or(|last| (last.stw1, last.zsw1) != (view.stw1, view.zsw1));
+        let since = self
+            .last
+            .map_or(Duration::MAX, |last| view.time.saturating_sub(last.time));
+        let due = if self.output.live() { PICTURE } else { LINE };
+        if !words_changed && since < due {
+            return;
+        }
+        self.last = Some(*view);
+        if self.output.json() {
+            self.document(view);
+        } else if self.output.live() {
+            self.picture(view);
+        } else {
+            self.output.line(&line(view));
+        }
+    }
+
+    /// Goes below the picture, so that other lines can follow.
+    pub fn leave(&mut self) {
+        self.drawn = 0;
+    }
+
+    fn document(&self, view: &AxisView) {
+        let fields = fields! {
+            "time": view.time.as_secs_f64(), "state": view.zsw1.map(words::state_number), "stw1": view.stw1,
+            "zsw1": view.zsw1, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
+            "position": view.position,
+        };
+        self.output.document(self.command, fields);
+    }
+
+    fn picture(&mut self, view: &AxisView) {
+        let mut text = String::new();
+        if self.drawn > 0 {
+            text.push_str(&format!("\x1b[{}A", self.drawn));
+        }
+        let lines = picture(view, &self.output);
+        for line in &lines {
+            text.push_str("\r\x1b[K");
+            text.push_str(line);
+            text.push('\n');
+        }
+        self.drawn = lines.len();
+        self.output.raw(&text);
+    }
+}
+
+/// One line for a log.
+pub fn line(view: &AxisView) -> String {
+    let zsw1 = view.zsw1.map_or_else(|| "-".into(), hex16);
+    let position = view
+        .position
+        .map_or_else(String::new, |position| format!("  position {position:.0}"));
+    format!(
+        "{:>7.2} s  {:<28}  STW1 {}  ZSW1 {zsw1}  set {:>8.2} rpm  actual {:>8.2} rpm{position}",
+        view.time.as_secs_f64(),
+        view.state(),
+        hex16(view.stw1),
+        view.speed_set,
+        view.speed_actual,
+    )
+}
+
+fn picture(view: &AxisView, output: &Output) -> Vec<String> {
+    let zsw1 = view.zsw1.unwrap_or(0);
+    let (mark, colour) = match zsw1 {
+        fault if fault & 1 << 3 != 0 => ("#", Colour::Fault),
+        warning if warning & 1 << 7 != 0 => ("!", Colour::Warning),
+        _ if words::state_number(zsw1) == "S4" => ("»", Colour::Normal),
+        _ => ("·", Colour::Faint),
+    };
+    let speed = |name: &str, rpm: f64| format!("  {name} {rpm:>9.2} rpm  {}", scale(rpm, view.speed_set));
+    let mut lines = vec![
+        output.paint(
+            colour,
+            &format!("{mark} {:>6.1} s  {}", view.time.as_secs_f64(), view.state()),
+        ),
+        format!(
+            "  STW1 {}  {}  {} [{}]",
+            hex16(view.stw1),
+            nibbles(view.stw1),
+            words::stw1_meaning(view.stw1),
+            words::set_names(&words::STW1, view.stw1)
+        ),
+        format!(
+            "  ZSW1 {}  {}  [{}]",
+            hex16(zsw1),
+            nibbles(zsw1),
+            words::set_names(&words::ZSW1, zsw1)
+        ),
+        speed("set   ", view.speed_set),
+        speed("actual", view.speed_actual),
+    ];
+    if let Some(position) = view.position {
+        lines.push(format!("  position {position:>12.0}"));
+    }
+    lines
+}
+
+/// A bar as long as the speed is.
+fn scale(rpm: f64, reference: f64) -> String {
+    const LENGTH: f64 = 30.0;
+    let full = reference.abs().max(60.0);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and 40"
+    )]
+    let marks = (rpm.abs() / full * LENGTH).clamp(0.0, 40.0).round() as usize;
+    let sign = if rpm < 0.0 { "-" } else { "" };
+    format!("{sign}{}", "=".repeat(marks))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VIEW: AxisView = AxisView {
+        time: Duration::from_millis(1234),
+        stw1: 0x047F,
+        zsw1: Some(0x0337),
+        speed_set: 60.06,
+        speed_actual: 59.7,
+        position: None,
+    };
+
+    #[test]
+    fn one_line_has_everything() {
+        assert_eq!(
+            line(&VIEW),
+            "   1.23 s  S4 operation                  STW1 0x047F  ZSW1 0x0337  set    60.06 rpm  actual    59.70 rpm"
+        );
+        assert!(line(&AxisView { zsw1: None, ..VIEW }).contains("no data yet"));
+    }
+
+    #[test]
+    fn the_picture_shows_bits_and_speed() {
+        let output = Output::new(false, false);
+        let text = picture(&VIEW, &output).join("\n");
+        assert!(
+            text.contains("0000 0100 0111 1111  run: follows the setpoint"),
+            "{text}"
+        );
+        assert!(
+            text.contains("[READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ]"),
+            "{text}"
+        );
+    }
+}
