@@ -2,8 +2,11 @@
 
 mod channel;
 mod describe;
+mod remember;
 #[cfg(test)]
 mod tests;
+
+pub use remember::{network_from_text, network_to_text};
 
 use std::collections::VecDeque;
 use std::net::SocketAddrV4;
@@ -62,7 +65,7 @@ impl StationConfig {
 /// Something its owner should do or may want to know.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StationEvent {
-    /// Keep this over a restart: name, address and I&M data that were set permanently.
+    /// Keep this over a restart ([`network_to_text`]): name, address and I&M data that were set permanently.
     PersistNetwork(Stored),
     /// Keep this text over a restart.
     PersistParameters {
