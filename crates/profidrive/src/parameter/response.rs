@@ -1,10 +1,10 @@
 //! Responses as a client reads them.
 
-use super::address::{ADDRESS, DecodeError, HEADER, ParameterAddress, RequestId, Wrong};
+use super::address::{ADDRESS, Attribute, DecodeError, HEADER, ParameterAddress, RequestId, Wrong};
 use super::block::ValueBlock;
 use super::dialect::Dialect;
 use super::error::{ErrorNumber, ParameterError};
-use super::format::{CodeSpace, Format};
+use super::format::{CodeSpace, Format, Octets};
 
 /// The answer to one parameter of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +48,16 @@ pub enum ResponseError {
         /// Axis asked.
         expected: u8,
         /// Axis that answered.
+        found: u8,
+    },
+    /// Number of values of a parameter differs from the number of elements asked.
+    #[error("PNU {pnu} was answered with {found} values, asked were {expected}")]
+    Values {
+        /// The parameter.
+        pnu: u16,
+        /// Elements asked.
+        expected: u8,
+        /// Values answered.
         found: u8,
     },
     /// Number of parameters differs from the request.
@@ -140,9 +150,12 @@ impl<'a> Response<'a> {
         if plain.is_err() && response.repeats(addresses) {
             response.offset = HEADER + ADDRESS * addresses.len();
             response.check()?;
-            return Ok(response);
+        } else {
+            plain?;
         }
-        plain?;
+        if id == RequestId::Read {
+            response.check_counts(addresses)?;
+        }
         Ok(response)
     }
 
@@ -184,6 +197,25 @@ impl<'a> Response<'a> {
                 found,
             }),
         }
+    }
+
+    /// Every value that was read has as many elements as were asked. Strings may be of any length, descriptions and
+    /// texts have their own.
+    fn check_counts(&self, addresses: &[ParameterAddress]) -> Result<(), ResponseError> {
+        for (answer, address) in self.answers().zip(addresses) {
+            let Answer::Values(block) = answer else { continue };
+            let info = block.format.info(self.space);
+            let is_string = info.is_some_and(|info| info.octets == Octets::Counted);
+            let expected = address.elements.max(1);
+            if address.attribute == Attribute::Value && !is_string && block.count != expected {
+                return Err(ResponseError::Values {
+                    pnu: address.pnu,
+                    expected,
+                    found: block.count,
+                });
+            }
+        }
+        Ok(())
     }
 
     /// True when at least one parameter was refused.

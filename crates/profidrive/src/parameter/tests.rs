@@ -246,10 +246,6 @@ fn worked_responses() {
         let answers: Vec<_> = response.answers().collect();
         assert_eq!(answers, [Answer::Written, Answer::Written], "{blocks}");
     }
-    // "written" is no answer to a read
-    let bytes = hex("07 01 00 01 40 00");
-    let response = Response::parse(&bytes, read, 7, &one, &Dialect::AKD).unwrap();
-    assert!(matches!(response.answers().next(), Some(Answer::Values(block)) if block.raw(0).is_none()));
     // no pad octet at the end
     assert_eq!(
         parse("09 01 00 01 41 01 07", read, 9, &one, Dialect::AKD),
@@ -554,6 +550,20 @@ fn wrong_responses_are_told_apart() {
         parse("09 01 00 01 42 01 00 02 00 00"),
         Err(ResponseError::Malformed(_))
     ));
+    // as many values as elements; "written" is no answer to a read
+    for (bytes, found) in [
+        ("09 01 00 01 42 02 00 02 00 03", 2),
+        ("09 01 00 01 42 00", 0),
+        ("09 01 00 01 40 00", 0),
+    ] {
+        let (pnu, expected) = (930, 1);
+        assert_eq!(parse(bytes), Err(ResponseError::Values { pnu, expected, found }));
+    }
+    assert_eq!(
+        parse("09 01 00 01 09 03 41 4B 44 00"),
+        Ok(()),
+        "a string has its own length"
+    );
     let refused = ParameterError {
         number: ErrorNumber(0x21),
         info: None,
