@@ -129,7 +129,9 @@ impl Controller {
         while let Some((id, reply)) = self.rpc.poll_event() {
             match self.owners.remove(&id) {
                 Some(Owner::Ar(ar)) if self.get(ar).is_some() => {
-                    self.with(now, usize::from(ar.slot), |ar, shared| ar.handle_reply(shared, id, &reply));
+                    self.with(now, usize::from(ar.slot), |ar, shared| {
+                        ar.handle_reply(shared, id, &reply)
+                    });
                 }
                 Some(Owner::Implicit { call, request }) => {
                     let result = record::check_read(&reply, &request);

@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use super::ar::{Ar, Op, Purpose, Shared};
+use super::ar::{Ar, Purpose, Shared};
+use super::calls::Op;
 use super::config::{Resolve, RtClass};
 use super::connect::{self, Agreement};
 use super::dcp::{DcpEvent, Filter, IdentifyOptions, Setting};

@@ -4,12 +4,15 @@
 //! Every request returns a number at once; its result comes as an [`Event`]. See [`Endpoint`](crate::Endpoint) for how to drive it.
 
 mod ar;
+mod calls;
 mod config;
 mod connect;
 mod dcp;
+mod discovery;
 mod engine;
 mod error;
 mod event;
+mod exchange;
 mod job;
 mod lookup;
 mod phase;
@@ -29,18 +32,16 @@ use alloc::boxed::Box;
 use alloc::collections::{BTreeMap, VecDeque};
 use alloc::vec::Vec;
 
-use ar::{Ar, Op, Owner, Purpose};
+use ar::{Ar, Owner, Purpose};
 use connect::ArIdentity;
-use dcp::{DcpClient, Setting};
-use job::Job;
+use dcp::DcpClient;
+use discovery::unicast;
 
-use crate::cyclic::{CyclicStatistics, Provider};
 use crate::rpc::{self, ClientConfig, Interface, Server, ServerLimits};
-use crate::wire::dcp::{DcpOption, Qualifier, check_ip, check_name};
-use crate::wire::rpc::{Header, operation};
-use crate::wire::rt::{DataStatus, Iops};
+use crate::wire::dcp::{check_ip, check_name};
+use crate::wire::rpc::operation;
 use crate::wire::{Uuid, UuidSource};
-use crate::{Instant, IpSuite, MacAddress, RPC_PORT};
+use crate::{Instant, IpSuite};
 
 /// A controller.
 ///
@@ -134,134 +135,6 @@ impl Controller {
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
-
-    // ---- discovery and basic configuration
-
-    /// Asks who is there, for 400 ms if one name is asked for, else for 1 s with spread answers.
-    ///
-    /// # Errors
-    /// When the name is illegal or too many requests are open.
-    pub fn identify(&mut self, now: Instant, filter: Filter) -> Result<DcpId, Misuse> {
-        let one = filter.name.is_some() || filter.alias.is_some() || filter.mac.is_some();
-        let options = if one {
-            IdentifyOptions::ONE
-        } else {
-            IdentifyOptions::MANY
-        };
-        self.identify_with(now, filter, options)
-    }
-
-    /// The same with a window of the caller's choice.
-    ///
-    /// # Errors
-    /// When the name is longer than a name can be, or too many requests are open. An illegal name may be looked for:
-    /// somebody may have it.
-    pub fn identify_with(
-        &mut self,
-        now: Instant,
-        filter: Filter,
-        options: IdentifyOptions,
-    ) -> Result<DcpId, Misuse> {
-        let too_long = [&filter.name, &filter.alias, &filter.station_type];
-        if too_long.into_iter().flatten().any(|text| text.len() > 255) {
-            return Err(Misuse::Range("length of the filter"));
-        }
-        self.dcp
-            .identify(now, filter, options)
-            .ok_or(Misuse::TooMany("DCP requests"))
-    }
-
-    /// Ends an Identify, Get or Set request; no further event will come for it.
-    pub fn cancel_dcp(&mut self, id: DcpId) {
-        self.dcp.cancel(id);
-        self.events.retain(|event| {
-            !matches!(event, Event::Identified { id: other, .. } | Event::IdentifyDone { id: other, .. }
-                | Event::DcpDone { id: other, .. } if *other == id)
-        });
-    }
-
-    /// Reads settings of the station `mac`.
-    ///
-    /// # Errors
-    /// When the address is no station's, or too many requests are open.
-    pub fn dcp_get(&mut self, now: Instant, mac: MacAddress, options: &[DcpOption]) -> Result<DcpId, Misuse> {
-        if options.is_empty() || options.len() > 64 {
-            return Err(Misuse::Range("number of options"));
-        }
-        unicast(mac)?;
-        self.dcp
-            .get(now, mac, options.to_vec())
-            .ok_or(Misuse::TooMany("DCP requests"))
-    }
-
-    /// Gives the station `mac` a name, for good or until power-off. An empty name takes it away.
-    ///
-    /// # Errors
-    /// When the name breaks a rule, the address is no station's, or too many requests are open.
-    pub fn dcp_set_name(
-        &mut self,
-        now: Instant,
-        mac: MacAddress,
-        name: &str,
-        permanent: bool,
-    ) -> Result<DcpId, Misuse> {
-        if !name.is_empty() {
-            check_name(name.as_bytes())?;
-        }
-        self.set(now, mac, Setting::Name(qualifier(permanent)), Some(name))
-    }
-
-    /// Gives the station `mac` an IP configuration, for good or until power-off. All zero takes it away.
-    ///
-    /// # Errors
-    /// When the configuration breaks a rule, the address is no station's, or too many requests are open.
-    pub fn dcp_set_ip(
-        &mut self,
-        now: Instant,
-        mac: MacAddress,
-        ip: IpSuite,
-        permanent: bool,
-    ) -> Result<DcpId, Misuse> {
-        check_ip(&ip)?;
-        self.set(now, mac, Setting::Ip(qualifier(permanent), ip), None)
-    }
-
-    /// Lets the station `mac` blink.
-    ///
-    /// # Errors
-    /// When the address is no station's, or too many requests are open.
-    pub fn dcp_signal(&mut self, now: Instant, mac: MacAddress) -> Result<DcpId, Misuse> {
-        self.set(now, mac, Setting::Signal, None)
-    }
-
-    /// Resets the station `mac`: mode 1 application data, 2 communication parameters, 3 engineering, 4 all stored
-    /// data, 8 device, 9 reset and restore; mode 0 is the old form without mode, which resets everything.
-    ///
-    /// # Errors
-    /// When there is no such mode, the address is no station's, or too many requests are open.
-    pub fn dcp_reset(&mut self, now: Instant, mac: MacAddress, mode: u8) -> Result<DcpId, Misuse> {
-        let setting = match mode {
-            0 => Setting::LegacyReset,
-            1..=4 | 8 | 9 => Setting::Reset(Qualifier::reset(mode)),
-            _ => return Err(Misuse::Range("reset mode")),
-        };
-        self.set(now, mac, setting, None)
-    }
-
-    fn set(
-        &mut self,
-        now: Instant,
-        mac: MacAddress,
-        setting: Setting,
-        name: Option<&str>,
-    ) -> Result<DcpId, Misuse> {
-        unicast(mac)?;
-        self.dcp
-            .set(now, mac, setting, name.map(Into::into))
-            .ok_or(Misuse::TooMany("DCP requests"))
-    }
-
-    // ---- connections
 
     /// Connects cyclically. Events: `Connected`, `Ready`, `Running`, or `Lost` at any point.
     ///
@@ -391,244 +264,6 @@ impl Controller {
         self.get(ar).map(|ar| &ar.target)
     }
 
-    // ---- records
-
-    /// Reads a record of at most `length` octets. Event: `RecordDone`.
-    ///
-    /// # Errors
-    /// When there is no such connection, it takes no records at present, or too many requests wait.
-    pub fn read(&mut self, now: Instant, ar: ArId, at: RecordAddress, length: u32) -> Result<CallId, Misuse> {
-        if length > MAX_RECORD {
-            return Err(Misuse::Range("record length"));
-        }
-        self.call(now, ar, |call| Op::Read { call, at, length })
-    }
-
-    /// Writes a record. Event: `RecordDone` without data.
-    ///
-    /// # Errors
-    /// When there is no such connection, it takes no records at present, or too many requests wait.
-    pub fn write(
-        &mut self,
-        now: Instant,
-        ar: ArId,
-        at: RecordAddress,
-        data: &[u8],
-    ) -> Result<CallId, Misuse> {
-        if data.len() > MAX_RECORD as usize {
-            return Err(Misuse::Range("record length"));
-        }
-        self.call(now, ar, |call| Op::Write {
-            call,
-            at,
-            data: data.to_vec(),
-        })
-    }
-
-    /// Writes several records in one request. Event: `WritesDone`.
-    ///
-    /// # Errors
-    /// When there is no such connection, it takes no records at present, or too much is to be written at once.
-    pub fn write_multiple(
-        &mut self,
-        now: Instant,
-        ar: ArId,
-        records: &[(RecordAddress, Vec<u8>)],
-    ) -> Result<CallId, Misuse> {
-        let octets: usize = records.iter().map(|(_, data)| data.len() + 64 + 3).sum();
-        if records.is_empty() || octets > MAX_RECORD as usize {
-            return Err(Misuse::Range("length of all records"));
-        }
-        self.call(now, ar, |call| Op::WriteMany {
-            call,
-            records: records.to_vec(),
-        })
-    }
-
-    fn call(&mut self, now: Instant, ar: ArId, op: impl FnOnce(CallId) -> Op) -> Result<CallId, Misuse> {
-        let index = self.records_index(ar)?;
-        let call = self.new_call();
-        let op = op(call);
-        let taken = self.with(now, index, |ar, shared| ar.push(shared, op));
-        if taken {
-            Ok(call)
-        } else {
-            Err(Misuse::TooMany("record requests"))
-        }
-    }
-
-    /// Does one job on a parameter channel: writes `request` to the record, reads the answer from it, waits and
-    /// repeats as long as the device says "not ready" (10 to 50 ms apart, 10 s altogether unless configured
-    /// otherwise). Jobs of a connection are done one after the other. Event: `RecordDone` with the answer.
-    ///
-    /// # Errors
-    /// When there is no such connection, it takes no records at present, or too many requests wait.
-    pub fn parameter_job(
-        &mut self,
-        now: Instant,
-        ar: ArId,
-        at: RecordAddress,
-        request: &[u8],
-    ) -> Result<CallId, Misuse> {
-        if request.len() > MAX_RECORD as usize {
-            return Err(Misuse::Range("record length"));
-        }
-        let index = self.records_index(ar)?;
-        let call = self.new_call();
-        let job = Job::new(
-            now,
-            call,
-            at,
-            request.to_vec(),
-            self.config.timeouts.parameter_job,
-        );
-        let taken = self.with(now, index, |ar, shared| ar.push_job(shared, job));
-        if taken {
-            Ok(call)
-        } else {
-            Err(Misuse::TooMany("parameter jobs"))
-        }
-    }
-
-    /// Reads a record without a connection. Event: `RecordDone`.
-    ///
-    /// # Errors
-    /// When the target has no IP address, or too many requests are open.
-    pub fn read_implicit(
-        &mut self,
-        now: Instant,
-        target: &Target,
-        at: RecordAddress,
-        length: u32,
-    ) -> Result<CallId, Misuse> {
-        if !target.ip.is_set() {
-            return Err(Misuse::Incomplete("IP address"));
-        }
-        if length > MAX_RECORD {
-            return Err(Misuse::Range("record length"));
-        }
-        if self.owners.len() >= 4096 {
-            return Err(Misuse::TooMany("record requests"));
-        }
-        let call = self.new_call();
-        let asker = record::Asker {
-            sequence: 0,
-            ar_uuid: Uuid::NIL,
-        };
-        let request = record::read_request(asker, at, length, Uuid::NIL);
-        let object = Uuid::object(target.instance, target.device_id, target.vendor_id);
-        let header = Header::request(
-            object,
-            Uuid::DEVICE_INTERFACE,
-            self.uuids.uuid(),
-            0,
-            operation::READ_IMPLICIT,
-        );
-        let server = core::net::SocketAddrV4::new(target.ip.address, RPC_PORT);
-        let id = self.rpc.call(now, server, header, record::read_stub(&request));
-        self.owners.insert(
-            id,
-            Owner::Implicit {
-                call,
-                request: Box::new(request),
-            },
-        );
-        Ok(call)
-    }
-
-    // ---- cyclic data
-
-    /// Sets a submodule's output for the next frames.
-    ///
-    /// # Errors
-    /// When there is no such connection, or `data` has another length than agreed.
-    pub fn set_output(&mut self, ar: ArId, slot: u16, subslot: u16, data: &[u8]) -> Result<(), Misuse> {
-        let index = self.index(ar)?;
-        let ar = self.ars.get_mut(index).ok_or(Misuse::UnknownConnection)?;
-        let state = ar.output_state();
-        let provider = ar.provider.as_mut().ok_or(Misuse::NoSuchData)?;
-        if provider.set_data(slot, subslot, data, state) {
-            Ok(())
-        } else {
-            Err(Misuse::NoSuchData)
-        }
-    }
-
-    /// Lets the outputs be valid (run) or not (stop): DataStatus bit 4 and the IOPS of all outputs. Frames continue.
-    ///
-    /// # Errors
-    /// When there is no such connection.
-    pub fn set_run(&mut self, ar: ArId, run: bool) -> Result<(), Misuse> {
-        let index = self.index(ar)?;
-        let ar = self.ars.get_mut(index).ok_or(Misuse::UnknownConnection)?;
-        ar.run = run;
-        ar.apply_run();
-        Ok(())
-    }
-
-    /// Latest input of a submodule with its IOPS. After the connection ended: the last data, IOPS bad.
-    #[must_use]
-    pub fn input(&self, ar: ArId, slot: u16, subslot: u16) -> Option<(&[u8], Iops)> {
-        let ar = self.get(ar)?;
-        let (data, iops) = ar.consumer.as_ref()?.data(slot, subslot)?;
-        Some((
-            data,
-            if ar.phase == Phase::Closed {
-                Iops::BAD_CONTROLLER
-            } else {
-                iops
-            },
-        ))
-    }
-
-    /// What a submodule's next frame carries as output.
-    #[must_use]
-    pub fn output(&self, ar: ArId, slot: u16, subslot: u16) -> Option<(&[u8], Iops)> {
-        self.get(ar)?.provider.as_ref()?.data(slot, subslot)
-    }
-
-    /// Whether the device takes the outputs of a submodule: its IOCS.
-    #[must_use]
-    pub fn output_taken(&self, ar: ArId, slot: u16, subslot: u16) -> Option<Iops> {
-        self.get(ar)?.consumer.as_ref()?.iocs(slot, subslot)
-    }
-
-    /// Status the device sent last.
-    #[must_use]
-    pub fn input_status(&self, ar: ArId) -> Option<DataStatus> {
-        self.get(ar)?
-            .consumer
-            .as_ref()
-            .map(crate::cyclic::Consumer::status)
-    }
-
-    /// What was received; stays readable after the connection ended.
-    #[must_use]
-    pub fn statistics(&self, ar: ArId) -> Option<CyclicStatistics> {
-        self.get(ar)?
-            .consumer
-            .as_ref()
-            .map(crate::cyclic::Consumer::statistics)
-    }
-
-    /// Frames sent, and intervals in which none was.
-    #[must_use]
-    pub fn sent(&self, ar: ArId) -> Option<(u64, u64)> {
-        self.get(ar)?.provider.as_ref().map(|p| (p.sent(), p.skipped()))
-    }
-
-    /// When the next output frame leaves: outputs set before are in it.
-    #[must_use]
-    pub fn next_cycle(&self, ar: ArId) -> Option<Instant> {
-        let ar = self.get(ar)?;
-        ar.provider
-            .as_ref()
-            .filter(|_| ar.phase.is_cyclic())
-            .map(Provider::next_send)
-    }
-
-    // ---- inside
-
     fn new_call(&mut self) -> CallId {
         self.next_call = self.next_call.wrapping_add(1);
         CallId(self.next_call)
@@ -652,23 +287,6 @@ impl Controller {
             Some(ar) if ar.phase.takes_records() => Ok(index),
             _ => Err(Misuse::NotOpenYet),
         }
-    }
-}
-
-/// Everything else asks one station.
-fn unicast(mac: MacAddress) -> Result<(), Misuse> {
-    if mac.is_multicast() || mac == MacAddress::default() {
-        Err(Misuse::Address(mac))
-    } else {
-        Ok(())
-    }
-}
-
-const fn qualifier(permanent: bool) -> Qualifier {
-    if permanent {
-        Qualifier::PERMANENT
-    } else {
-        Qualifier::TEMPORARY
     }
 }
 

@@ -10,13 +10,14 @@ use core::time::Duration;
 
 use self::fake::{Fake, Fault};
 use super::*;
-use crate::Endpoint;
 use crate::cyclic::Timing;
 use crate::pair::Pair;
 use crate::wire::PnioStatus;
 use crate::wire::alarm::{AlarmSpecifier, AlarmType, Notification, Priority};
 use crate::wire::block::{DiffModule, ModuleDiff, ModuleState};
-use crate::wire::dcp::BlockError;
+use crate::wire::dcp::{BlockError, DcpOption};
+use crate::wire::rt::{DataStatus, Iops};
+use crate::{Endpoint, IpSuite, MacAddress, RPC_PORT};
 
 const PLC: MacAddress = MacAddress([2, 0x50, 0x4e, 0, 0, 2]);
 const DRIVE: MacAddress = MacAddress([2, 0x50, 0x4e, 0, 0, 1]);
@@ -688,10 +689,7 @@ fn a_device_that_is_early_late_or_never_ready() {
     );
     p.run(SECOND);
     assert_eq!(p.b.aborted, Some(PnioStatus::aborted(0x28)));
-    assert!(
-        p.b.reads.contains(&0xFBFF),
-        "signs of life while waiting"
-    );
+    assert!(p.b.reads.contains(&0xFBFF), "signs of life while waiting");
 }
 
 #[test]
