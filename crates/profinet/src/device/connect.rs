@@ -41,12 +41,21 @@ fn text(name: &[u8]) -> String {
     String::from_utf8_lossy(name).into_owned()
 }
 
+/// Refuses a connect whose answer does not fit what the initiator allows.
+fn check_room(blocks: &[u8], room: u32) -> Result<(), PnioStatus> {
+    match u32::try_from(blocks.len()) {
+        Ok(length) if length <= room => Ok(()),
+        _ => Err(PnioStatus::connect(RPC, 0)),
+    }
+}
+
 impl Device {
     /// Executes Connect; gives the blocks of the answer.
     pub(super) fn connect(
         &mut self,
         now: Instant,
         source: SocketAddrV4,
+        room: u32,
         reader: Reader<'_>,
     ) -> Result<Vec<u8>, PnioStatus> {
         let checked = check(reader, self.config.min_device_interval)?;
@@ -65,8 +74,8 @@ impl Device {
         }
         let CheckedConnect { ar, cyclic, vendor } = checked;
         match cyclic {
-            None => self.connect_tool(now, source, ar, &vendor),
-            Some(cyclic) => self.connect_controller(now, source, ar, cyclic, &vendor),
+            None => self.connect_tool(now, source, room, ar, &vendor),
+            Some(cyclic) => self.connect_controller(now, source, room, ar, cyclic, &vendor),
         }
     }
 
@@ -104,6 +113,7 @@ impl Device {
         &mut self,
         now: Instant,
         source: SocketAddrV4,
+        room: u32,
         ar: ArRequest,
         vendor: &[(u16, u32)],
     ) -> Result<Vec<u8>, PnioStatus> {
@@ -114,6 +124,7 @@ impl Device {
         let mut out = Vec::new();
         self.ar_response(&ar).encode(&mut out);
         self.finish_response(&ar, vendor, &mut out);
+        check_room(&out, room)?;
         let station = text(&ar.station_name);
         self.event(Event::Connected {
             ar: key,
@@ -134,6 +145,7 @@ impl Device {
         &mut self,
         now: Instant,
         source: SocketAddrV4,
+        room: u32,
         ar: ArRequest,
         cyclic: CheckedCyclic,
         vendor: &[(u16, u32)],
@@ -226,6 +238,7 @@ impl Device {
             diff.encode(&mut out);
         }
         self.finish_response(&ar, vendor, &mut out);
+        check_room(&out, room)?;
 
         let expected = cyclic.expected.iter().map(|module| IdentifiedModule {
             api: module.api,
@@ -388,7 +401,7 @@ impl Device {
             let mut frame = vec![0; MAX_FRAME];
             if let Some(length) = emit_error(&mut frame, ar.alarms.config(), cause) {
                 frame.truncate(length);
-                self.send_frame(now, frame);
+                self.send_frame(frame);
             }
         }
         self.ended(now, ar.key, ar.request.ar_uuid, cause);

@@ -25,6 +25,9 @@ const BLINK: Duration = Duration::from_secs(3);
 /// Delayed Identify answers that may wait; more requests are ignored.
 const WAITING: usize = 8;
 
+/// Blocks of one request that are answered; nobody needs more, and the answer must fit a frame.
+const MAX_BLOCKS: usize = 64;
+
 /// Options told by 2/5, in the order of their numbers.
 const OPTIONS: &[DcpOption] = &[
     DcpOption::IP,
@@ -90,7 +93,7 @@ impl Device {
                     ServiceId::Get => self.get(now, frame.source, &pdu),
                     ServiceId::Set => self.set(now, frame.source, &pdu),
                     ServiceId::Identify | ServiceId::Hello => return,
-                    ServiceId::Other(_) => self.dcp_answer(now, now, frame, &pdu),
+                    ServiceId::Other(_) => self.not_supported(now, frame.source, &pdu),
                 }
                 self.dcp.held = Some((frame.source, now + CLIENT_HOLD));
             }
@@ -99,10 +102,10 @@ impl Device {
     }
 
     /// Answers a service that does not exist: the header back, "not supported", no blocks.
-    fn dcp_answer(&mut self, now: Instant, due: Instant, frame: &Frame<'_>, pdu: &Pdu<'_>) {
+    fn not_supported(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
         let mut payload = Vec::new();
         PduWriter::new(&mut payload, pdu.service, ServiceType::NotSupported, pdu.xid, 0).finish();
-        self.send_dcp(now, due, frame.source, FrameId::DCP_GET_SET, &payload);
+        self.send_dcp(now, now, source, FrameId::DCP_GET_SET, &payload);
     }
 
     fn send_dcp(&mut self, now: Instant, due: Instant, to: MacAddress, id: FrameId, payload: &[u8]) {
@@ -113,7 +116,7 @@ impl Device {
                 let at = self.delayed.partition_point(|(other, _)| *other <= due);
                 self.delayed.insert(at, (due, frame));
             } else {
-                self.send_frame(now, frame);
+                self.send_frame(frame);
             }
         }
     }
@@ -207,9 +210,14 @@ impl Device {
     fn get(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
         let mut payload = Vec::new();
         let mut answer = PduWriter::new(&mut payload, ServiceId::Get, ServiceType::Success, pdu.xid, 0);
-        // an answer fits one frame however often an option is asked for
-        for option in pdu.requested().take(32) {
+        // each option once, so that the answer fits one frame
+        let mut answered: Vec<DcpOption> = Vec::new();
+        for option in pdu.requested() {
             let Ok(option) = option else { return };
+            if answered.contains(&option) || answered.len() >= MAX_BLOCKS {
+                continue;
+            }
+            answered.push(option);
             if !self.with_value(option, |info, value| answer.info(info, value)) {
                 answer.result(option, option.unsupported());
             }
@@ -227,6 +235,9 @@ impl Device {
             // a request that is cut off is not half executed
             let Ok(block) = block else { return };
             blocks.push(block);
+        }
+        if blocks.len() > MAX_BLOCKS {
+            return;
         }
         for block in &blocks {
             let error = self.set_block(now, block, &mut reset);

@@ -190,7 +190,7 @@ impl Device {
         self.events.push_back(event);
     }
 
-    fn send_frame(&mut self, _now: Instant, frame: Vec<u8>) {
+    fn send_frame(&mut self, frame: Vec<u8>) {
         if self.frames.len() < FRAMES {
             self.frames.push_back(frame);
         }
@@ -234,7 +234,7 @@ impl Device {
         };
         let room = ndr.args_maximum;
         let result = match call.operation {
-            operation::CONNECT => self.connect(now, call.source, reader),
+            operation::CONNECT => self.connect(now, call.source, room, reader),
             operation::RELEASE => self.release(now, call, reader),
             operation::CONTROL => self.control(now, call, reader),
             operation::WRITE => return self.write(now, call, room, reader),
@@ -389,7 +389,7 @@ impl Endpoint for Device {
                 break;
             }
             if let Some((_, frame)) = self.delayed.pop_front() {
-                self.send_frame(now, frame);
+                self.send_frame(frame);
             }
         }
         self.supervise(now);

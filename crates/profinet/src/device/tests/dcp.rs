@@ -1,0 +1,399 @@
+//! Found, named, addressed, reset.
+
+use core::time::Duration;
+
+use super::*;
+use crate::wire::dcp::{BlockError, DcpOption, Pdu, PduWriter, Qualifier, ServiceId, ServiceType, Value};
+use crate::wire::ethernet;
+
+const TOOL: MacAddress = MacAddress([2, 0, 0, 0, 0, 7]);
+const OTHER_TOOL: MacAddress = MacAddress([2, 0, 0, 0, 0, 8]);
+
+fn frame(from: MacAddress, to: MacAddress, id: FrameId, payload: &[u8]) -> Vec<u8> {
+    let mut frame = vec![0; 1518];
+    let length = ethernet::emit(&mut frame, to, from, None, id, payload).unwrap();
+    frame.truncate(length);
+    frame
+}
+
+/// Sends a PDU; gives the payload of the answer that is sent at once.
+fn ask(rig: &mut Rig, from: MacAddress, to: MacAddress, id: FrameId, payload: &[u8]) -> Option<Vec<u8>> {
+    rig.device.handle_frame(rig.now, &frame(from, to, id, payload));
+    answer(&rig.drain(), from)
+}
+
+fn answer(sent: &[Sent], to: MacAddress) -> Option<Vec<u8>> {
+    sent.iter().find_map(|sent| {
+        let Sent::Frame(bytes) = sent else { return None };
+        let frame = Frame::parse(bytes).unwrap();
+        let dcp = matches!(
+            frame.frame_id,
+            FrameId::DCP_GET_SET | FrameId::DCP_IDENTIFY_RESPONSE
+        );
+        (dcp && frame.destination == to).then(|| frame.payload.to_vec())
+    })
+}
+
+fn identify(rig: &mut Rig, factor: u16, filters: &[Value<'_>]) -> Option<Vec<u8>> {
+    let mut payload = Vec::new();
+    let mut pdu = PduWriter::new(
+        &mut payload,
+        ServiceId::Identify,
+        ServiceType::Request,
+        77,
+        factor,
+    );
+    for filter in filters {
+        pdu.filter(filter);
+    }
+    pdu.finish();
+    ask(rig, TOOL, DCP_IDENTIFY, FrameId::DCP_IDENTIFY_REQUEST, &payload)
+}
+
+fn set_from(rig: &mut Rig, from: MacAddress, qualifier: Qualifier, values: &[Value<'_>]) -> Vec<BlockError> {
+    let mut payload = Vec::new();
+    let mut pdu = PduWriter::new(&mut payload, ServiceId::Set, ServiceType::Request, 3, 0);
+    for value in values {
+        pdu.set(qualifier, value);
+    }
+    pdu.finish();
+    let Some(answer) = ask(rig, from, DEVICE, FrameId::DCP_GET_SET, &payload) else {
+        return vec![];
+    };
+    let pdu = Pdu::parse(&answer).unwrap();
+    assert_eq!(
+        (pdu.service, pdu.kind, pdu.xid),
+        (ServiceId::Set, ServiceType::Success, 3)
+    );
+    let results = pdu.blocks().zip(values).map(|(block, value)| {
+        let (option, error) = block.unwrap().result().unwrap();
+        assert_eq!(option, value.option());
+        error
+    });
+    results.collect()
+}
+
+fn set(rig: &mut Rig, qualifier: Qualifier, value: Value<'_>) -> BlockError {
+    rig.now += Duration::from_secs(4);
+    set_from(rig, TOOL, qualifier, &[value])[0]
+}
+
+fn suite(last: u8) -> IpSuite {
+    IpSuite {
+        address: Ipv4Addr::new(10, 0, 0, last),
+        mask: Ipv4Addr::new(255, 255, 255, 0),
+        gateway: Ipv4Addr::UNSPECIFIED,
+    }
+}
+
+#[test]
+fn identify_answers_when_every_filter_fits() {
+    let mut rig = Rig::new(config());
+    let name = Value::Name(b"drive-1");
+    let (vendor, device) = (0x105, 1);
+    let ip = Value::Ip(rig.device.ip);
+    let fitting: &[&[Value<'_>]] = &[
+        &[Value::ALL],
+        &[name],
+        &[name, Value::DeviceId { vendor, device }],
+        &[Value::Mac(DEVICE)],
+        &[Value::StationType(b"AKD")],
+        &[Value::Role(1), Value::Instance(1)],
+        &[ip, name],
+    ];
+    for filters in fitting {
+        let answer = identify(&mut rig, 1, filters).expect("an answer");
+        let pdu = Pdu::parse(&answer).unwrap();
+        assert_eq!((pdu.kind, pdu.xid), (ServiceType::Success, 77));
+        let options: Vec<DcpOption> = pdu.blocks().map(|block| block.unwrap().option).collect();
+        for must in [
+            DcpOption::IP,
+            DcpOption::STATION_TYPE,
+            DcpOption::NAME,
+            DcpOption::DEVICE_ID,
+            DcpOption::ROLE,
+        ] {
+            assert!(options.contains(&must));
+        }
+    }
+    let silent: &[&[Value<'_>]] = &[
+        &[],
+        &[Value::Name(b"drive-11")],
+        &[Value::Name(b"drive-")],
+        &[Value::Name(b"")],
+        &[name, Value::DeviceId { vendor, device: 2 }],
+        &[name, Value::ALL],
+        &[Value::ALL, name],
+        &[name, Value::Alias(b"port-001.plc")],
+        &[Value::Other(DcpOption::new(9, 9), b"xx")],
+        &[Value::Signal(0x100)],
+    ];
+    for filters in silent {
+        assert_eq!(identify(&mut rig, 1, filters), None, "{filters:?}");
+    }
+}
+
+#[test]
+fn identify_of_the_reference_and_delay_by_mac() {
+    let mut rig = Rig::new(config());
+    let golden = b"\x05\x00\x00\x00\x00\x02\x00\x01\x00\x0c\x02\x02\x00\x07drive-1\x00";
+    assert!(
+        ask(
+            &mut rig,
+            TOOL,
+            DCP_IDENTIFY,
+            FrameId::DCP_IDENTIFY_REQUEST,
+            golden
+        )
+        .is_some()
+    );
+    for end in 0..golden.len() - 1 {
+        // what is declared must be there; padding of the frame does not count as content
+        let mut bytes = vec![0; 60];
+        bytes[..6].copy_from_slice(&DCP_IDENTIFY.0);
+        bytes[6..12].copy_from_slice(&TOOL.0);
+        bytes[12..16].copy_from_slice(&[0x88, 0x92, 0xFE, 0xFE]);
+        bytes.truncate(16);
+        bytes.extend_from_slice(&golden[..end]);
+        rig.device.handle_frame(rig.now, &bytes);
+        assert!(rig.drain().is_empty());
+    }
+    let mut last = config();
+    last.mac = MacAddress([2, 0, 0, 0, 0x01, 0x05]);
+    let mut rig = Rig::new(last);
+    assert_eq!(identify(&mut rig, 100, &[Value::ALL]), None);
+    // (0x0105 mod 100) x 10 ms
+    assert_eq!(rig.device.poll_timeout(), Some(Instant::from_millis(610)));
+    assert!(answer(&rig.pass(609), TOOL).is_none());
+    assert!(answer(&rig.pass(1), TOOL).is_some());
+    for _ in 0..50 {
+        identify(&mut rig, 6400, &[Value::ALL]);
+    }
+    assert!(rig.pass(64_000).len() <= 8);
+}
+
+#[test]
+fn get_gives_values_and_refusals_in_order() {
+    let mut rig = Rig::new(config());
+    let mut payload = Vec::new();
+    let mut pdu = PduWriter::new(&mut payload, ServiceId::Get, ServiceType::Request, 1, 0);
+    for option in [
+        DcpOption::NAME,
+        DcpOption::FULL_IP,
+        DcpOption::SIGNAL,
+        DcpOption::new(9, 1),
+        DcpOption::NAME,
+    ] {
+        pdu.request(option);
+    }
+    pdu.finish();
+    let answer = ask(&mut rig, TOOL, DEVICE, FrameId::DCP_GET_SET, &payload).unwrap();
+    let blocks: Vec<_> = Pdu::parse(&answer)
+        .unwrap()
+        .blocks()
+        .map(Result::unwrap)
+        .collect();
+    assert_eq!(blocks.len(), 4);
+    assert_eq!(blocks[0].info().unwrap().1, Value::Name(b"drive-1"));
+    assert!(matches!(blocks[1].info().unwrap().1, Value::FullIp { suite, .. } if suite == rig.device.ip));
+    assert_eq!(
+        blocks[2].result(),
+        Ok((DcpOption::SIGNAL, BlockError::SuboptionUnsupported))
+    );
+    assert_eq!(
+        blocks[3].result(),
+        Ok((DcpOption::new(9, 1), BlockError::OptionUnsupported))
+    );
+}
+
+#[test]
+fn names_and_addresses_are_set_for_good_or_for_now() {
+    let mut rig = Rig::new(config());
+    let (permanent, temporary) = (Qualifier::PERMANENT, Qualifier::TEMPORARY);
+    assert_eq!(set(&mut rig, permanent, Value::Name(b"akd-2")), BlockError::Ok);
+    assert_eq!(set(&mut rig, permanent, Value::Name(b"akd-2")), BlockError::Ok);
+    assert_eq!(set(&mut rig, temporary, Value::Name(b"akd-2")), BlockError::Ok);
+    let renamed = |permanent| Event::NameChanged {
+        name: "akd-2".into(),
+        permanent,
+    };
+    assert_eq!(rig.events(), [renamed(true), renamed(false)]);
+    for bad in [
+        &b"Akd"[..],
+        b"a_b",
+        b"-a",
+        b"a..b",
+        b"1.2.3.4",
+        b"port-001",
+        &[b'a'; 64],
+    ] {
+        assert_eq!(set(&mut rig, permanent, Value::Name(bad)), BlockError::NotSet);
+    }
+    assert_eq!(rig.device.name(), "akd-2");
+    assert_eq!(set(&mut rig, permanent, Value::Name(b"")), BlockError::Ok);
+    assert_eq!(rig.device.name(), "");
+    rig.events();
+
+    assert_eq!(set(&mut rig, temporary, Value::Ip(suite(2))), BlockError::Ok);
+    assert_eq!(
+        rig.events(),
+        [Event::IpChanged {
+            suite: suite(2),
+            permanent: false
+        }]
+    );
+    let own_gateway = IpSuite {
+        gateway: suite(3).address,
+        ..suite(3)
+    };
+    let full = Value::FullIp {
+        suite: own_gateway,
+        dns: [Ipv4Addr::UNSPECIFIED; 4],
+    };
+    assert_eq!(set(&mut rig, permanent, full), BlockError::Ok);
+    assert_eq!(rig.device.ip(), suite(3));
+    let foreign = IpSuite {
+        gateway: Ipv4Addr::new(10, 0, 1, 1),
+        ..suite(3)
+    };
+    let hole = IpSuite {
+        mask: Ipv4Addr::new(255, 0, 255, 0),
+        ..suite(3)
+    };
+    for bad in [suite(0), suite(255), foreign, hole] {
+        assert_eq!(set(&mut rig, permanent, Value::Ip(bad)), BlockError::NotSet);
+    }
+    let short = Value::Other(DcpOption::IP, &[1, 2, 3]);
+    assert_eq!(set(&mut rig, permanent, short), BlockError::NotSet);
+    assert_eq!(
+        set(&mut rig, permanent, Value::Mac(TOOL)),
+        BlockError::SuboptionUnsupported
+    );
+    assert_eq!(set(&mut rig, permanent, Value::Ip(IpSuite::NONE)), BlockError::Ok);
+    assert!(!rig.device.ip().is_set());
+    let both = set_from(
+        &mut rig,
+        TOOL,
+        permanent,
+        &[Value::Name(b"x"), Value::Ip(suite(9))],
+    );
+    assert_eq!(both, [BlockError::Ok; 2]);
+}
+
+#[test]
+fn a_running_relation_keeps_its_address_but_not_its_name() {
+    let mut rig = Rig::new(config());
+    let wish = Wish::tool(1);
+    rig.connect(&wish).unwrap();
+    let same = rig.device.ip;
+    assert_eq!(
+        set(&mut rig, Qualifier::PERMANENT, Value::Ip(suite(2))),
+        BlockError::InOperation
+    );
+    assert_eq!(
+        set(&mut rig, Qualifier::PERMANENT, Value::Ip(same)),
+        BlockError::Ok
+    );
+    assert_eq!(
+        set(&mut rig, Qualifier::PERMANENT, Value::Name(b"drive-1")),
+        BlockError::Ok
+    );
+    let mut rig = Rig::new(config());
+    rig.exchange(&Wish::controller(1));
+    let mut payload = Vec::new();
+    let mut pdu = PduWriter::new(&mut payload, ServiceId::Set, ServiceType::Request, 3, 0);
+    pdu.set(Qualifier::PERMANENT, &Value::Name(b"other"));
+    pdu.finish();
+    rig.device
+        .handle_frame(rig.now, &frame(TOOL, DEVICE, FrameId::DCP_GET_SET, &payload));
+    let cause = PnioStatus::aborted(abort::NAME_CHANGED);
+    assert_eq!(last_word(&rig.drain()), Some(cause));
+    assert_eq!(disconnected(&rig.events()), Some(cause));
+}
+
+#[test]
+fn one_client_at_a_time_is_served() {
+    let mut rig = Rig::new(config());
+    let name = [Value::Name(b"one")];
+    assert_eq!(set_from(&mut rig, TOOL, Qualifier::PERMANENT, &name).len(), 1);
+    assert_eq!(
+        set_from(&mut rig, OTHER_TOOL, Qualifier::PERMANENT, &[Value::Name(b"two")]).len(),
+        0
+    );
+    assert_eq!(rig.device.name(), "one");
+    // finding is not held
+    assert!(identify(&mut rig, 1, &[Value::ALL]).is_some());
+    rig.now += Duration::from_secs(3);
+    assert_eq!(
+        set_from(&mut rig, OTHER_TOOL, Qualifier::PERMANENT, &[Value::Name(b"two")]).len(),
+        1
+    );
+    // nor does anybody get an answer who asks all or somebody else
+    let mut payload = Vec::new();
+    PduWriter::new(&mut payload, ServiceId::Get, ServiceType::Request, 1, 0).finish();
+    for to in [DCP_IDENTIFY, MacAddress::BROADCAST, TOOL] {
+        assert_eq!(
+            ask(&mut rig, OTHER_TOOL, to, FrameId::DCP_GET_SET, &payload),
+            None
+        );
+    }
+}
+
+#[test]
+fn signal_blinks_once_and_unknown_services_are_told() {
+    let mut rig = Rig::new(config());
+    for _ in 0..3 {
+        let results = set_from(&mut rig, TOOL, Qualifier::TEMPORARY, &[Value::FLASH]);
+        assert_eq!(results, [BlockError::Ok]);
+    }
+    assert_eq!(rig.events(), [Event::Signal]);
+    assert_eq!(set(&mut rig, Qualifier::TEMPORARY, Value::FLASH), BlockError::Ok);
+    assert_eq!(rig.events(), [Event::Signal]);
+    let mut payload = Vec::new();
+    PduWriter::new(&mut payload, ServiceId::Other(9), ServiceType::Request, 5, 0).finish();
+    let answer = ask(&mut rig, TOOL, DEVICE, FrameId::DCP_GET_SET, &payload).unwrap();
+    let pdu = Pdu::parse(&answer).unwrap();
+    assert_eq!(
+        (pdu.service, pdu.kind, pdu.data.len()),
+        (ServiceId::Other(9), ServiceType::NotSupported, 0)
+    );
+}
+
+#[test]
+fn resets_answer_first_and_clear_what_their_mode_says() {
+    let reset = Value::Empty(DcpOption::RESET_TO_FACTORY);
+    let mut rig = Rig::new(config());
+    assert_eq!(
+        set(&mut rig, Qualifier::reset(3), reset),
+        BlockError::SuboptionUnsupported
+    );
+    assert_eq!(rig.device.name(), "drive-1");
+    rig.exchange(&Wish::controller(1));
+    let mut payload = Vec::new();
+    let mut pdu = PduWriter::new(&mut payload, ServiceId::Set, ServiceType::Request, 3, 0);
+    pdu.set(Qualifier::reset(2), &reset);
+    pdu.finish();
+    rig.device
+        .handle_frame(rig.now, &frame(TOOL, DEVICE, FrameId::DCP_GET_SET, &payload));
+    let sent = rig.drain();
+    let cause = PnioStatus::aborted(abort::FACTORY_RESET);
+    assert!(answer(&sent[..1], TOOL).is_some());
+    assert_eq!(last_word(&sent[1..]), Some(cause));
+    let events = rig.events();
+    assert_eq!(disconnected(&events), Some(cause));
+    assert_eq!(
+        events.last(),
+        Some(&Event::FactoryReset {
+            mode: ResetMode::Communication
+        })
+    );
+    assert_eq!((rig.device.name(), rig.device.ip()), ("", IpSuite::NONE));
+    let everything = Value::Empty(DcpOption::FACTORY_RESET);
+    assert_eq!(set(&mut rig, Qualifier(0), everything), BlockError::Ok);
+    assert_eq!(
+        rig.events(),
+        [Event::FactoryReset {
+            mode: ResetMode::Device
+        }]
+    );
+}
