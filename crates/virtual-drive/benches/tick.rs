@@ -10,6 +10,9 @@ use virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
 use virtual_drive::drive::Drive;
 use virtual_drive::model;
 
+#[path = "../tests/pair/mod.rs"]
+mod pair;
+
 fn costs(criterion: &mut Criterion) {
     let ramp = Some(Ramps {
         acceleration: 3000.0,
@@ -46,6 +49,24 @@ fn costs(criterion: &mut Criterion) {
             });
         });
     }
+    // The watch itself costs some 25 ns for each of the calls of a cycle.
+    let mut pair = pair::Pair::new(Duration::from_millis(1));
+    pair.send([0x04, 0x7E, 0, 0]);
+    (0..20).for_each(|_| pair.cycle(|_, work| work()));
+    pair.send([0x04, 0x7F, 6, 0x66]);
+    criterion.bench_function("station, frame in, step of 1 ms, frame out", |bencher| {
+        bencher.iter_custom(|cycles| {
+            let mut spent = Duration::ZERO;
+            for _ in 0..cycles {
+                pair.cycle(|_, work| {
+                    let start = std::time::Instant::now();
+                    work();
+                    spent += start.elapsed();
+                });
+            }
+            spent
+        });
+    });
     let mut drive = Drive::new(&model::AKD);
     let mut answer = [0; 240];
     criterion.bench_function("parameter request answered", |bencher| {

@@ -9,6 +9,8 @@ use profinet::Instant;
 use virtual_drive::drive::Drive;
 use virtual_drive::model;
 
+mod pair;
+
 struct Counting;
 
 thread_local! {
@@ -59,4 +61,24 @@ fn ticks_states_faults_and_parameters() {
         assert!(drive.serve(&write, &mut answer).is_ok());
     }
     assert_eq!(COUNT.with(Cell::get) - before, 0);
+}
+
+#[test]
+fn frame_in_step_frame_out() {
+    let mut pair = pair::Pair::new(Duration::from_millis(16));
+    pair.send([0x04, 0x7E, 0, 0]);
+    for _ in 0..20 {
+        pair.cycle(|_, work| work());
+    }
+    pair.send([0x04, 0x7F, 0x06, 0x66]);
+    let mut allocated = 0;
+    for _ in 0..2000 {
+        pair.cycle(|_, work| {
+            let before = COUNT.with(Cell::get);
+            work();
+            allocated += COUNT.with(Cell::get) - before;
+        });
+    }
+    assert!(pair.station.drive().is_enabled());
+    assert_eq!(allocated, 0);
 }
