@@ -9,6 +9,7 @@ mod failure;
 mod job;
 mod output;
 mod render;
+mod state;
 
 use std::process::ExitCode;
 

@@ -3,11 +3,13 @@
 mod address;
 mod completions;
 mod decode;
+mod demo;
 mod explain;
 mod info;
 mod motion;
 mod parameters;
 mod scan;
+mod simulate;
 
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
@@ -33,7 +35,8 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Monitor(args) => motion::monitor(args, global, output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => decode::run(args, output),
-        Command::Simulate(_) | Command::Demo(_) => Err(Failure::usage("not part of this build")),
+        Command::Simulate(args) => simulate::run(args, global, output),
+        Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),
     }
 }

@@ -128,7 +128,7 @@ pub fn line(view: &AxisView) -> String {
         .position
         .map_or_else(String::new, |position| format!("  position {position:.0}"));
     format!(
-        "{:>7.2} s  {:<28}  STW1 {}  ZSW1 {zsw1}  set {:>8.2} rpm  actual {:>8.2} rpm{position}",
+        "{:>7.2} s  {:<46}  STW1 {}  ZSW1 {zsw1}  set {:>8.2} rpm  actual {:>8.2} rpm{position}",
         view.time.as_secs_f64(),
         view.state(),
         hex16(view.stw1),
@@ -204,7 +204,7 @@ mod tests {
     fn one_line_has_everything() {
         assert_eq!(
             line(&VIEW),
-            "   1.23 s  S4 operation                  STW1 0x047F  ZSW1 0x0337  set    60.06 rpm  actual    59.70 rpm"
+            "   1.23 s  S4 operation                                    STW1 0x047F  ZSW1 0x0337  set    60.06 rpm  actual    59.70 rpm"
         );
         assert!(line(&AxisView { zsw1: None, ..VIEW }).contains("no data yet"));
     }

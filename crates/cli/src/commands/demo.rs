@@ -1,0 +1,501 @@
+//! `profidrive demo`: the whole chain in one process, every byte through the same code as on a wire.
+
+use std::cell::{Cell, RefCell};
+use std::fs::File;
+use std::net::Ipv4Addr;
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Duration;
+
+use drive_client::axis::{Jog, Trouble};
+use drive_client::parameter::{Assignment, Reading, Selection};
+use drive_client::{Axis, AxisSettings, Drive, DriveAddress, Error, Session, WriteMode, describe};
+use network::host::{Host, StationId};
+use network::linux::Stop;
+use network::pcap::Writer;
+use network::segment::{Pace, Segment, SegmentMedium};
+use profinet::controller::ControllerConfig;
+use profinet::device::Stored;
+use profinet::{IpSuite, MacAddress};
+use serde_json::Value;
+use virtual_drive::model;
+use virtual_drive::station::{Station, StationConfig};
+
+use crate::args::Demo;
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::{Colour, Output};
+use crate::render::live::{AxisView, LiveView};
+use crate::render::table::Table;
+use crate::render::{hex16, value, words};
+
+const NAME: &str = "akd-1";
+const DRIVE_MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 1]);
+const CONTROLLER_MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
+const MASK: Ipv4Addr = Ipv4Addr::new(255, 255, 255, 0);
+/// The page that is read by name.
+const PAGE: [&str; 8] = [
+    "DRV.OPMODE",
+    "DRV.ACC",
+    "DRV.DEC",
+    "DRV.IPEAK",
+    "VBUS.VALUE",
+    "VL.FB_32",
+    "PL.FB",
+    "PN.VELSCALING",
+];
+/// Speeds in rpm.
+const RUN: f64 = 60.0;
+const JOG: f64 = 30.0;
+/// How far from the speed asked for the motor may be.
+const TOLERANCE: f64 = 3.0;
+/// Following error: a fault that every servo drive has.
+const FAULT: u16 = 439;
+
+type Demonstrated<'s> = Axis<'s, SegmentMedium>;
+
+/// One thing the demo promises.
+#[derive(Debug)]
+struct Step {
+    what: &'static str,
+    result: Result<String, String>,
+}
+
+/// Everything the demo promises, in order.
+const PROMISES: [&str; 11] = [
+    "find the drive by name",
+    "read its identity",
+    "read a page of parameters by name",
+    "connect cyclically with telegram 1",
+    "step to S4",
+    "run at 60 rpm",
+    "change an acceleration while running",
+    "jog",
+    "fault comes and is acknowledged",
+    "stop along the ramp",
+    "release",
+];
+
+struct Show {
+    output: Output,
+    view: Rc<RefCell<LiveView>>,
+    position: Rc<Cell<Option<f64>>>,
+    steps: Vec<Step>,
+}
+
+pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
+    let (mut session, station) = stage(args)?;
+    let view = LiveView::new(output.clone(), "demo");
+    let mut show = Show {
+        output: output.clone(),
+        view: Rc::new(RefCell::new(view)),
+        position: Rc::new(Cell::new(None)),
+        steps: Vec::new(),
+    };
+    output.say("an in-memory Ethernet segment with a virtual AKD and a controller");
+    let result = play(&mut session, station, &mut show);
+    let closed = session.close();
+    let taps = session.medium_mut().segment_mut().finish_taps();
+    if let Err(error) = result.or(closed) {
+        let what = PROMISES.get(show.steps.len()).copied().unwrap_or("close");
+        show.steps.push(Step {
+            what,
+            result: Err(error.to_string()),
+        });
+    }
+    show.summary();
+    taps.map_err(|error| Failure::new(Exit::Failed, format!("the capture is not complete: {error}")))?;
+    if let Some(path) = &args.pcap {
+        output.say(&format!(
+            "traffic is in {}; `profidrive decode {}` says what it means",
+            path.display(),
+            path.display()
+        ));
+    }
+    match show
+        .steps
+        .iter()
+        .find_map(|step| Some((step.what, step.result.as_ref().err()?)))
+    {
+        Some((what, reason)) => Err(Failure::new(
+            Exit::Failed,
+            format!("the demo failed at \"{what}\": {reason}"),
+        )),
+        None if show.steps.len() != PROMISES.len() => {
+            Err(Failure::new(Exit::Failed, "the demo did not do everything"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Drive and controller on a segment.
+fn stage(args: &Demo) -> Result<(Session<SegmentMedium>, StationId), Failure> {
+    let ip = |last| IpSuite {
+        address: Ipv4Addr::new(10, 0, 0, last),
+        mask: MASK,
+        gateway: Ipv4Addr::UNSPECIFIED,
+    };
+    let mut segment = Segment::new(1);
+    if let Some(path) = &args.pcap {
+        segment.add_tap(Box::new(capture(path)?));
+    }
+    let mut config = StationConfig::new(&model::AKD, DRIVE_MAC);
+    config.network = Stored {
+        name: NAME.into(),
+        ip: ip(2),
+        ..Stored::default()
+    };
+    let station = segment.attach(Box::new(Host::new(Station::new(config))));
+    let pace = if args.fast { Pace::Virtual } else { Pace::Wall };
+    let medium = SegmentMedium::new(segment, pace);
+    let config = ControllerConfig::new(CONTROLLER_MAC, ip(1), "demo-controller", 1);
+    let mut session = Session::new(medium, config);
+    if let Ok(stop) = Stop::on_signals() {
+        session.interrupt_with(move || stop.is_stopped());
+    }
+    Ok((session, station))
+}
+
+fn capture(path: &Path) -> Result<Writer<File>, Failure> {
+    let failed = |error: std::io::Error| {
+        Failure::new(Exit::Failed, format!("cannot write {}: {error}", path.display()))
+    };
+    Writer::starting_now(File::create(path).map_err(failed)?, "demo").map_err(failed)
+}
+
+fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Show) -> Result<(), Error> {
+    let mut drive = find(session, show)?;
+    identity(session, &mut drive, show)?;
+    page(session, &mut drive, show)?;
+    show.next();
+    let settings = AxisSettings {
+        cycle: Some(Duration::from_millis(16)),
+        ..AxisSettings::default()
+    };
+    let mut axis = session.take_axis(&mut drive, settings)?;
+    show.done(format!(
+        "update time {} ms, both directions",
+        axis.cycle().as_millis()
+    ));
+    let (view, position) = (Rc::clone(&show.view), Rc::clone(&show.position));
+    let seen_states = Rc::new(RefCell::new(Vec::<&'static str>::new()));
+    let states = Rc::clone(&seen_states);
+    axis.watch(move |status| {
+        let picture = AxisView {
+            position: position.get(),
+            ..AxisView::of(status)
+        };
+        let state = picture.zsw1.map_or("--", words::state_number);
+        if state != "--" && states.borrow().last() != Some(&state) {
+            states.borrow_mut().push(state);
+        }
+        view.borrow_mut().show(&picture);
+    });
+    show.next();
+    axis.ready()?;
+    axis.run(0.0)?;
+    show.done(seen_states.borrow().join(", "));
+    turn(&mut axis, show)?;
+    accelerate(&mut axis, show)?;
+    jog(&mut axis, show)?;
+    fault(&mut axis, station, show)?;
+    stop(&mut axis, show)?;
+    show.next();
+    axis.release()?;
+    let free = session
+        .medium()
+        .segment()
+        .station::<Host<Station>>(station)
+        .is_some_and(|host| {
+            !host.endpoint().device().is_exchanging() && !host.endpoint().drive().is_enabled()
+        });
+    show.check(
+        free,
+        "connection closed, the drive is without a controller".into(),
+        "the drive is still connected",
+    )
+}
+
+fn find(session: &mut Session<SegmentMedium>, show: &mut Show) -> Result<Drive, Error> {
+    show.next();
+    let drive = session.find(&DriveAddress::Name(NAME.into()))?;
+    show.done(describe(&drive.station));
+    Ok(drive)
+}
+
+fn identity(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut Show) -> Result<(), Error> {
+    show.next();
+    let info = session.info(drive)?;
+    let state = info
+        .raw(2)
+        .and_then(|raw| u16::try_from(raw).ok())
+        .map_or("unknown", words::state);
+    let Some(identity) = info.identity.filter(|_| info.refused.is_empty()) else {
+        return show.check(
+            false,
+            String::new(),
+            &format!("refused: {}", info.refused.join("; ")),
+        );
+    };
+    show.done(format!(
+        "{} {}, serial {}, software {}, {state}",
+        drive.model.name, identity.order_id, identity.serial_number, identity.software_revision
+    ));
+    Ok(())
+}
+
+fn page(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut Show) -> Result<(), Error> {
+    show.next();
+    let mut selections: Vec<Selection> = Vec::new();
+    for name in PAGE {
+        selections.push(
+            drive.parameters.select(
+                &name
+                    .parse()
+                    .map_err(drive_client::parameter::ParameterProblem::from)?,
+            )?,
+        );
+    }
+    let readings: Vec<Reading> = session.read(drive, &selections)?.into_iter().flatten().collect();
+    let mut table = Table::new(&["name", "number", ">value", "unit", "meaning"]);
+    for reading in &readings {
+        table.row([
+            reading.name.unwrap_or_default().to_owned(),
+            reading.shown().to_string(),
+            value::value(reading),
+            reading.unit.to_owned(),
+            value::meaning(reading),
+        ]);
+    }
+    if !show.output.json() {
+        for line in table.lines() {
+            show.output.line(&format!("    {line}"));
+        }
+    }
+    show.check(
+        readings.len() == PAGE.len(),
+        format!("{} of {} parameters", readings.len(), PAGE.len()),
+        "some parameters could not be read",
+    )
+}
+
+fn near(actual: f64, wanted: f64) -> bool {
+    (actual - wanted).abs() <= TOLERANCE
+}
+
+/// Keeps the axis going for a while, with its position beside the speeds.
+fn hold(axis: &mut Demonstrated<'_>, time: Duration, show: &Show) -> Result<f64, Error> {
+    const PART: Duration = Duration::from_millis(250);
+    let mut left = time;
+    while !left.is_zero() {
+        let part = left.min(PART);
+        axis.hold(part)?;
+        left -= part;
+        let (session, drive) = axis.session();
+        let selection = drive.parameters.select(
+            &"PL.FB"
+                .parse()
+                .map_err(drive_client::parameter::ParameterProblem::from)?,
+        )?;
+        show.position.set(session.read_one(drive, &selection)?.number());
+    }
+    Ok(axis.status().map_or(0.0, |status| status.speed_actual))
+}
+
+fn turn(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+    show.next();
+    axis.run(RUN)?;
+    let before = show.position.get();
+    let speed = hold(axis, Duration::from_millis(2500), show)?;
+    let moved = show.position.get() != before;
+    let text = format!(
+        "{speed:.2} rpm, position {:.0}",
+        show.position.get().unwrap_or(0.0)
+    );
+    show.check(
+        near(speed, RUN) && moved,
+        text,
+        &format!("the motor turns at {speed:.2} rpm"),
+    )
+}
+
+fn accelerate(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+    show.next();
+    let (session, drive) = axis.session();
+    let assignment: Assignment = "DRV.ACC=1000rpm/s".parse()?;
+    let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
+    let outcome = outcomes.first();
+    let old = outcome
+        .and_then(|outcome| outcome.old.as_ref()?.as_ref().ok())
+        .map(value::full);
+    let new = outcome
+        .and_then(|outcome| outcome.new.as_ref()?.as_ref().ok())
+        .map(value::full);
+    let kept = outcome.is_some_and(|outcome| !outcome.differs());
+    axis.run(2.0 * RUN)?;
+    let speed = hold(axis, Duration::from_millis(1250), show)?;
+    let text = format!(
+        "DRV.ACC {} -> {}, then {speed:.2} rpm",
+        old.unwrap_or_default(),
+        new.clone().unwrap_or_default()
+    );
+    show.check(
+        kept && new.is_some() && near(speed, 2.0 * RUN),
+        text,
+        "the value did not arrive, or the motor not there",
+    )
+}
+
+fn jog(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+    show.next();
+    let (session, drive) = axis.session();
+    let assignment: Assignment = format!("1004={JOG}rpm").parse()?;
+    session.write(drive, &[assignment], WriteMode::Write)?;
+    axis.jog(Jog::One)?;
+    let speed = hold(axis, Duration::from_millis(1500), show)?;
+    show.check(
+        near(speed, JOG),
+        format!("{speed:.2} rpm"),
+        &format!("the motor jogs at {speed:.2} rpm"),
+    )
+}
+
+fn fault(axis: &mut Demonstrated<'_>, station: StationId, show: &mut Show) -> Result<(), Error> {
+    show.next();
+    axis.run(RUN)?;
+    hold(axis, Duration::from_millis(500), show)?;
+    let (session, _) = axis.session();
+    if let Some(host) = session
+        .medium_mut()
+        .segment_mut()
+        .station_mut::<Host<Station>>(station)
+    {
+        host.endpoint_mut().drive_mut().inject_fault(FAULT, false);
+    }
+    match axis.hold(Duration::from_secs(2)) {
+        Err(Error::Axis {
+            trouble: Trouble::Fault,
+            ..
+        }) => {}
+        Err(error) => return Err(error),
+        Ok(()) => return show.check(false, String::new(), "the fault did not arrive"),
+    }
+    let (session, drive) = axis.session();
+    let faults = session.faults(drive)?;
+    let present = faults.iter().find(|fault| fault.situation == 0);
+    let told = present.map(|fault| format!("F{} {}", fault.number, fault.meaning.unwrap_or_default()));
+    let right = present.is_some_and(|fault| fault.number == FAULT);
+    axis.acknowledge()?;
+    let zsw1 = axis
+        .status()
+        .and_then(|status| status.view.seen)
+        .map_or(0, |seen| seen.zsw1);
+    let (session, drive) = axis.session();
+    let shifted = session
+        .faults(drive)?
+        .iter()
+        .any(|fault| fault.situation == 1 && fault.number == FAULT);
+    let text = format!("{}; acknowledged, ZSW1 {}", told.unwrap_or_default(), hex16(zsw1));
+    show.check(
+        right && shifted && zsw1 & 1 << 3 == 0,
+        text,
+        "the fault buffer is not as it should be",
+    )
+}
+
+fn stop(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+    show.next();
+    axis.run(RUN)?;
+    hold(axis, Duration::from_millis(750), show)?;
+    axis.stop()?;
+    let status = axis.status();
+    let zsw1 = status
+        .and_then(|status| status.view.seen)
+        .map_or(0, |seen| seen.zsw1);
+    let speed = status.map_or(f64::MAX, |status| status.speed_actual);
+    show.check(
+        near(speed, 0.0),
+        format!("{}, {speed:.2} rpm", words::state(zsw1)),
+        "the motor still turns",
+    )
+}
+
+impl Show {
+    /// Says what comes.
+    fn next(&mut self) {
+        let what = PROMISES.get(self.steps.len()).copied().unwrap_or_default();
+        self.view.borrow_mut().leave();
+        if !self.output.json() {
+            self.output
+                .line(&self.output.paint(Colour::Strong, &format!("> {what}")));
+        }
+    }
+
+    /// It happened.
+    fn done(&mut self, text: String) {
+        let what = PROMISES.get(self.steps.len()).copied().unwrap_or_default();
+        self.steps.push(Step {
+            what,
+            result: Ok(text),
+        });
+    }
+
+    /// It happened, or the demo fails.
+    fn check(&mut self, good: bool, text: String, otherwise: &str) -> Result<(), Error> {
+        if good {
+            self.done(text);
+            return Ok(());
+        }
+        Err(Error::Malformed {
+            drive: NAME.into(),
+            reason: otherwise.to_owned(),
+        })
+    }
+
+    fn summary(&self) {
+        self.view.borrow_mut().leave();
+        if self.output.json() {
+            let steps: Vec<Value> = self
+                .steps
+                .iter()
+                .map(|step| {
+                    let (ok, text) = match &step.result {
+                        Ok(text) => (true, text),
+                        Err(text) => (false, text),
+                    };
+                    Value::Object(fields! { "step": step.what, "ok": ok, "text": text.as_str() })
+                })
+                .collect();
+            self.output
+                .document("demo", fields! { "end": true, "steps": steps });
+            return;
+        }
+        self.output
+            .line(&self.output.paint(Colour::Strong, "what happened"));
+        for step in &self.steps {
+            let line = match &step.result {
+                Ok(text) => {
+                    self.output.paint(Colour::Normal, "ok    ") + &format!("{:<38} {text}", step.what)
+                }
+                Err(text) => {
+                    self.output.paint(Colour::Fault, "FAILED") + &format!("{:<38} {text}", step.what)
+                }
+            };
+            self.output.line(&line);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_promised_happens() {
+        let args = Demo {
+            pcap: None,
+            fast: true,
+        };
+        assert_eq!(run(&args, &Output::new(true, true)), Ok(()));
+    }
+}

@@ -1,0 +1,380 @@
+//! `profidrive simulate --model akd --name akd-1 -i IFACE`
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::net::Ipv4Addr;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use network::host::{Host, StationId};
+use network::linux::{Runner, Stop, Turn, now};
+use network::pcap::Writer;
+use profinet::device::Stored;
+use profinet::wire::dcp::check_name;
+use profinet::{Instant, IpSuite, MacAddress};
+use virtual_drive::model::{self, Model as DriveModel};
+use virtual_drive::station::{Station, StationConfig, StationEvent};
+
+use crate::args::{Global, Model, Network, Simulate};
+use crate::connect;
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::state::DriveState;
+
+/// One step of an update time.
+const TICK_NANOS: u128 = 31_250;
+/// How long to sleep while nothing happens.
+const NAP: Duration = Duration::from_secs(3600);
+
+/// A drive to be simulated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Plan {
+    /// What it is called on the command line; names its files and its MAC address.
+    key: String,
+    name: String,
+    mac: MacAddress,
+    ip: IpSuite,
+}
+
+pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Failure> {
+    let interface = connect::interface(global)?.ok_or_else(connect::no_interface)?;
+    let interval = interval(args.min_cycle)?;
+    let mut runner = Runner::open(&interface)?;
+    let host = runner.interface().mac;
+    let plans = plans(args, host)?;
+    let stop = Stop::on_signals()
+        .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
+    runner.set_stop(stop);
+    if let Some(path) = &args.pcap {
+        runner.add_tap(Box::new(capture(path, &interface)?));
+    }
+    let mut drives: HashMap<StationId, (String, DriveState)> = HashMap::new();
+    for plan in &plans {
+        let state = DriveState::new(args.state.as_deref(), &plan.key);
+        let mut config = StationConfig::new(model_of(args.model), plan.mac);
+        config.min_device_interval = Some(interval);
+        config.network = state.read_network()?.unwrap_or_else(|| Stored {
+            name: plan.name.clone(),
+            ip: plan.ip,
+            ..Stored::default()
+        });
+        config.parameters = state.read_parameters()?;
+        let told = told(&config.network, plan.mac);
+        let id = runner.attach(Box::new(Host::new(Station::new(config))))?;
+        tell(output, &plan.key, now(), &format!("ready: {told}"));
+        drives.insert(id, (plan.key.clone(), state));
+    }
+    output.say(&format!("{} on {interface}; Ctrl-C ends", count(plans.len())));
+    loop {
+        let turn = runner.step(now() + NAP)?;
+        let touched = runner.touched().to_vec();
+        for id in touched {
+            let Some((key, state)) = drives.get(&id) else {
+                continue;
+            };
+            // asking for the station changes nothing but its place in the queue; most turns have no event
+            while let Some(event) = runner
+                .station_mut::<Host<Station>>(id)
+                .and_then(|host| host.endpoint_mut().poll_event())
+            {
+                happened(key, state, &event, output);
+            }
+        }
+        if turn == Turn::Stopped {
+            break;
+        }
+    }
+    runner
+        .finish_taps()
+        .map_err(|error| Failure::new(Exit::Failed, format!("the capture is not complete: {error}")))
+}
+
+const fn model_of(model: Model) -> &'static DriveModel {
+    match model {
+        Model::Akd => &model::AKD,
+    }
+}
+
+fn count(drives: usize) -> String {
+    if drives == 1 {
+        "1 drive".into()
+    } else {
+        format!("{drives} drives")
+    }
+}
+
+fn capture(path: &std::path::Path, interface: &str) -> Result<Writer<File>, Failure> {
+    let failed = |error: std::io::Error| {
+        Failure::new(Exit::Failed, format!("cannot write {}: {error}", path.display()))
+    };
+    let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let origin = wall.saturating_sub(now() - Instant::ZERO);
+    Writer::new(File::create(path).map_err(failed)?, interface, origin).map_err(failed)
+}
+
+/// The fastest update time in steps of 31.25 us.
+fn interval(time: Duration) -> Result<u16, Failure> {
+    let ticks = time.as_nanos() / TICK_NANOS;
+    u16::try_from(ticks)
+        .ok()
+        .filter(|ticks| (32..=16384).contains(ticks) && time.as_nanos() % TICK_NANOS == 0)
+        .ok_or_else(|| Failure::usage("--min-cycle: 1 ms to 512 ms, in steps of 31.25 us"))
+}
+
+/// Names, addresses and MAC addresses of all drives.
+fn plans(args: &Simulate, host: Option<MacAddress>) -> Result<Vec<Plan>, Failure> {
+    let mut plans: Vec<Plan> = Vec::new();
+    for number in 1..=args.count {
+        let name = match &args.name {
+            None => String::new(),
+            Some(name) if args.count == 1 => name.clone(),
+            Some(name) => numbered(name, number),
+        };
+        if !name.is_empty()
+            && let Err(rule) = check_name(name.as_bytes())
+        {
+            return Err(Failure::usage(format!("`{name}` is no station name: {rule}")));
+        }
+        let key = if name.is_empty() {
+            format!("drive-{number}")
+        } else {
+            name.clone()
+        };
+        let mac = mac(args, &key, host)?;
+        if let Some(other) = plans.iter().find(|other| other.mac == mac) {
+            return Err(
+                Failure::usage(format!("{} and {key} get the same MAC address {mac}", other.key))
+                    .hint("choose another --name"),
+            );
+        }
+        let ip = args
+            .ip
+            .map_or(Ok(IpSuite::NONE), |first| address(first, number - 1))?;
+        plans.push(Plan { key, name, mac, ip });
+    }
+    Ok(plans)
+}
+
+/// `akd` gives akd-1, akd-2; `akd-1` gives akd-1, akd-2 as well; `akd-5` begins at 5.
+fn numbered(name: &str, number: u16) -> String {
+    let (base, first) = match name.rsplit_once('-') {
+        Some((base, digits)) if !base.is_empty() => match digits.parse::<u16>() {
+            Ok(first) => (base, first),
+            Err(_) => (name, 1),
+        },
+        _ => (name, 1),
+    };
+    format!("{base}-{}", u32::from(first) + u32::from(number) - 1)
+}
+
+fn mac(args: &Simulate, key: &str, host: Option<MacAddress>) -> Result<MacAddress, Failure> {
+    match args.mac.as_deref() {
+        None => Ok(derived_mac(key)),
+        Some(_) if args.count > 1 => Err(Failure::usage(
+            "--mac is for one drive; several get theirs from their names",
+        )),
+        Some("host") => host.ok_or_else(|| Failure::usage("the interface has no MAC address")),
+        Some(text) => {
+            let mac: MacAddress = text
+                .parse()
+                .map_err(|error| Failure::usage(format!("--mac {text}: {error}")))?;
+            if mac.is_multicast() || mac == MacAddress::default() {
+                return Err(Failure::usage(format!(
+                    "--mac {text}: this address belongs to no single station"
+                )));
+            }
+            Ok(mac)
+        }
+    }
+}
+
+/// A locally administered address that is the same for the same name every time: FNV-1a, 40 bits of it.
+fn derived_mac(key: &str) -> MacAddress {
+    let hash = key.bytes().fold(0xCBF2_9CE4_8422_2325_u64, |hash, octet| {
+        (hash ^ u64::from(octet)).wrapping_mul(0x0100_0000_01B3)
+    });
+    let folded = hash ^ (hash >> 40);
+    let [.., a, b, c, d, e] = folded.to_be_bytes();
+    MacAddress([0x02, a, b, c, d, e])
+}
+
+fn address(first: Network, offset: u16) -> Result<IpSuite, Failure> {
+    let address = u32::from(first.address)
+        .checked_add(offset.into())
+        .map(Ipv4Addr::from);
+    let suite = |address| IpSuite {
+        address,
+        mask: first.mask(),
+        gateway: Ipv4Addr::UNSPECIFIED,
+    };
+    let fits = |address: &Ipv4Addr| {
+        let host = u32::from(*address) & !u32::from(first.mask());
+        suite(first.address).is_local(*address)
+            && (first.prefix >= 31 || (host != 0 && host != !u32::from(first.mask())))
+    };
+    address.filter(fits).map(suite).ok_or_else(|| {
+        Failure::usage(format!(
+            "{}/{} has no room for {} drives",
+            first.address,
+            first.prefix,
+            offset + 1
+        ))
+    })
+}
+
+fn told(network: &Stored, mac: MacAddress) -> String {
+    let name = if network.name.is_empty() {
+        "no name"
+    } else {
+        &network.name
+    };
+    if network.ip.is_set() {
+        format!("{name}, {mac}, {}", network.ip.address)
+    } else {
+        format!("{name}, {mac}, waits for its address")
+    }
+}
+
+/// Keeps what must be kept, and says what happened.
+fn happened(key: &str, state: &DriveState, event: &StationEvent, output: &Output) {
+    let at = now();
+    let kept = |result: Result<(), Failure>| {
+        if let Err(failure) = result {
+            output.warn(&format!("{key}: {}", failure.message));
+        }
+    };
+    match event {
+        StationEvent::PersistNetwork(network) => {
+            kept(state.write_network(network));
+            let name = if network.name.is_empty() {
+                "no name"
+            } else {
+                &network.name
+            };
+            let ip = if network.ip.is_set() {
+                network.ip.address.to_string()
+            } else {
+                "no address".into()
+            };
+            tell(output, key, at, &format!("kept over power-off: {name}, {ip}"));
+        }
+        StationEvent::PersistParameters { text } => {
+            kept(state.write_parameters(text));
+            tell(output, key, at, "parameters saved");
+        }
+        StationEvent::ParametersIgnored(error) => {
+            output.warn(&format!(
+                "{key}: saved parameters not used, values as delivered: {error}"
+            ));
+        }
+        StationEvent::Blink => tell(output, key, at, "blinks"),
+        StationEvent::Connected { controller, station } => {
+            let kind = if *controller {
+                "controller"
+            } else {
+                "parameter tool"
+            };
+            let station = crate::render::table::clean(station);
+            tell(output, key, at, &format!("connected: {kind} \"{station}\""));
+        }
+        StationEvent::Exchanging { telegram } => {
+            tell(output, key, at, &format!("exchanges data, telegram {telegram}"))
+        }
+        StationEvent::Disconnected { cause } => tell(output, key, at, &format!("disconnected: {cause}")),
+        StationEvent::State { from, to } => tell(output, key, at, &format!("{from} -> {to}")),
+        StationEvent::Fault { number } => {
+            let meaning = profidrive::catalogue::AKD
+                .fault(*number, false)
+                .map_or("", |fault| fault.meaning);
+            tell(output, key, at, &format!("fault F{number} {meaning}"));
+        }
+        StationEvent::Acknowledged => tell(output, key, at, "faults acknowledged"),
+    }
+}
+
+fn tell(output: &Output, key: &str, at: Instant, text: &str) {
+    if output.json() {
+        let time = at.as_nanos() as f64 / 1e9;
+        output.document("simulate", fields! { "time": time, "drive": key, "text": text });
+    } else {
+        output.line(&format!(
+            "{:>12.3} {key:<16} {}",
+            at.as_nanos() as f64 / 1e9,
+            text.trim_end()
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    fn planned(line: &str) -> Result<Vec<Plan>, Failure> {
+        let cli = crate::args::Cli::try_parse_from(line.split(' ')).unwrap();
+        let crate::args::Command::Simulate(args) = cli.command else {
+            panic!()
+        };
+        plans(&args, Some(MacAddress([0, 1, 2, 3, 4, 5])))
+    }
+
+    #[test]
+    fn names_addresses_and_macs_are_counted_up() {
+        let drives = planned("profidrive simulate --name akd-1 --count 3 --ip 10.0.0.254/16").unwrap();
+        let names: Vec<_> = drives.iter().map(|plan| plan.name.as_str()).collect();
+        assert_eq!(names, ["akd-1", "akd-2", "akd-3"]);
+        let ips: Vec<_> = drives.iter().map(|plan| plan.ip.address.to_string()).collect();
+        assert_eq!(ips, ["10.0.0.254", "10.0.0.255", "10.0.1.0"]);
+        assert!(drives.iter().all(|plan| plan.mac.0[0] == 2));
+        assert_eq!(
+            drives[0].mac,
+            planned("profidrive simulate --name akd-1").unwrap()[0].mac,
+            "stable"
+        );
+        assert_eq!(
+            planned("profidrive simulate --name press --count 2").unwrap()[1].name,
+            "press-2"
+        );
+        assert_eq!(planned("profidrive simulate").unwrap()[0].name, "");
+    }
+
+    #[test]
+    fn many_names_many_macs() {
+        let drives = planned("profidrive simulate --name akd-1 --count 256 --ip 10.0.0.1/16").unwrap();
+        assert_eq!(drives.len(), 256);
+    }
+
+    #[test]
+    fn mistakes_are_told() {
+        for (line, words) in [
+            ("profidrive simulate --name akd_1", "no station name"),
+            (
+                "profidrive simulate --name akd-1 --count 2 --mac host",
+                "for one drive",
+            ),
+            (
+                "profidrive simulate --name akd-1 --mac ff:ff:ff:ff:ff:ff",
+                "no single station",
+            ),
+            (
+                "profidrive simulate --name akd-1 --count 2 --ip 10.0.0.254/24",
+                "no room for 2 drives",
+            ),
+        ] {
+            assert!(planned(line).unwrap_err().message.contains(words), "{line}");
+        }
+        assert_eq!(
+            planned("profidrive simulate --mac host").unwrap()[0].mac,
+            MacAddress([0, 1, 2, 3, 4, 5])
+        );
+    }
+
+    #[test]
+    fn update_times() {
+        assert_eq!(interval(Duration::from_millis(16)), Ok(512));
+        assert_eq!(interval(Duration::from_millis(1)), Ok(32));
+        assert_eq!(interval(Duration::from_millis(512)), Ok(16384));
+        assert!(interval(Duration::from_micros(500)).is_err());
+        assert!(interval(Duration::from_secs(1)).is_err());
+    }
+}

@@ -1,0 +1,154 @@
+//! What a virtual drive keeps over a restart, in a folder: `NAME.network.json` and `NAME.parameters`.
+
+use std::path::Path;
+
+use network::files::StateFile;
+use profinet::IpSuite;
+use profinet::device::{ImRecords, Stored};
+use serde_json::Value;
+
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::SCHEMA;
+
+/// The files of one drive; without a folder nothing is kept.
+#[derive(Debug, Clone)]
+pub struct DriveState {
+    files: Option<(StateFile, StateFile)>,
+}
+
+impl DriveState {
+    /// The files of the drive `key` in `folder`.
+    pub fn new(folder: Option<&Path>, key: &str) -> Self {
+        let file = |folder: &Path, ending: &str| StateFile::new(folder.join(format!("{key}.{ending}")));
+        Self {
+            files: folder.map(|folder| (file(folder, "network.json"), file(folder, "parameters"))),
+        }
+    }
+
+    /// Name, address and I&M data; `None` for a drive that starts for the first time.
+    pub fn read_network(&self) -> Result<Option<Stored>, Failure> {
+        let Some((file, _)) = &self.files else {
+            return Ok(None);
+        };
+        let Some(content) = file
+            .read()
+            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?
+        else {
+            return Ok(None);
+        };
+        decode(&content).map(Some).ok_or_else(|| {
+            let path = file.path().display();
+            Failure::new(Exit::Failed, format!("{path} is no state of a drive"))
+                .hint("move the file away to start with a new drive")
+        })
+    }
+
+    /// Keeps them.
+    pub fn write_network(&self, network: &Stored) -> Result<(), Failure> {
+        let Some((file, _)) = &self.files else {
+            return Ok(());
+        };
+        file.replace(encode(network).as_bytes())
+            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+    }
+
+    /// The saved parameters.
+    pub fn read_parameters(&self) -> Result<Option<Vec<u8>>, Failure> {
+        let Some((_, file)) = &self.files else {
+            return Ok(None);
+        };
+        file.read()
+            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+    }
+
+    /// Keeps them.
+    pub fn write_parameters(&self, text: &str) -> Result<(), Failure> {
+        let Some((_, file)) = &self.files else {
+            return Ok(());
+        };
+        file.replace(text.as_bytes())
+            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+    }
+}
+
+fn hex(octets: &[u8]) -> String {
+    octets.iter().map(|octet| format!("{octet:02x}")).collect()
+}
+
+fn encode(network: &Stored) -> String {
+    let fields = fields! {
+        "schema": SCHEMA, "kind": "virtual drive",
+        "name": network.name.as_str(), "ip": network.ip.address.to_string(), "mask": network.ip.mask.to_string(),
+        "gateway": network.ip.gateway.to_string(), "im1": hex(&network.im.im1), "im2": hex(&network.im.im2),
+        "im3": hex(&network.im.im3), "im4": hex(&network.im.im4),
+    };
+    format!("{:#}\n", Value::Object(fields))
+}
+
+fn decode(content: &[u8]) -> Option<Stored> {
+    let value: Value = serde_json::from_slice(content).ok()?;
+    if value.get("schema")?.as_str()? != SCHEMA {
+        return None;
+    }
+    let text = |name: &str| value.get(name)?.as_str();
+    let address = |name| text(name)?.parse().ok();
+    Some(Stored {
+        name: text("name")?.to_owned(),
+        ip: IpSuite {
+            address: address("ip")?,
+            mask: address("mask")?,
+            gateway: address("gateway")?,
+        },
+        im: ImRecords {
+            im1: octets(text("im1")?)?,
+            im2: octets(text("im2")?)?,
+            im3: octets(text("im3")?)?,
+            im4: octets(text("im4")?)?,
+        },
+    })
+}
+
+fn octets<const N: usize>(text: &str) -> Option<[u8; N]> {
+    let mut octets = [0; N];
+    if text.len() != 2 * N || !text.is_ascii() {
+        return None;
+    }
+    for (at, octet) in octets.iter_mut().enumerate() {
+        *octet = u8::from_str_radix(text.get(2 * at..2 * at + 2)?, 16).ok()?;
+    }
+    Some(octets)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::Ipv4Addr;
+
+    #[test]
+    fn what_is_kept_comes_back() {
+        let mut stored = Stored {
+            name: "akd-1".into(),
+            ip: IpSuite {
+                address: Ipv4Addr::new(10, 0, 0, 2),
+                mask: Ipv4Addr::new(255, 255, 255, 0),
+                gateway: Ipv4Addr::UNSPECIFIED,
+            },
+            ..Stored::default()
+        };
+        stored.im.im1[..4].copy_from_slice(b"feed");
+        assert_eq!(decode(encode(&stored).as_bytes()), Some(stored));
+    }
+
+    #[test]
+    fn other_files_are_no_state() {
+        for content in ["", "{}", "{\"schema\":\"other/1\"}", "not json"] {
+            assert_eq!(decode(content.as_bytes()), None);
+        }
+        assert!(
+            DriveState::new(None, "akd-1")
+                .read_network()
+                .is_ok_and(|network| network.is_none())
+        );
+    }
+}
