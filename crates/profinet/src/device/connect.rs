@@ -436,6 +436,8 @@ impl Device {
             return false;
         };
         io.phase = next;
+        // a device that starts again with the same seed must not repeat the activities of its former life
+        self.uuids.stir(&io.request.ar_uuid);
         let activity = self.uuids.uuid();
         let header = Header::request(
             io.request.initiator_object,

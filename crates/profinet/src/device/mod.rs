@@ -220,16 +220,9 @@ impl Device {
             }
             return;
         }
-        let code = match call.operation {
-            operation::CONNECT => 0xDB,
-            operation::RELEASE => 0xDC,
-            operation::CONTROL => 0xDD,
-            operation::WRITE => 0xDF,
-            _ => 0xDE,
-        };
         let mut reader = Reader::new(&call.stub);
         let Ok(ndr) = NdrRequest::decode(&mut reader, call.order) else {
-            let status = PnioStatus::new(code, 0x81, check::RPC, 0);
+            let status = PnioStatus::new(records::service_code(call.operation), 0x81, check::RPC, 0);
             return self.answer(now, call, 0, Err(status));
         };
         let room = ndr.args_maximum;

@@ -9,7 +9,7 @@ use super::event::{ArKey, Event, RecordAddress, Token};
 use crate::Instant;
 use crate::rpc::{Call, CallKey};
 use crate::wire::block::{MULTIPLE_WRITE, ReadRequest, WriteItems, WriteRequest, WriteResponse};
-use crate::wire::rpc::NdrResponse;
+use crate::wire::rpc::{NdrResponse, operation};
 use crate::wire::status::record;
 use crate::wire::{ByteOrder, DecodeError, PnioStatus, Reader, Uuid, Writer};
 
@@ -61,6 +61,17 @@ fn header_fault(code: u8, error: &DecodeError) -> PnioStatus {
         _ => 1,
     };
     PnioStatus::new(code, 0x81, RECORD_HEADER_FAULT, code2)
+}
+
+/// ErrorCode of an operation of the device interface.
+pub(super) const fn service_code(number: u16) -> u8 {
+    match number {
+        operation::CONNECT => 0xDB,
+        operation::RELEASE => 0xDC,
+        operation::CONTROL => 0xDD,
+        operation::WRITE => 0xDF,
+        _ => 0xDE,
+    }
 }
 
 /// True for records the application answers: user-defined and profile indices.
@@ -236,7 +247,7 @@ impl Device {
                             });
                         } else {
                             let status = PnioStatus::write(record::RESOURCE_BUSY);
-                            let stub = stub(order, args_maximum, status, &[]);
+                            let stub = stub(0xDF, order, args_maximum, status, &[]);
                             self.server.respond(now, key, stub);
                         }
                         return;
@@ -267,7 +278,7 @@ impl Device {
         for done in &writes.done {
             done.encode(&mut blocks);
         }
-        let stub = stub(order, args_maximum, status, &blocks);
+        let stub = stub(0xDF, order, args_maximum, status, &blocks);
         self.server.respond(now, key, stub);
     }
 
@@ -292,7 +303,7 @@ impl Device {
             .response(u32::try_from(data.len()).unwrap_or(u32::MAX))
             .encode(&mut blocks);
         blocks.extend_from_slice(data);
-        let stub = stub(order, args_maximum, status, &blocks);
+        let stub = stub(0xDE, order, args_maximum, status, &blocks);
         self.server.respond(now, key, stub);
     }
 
@@ -304,9 +315,10 @@ impl Device {
         args_maximum: u32,
         result: Result<Vec<u8>, PnioStatus>,
     ) {
+        let code = service_code(call.operation);
         let stub = match result {
-            Ok(blocks) => stub(call.order, args_maximum, PnioStatus::OK, &blocks),
-            Err(status) => stub(call.order, args_maximum, status, &[]),
+            Ok(blocks) => stub(code, call.order, args_maximum, PnioStatus::OK, &blocks),
+            Err(status) => stub(code, call.order, args_maximum, status, &[]),
         };
         self.server.respond(now, call.key, stub);
     }
@@ -406,12 +418,12 @@ const fn address_of(api: u32, slot: u16, subslot: u16, index: u16) -> RecordAddr
 }
 
 /// A whole response stub; blocks that do not fit what the client allows are left out with an error.
-fn stub(order: ByteOrder, args_maximum: u32, status: PnioStatus, blocks: &[u8]) -> Vec<u8> {
+fn stub(code: u8, order: ByteOrder, args_maximum: u32, status: PnioStatus, blocks: &[u8]) -> Vec<u8> {
     let fits = u32::try_from(blocks.len()).is_ok_and(|length| length <= args_maximum);
     let (status, blocks) = if fits {
         (status, blocks)
     } else if status.is_ok() {
-        (PnioStatus::new(0x81, 0x81, RPC, 0), &[][..])
+        (PnioStatus::new(code, 0x81, RPC, 0), &[][..])
     } else {
         (status, &[][..])
     };

@@ -493,15 +493,27 @@ fn stop_and_abort() {
 #[test]
 fn alarms_and_diagnosis_reach_the_controller_and_are_acknowledged() {
     let mut p = pair();
-    let patient = ConnectConfig { data_hold_factor: 100, watchdog_factor: 100, rta_retries: 15, ..config(16) };
+    let patient = ConnectConfig {
+        data_hold_factor: 100,
+        watchdog_factor: 100,
+        rta_retries: 15,
+        ..config(16)
+    };
     let ar = connected(&mut p, patient);
     p.run(SECOND);
     p.b.events.clear();
     p.wire.loss = 200;
     for number in 0..20u8 {
-        p.b.device.raise_alarm(p.now, 1, 1, AlarmType::PROCESS, Some(7), &[number]).unwrap();
-        let Some(Event::Alarm { ar: of, alarm }) = event(&mut p, 2 * SECOND) else { panic!("{number}") };
-        assert_eq!((of, alarm.alarm_type, &alarm.data[..]), (ar, AlarmType::PROCESS, &[number][..]));
+        p.b.device
+            .raise_alarm(p.now, 1, 1, AlarmType::PROCESS, Some(7), &[number])
+            .unwrap();
+        let Some(Event::Alarm { ar: of, alarm }) = event(&mut p, 2 * SECOND) else {
+            panic!("{number}")
+        };
+        assert_eq!(
+            (of, alarm.alarm_type, &alarm.data[..]),
+            (ar, AlarmType::PROCESS, &[number][..])
+        );
         p.run(2 * SECOND);
     }
     p.wire.loss = 0;
@@ -521,14 +533,21 @@ fn alarms_and_diagnosis_reach_the_controller_and_are_acknowledged() {
         seen.extend(p.a.poll_event());
         (seen.len() == 2).then_some(())
     });
-    let problem = Event::ProviderState { ar, run: true, problem: true };
+    let problem = Event::ProviderState {
+        ar,
+        run: true,
+        problem: true,
+    };
     assert!(seen.contains(&problem), "{seen:?}");
     let alarm = seen.iter().find_map(|e| match e {
         Event::Alarm { alarm, .. } => Some(alarm),
         _ => None,
     });
     let items: Vec<_> = alarm.unwrap().items().map(Result::unwrap).collect();
-    let expected = ChannelDiagnosis { properties: ChannelDiagnosis::APPEARS, ..fault };
+    let expected = ChannelDiagnosis {
+        properties: ChannelDiagnosis::APPEARS,
+        ..fault
+    };
     assert_eq!(items, [DiagnosisItem::Channel(expected)]);
 }
 

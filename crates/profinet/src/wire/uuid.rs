@@ -155,6 +155,16 @@ impl UuidSource {
         Self { state: seed }
     }
 
+    /// Mixes in something that differs from run to run even if the seed does not, for example a peer's UUID.
+    pub fn stir(&mut self, uuid: &Uuid) {
+        for chunk in uuid.0.chunks_exact(8) {
+            let mut octets = [0; 8];
+            octets.copy_from_slice(chunk);
+            self.state ^= u64::from_be_bytes(octets);
+            self.bits();
+        }
+    }
+
     /// The next 64 bits (splitmix64).
     pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -219,5 +229,8 @@ mod tests {
         assert_eq!(first, b.uuid());
         assert_ne!(first, c.uuid());
         assert_ne!(first, a.uuid());
+        a.stir(&Uuid([7; 16]));
+        b.uuid();
+        assert_ne!(a.uuid(), b.uuid());
     }
 }

@@ -353,7 +353,8 @@ fn a_multiple_write_answers_every_record() {
     let mut im3 = Vec::new();
     encode_im(3, &[b'x'; 54], &mut im3);
     let mut inner = Vec::new();
-    let items: [(u32, (u16, u16, u16), &[u8]); 5] = [
+    type Item<'a> = (u32, (u16, u16, u16), &'a [u8]);
+    let items: [Item<'_>; 5] = [
         (0, (0, 1, 0xAFF3), &im3),
         (DRIVE_API, (1, 1, 0x0010), b"abcde"),
         (0, (0, 1, 0x8055), b"x"),
