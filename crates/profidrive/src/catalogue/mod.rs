@@ -57,10 +57,19 @@ impl Catalogue {
     }
 
     /// The parameter with this name, case does not matter. Where the maker gave one name to several numbers, the
-    /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all.
+    /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all. Two ways of other manuals to write
+    /// a name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), and with `PN.` before a
+    /// signal (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6).
     #[must_use]
     pub fn by_name(&self, name: &str) -> Option<&'static Parameter> {
-        self.all_by_name(name).next()
+        let exact = |name: &str| self.all_by_name(name).next();
+        let signal = || match name.split_once('.') {
+            Some((group, signal)) if group.eq_ignore_ascii_case("PN") => exact(signal),
+            _ => None,
+        };
+        exact(name)
+            .or_else(|| exact(&[name, "_32"].concat()))
+            .or_else(signal)
     }
 
     /// All parameters with this name, case does not matter.
@@ -151,6 +160,10 @@ mod tests {
         assert_eq!(numbers("DRV.CLRFAULTS"), [2111, 2112]);
         assert_eq!(numbers("TEMP.POWER"), [2875, 2876, 2877]);
         assert_eq!(numbers("HOME.MODE"), [2203, 1001]);
+        assert_eq!(AKD.by_name("home.mode").unwrap().pnu, 2203);
+        assert_eq!(AKD.by_name("vl.fb").unwrap().pnu, 2428);
+        assert_eq!(AKD.by_name("pn.stw1").unwrap().pnu, 1);
+        assert!(AKD.by_name("PN.").is_none() && AKD.by_name("_32").is_none());
         assert_eq!(numbers("NO.SUCH"), []);
         assert_eq!(numbers(""), []);
     }

@@ -384,4 +384,6 @@ pub struct UnknownTelegram(pub u16);
 #[cfg(test)]
 mod conformance;
 #[cfg(test)]
+mod table_tests;
+#[cfg(test)]
 mod tests;

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::model::AKD;
-use profidrive::catalogue::{Access, Size};
 use profidrive::parameter::ErrorNumber;
 
 /// ZSW1 bits 0, 1, 2, 4, 5, 6.
@@ -492,113 +491,6 @@ fn saving_and_loading() {
     assert_eq!(other.values.get(2108), 4_000_000);
     assert_eq!(other.settings.ramps.acceleration, 4000.0);
     assert!(other.start_with(b"rubbish").is_err());
-}
-
-#[test]
-fn every_parameter_reads_within_its_size_and_refuses_what_it_must() {
-    let mut bench = Bench::new();
-    bench.run(163);
-    for (position, parameter) in AKD.catalogue.parameters.iter().enumerate() {
-        let range = parameter.size.range(parameter.signed);
-        for element in 0..parameter.elements {
-            let raw = bench.drive.element(position, element).unwrap();
-            assert!(range.contains(&raw), "{parameter:?} reads {raw}");
-        }
-        let beyond = if parameter.is_array() {
-            ErrorNumber::SUBINDEX
-        } else {
-            ErrorNumber::NO_ARRAY
-        };
-        assert_eq!(bench.drive.element(position, parameter.elements), Err(beyond));
-        assert_eq!(
-            bench.drive.set_element(position, parameter.elements, 0),
-            Err(beyond)
-        );
-        if parameter.access == Access::ReadOnly {
-            assert_eq!(
-                bench.drive.set_element(position, 0, 1),
-                Err(ErrorNumber::NOT_CHANGEABLE),
-                "{parameter:?}"
-            );
-        }
-    }
-    assert_eq!(bench.drive.element(800, 0), Err(ErrorNumber::UNKNOWN_PARAMETER));
-}
-
-#[test]
-fn every_known_limit_is_enforced() {
-    let mut drive = Drive::new(&AKD);
-    let mut checked = 0;
-    for (position, parameter) in AKD.catalogue.parameters.iter().enumerate() {
-        let stored = matches!(drive.live[position], Live::Stored);
-        if parameter.access != Access::ReadWrite || !stored || parameter.size == Size::Command {
-            continue;
-        }
-        let (low, high) = parameter.raw_limits(&drive.settings.scaling);
-        let range = parameter.size.range(parameter.signed);
-        let before = drive.element(position, 0).unwrap();
-        for (raw, allowed) in [(low, true), (high, true), (low - 1, false), (high + 1, false)] {
-            if !range.contains(&raw) {
-                continue;
-            }
-            let expected = if allowed { Ok(()) } else { Err(ErrorNumber::LIMIT) };
-            assert_eq!(
-                drive.set_element(position, 0, raw),
-                expected,
-                "{parameter:?} {raw}"
-            );
-            assert_eq!(drive.element(position, 0).unwrap() == raw, allowed);
-        }
-        drive.set_element(position, 0, before).unwrap();
-        checked += 1;
-    }
-    assert!(checked > 550, "{checked}");
-}
-
-#[test]
-fn lists_of_parameters() {
-    let bench = Bench::new();
-    let mut found = Vec::new();
-    for list in 980..=989 {
-        let list: Vec<i64> = (0..117)
-            .map(|element| bench.element(&list.to_string(), element))
-            .collect();
-        let end = list.iter().position(|pnu| *pnu == 0).expect("ends with 0");
-        assert!(list[end..].iter().all(|pnu| *pnu == 0));
-        found.extend_from_slice(&list[..end]);
-    }
-    assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
-    let expected: Vec<i64> = AKD
-        .catalogue
-        .parameters
-        .iter()
-        .map(|p| i64::from(p.pnu))
-        .filter(|pnu| !(980..=989).contains(pnu))
-        .collect();
-    assert_eq!(found, expected);
-}
-
-#[test]
-fn identification_and_telegrams() {
-    let bench = Bench::new();
-    let all = |name: &str, count| {
-        (0..count)
-            .map(|element| bench.element(name, element))
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(all("964", 5), [0x0105, 1, 117, 2017, 110]);
-    assert_eq!(bench.read("965"), 0x0329);
-    assert_eq!(all("975", 8)[5..], [1, 5, 0]);
-    assert_eq!(bench.read("922"), 1);
-    assert_eq!(bench.read("FBUS.PARAM01"), 1);
-    assert_eq!(all("915", 4), [1, 5, 0, 0]);
-    assert_eq!(all("916", 4), [2, 6, 0, 0]);
-    let signals = all("923", 110);
-    assert_eq!(
-        (signals[1], signals[5], signals[107], signals[109], signals[0]),
-        (1, 5, 0, 109, 0)
-    );
-    assert_eq!(bench.read("PN.TIMEOUTFTHRESH"), 48);
 }
 
 #[test]
