@@ -303,10 +303,9 @@ impl Ar {
             }
             (Op::KeepAlive, Sent::Read(request)) => match record::check_read(reply, &request) {
                 // any answer is a sign of life, even "no such record"
-                Err(error @ (ServiceError::Timeout { .. } | ServiceError::Call { .. })) => {
+                Err(error) if is_gone(&error) || matches!(error, ServiceError::Timeout { .. }) => {
                     self.lose(shared, LostCause::Service(error));
                 }
-                Err(error) if is_gone(&error) => self.lose(shared, LostCause::Service(error)),
                 _ => {}
             },
             (Op::PrmEnd, Sent::Control(block)) => match record::check_control("PrmEnd", reply, &block) {

@@ -315,3 +315,239 @@ pub(super) fn check_response(
 pub(super) fn stub(blocks: &[u8]) -> Vec<u8> {
     super::record::stub(32 * 1024, blocks)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::config::SubmoduleConfig;
+    use super::*;
+    use crate::cyclic::Timing;
+    use crate::wire::rpc::HEADER_LENGTH;
+    use crate::wire::{ByteOrder, Reader};
+    use alloc::vec;
+    use proptest::prelude::*;
+
+    fn hex(text: &str) -> Vec<u8> {
+        let digits: Vec<u32> = text.chars().filter_map(|c| c.to_digit(16)).collect();
+        digits
+            .chunks(2)
+            .map(|p| u8::try_from(p[0] * 16 + p[1]).unwrap())
+            .collect()
+    }
+
+    // both IOCR blocks of a recorded connect (profinet-py to the p-net sample application, 32 ms)
+    const INPUT_BLOCK: &str = "0102006801000001000188920000000100 28c0010020002000010000ffffffff000a000ac000
+        0000000000000001000000000006000000010000000080000001000080010002000100010003000300010006000400010009
+        0003000200010005000300010008000400010012";
+    const OUTPUT_BLOCK: &str = "010200680100000200028892000000010028ffff0020002000010000ffffffff000a000ac000
+        0000000000000001000000000003000200010004000300010007000400 01000a0006000000010000000080000001000080
+        0100020001000100030003000100060004000100 09";
+    // answers of p-net and of pnio behind the RPC header
+    const P_NET: &str =
+        "00000000000000460000 0fa000000000000000468101001e01000001ff22fb8075848cb3eb6d6e2549f1b98f
+        f26d02504e000001889281020008010000010001c00181020008010000020002c0008103000801000001000100c8";
+    const PNIO: &str =
+        "000000000000005600000fa000000000000000568101001e010000016870878f4b38ebefd3453d43b36389c2
+        3ccb02504e00000188928102000801000001000180018102000801000002000280028103000801000001000000c881 06000c
+        01000008706e696f2d646576";
+
+    fn module(slot: u16, submodules: &[(u16, u16, u16)]) -> ModuleConfig {
+        let submodules = submodules
+            .iter()
+            .map(|(subslot, input_length, output_length)| SubmoduleConfig {
+                subslot: *subslot,
+                ident: 1,
+                input_length: *input_length,
+                output_length: *output_length,
+            });
+        ModuleConfig {
+            api: 0,
+            slot,
+            ident: 1,
+            submodules: submodules.collect(),
+        }
+    }
+
+    fn config() -> ConnectConfig {
+        let modules = vec![
+            module(0, &[(1, 0, 0), (0x8000, 0, 0), (0x8001, 0, 0)]),
+            module(1, &[(1, 1, 0)]),
+            module(2, &[(1, 0, 1)]),
+            module(3, &[(1, 1, 1)]),
+            module(4, &[(1, 8, 8)]),
+        ];
+        let timing = Timing {
+            send_clock_factor: 32,
+            reduction_ratio: 32,
+            phase: 1,
+        };
+        let mut config = ConnectConfig::legacy(modules, timing);
+        config.watchdog_factor = 10;
+        config.data_hold_factor = 10;
+        config
+    }
+
+    fn identity(ar_uuid: &str, session_key: u16) -> ArIdentity {
+        let mut uuid = [0; 16];
+        uuid.copy_from_slice(&hex(ar_uuid));
+        ArIdentity {
+            ar_uuid: Uuid(uuid),
+            session_key,
+            mac: MacAddress([2, 0x50, 0x4e, 0, 0, 2]),
+            object: Uuid::object(1, 1, 1),
+            station_name: b"plc".to_vec(),
+        }
+    }
+
+    fn reply(text: &str) -> Result<Reply, CallError> {
+        Ok(Reply {
+            order: ByteOrder::Big,
+            stub: hex(text),
+        })
+    }
+
+    #[test]
+    fn iocr_blocks_equal_the_capture() {
+        let config = config();
+        let (input, output) = check_config(&config).unwrap();
+        let id = input_frame_id(config.rt_class, 1);
+        assert_eq!((id, slot_of(id)), (FrameId(0xC001), 1));
+        let mut out = vec![];
+        iocr(&config, &input, IocrType::INPUT, INPUT, id).encode(&mut out);
+        assert_eq!(out, hex(INPUT_BLOCK));
+        out.clear();
+        iocr(&config, &output, IocrType::OUTPUT, OUTPUT, FrameId::CHOOSE).encode(&mut out);
+        assert_eq!(out, hex(OUTPUT_BLOCK));
+    }
+
+    #[test]
+    fn captured_answers_are_understood() {
+        let who = identity("ff22fb8075848cb3eb6d6e2549f1b98f", 0xF26D);
+        let mac = MacAddress([2, 0x50, 0x4e, 0, 0, 1]);
+        let agreement = check_response(&reply(P_NET), &who, &config(), Some(mac), FrameId(0xC001)).unwrap();
+        let expected = Agreement {
+            mac,
+            output_id: FrameId(0xC000),
+            alarm_reference: 1,
+            max_alarm_length: 200,
+            diff: None,
+        };
+        assert_eq!(agreement, expected);
+        let who = identity("6870878f4b38ebefd3453d43b36389c2", 0x3CCB);
+        let agreement = check_response(&reply(PNIO), &who, &config(), None, FrameId(0x8001)).unwrap();
+        assert_eq!(
+            (agreement.output_id, agreement.alarm_reference),
+            (FrameId(0x8002), 0)
+        );
+        let error = check_response(&reply(PNIO), &who, &config(), None, FrameId(0x8000)).unwrap_err();
+        assert_eq!(
+            error,
+            ServiceError::Mismatch {
+                what: "connect",
+                field: "FrameID of the input"
+            }
+        );
+        let other = Some(MacAddress([2, 9, 9, 9, 9, 9]));
+        let error = check_response(&reply(PNIO), &who, &config(), other, FrameId(0x8001)).unwrap_err();
+        assert_eq!(
+            error,
+            ServiceError::Mismatch {
+                what: "connect",
+                field: "CMResponderMacAdd"
+            }
+        );
+        assert!(
+            check_access(&reply(PNIO), &who, None).is_err(),
+            "another kind of connection"
+        );
+    }
+
+    #[test]
+    fn every_cut_and_every_changed_octet_is_an_error_or_harmless() {
+        let who = identity("ff22fb8075848cb3eb6d6e2549f1b98f", 0xF26D);
+        let bytes = hex(P_NET);
+        for cut in 0..bytes.len() {
+            let reply = Ok(Reply {
+                order: ByteOrder::Big,
+                stub: bytes[..cut].to_vec(),
+            });
+            assert!(check_response(&reply, &who, &config(), None, FrameId(0xC001)).is_err());
+        }
+        let body = 20;
+        let mut harmless = vec![];
+        for at in body..bytes.len() {
+            let mut stub = bytes.clone();
+            stub[at] ^= 0x80;
+            let reply = Ok(Reply {
+                order: ByteOrder::Big,
+                stub,
+            });
+            if check_response(&reply, &who, &config(), None, FrameId(0xC001)).is_ok() {
+                harmless.push(at - body);
+            }
+        }
+        // versions low, own address (not given here), ports, FrameID of the output, alarm reference and length
+        assert!(harmless.len() < 24, "{harmless:?}");
+        assert!(
+            !harmless.iter().any(|at| (8..26).contains(at)),
+            "ARUUID and session key are checked"
+        );
+    }
+
+    #[test]
+    fn configurations_that_cannot_be() {
+        let change = |f: &dyn Fn(&mut ConnectConfig)| {
+            let mut config = config();
+            f(&mut config);
+            check_config(&config).unwrap_err()
+        };
+        assert_eq!(
+            change(&|c| c.start_up = StartUp::Advanced),
+            Misuse::ClassAndStartUp
+        );
+        assert!(matches!(change(&|c| c.timing.phase = 0), Misuse::Cyclic(_)));
+        assert!(matches!(
+            change(&|c| c.modules[4] = module(4, &[(1, 1440, 0)])),
+            Misuse::Cyclic(_)
+        ));
+        for wrong in [
+            change(&|c| c.modules.clear()),
+            change(&|c| c.modules[1].submodules.clear()),
+            change(&|c| c.modules[1].ident = 0),
+            change(&|c| c.modules[1].slot = 2),
+            change(&|c| c.rta_retries = 2),
+            change(&|c| c.rta_timeout_factor = 101),
+            change(&|c| c.max_alarm_length = 199),
+            change(&|c| c.activity_timeout_factor = 0),
+        ] {
+            assert!(matches!(wrong, Misuse::Range(_)), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_device_access_request_is_one_block() {
+        let blocks = access_request(&identity("6870878f4b38ebefd3453d43b36389c2", 1), 100);
+        assert_eq!(blocks.len(), 58 + 3);
+        assert_eq!(blocks[6..8], [0, 6]);
+        assert_eq!(blocks[48..54], [0, 0, 1, 0x11, 0, 100]);
+        let mut reader = Reader::with_base(&blocks, HEADER_LENGTH);
+        assert!(reader.bytes(blocks.len(), "block").is_ok());
+    }
+
+    proptest! {
+        #[test]
+        fn hostile_answers_end_in_an_error_or_an_agreement(
+            flips in proptest::collection::vec((0usize..256, any::<u8>()), 1..8), tail in proptest::collection::vec(any::<u8>(), 0..40)
+        ) {
+            let who = identity("6870878f4b38ebefd3453d43b36389c2", 0x3CCB);
+            let mut stub = hex(PNIO);
+            for (at, value) in flips {
+                let at = at % stub.len();
+                stub[at] = value;
+            }
+            stub.extend(tail);
+            let reply = Ok(Reply { order: ByteOrder::Big, stub });
+            let _ = check_response(&reply, &who, &config(), None, FrameId(0x8001));
+            let _ = check_access(&reply, &who, None);
+        }
+    }
+}
