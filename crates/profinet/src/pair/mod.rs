@@ -208,5 +208,5 @@ impl<A: Endpoint, B: Endpoint> Pair<A, B> {
     }
 }
 
-#[cfg(test)]
+mod fleet;
 mod tests;

@@ -22,11 +22,11 @@ use crate::wire::rt::Iops;
 use crate::wire::status::record;
 use crate::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
-const PLC: MacAddress = MacAddress([2, 0x50, 0x4e, 0, 0, 2]);
+pub(super) const PLC: MacAddress = MacAddress([2, 0x50, 0x4e, 0, 0, 2]);
 const DRIVE: MacAddress = MacAddress([2, 0x50, 0x4e, 0, 0, 1]);
 const SECOND: Duration = Duration::from_secs(1);
 
-fn ip(last: u8) -> IpSuite {
+pub(super) fn ip(last: u8) -> IpSuite {
     IpSuite {
         address: [192, 168, 77, last].into(),
         mask: [255, 255, 255, 0].into(),
@@ -35,7 +35,7 @@ fn ip(last: u8) -> IpSuite {
 }
 
 /// A device with an application that answers parameter jobs after some reads and mirrors its output.
-struct Station {
+pub(super) struct Station {
     device: Device,
     jobs: BTreeMap<ArKey, (Vec<u8>, u32)>,
     not_ready: u32,
@@ -44,6 +44,10 @@ struct Station {
 
 impl Station {
     fn new(name: &str, suite: IpSuite) -> Self {
+        Self::with_mac(DRIVE, name, suite)
+    }
+
+    pub(super) fn with_mac(mac: MacAddress, name: &str, suite: IpSuite) -> Self {
         let none = |subslot, ident| SubmoduleDescription {
             subslot,
             ident,
@@ -88,7 +92,7 @@ impl Station {
             ip: suite,
             ..Stored::default()
         };
-        let device = Device::new(DeviceConfig::new(DRIVE, identity, modules), stored);
+        let device = Device::new(DeviceConfig::new(mac, identity, modules), stored);
         Self {
             device,
             jobs: BTreeMap::new(),
@@ -173,7 +177,7 @@ fn pair() -> Both {
     Pair::new(controller, Station::new("drive-1", ip(50)), 1)
 }
 
-fn target() -> Target {
+pub(super) fn target() -> Target {
     Target {
         name: "drive-1".into(),
         mac: None,
@@ -184,7 +188,7 @@ fn target() -> Target {
     }
 }
 
-fn config(milliseconds: u64) -> ConnectConfig {
+pub(super) fn config(milliseconds: u64) -> ConnectConfig {
     let none = |subslot, ident| SubmoduleConfig {
         subslot,
         ident,
