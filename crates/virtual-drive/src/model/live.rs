@@ -103,19 +103,20 @@ pub enum Table {
 /// What a command does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
-    /// Power stage on, for the service channel.
+    /// Power stage on, for the service channel: only while that one commands (DRV.CMDSOURCE 0), no controller has
+    /// control (STW1 bit 10) and there is no fault; else error 0x11.
     Enable,
-    /// Power stage off.
+    /// Power stage off, at once or on the ramp (DRV.DISMODE); ends in S1, so that a controller needs OFF and ON.
     Disable,
-    /// Stop all motion.
+    /// Stop all motion on the ramp; a setpoint of 0 or a closed setpoint channel ends it.
     Stop,
     /// Clear the faults whose cause is gone.
     ClearFaults,
     /// Store the parameters.
     Save,
-    /// Fetch the stored parameters.
+    /// Fetch the stored parameters; not while the power stage is on.
     Load,
-    /// Values as delivered.
+    /// Values as delivered; not while the power stage is on.
     Defaults,
     /// Show which drive this is.
     Blink,
