@@ -311,13 +311,12 @@ pub enum Kind {
 }
 
 #[derive(Debug, Args)]
-#[group(id = "source", required = true, multiple = false)]
 pub struct Decode {
     /// Capture file, pcap or pcapng
-    #[arg(group = "source", value_name = "FILE")]
+    #[arg(value_name = "FILE", required_unless_present = "hex", conflicts_with = "hex")]
     pub file: Option<PathBuf>,
     /// One parameter job in hexadecimal
-    #[arg(long, group = "source", value_name = "BYTES")]
+    #[arg(long, value_name = "BYTES")]
     pub hex: Option<String>,
     /// What the bytes are; guessed when left out
     #[arg(long = "as", value_enum, value_name = "SIDE", requires = "hex")]

@@ -13,7 +13,7 @@ use crate::args::Side;
 use crate::decode::Weight;
 use crate::failure::{Exit, Failure};
 use crate::fields;
-use crate::render::{hex_bytes, value};
+use crate::render::{hex_bytes, hex16, value, words};
 
 /// Values and names are shown as an AKD means them: its tables are the only ones there are.
 const TABLES: Parameters = Parameters {
@@ -26,6 +26,9 @@ const TABLES: Parameters = Parameters {
         singleturn_bits: 16,
     },
 };
+/// Control and status word as parameters.
+const STW1: u16 = 1;
+const ZSW1: u16 = 2;
 /// Octets in front of the addresses or blocks.
 const HEADER: usize = 4;
 /// Octets of an address.
@@ -163,6 +166,7 @@ fn block_text(address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> Stri
     }
     let readings = readings(address, block);
     let texts: Vec<String> = match readings.as_slice() {
+        [one] if matches!(one.pnu, STW1 | ZSW1) => vec![state_word(one)],
         [one] => vec![value::full(one)],
         many => many.iter().map(value::value).collect(),
     };
@@ -171,6 +175,20 @@ fn block_text(address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> Stri
         .filter(|_| readings.len() > 1)
         .map_or("", |reading| reading.unit);
     format!("{} {unit}", texts.join(", ")).trim_end().to_owned()
+}
+
+/// The two words as an engineer reads them.
+fn state_word(reading: &Reading) -> String {
+    let word = reading
+        .raw()
+        .and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
+        .unwrap_or(0);
+    let meaning = if reading.pnu == STW1 {
+        words::stw1_meaning(word)
+    } else {
+        words::state(word)
+    };
+    format!("{} {meaning}", hex16(word))
 }
 
 fn block_json(address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> Map<String, Value> {
@@ -276,7 +294,7 @@ fn decode_response(data: &[u8], request: Option<&[u8]>) -> Result<Decoded, Strin
     let mut parameters = Vec::new();
     if id == 0x02 && matches!(rest, [] | [0, 0]) {
         for address in &addresses {
-            lines.push((Weight::Normal, format!("  {}written", prefix(*address))));
+            lines.push((Weight::Normal, format!("  {}written", prefix(*address, ": "))));
             let mut fields = address.map(address_json).unwrap_or_default();
             fields.insert("written".into(), true.into());
             parameters.push(Value::Object(fields));
@@ -343,7 +361,7 @@ fn answer(
     block: &ValueBlock<'_>,
     fields: &mut Map<String, Value>,
 ) -> (Weight, String) {
-    let prefix = prefix(address);
+    let said = prefix(address, ": ");
     match block.format {
         Format::ERROR => {
             let number = ErrorNumber(
@@ -353,7 +371,7 @@ fn answer(
                     .unwrap_or(u16::MAX),
             );
             let information = block.raw(1);
-            let mut text = format!("  {prefix}refused: {number}");
+            let mut text = format!("  {said}refused: {number}");
             if let Some(information) = information {
                 text = format!("{text}, information {information}");
             }
@@ -370,18 +388,23 @@ fn answer(
         }
         Format::ZERO => {
             fields.insert("written".into(), true.into());
-            (Weight::Normal, format!("  {prefix}written"))
+            (Weight::Normal, format!("  {said}written"))
         }
         _ => {
             fields.extend(block_json(address, block));
-            let text = format!("  {prefix}{}   [{}]", block_text(address, block), raw_text(block));
+            let text = format!(
+                "  {}{}   [{}]",
+                prefix(address, " = "),
+                block_text(address, block),
+                raw_text(block)
+            );
             (Weight::Normal, text)
         }
     }
 }
 
-fn prefix(address: Option<ParameterAddress>) -> String {
-    address.map_or_else(String::new, |address| format!("{} = ", label(address)))
+fn prefix(address: Option<ParameterAddress>, link: &str) -> String {
+    address.map_or_else(String::new, |address| label(address) + link)
 }
 
 fn plural(count: usize, what: &str) -> String {
@@ -498,7 +521,7 @@ mod tests {
             "  DRV.ACC (p2108) = 3000 rpm/s   [Double word 00 2D C6 C0]"
         );
         assert!(
-            lines[2].starts_with("  65534 = refused: 0x00 impermissible parameter number"),
+            lines[2].starts_with("  65534: refused: 0x00 impermissible parameter number"),
             "{lines:?}"
         );
         let lines = words("08 01 00 01 42 01 00 02", Some(request));

@@ -48,6 +48,7 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
     if let Some(path) = &args.pcap {
         runner.add_tap(Box::new(capture(path, &interface)?));
     }
+    let start = now();
     let mut drives: HashMap<StationId, (String, DriveState)> = HashMap::new();
     for plan in &plans {
         let state = DriveState::new(args.state.as_deref(), &plan.key);
@@ -61,7 +62,7 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
         config.parameters = state.read_parameters()?;
         let told = told(&config.network, plan.mac);
         let id = runner.attach(Box::new(Host::new(Station::new(config))))?;
-        tell(output, &plan.key, now(), &format!("ready: {told}"));
+        tell(output, &plan.key, now() - start, &format!("ready: {told}"));
         drives.insert(id, (plan.key.clone(), state));
     }
     output.say(&format!("{} on {interface}; Ctrl-C ends", count(plans.len())));
@@ -77,7 +78,7 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
                 .station_mut::<Host<Station>>(id)
                 .and_then(|host| host.endpoint_mut().poll_event())
             {
-                happened(key, state, &event, output);
+                happened(key, state, &event, now() - start, output);
             }
         }
         if turn == Turn::Stopped {
@@ -236,8 +237,7 @@ fn told(network: &Stored, mac: MacAddress) -> String {
 }
 
 /// Keeps what must be kept, and says what happened.
-fn happened(key: &str, state: &DriveState, event: &StationEvent, output: &Output) {
-    let at = now();
+fn happened(key: &str, state: &DriveState, event: &StationEvent, at: Duration, output: &Output) {
     let kept = |result: Result<(), Failure>| {
         if let Err(failure) = result {
             output.warn(&format!("{key}: {}", failure.message));
@@ -292,14 +292,16 @@ fn happened(key: &str, state: &DriveState, event: &StationEvent, output: &Output
     }
 }
 
-fn tell(output: &Output, key: &str, at: Instant, text: &str) {
+fn tell(output: &Output, key: &str, at: Duration, text: &str) {
     if output.json() {
-        let time = at.as_nanos() as f64 / 1e9;
-        output.document("simulate", fields! { "time": time, "drive": key, "text": text });
+        output.document(
+            "simulate",
+            fields! { "time": at.as_secs_f64(), "drive": key, "text": text },
+        );
     } else {
         output.line(&format!(
-            "{:>12.3} {key:<16} {}",
-            at.as_nanos() as f64 / 1e9,
+            "{:>10.3} s  {key:<16} {}",
+            at.as_secs_f64(),
             text.trim_end()
         ));
     }

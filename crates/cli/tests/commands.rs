@@ -1,0 +1,264 @@
+//! The binary as a user meets it: arguments in, output and exit code out.
+
+use std::process::{Command, Output};
+
+fn profidrive(line: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_profidrive"))
+        .args(line)
+        .env_remove("PROFIDRIVE_INTERFACE")
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the binary runs")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("text")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("text")
+}
+
+#[test]
+fn explain_a_control_word() {
+    let output = profidrive(&["explain", "0x047F", "--as", "stw1"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(
+        stdout(&output),
+        "STW1 0x047F   0000 0100 0111 1111\n\
+         \x20 means  run: follows the setpoint\n\
+         \x20 set    ON, EN_OP, EN_RAMP, UNFREEZE, EN_SETPOINT, CTRL_PLC\n\
+         \x20 stops  OFF2 not active, OFF3 not active\n\
+         \x20 bit\n\
+         \x20   0  1  ON            ON\n\
+         \x20   1  1  OFF2          OFF2 not active\n\
+         \x20   2  1  OFF3          OFF3 not active\n\
+         \x20   3  1  EN_OP         operation enabled\n\
+         \x20   4  1  EN_RAMP       ramp generator enabled\n\
+         \x20   5  1  UNFREEZE      ramp generator runs\n\
+         \x20   6  1  EN_SETPOINT   setpoint enabled\n\
+         \x20   7  0  ACK           no acknowledge\n\
+         \x20   8  0  JOG1          no jog 1\n\
+         \x20   9  0  JOG2          no jog 2\n\
+         \x20  10  1  CTRL_PLC      control by PLC: process data valid\n\
+         \x20  11  0  BIT11         -\n\
+         \x20  12  0  BIT12         -\n\
+         \x20  13  0  BIT13         -\n\
+         \x20  14  0  BIT14         -\n\
+         \x20  15  0  BIT15         -\n"
+    );
+    assert_eq!(stderr(&output), "");
+}
+
+#[test]
+fn explain_for_programs_has_the_schema() {
+    let output = profidrive(&["--json", "explain", "0x0237", "--as", "state"]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    assert_eq!(value["schema"], "profidrive/1");
+    assert_eq!(value["state"], "S4");
+    let output = profidrive(&["--json", "explain", "0x10000", "--as", "state"]);
+    assert_eq!(output.status.code(), Some(2));
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    assert_eq!(value["error"]["kind"], "usage");
+}
+
+#[test]
+fn explain_faults_errors_formats_and_statuses() {
+    for (value, kind, words) in [
+        ("F702", "fault", "AKD F702: Fieldbus communication lost"),
+        (
+            "0x11",
+            "error",
+            "parameter error 0x11 not executable in the present operating state",
+        ),
+        ("0x42", "format", "format 0x42: Word"),
+        ("DE80B500", "pnio", "state conflict"),
+        ("0x0278", "zsw1", "S1 switching on inhibited, with a fault"),
+    ] {
+        let output = profidrive(&["explain", value, "--as", kind]);
+        assert_eq!(output.status.code(), Some(0), "{value}");
+        assert!(stdout(&output).contains(words), "{}", stdout(&output));
+    }
+}
+
+#[test]
+fn decode_the_jobs_of_the_manual() {
+    for (hex, expected) in [
+        (
+            "05 02 00 01 10 01 03 A2 00 00 42 01 00 02",
+            "change request 5, axis 0, 1 parameter\n  Operating mode (p0930) = 2",
+        ),
+        (
+            "05 02 00 01 00 00",
+            "change response 5, axis 0, 1 parameter\n  written\n",
+        ),
+        (
+            "0B 01 01 01 42 01 0C 05",
+            "read response 11, axis 1, 1 parameter\n  3077   [Word 0C 05]\n",
+        ),
+    ] {
+        let output = profidrive(&["decode", "--hex", hex]);
+        assert_eq!(output.status.code(), Some(0), "{hex}");
+        assert!(
+            stdout(&output).starts_with(expected),
+            "{hex}: {}",
+            stdout(&output)
+        );
+    }
+    let request = "07 01 00 02 10 01 08 3C 00 00 10 01 FF FE 00 00";
+    let output = profidrive(&[
+        "decode",
+        "--hex",
+        "07 81 00 02 43 01 00 2D C6 C0 44 01 00 00",
+        "--request",
+        request,
+    ]);
+    assert!(
+        stdout(&output).contains("DRV.ACC (p2108) = 3000 rpm/s"),
+        "{}",
+        stdout(&output)
+    );
+    assert!(
+        stdout(&output).contains("refused: 0x00 impermissible parameter number"),
+        "{}",
+        stdout(&output)
+    );
+}
+
+#[test]
+fn decode_says_what_is_wrong() {
+    let output = profidrive(&["decode", "--hex", "05 0"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).starts_with("error: `0` is no octet in hexadecimal\n  hint: "),
+        "{}",
+        stderr(&output)
+    );
+    let output = profidrive(&["decode", "--hex", "05 01 00"]);
+    assert_eq!(output.status.code(), Some(1));
+    let output = profidrive(&["decode", "/no/such/file.pcapng"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        stderr(&output).contains("cannot read /no/such/file.pcapng"),
+        "{}",
+        stderr(&output)
+    );
+    let output = profidrive(&["decode", env!("CARGO_MANIFEST_PATH")]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("no capture file"), "{}", stderr(&output));
+}
+
+#[test]
+fn completions_name_every_verb() {
+    for shell in ["bash", "zsh", "fish"] {
+        let output = profidrive(&["completions", shell]);
+        assert_eq!(output.status.code(), Some(0));
+        for verb in ["scan", "simulate", "decode", "monitor"] {
+            assert!(stdout(&output).contains(verb), "{shell} {verb}");
+        }
+    }
+}
+
+#[test]
+fn mistakes_on_the_command_line() {
+    for line in [
+        &["fly"][..],
+        &["read", "akd-1"],
+        &["run", "akd-1"],
+        &["explain", "1", "--as", "colour"],
+        &["ip", "akd-1", "10.0.0.2"],
+        &["name", "02:00:00:00:00:01", "Bad_Name"],
+        &["write", "-i", "lo", "akd-1", "DRV.ACC"],
+        &["run", "akd 1", "--velocity", "60rpm", "-i", "lo"],
+        &["run", "akd-1", "--velocity", "5A", "-i", "lo"],
+    ] {
+        let output = profidrive(line);
+        assert_eq!(output.status.code(), Some(2), "{line:?}: {}", stderr(&output));
+        assert_eq!(stdout(&output), "", "{line:?}");
+        assert!(!stderr(&output).is_empty(), "{line:?}");
+    }
+    let output = profidrive(&["name", "02:00:00:00:00:01", "Bad_Name"]);
+    assert!(stderr(&output).contains("hint: perhaps "), "{}", stderr(&output));
+}
+
+#[test]
+fn a_speed_above_the_limit_is_stopped_before_anything_is_sent() {
+    let output = profidrive(&["run", "akd-1", "--velocity", "9000rpm", "-i", "no-such-interface"]);
+    assert_eq!(output.status.code(), Some(6));
+    assert!(
+        stderr(&output).contains("9000 rpm is above the limit of 3000 rpm"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn an_unknown_interface_names_the_others() {
+    let output = profidrive(&["scan", "-i", "no-such-interface"]);
+    assert_eq!(output.status.code(), Some(4));
+    let text = stderr(&output);
+    assert!(
+        text.contains("no-such-interface") && text.contains("hint: "),
+        "{text}"
+    );
+}
+
+#[test]
+fn demo_writes_a_capture_that_decode_reads() {
+    let folder = std::env::temp_dir().join(format!("profidrive-demo-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("demo.pcapng");
+    let file = path.to_str().expect("a path");
+    let output = profidrive(&["demo", "--fast", "--pcap", file]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(
+        stdout(&output)
+            .lines()
+            .filter(|line| line.starts_with("ok    "))
+            .count(),
+        11,
+        "{}",
+        stdout(&output)
+    );
+    let output = profidrive(&["decode", file]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let text = stdout(&output);
+    for words in [
+        "who is name akd-1?",
+        "connect as IO controller (advanced start-up) \"demo-controller\"",
+        "inputs: 40 octets every 16 ms (16 x 32 x 31.25 us), watchdog 3 x 16 ms = 48 ms, RT class 2",
+        "STW1 0x047E -> 0x047F run: follows the setpoint",
+        "-> 0x0278 S1 switching on inhibited, with a fault",
+        "change request",
+        "DRV.ACC (p2108) = 1000 rpm/s",
+        "release",
+    ] {
+        assert!(text.contains(words), "{words}");
+    }
+    assert!(stderr(&output).contains("frames: "), "{}", stderr(&output));
+
+    // a damaged capture is read as far as it is sound
+    let mut octets = std::fs::read(&path).expect("the capture");
+    octets.truncate(octets.len() / 2 + 3);
+    std::fs::write(&path, &octets).expect("the capture");
+    let output = profidrive(&["decode", file]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains("who is name akd-1?"));
+    assert!(
+        stderr(&output).contains("ends in the middle of a block"),
+        "{}",
+        stderr(&output)
+    );
+    std::fs::remove_dir_all(&folder).expect("the folder goes");
+}
+
+#[test]
+fn data_and_talk_are_apart() {
+    let output = profidrive(&["--json", "--quiet", "demo", "--fast"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(stderr(&output), "");
+    for line in stdout(&output).lines() {
+        let value: serde_json::Value = serde_json::from_str(line).expect("every line is a document");
+        assert_eq!(value["schema"], "profidrive/1");
+    }
+}
