@@ -18,7 +18,7 @@ import profinet
 import profinet.rpc
 from profinet.cyclic import CyclicController  # noqa: F401  (fails early when the package changed)
 
-READ_PROFILE_IDENT = bytes.fromhex("01 01 01 01 10 01 03 c5 00 00")  # reference 1, read, axis 1, PNU 965
+READ_PROFILE_IDENT = bytes.fromhex("01 01 00 01 10 01 03 c5 00 00")  # reference 1, read, axis 0, PNU 965
 RATED = 0x4000
 
 
@@ -122,8 +122,16 @@ class Script:
 
     def job(self, request, index):
         """One parameter job: write the request, read the answer, again while the device says 'not ready'."""
-        self.device.write(1, 1, index, request, api=0x3A00)
         last = None
+        for _ in range(50):
+            try:
+                self.device.write(1, 1, index, request, api=0x3A00)
+                break
+            except profinet.PNIOError as error:
+                last = error
+                if "B5" not in str(error):
+                    raise
+                time.sleep(0.02)
         for _ in range(50):
             try:
                 answer = self.device.read(1, 1, index, api=0x3A00)

@@ -6,8 +6,8 @@ use std::net::Ipv4Addr;
 use std::path::Path;
 
 use network::pcap::Reader;
-use profinet::RPC_PORT;
 use profinet::wire::ethernet::{Frame, FrameId};
+use profinet::{MacAddress, RPC_PORT};
 
 /// What a frame carries, as far as PROFINET is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,6 +82,9 @@ pub fn frames(capture: &Path) -> Vec<(usize, Vec<u8>)> {
         .collect()
 }
 
+/// FrameID, sender and receiver of cyclic frames.
+pub type StreamKey = (FrameId, MacAddress, MacAddress);
+
 /// Cyclic frames of a capture by their FrameID: how many, and how many cycle counter steps are missing between them.
 ///
 /// The provider counts every send interval, so a step of twice the usual one is a lost frame.
@@ -96,8 +99,8 @@ pub struct Stream {
 
 /// Counts the cyclic frames of a capture. `interval` is the send interval in units of 31.25 us.
 #[must_use]
-pub fn streams(capture: &Path, interval: u16) -> HashMap<(FrameId, [u8; 6]), Stream> {
-    let mut streams: HashMap<(FrameId, [u8; 6]), Stream> = HashMap::new();
+pub fn streams(capture: &Path, interval: u16) -> HashMap<StreamKey, Stream> {
+    let mut streams: HashMap<StreamKey, Stream> = HashMap::new();
     for (_, bytes) in frames(capture) {
         let Content::Profinet(frame) = content(&bytes) else {
             continue;
@@ -110,7 +113,9 @@ pub fn streams(capture: &Path, interval: u16) -> HashMap<(FrameId, [u8; 6]), Str
             continue;
         };
         let counter = u16::from_be_bytes([frame.payload[at], frame.payload[at + 1]]);
-        let stream = streams.entry((frame.frame_id, frame.source.0)).or_default();
+        let stream = streams
+            .entry((frame.frame_id, frame.source, frame.destination))
+            .or_default();
         if let Some(last) = stream.last {
             let steps = usize::from(counter.wrapping_sub(last) / interval);
             stream.lost += steps.saturating_sub(1);

@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use system_tests::{Finished, Lab, Side, built, judge, peer, python};
+use profidrive::catalogue::AKD;
+use profidrive::parameter::Dialect;
+use system_tests::{Finished, Lab, Side, built, compare, judge, peer, python, traffic};
 
 const DEVICE_MAC: &str = "02:50:4e:00:00:01";
 
@@ -22,6 +24,144 @@ fn step<'a>(steps: &'a [serde_json::Value], name: &str) -> &'a serde_json::Value
         .iter()
         .find(|s| s["step"] == name)
         .unwrap_or_else(|| panic!("step {name} did not happen: {steps:?}"))
+}
+
+/// The virtual AKD and an independent controller, from a drive without name and address to 60 rpm and back.
+#[test]
+fn the_virtual_drive_serves_profinet_py() {
+    let lab = Lab::new("profinetpy-akd");
+    let device = &AKD.device;
+    let module = device.telegram(1).unwrap();
+    let slots = format!(
+        "0:1:0:{dap}:{dap_sub}:0:0,0:0x8000:0:{dap}:{interface}:0:0,0:0x8001:0:{dap}:{port}:0:0,1:1:{api}:{tel}:{tel_sub}:4:4",
+        dap = device.access_point_module,
+        dap_sub = device.access_point_submodule,
+        interface = device.interface_submodule,
+        port = device.port_submodule,
+        api = device.api,
+        tel = module.module,
+        tel_sub = module.submodule,
+    );
+    let capture = lab.capture("traffic");
+    // no name and no address: as it comes out of its box
+    let mut drive = lab.spawn(
+        Side::Device,
+        built("test-drives"),
+        ["dev0", &format!("mac={DEVICE_MAC}")],
+    );
+    drive.wait_for("ready", Duration::from_secs(5));
+    let set_mode = "05 02 00 01 10 01 03 A2 00 00 42 01 00 02";
+    let set_mode_back = "06 02 00 01 10 01 03 A2 00 00 42 01 00 01";
+    let read_mode = "07 01 00 01 10 01 03 A2 00 00";
+    let two = "08 01 00 02 10 01 03 A2 00 00 10 06 03 C4 00 00";
+    let unknown = "09 01 00 01 10 01 FF F0 00 00";
+    let arguments = [
+        "--mac",
+        DEVICE_MAC,
+        "--name",
+        "drive-one",
+        "--ip",
+        "192.168.77.50",
+        "--slots",
+        &slots,
+        "--seconds",
+        "20",
+        "--ratio",
+        "16",
+        "--watchdog",
+        "6",
+        "--job",
+        set_mode,
+        "--job",
+        read_mode,
+        "--job",
+        set_mode_back,
+        "--job",
+        two,
+        "--job",
+        unknown,
+        "--job-running",
+        read_mode,
+        "--steps",
+        "discover,name,ip,signal,find,im0,connect,im0_connected,records,exchange,drive,release",
+    ];
+    let finished = controller(&lab, &arguments, 120);
+    let file = capture.stop();
+    let steps = finished.ok().json_lines();
+
+    let found = step(&steps, "discover");
+    assert_eq!(
+        (&found["vendor"], &found["device"]),
+        (&device.vendor_id.into(), &device.device_id.into())
+    );
+    assert_eq!((&found["name"], &found["ip"]), (&"".into(), &"0.0.0.0".into()));
+    assert_eq!(step(&steps, "find")["name"], "drive-one");
+    assert_eq!(step(&steps, "find")["ip"], "192.168.77.50");
+    let im0 = step(&steps, "im0_connected");
+    assert_eq!(
+        (&im0["vendor"], &im0["order"]),
+        (&device.vendor_id.into(), &device.order_id.into())
+    );
+
+    let answers: Vec<(u64, &str, &str)> = steps
+        .iter()
+        .filter(|s| s["step"] == "record")
+        .map(|s| {
+            (
+                s["index"].as_u64().unwrap(),
+                s["request"].as_str().unwrap(),
+                s["answer"].as_str().unwrap(),
+            )
+        })
+        .collect();
+    for (request, answer) in [
+        ("01 01 00 01 10 01 03 c5 00 00", Some("01010001 4201 0329")),
+        (set_mode, Some("050200010000")),
+        (read_mode, Some("07010001 4201 0002")),
+        (set_mode_back, Some("060200010000")),
+        (unknown, Some("09810001 4401 0000")),
+    ] {
+        let plain = |text: &str| text.to_lowercase().replace(' ', "");
+        for index in [0x002F, 0xB02E] {
+            let given = answers
+                .iter()
+                .find(|(i, r, _)| *i == index && plain(r) == plain(request))
+                .unwrap_or_else(|| panic!("no answer to {request} on {index:#06x}: {answers:?}"))
+                .2;
+            assert!(
+                answer.is_none_or(|answer| given == plain(answer)),
+                "{request} on {index:#06x}: {given}"
+            );
+        }
+    }
+
+    lost_nothing(step(&steps, "exchange"), 20.0, 16.0);
+    for what in [
+        "ready to switch on",
+        "operation",
+        "speed reached",
+        "running",
+        "stopped",
+    ] {
+        assert!(
+            steps.iter().any(|s| s["what"] == what),
+            "{what} missing: {steps:?}"
+        );
+    }
+    step(&steps, "done");
+
+    let verdict = judge::judge(&file);
+    verdict
+        .clean()
+        .saw("pn_dcp", 8)
+        .saw("pn_io", 20)
+        .saw("pn_rt", 2000);
+    assert!(verdict.warnings.is_empty(), "{:?}", verdict.warnings);
+    assert!(compare::same_parameters(&file, &Dialect::AKD) >= 26);
+    for stream in traffic::streams(&file, 512).values() {
+        assert_eq!(stream.lost, 0);
+    }
+    drive.interrupt(Duration::from_secs(5)).ok();
 }
 
 /// The script itself against the other independent peer: what it finds wrong later is then our fault, not its own.

@@ -86,14 +86,21 @@ impl LookupRequest {
     /// When it is too short.
     pub fn decode(r: &mut Reader<'_>, order: ByteOrder) -> Result<Self, DecodeError> {
         let inquiry = r.u32_in(order, "inquiry type")?;
-        r.skip(4, "object referent")?;
-        let object = Uuid::decode(r, order, "object")?;
-        r.skip(4, "interface referent")?;
-        let interface = Uuid::decode(r, order, "interface")?;
-        let version = (
-            r.u16_in(order, "version major")?,
-            r.u16_in(order, "version minor")?,
-        );
+        // a null pointer has nothing behind it
+        let object = match r.u32_in(order, "object referent")? {
+            0 => Uuid::NIL,
+            _ => Uuid::decode(r, order, "object")?,
+        };
+        let (interface, version) = match r.u32_in(order, "interface referent")? {
+            0 => (Uuid::NIL, (0, 0)),
+            _ => (
+                Uuid::decode(r, order, "interface")?,
+                (
+                    r.u16_in(order, "version major")?,
+                    r.u16_in(order, "version minor")?,
+                ),
+            ),
+        };
         let version_option = r.u32_in(order, "version option")?;
         let handle = EpmHandle::decode(r, order)?;
         let max_entries = r.u32_in(order, "max entries")?;
@@ -332,6 +339,18 @@ mod tests {
             port: 34964,
             address: Ipv4Addr::new(192, 168, 77, 50),
         }
+    }
+
+    /// As profinet-py asks: null pointers, and octets behind the end.
+    #[test]
+    fn a_lookup_with_null_pointers() {
+        let mut body = [0; 52];
+        body[48] = 0x64;
+        let mut reader = Reader::new(&body);
+        let request = LookupRequest::decode(&mut reader, ByteOrder::Little).unwrap();
+        assert_eq!((request.inquiry, request.object, request.interface), (0, Uuid::NIL, Uuid::NIL));
+        assert_eq!((request.version, request.max_entries), ((0, 0), 0));
+        assert_eq!(reader.remaining(), 12);
     }
 
     #[test]

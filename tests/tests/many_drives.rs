@@ -1,0 +1,78 @@
+//! Our drives and our controller as programs of their own, over a cable.
+
+use std::collections::HashSet;
+use std::time::Duration;
+
+use system_tests::{Lab, Side, built, judge, traffic};
+
+/// 64 virtual drives on one interface, one controller process, 16 ms, 30 s.
+#[test]
+fn sixty_four_drives_and_one_controller() {
+    let lab = Lab::new("many-drives");
+    let arguments = ["dev0", "count=64", "name=akd", "ip=192.168.77.101"];
+    let mut drives = lab.spawn(Side::Device, built("test-drives"), arguments);
+    drives.wait_for("ready", Duration::from_secs(5));
+    let capture = lab.capture("traffic");
+    let names: Vec<String> = (1..=64).map(|n| format!("akd-{n}")).collect();
+    let arguments = [
+        "ctl0",
+        "akd",
+        &names.join(","),
+        "cycle_us=16000",
+        "seconds=30",
+        "speed=164",
+    ];
+    let finished = lab
+        .run(
+            Side::Controller,
+            built("test-controller"),
+            arguments,
+            Duration::from_secs(90),
+        )
+        .ok();
+    let file = capture.stop();
+    let steps = finished.json_lines();
+    let exchanges: Vec<_> = steps.iter().filter(|s| s["step"] == "exchange").collect();
+    assert_eq!(exchanges.len(), 64);
+    for exchange in &exchanges {
+        for counter in ["missed", "disordered", "rejected", "skipped"] {
+            assert_eq!(exchange[counter], 0, "{counter}: {exchange}");
+        }
+        let received = exchange["received"].as_u64().unwrap();
+        assert!((1870..=1880).contains(&received), "{exchange}");
+        // operation enabled, 60 rpm within a few counts
+        let input = u32::from_str_radix(exchange["input"].as_str().unwrap(), 16).unwrap();
+        assert_eq!(input >> 16 & 7, 7, "{exchange}");
+        assert!((input & 0xFFFF).abs_diff(164) <= 8, "{exchange}");
+    }
+    let named: HashSet<&str> = exchanges.iter().map(|e| e["name"].as_str().unwrap()).collect();
+    assert_eq!(named.len(), 64);
+    assert_eq!(steps.iter().filter(|s| s["step"] == "im0").count(), 64);
+    assert!(
+        steps
+            .iter()
+            .any(|s| s["step"] == "released" && s["devices"] == 64)
+    );
+
+    let addresses: HashSet<String> = judge::fields(
+        &file,
+        "pn_rt.frame_id >= 0x8000 && eth.src[0:4] == 02:50:4e:00 && eth.src[4:1] == 01",
+        &["eth.src"],
+    )
+    .into_iter()
+    .map(|row| row[0].clone())
+    .collect();
+    assert_eq!(
+        addresses.len(),
+        64,
+        "each drive has an Ethernet address of its own"
+    );
+    judge::judge(&file)
+        .clean()
+        .saw("pn_rt", 64 * 2 * 1870)
+        .saw("pn_dcp", 64)
+        .saw("pn_io", 64 * 8);
+    let streams = traffic::streams(&file, 512);
+    assert_eq!(streams.len(), 128);
+    assert!(streams.values().all(|stream| stream.lost == 0), "{streams:?}");
+}
