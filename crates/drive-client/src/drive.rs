@@ -4,7 +4,7 @@ use profidrive::catalogue::{AKD, Catalogue, Scaling};
 use profidrive::parameter::Dialect;
 use profinet::controller::Station;
 
-use crate::parameter::Parameters;
+use crate::parameter::{ParameterProblem, Parameters, Selection};
 
 /// Record index of the parameter channel: base mode parameter access, global.
 const GLOBAL_ACCESS: u16 = 0xB02F;
@@ -90,6 +90,14 @@ pub struct Drive {
 }
 
 impl Drive {
+    /// The parameter that a person means: `DRV.ACC`, `930`, `r947[0]`, `947[0..7]`, `0x3A2`.
+    ///
+    /// # Errors
+    /// When the text is no parameter, or the drive has none of this name; the error knows the nearest names.
+    pub fn select(&self, text: &str) -> Result<Selection, ParameterProblem> {
+        self.parameters.select(&text.parse()?)
+    }
+
     /// From what a station said about itself.
     #[must_use]
     pub fn new(station: Station) -> Self {

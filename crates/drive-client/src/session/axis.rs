@@ -276,7 +276,7 @@ where
     /// # Errors
     /// A speed above the limit, and as [`ready`](Self::ready).
     pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
-        if !(rpm.abs() <= self.settings.speed_limit) {
+        if rpm.is_nan() || rpm.abs() > self.settings.speed_limit {
             return Err(Error::SpeedLimit {
                 wanted: rpm,
                 limit: self.settings.speed_limit,

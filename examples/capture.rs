@@ -1,0 +1,33 @@
+//! Record the traffic of a simulated segment and read it back.
+//!
+//! `cargo run -p examples --example capture -- traffic.pcapng`
+
+mod common;
+
+use std::error::Error;
+use std::fs::File;
+use std::io::BufReader;
+
+use drive_client::DriveAddress;
+use network::pcap::{Reader, Writer};
+use profinet::wire::ethernet::Frame;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args().nth(1).ok_or("give a file to write")?;
+    let mut session = common::session();
+    session
+        .medium_mut()
+        .segment_mut()
+        .add_tap(Box::new(Writer::starting_now(File::create(&path)?, "segment")?));
+    session.find(&DriveAddress::Name("akd-1".into()))?;
+    session.close()?;
+    session.medium_mut().segment_mut().finish_taps()?;
+    for captured in Reader::new(BufReader::new(File::open(&path)?))? {
+        let captured = captured?;
+        match Frame::parse(&captured.frame) {
+            Some(frame) => println!("{} -> {}  {:?}", frame.source, frame.destination, frame.frame_id),
+            None => println!("{} octets that are no PROFINET frame", captured.frame.len()),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,50 @@
+//! Find a drive, read parameters by name, change one.
+//!
+//! `cargo run -p examples --example read_and_write`
+
+mod common;
+
+use std::error::Error;
+
+use drive_client::parameter::Assignment;
+use drive_client::{DriveAddress, WriteMode};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut session = common::session();
+    let mut drive = session.find(&DriveAddress::Name("akd-1".into()))?;
+    println!("found {}", drive_client::describe(&drive.station));
+
+    let names = ["DRV.ACC", "VBUS.VALUE", "r947[0]"];
+    let selections = names
+        .iter()
+        .map(|name| drive.select(name))
+        .collect::<Result<Vec<_>, _>>()?;
+    for result in session.read(&mut drive, &selections)? {
+        match result {
+            Ok(reading) => println!(
+                "{:12} {:8} {} {}",
+                reading.name.unwrap_or(""),
+                reading.shown(),
+                reading.number().unwrap_or(f64::NAN),
+                reading.unit
+            ),
+            Err(refusal) => println!("refused: {refusal}"),
+        }
+    }
+
+    // Checked against the table of the drive before anything is sent; old and new value come back.
+    let change: Assignment = "DRV.ACC=5000rpm/s".parse()?;
+    for outcome in session.write(&mut drive, &[change], WriteMode::Write)? {
+        let old = outcome
+            .old
+            .and_then(Result::ok)
+            .and_then(|reading| reading.number());
+        let new = outcome
+            .new
+            .and_then(Result::ok)
+            .and_then(|reading| reading.number());
+        println!("DRV.ACC {old:?} -> {new:?}");
+    }
+    session.close()?;
+    Ok(())
+}

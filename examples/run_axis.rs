@@ -1,0 +1,31 @@
+//! Take control of an axis, run it, stop it. The axis also stops when the program leaves this scope by any other door.
+//!
+//! `cargo run -p examples --example run_axis`
+
+mod common;
+
+use std::error::Error;
+use std::time::Duration;
+
+use drive_client::{AxisSettings, DriveAddress};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut session = common::session();
+    let mut drive = session.find(&DriveAddress::Name("akd-1".into()))?;
+    let mut axis = session.take_axis(&mut drive, AxisSettings::default())?;
+    axis.run(60.0)?;
+    for _ in 0..5 {
+        axis.hold(Duration::from_millis(500))?;
+        if let Some(status) = axis.status() {
+            println!(
+                "{:5} ms  {:6.2} rpm",
+                status.time.as_millis(),
+                status.speed_actual
+            );
+        }
+    }
+    axis.stop()?;
+    println!("stopped: {:?}", axis.status().map(|status| status.speed_actual));
+    axis.release()?;
+    Ok(())
+}
