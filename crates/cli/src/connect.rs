@@ -70,6 +70,13 @@ pub fn session(
                 output.say("no right to open a raw socket: going by UDP alone");
                 udp(&stop)?
             }
+            Err(error @ NetworkError::NoPermission { .. }) => {
+                let failure = Failure::from(error);
+                let hint = failure.hint.clone().unwrap_or_default();
+                return Err(failure.hint(format!(
+                    "{hint}; reading and writing a drive given by its IP needs no right"
+                )));
+            }
             Err(error) => return Err(error.into()),
             Ok(medium) => packet(medium, need, &stop)?,
         },

@@ -69,7 +69,7 @@ fn print_readings(
     output: &Output,
 ) {
     if output.json() {
-        let values: Vec<Value> = readings.iter().map(|reading| reading_json(reading)).collect();
+        let values: Vec<Value> = readings.iter().map(reading_json).collect();
         output.document(command, fields! { "drive": drive, "parameters": values });
         return;
     }

@@ -118,7 +118,7 @@ fn interval(time: Duration) -> Result<u16, Failure> {
     let ticks = time.as_nanos() / TICK_NANOS;
     u16::try_from(ticks)
         .ok()
-        .filter(|ticks| (32..=16384).contains(ticks) && time.as_nanos() % TICK_NANOS == 0)
+        .filter(|ticks| (32..=16384).contains(ticks) && time.as_nanos().is_multiple_of(TICK_NANOS))
         .ok_or_else(|| Failure::usage("--min-cycle: 1 ms to 512 ms, in steps of 31.25 us"))
 }
 

@@ -128,7 +128,7 @@ pub fn value(value: &Value<'_>) -> String {
             format!("{}/{prefix}{gateway}", suite.address)
         }
         Value::StationType(octets) => format!("type \"{}\"", text(octets)),
-        Value::Name(octets) if octets.is_empty() => "no name".into(),
+        Value::Name([]) => "no name".into(),
         Value::Name(octets) => format!("name {}", text(octets)),
         Value::DeviceId { vendor, device } => format!("vendor 0x{vendor:04X} device 0x{device:04X}"),
         Value::OemDeviceId { vendor, device } => format!("OEM vendor 0x{vendor:04X} device 0x{device:04X}"),

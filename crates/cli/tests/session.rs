@@ -1,0 +1,388 @@
+//! The client against virtual drives on an in-memory segment, in virtual time.
+
+use std::cell::Cell;
+use std::net::Ipv4Addr;
+use std::rc::Rc;
+use std::time::Duration;
+
+use drive_client::axis::{Goal, Trouble};
+use drive_client::parameter::{Assignment, Selection};
+use drive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Session, WriteMode};
+use network::host::{Host, StationId};
+use network::segment::{Conditions, Pace, Segment, SegmentMedium};
+use profidrive::catalogue::AKD;
+use profidrive::notation::ParameterReference;
+use profinet::controller::{ConnectConfig, ControllerConfig, ModuleConfig, Resolve, SubmoduleConfig, Target};
+use profinet::cyclic::Timing;
+use profinet::device::Stored;
+use profinet::{Endpoint, Instant, IpSuite, MacAddress};
+use proptest::prelude::*;
+use virtual_drive::model;
+use virtual_drive::station::{Station, StationConfig};
+
+type Bench = Session<SegmentMedium>;
+
+fn ip(last: u8) -> IpSuite {
+    IpSuite {
+        address: Ipv4Addr::new(10, 0, 0, last),
+        mask: Ipv4Addr::new(255, 255, 255, 0),
+        gateway: Ipv4Addr::UNSPECIFIED,
+    }
+}
+
+fn station(name: &str, last: u8) -> Box<Host<Station>> {
+    let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, last]));
+    config.network = Stored {
+        name: name.into(),
+        ip: ip(last),
+        ..Stored::default()
+    };
+    Box::new(Host::new(Station::new(config)))
+}
+
+fn bench(drives: &[(&str, u8)]) -> (Bench, Vec<StationId>) {
+    let mut segment = Segment::new(7);
+    let ids = drives
+        .iter()
+        .map(|&(name, last)| segment.attach(station(name, last)))
+        .collect();
+    let medium = SegmentMedium::new(segment, Pace::Virtual);
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
+    (Session::new(medium, config), ids)
+}
+
+fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {
+    session.find(&text.parse::<DriveAddress>().expect("an address"))
+}
+
+fn drive_at(session: &Bench, id: StationId) -> &Station {
+    session
+        .medium()
+        .segment()
+        .station::<Host<Station>>(id)
+        .expect("the drive")
+        .endpoint()
+}
+
+fn select(drive: &Drive, text: &str) -> Selection {
+    drive
+        .parameters
+        .select(&text.parse::<ParameterReference>().expect("a parameter"))
+        .expect("known")
+}
+
+fn is_at_rest(session: &Bench, id: StationId) -> bool {
+    let station = drive_at(session, id);
+    !station.drive().is_enabled() && !station.device().is_exchanging()
+}
+
+#[test]
+fn nobody_one_or_two_of_a_name() {
+    let (mut session, _) = bench(&[("akd-1", 1), ("akd-2", 2), ("akd-2", 3)]);
+    for text in ["akd-1", "10.0.0.1", "02:00:00:00:00:01"] {
+        assert_eq!(find(&mut session, text).expect(text).station.name, "akd-1");
+    }
+    let Err(Error::Ambiguous { macs, .. }) = find(&mut session, "akd-2") else {
+        panic!("two of them")
+    };
+    assert_eq!(macs.len(), 2);
+    let Err(Error::NotFound { heard, .. }) = find(&mut session, "akd-9") else {
+        panic!("nobody")
+    };
+    assert_eq!(heard.len(), 3);
+}
+
+#[test]
+fn naming_and_addressing() {
+    let (mut session, _) = bench(&[("", 1)]);
+    let drive = find(&mut session, "02:00:00:00:00:01").expect("by MAC");
+    session.set_name(&drive, "press-7", true).expect("a name");
+    session.set_ip(&drive, ip(77), true).expect("an address");
+    session.blink(&drive).expect("blinks");
+    let drive = find(&mut session, "press-7").expect("by its new name");
+    assert_eq!(drive.station.ip.address, ip(77).address);
+    assert!(matches!(
+        session.set_name(&drive, "Bad_Name", true),
+        Err(Error::Misuse(_))
+    ));
+}
+
+#[test]
+fn all_parameters_in_few_requests() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let all: Vec<Selection> = AKD
+        .parameters
+        .iter()
+        .map(|row| select(&drive, &row.pnu.to_string()))
+        .collect();
+    let frames = session.medium().segment().statistics().sent;
+    let readings = session.read(&mut drive, &all).expect("read");
+    let frames = session.medium().segment().statistics().sent - frames;
+    assert!(readings.len() > AKD.parameters.len());
+    assert_eq!(readings.iter().filter(|reading| reading.is_err()).count(), 0);
+    // a job is four datagrams; one parameter per job would be more than 3200
+    assert!(frames < 400, "{frames} frames");
+    session.close().expect("closed");
+}
+
+#[test]
+fn a_write_shows_old_and_new_and_reads_back() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let assignments: Vec<Assignment> = ["DRV.ACC=5000", "PN.VELSCALING=1000"]
+        .iter()
+        .map(|text| text.parse().expect("an assignment"))
+        .collect();
+    let dry = session
+        .write(&mut drive, &assignments, WriteMode::DryRun)
+        .expect("checked");
+    assert!(dry.iter().all(|outcome| outcome.written.is_none()));
+    let selection = select(&drive, "DRV.ACC");
+    assert_eq!(
+        session.read_one(&mut drive, &selection).expect("read").number(),
+        Some(3000.0)
+    );
+    let done = session
+        .write(&mut drive, &assignments, WriteMode::Write)
+        .expect("written");
+    assert!(
+        done.iter()
+            .all(|outcome| matches!(outcome.written, Some(Ok(()))) && !outcome.differs())
+    );
+    assert_eq!(
+        session.read_one(&mut drive, &selection).expect("read").number(),
+        Some(5000.0)
+    );
+    // the scale of speeds changed with it, and is used at once
+    let jog = select(&drive, "1004");
+    session
+        .write(
+            &mut drive,
+            &["1004=10rpm".parse().expect("an assignment")],
+            WriteMode::Write,
+        )
+        .expect("written");
+    let reading = session.read_one(&mut drive, &jog).expect("read");
+    assert_eq!(
+        (reading.raw(), drive.parameters.scaling.velocity),
+        (Some(45), 1000)
+    );
+    // nothing is written when one of them is wrong
+    let wrong: Vec<Assignment> = ["DRV.ACC=6000", "VL.FB_32=1"]
+        .iter()
+        .map(|text| text.parse().expect("an assignment"))
+        .collect();
+    assert!(session.write(&mut drive, &wrong, WriteMode::Write).is_err());
+    assert_eq!(
+        session.read_one(&mut drive, &selection).expect("read").number(),
+        Some(5000.0)
+    );
+}
+
+#[test]
+fn leaving_the_scope_stops_and_releases() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    {
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        axis.run(100.0).expect("runs");
+        axis.hold(Duration::from_secs(1)).expect("keeps running");
+        assert!(
+            axis.status()
+                .is_some_and(|status| (status.speed_actual - 100.0).abs() < 3.0)
+        );
+    }
+    assert!(is_at_rest(&session, ids[0]));
+    assert!(!drive_at(&session, ids[0]).drive().has_fault());
+}
+
+#[test]
+fn an_interrupt_stops_and_releases() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let flag = Rc::new(Cell::new(false));
+    let seen = Rc::clone(&flag);
+    session.interrupt_with(move || seen.get());
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    axis.run(100.0).expect("runs");
+    let pulled = Rc::clone(&flag);
+    axis.watch(move |status| pulled.set(status.time > Duration::from_secs(2)));
+    assert!(matches!(
+        axis.hold(Duration::from_secs(60)),
+        Err(Error::Interrupted)
+    ));
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
+    assert!(!drive_at(&session, ids[0]).drive().has_fault());
+}
+
+#[test]
+fn a_broken_link_ends_on_both_sides_and_both_recover() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    {
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        axis.run(100.0).expect("runs");
+        axis.session().0.medium_mut().segment_mut().cut(ids[0]);
+        assert!(matches!(
+            axis.hold(Duration::from_secs(5)),
+            Err(Error::ConnectionLost { .. })
+        ));
+    }
+    session.pass(Duration::from_secs(1)).expect("time passes");
+    assert!(is_at_rest(&session, ids[0]));
+    assert_eq!(drive_at(&session, ids[0]).drive().fault_number(0), 702);
+    session.medium_mut().segment_mut().uncut(ids[0]);
+    let mut drive = find(&mut session, "akd-1").expect("there again");
+    assert_eq!(session.faults(&mut drive).expect("faults")[0].number, 702);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert!(matches!(
+        axis.run(100.0),
+        Err(Error::Axis {
+            trouble: Trouble::Fault,
+            ..
+        })
+    ));
+    axis.acknowledge().expect("acknowledged");
+    axis.run(100.0).expect("runs");
+    axis.release().expect("released");
+}
+
+#[test]
+fn limits_are_kept_before_anything_moves() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let settings = AxisSettings {
+        speed_limit: 50.0,
+        ..AxisSettings::default()
+    };
+    let mut axis = session.take_axis(&mut drive, settings).expect("connected");
+    for wrong in [50.5, -50.5, f64::NAN, f64::INFINITY] {
+        assert!(
+            matches!(axis.run(wrong), Err(Error::SpeedLimit { .. })),
+            "{wrong}"
+        );
+    }
+    assert_eq!(axis.status().map(|status| status.view.goal), Some(Goal::Released));
+    drop(axis);
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+/// Another controller, as a station on the segment.
+fn other_controller() -> Box<Host<Client>> {
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 1]), ip(201), "plc", 2);
+    let mut client = Client::new(config);
+    let telegram = AKD.device.telegram(1).expect("telegram 1");
+    let submodule = |subslot, ident, length| SubmoduleConfig {
+        subslot,
+        ident,
+        input_length: length,
+        output_length: length,
+    };
+    let access_point = ModuleConfig {
+        api: 0,
+        slot: 0,
+        ident: AKD.device.access_point_module,
+        submodules: vec![submodule(1, AKD.device.access_point_submodule, 0)],
+    };
+    let drive = ModuleConfig {
+        api: 0x3A00,
+        slot: 1,
+        ident: telegram.module,
+        submodules: vec![submodule(1, telegram.submodule, 4)],
+    };
+    let timing = Timing::for_interval(Duration::from_millis(16)).expect("16 ms");
+    let mut config = ConnectConfig::new(vec![access_point, drive], timing);
+    config.resolve = Resolve::Check;
+    let target = Target {
+        name: "akd-1".into(),
+        mac: None,
+        ip: IpSuite::NONE,
+        vendor_id: AKD.device.vendor_id,
+        device_id: AKD.device.device_id,
+        instance: 1,
+    };
+    client
+        .controller()
+        .connect(Instant::ZERO, target, config)
+        .expect("a request");
+    Box::new(Host::new(client))
+}
+
+#[test]
+fn beside_another_controller_reads_work_and_control_is_refused() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    session.medium_mut().segment_mut().attach(other_controller());
+    session.pass(Duration::from_secs(3)).expect("time passes");
+    assert!(
+        drive_at(&session, ids[0]).device().is_exchanging(),
+        "the other controller runs"
+    );
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let snapshot = session.snapshot(&mut drive, &[]).expect("a look");
+    assert!(snapshot.zsw1.is_some());
+    let error = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .map(|_| ())
+        .expect_err("refused");
+    assert!(matches!(error, Error::OwnedByController { .. }), "{error}");
+    session.pass(Duration::from_secs(1)).expect("time passes");
+    assert!(
+        drive_at(&session, ids[0]).device().is_exchanging(),
+        "the other controller was not disturbed"
+    );
+}
+
+#[test]
+fn parameters_over_a_bad_network() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let conditions = Conditions {
+        loss: 0.01,
+        duplicate: 0.01,
+        ..Conditions::default()
+    };
+    session.medium_mut().segment_mut().set_all_conditions(conditions);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let selection = select(&drive, "DRV.ACC");
+    for _ in 0..200 {
+        assert_eq!(
+            session.read_one(&mut drive, &selection).expect("read").number(),
+            Some(3000.0)
+        );
+    }
+}
+
+proptest! {
+    #[test]
+    fn garbage_disturbs_nothing(
+        frames in proptest::collection::vec(proptest::collection::vec(any::<u8>(), 0..120), 0..20),
+    ) {
+        let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
+        let mut client = Client::new(config);
+        let mut now = Instant::ZERO;
+        for frame in &frames {
+            now += Duration::from_millis(1);
+            let mut pn = vec![2, 0, 0, 0, 1, 0, 2, 0, 0, 0, 0, 9, 0x88, 0x92];
+            pn.extend(frame);
+            client.handle_frame(now, &pn);
+            client.handle_frame(now, frame);
+            client.handle_datagram(now, std::net::SocketAddrV4::new(ip(9).address, 34964), 34964, frame);
+            client.handle_timeout(now);
+        }
+        let mut buffer = [0; profinet::MAX_FRAME];
+        for _ in 0..1000 {
+            if client.poll_transmit(now, &mut buffer).is_none() {
+                break;
+            }
+        }
+    }
+}
