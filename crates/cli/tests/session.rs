@@ -93,6 +93,30 @@ fn nobody_one_or_two_of_a_name() {
 }
 
 #[test]
+fn without_discovery_the_endpoint_mapper_tells_who_it_is() {
+    let (session, _) = bench(&[("akd-1", 1)]);
+    let mut session = session.without_discovery();
+    let mut drive = find(&mut session, "10.0.0.1").expect("by address");
+    assert_eq!(
+        (drive.station.vendor_id, drive.station.device_id),
+        (AKD.device.vendor_id, AKD.device.device_id)
+    );
+    let selection = select(&drive, "DRV.ACC");
+    assert_eq!(
+        session.read_one(&mut drive, &selection).expect("read").number(),
+        Some(3000.0)
+    );
+    assert!(matches!(
+        find(&mut session, "akd-1"),
+        Err(Error::NeedsDiscovery { .. })
+    ));
+    assert!(matches!(
+        find(&mut session, "10.0.0.99"),
+        Err(Error::NotFound { .. })
+    ));
+}
+
+#[test]
 fn naming_and_addressing() {
     let (mut session, _) = bench(&[("", 1)]);
     let drive = find(&mut session, "02:00:00:00:00:01").expect("by MAC");

@@ -1,7 +1,7 @@
 //! The controller with drive knowledge: what it heard, and axes it keeps under control between two inputs.
 
 use std::collections::{HashMap, VecDeque};
-use std::net::SocketAddrV4;
+use std::net::{Ipv4Addr, SocketAddrV4};
 
 use profinet::controller::{
     ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError,
@@ -10,6 +10,7 @@ use profinet::controller::{
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
 use crate::axis::{AxisControl, Command, Goal, Limits, Progress, Seen};
+use crate::mapper::{Mapper, Registered};
 
 /// Most results that are kept for nobody.
 const MAX_RESULTS: usize = 4096;
@@ -36,6 +37,7 @@ pub enum Connection {
 #[derive(Debug)]
 pub struct Client {
     controller: Controller,
+    mapper: Mapper,
     connections: HashMap<ArId, Connection>,
     axes: Vec<AxisLink>,
     heard: HashMap<DcpId, Vec<Station>>,
@@ -75,6 +77,7 @@ impl Client {
     #[must_use]
     pub fn new(config: ControllerConfig) -> Self {
         Self {
+            mapper: Mapper::new(config.seed ^ MAPPER_SEED, mapper_port(config.client_port)),
             controller: Controller::new(config),
             connections: HashMap::new(),
             axes: Vec::new(),
@@ -94,6 +97,16 @@ impl Client {
     #[must_use]
     pub const fn controller_ref(&self) -> &Controller {
         &self.controller
+    }
+
+    /// Asks the endpoint mapper at `address` which device it belongs to; one question at a time.
+    pub fn ask_mapper(&mut self, now: Instant, address: Ipv4Addr) {
+        self.mapper.ask(now, address);
+    }
+
+    /// The answer of the endpoint mapper; `None` inside when there was none.
+    pub fn take_registered(&mut self) -> Option<Option<Registered>> {
+        self.mapper.take()
     }
 
     /// The stations that answered an Identify request, once its time is over.
@@ -246,6 +259,18 @@ impl Client {
     }
 }
 
+/// Keeps the mapper's UUIDs apart from the controller's.
+const MAPPER_SEED: u64 = 0x6D61_7070_6572;
+
+/// The port beside the controller's.
+const fn mapper_port(client_port: u16) -> u16 {
+    if client_port == u16::MAX {
+        client_port - 1
+    } else {
+        client_port + 1
+    }
+}
+
 /// Results nobody takes must not pile up.
 fn bound<K, V>(results: &mut HashMap<K, V>) {
     if results.len() >= MAX_RESULTS {
@@ -268,20 +293,29 @@ impl Endpoint for Client {
     }
 
     fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
-        self.controller.handle_datagram(now, source, local_port, payload);
+        if local_port == self.mapper.port() {
+            self.mapper.handle_datagram(now, source, payload);
+        } else {
+            self.controller.handle_datagram(now, source, local_port, payload);
+        }
         self.work(now);
     }
 
     fn handle_timeout(&mut self, now: Instant) {
         self.controller.handle_timeout(now);
+        self.mapper.handle_timeout(now);
         self.work(now);
     }
 
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
-        self.controller.poll_transmit(now, buffer)
+        let sent = self.controller.poll_transmit(now, buffer);
+        sent.or_else(|| self.mapper.poll_transmit(now, buffer))
     }
 
     fn poll_timeout(&self) -> Option<Instant> {
-        self.controller.poll_timeout()
+        [self.controller.poll_timeout(), self.mapper.poll_timeout()]
+            .into_iter()
+            .flatten()
+            .min()
     }
 }

@@ -17,6 +17,7 @@ pub mod axis;
 mod client;
 mod drive;
 mod error;
+mod mapper;
 pub mod parameter;
 mod session;
 
@@ -24,6 +25,7 @@ pub use address::{DriveAddress, DriveAddressError};
 pub use client::{AxisView, Client, Connection};
 pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
+pub use mapper::Registered;
 pub use session::{
     Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, Identity, Info, PlannedChange, Session,
     Snapshot, WriteMode,

@@ -111,11 +111,14 @@ impl LiveView {
             text.push_str(&format!("\x1b[{}A", self.drawn));
         }
         let lines = picture(view, &self.output);
+        // lines longer than the terminal are cut, not wrapped: the picture keeps its height
+        text.push_str("\x1b[?7l");
         for line in &lines {
             text.push_str("\r\x1b[K");
             text.push_str(line);
             text.push('\n');
         }
+        text.push_str("\x1b[?7h");
         self.drawn = lines.len();
         self.output.raw(&text);
     }

@@ -10,6 +10,8 @@ use crate::{Client, Drive, DriveAddress, Error};
 
 /// Longer than any DCP request may take with its repetitions.
 const DCP_LIMIT: Duration = Duration::from_secs(30);
+/// Longer than the endpoint mapper may take with all repetitions.
+const MAPPER_LIMIT: Duration = Duration::from_secs(10);
 /// How long a second station of the same name may take to answer: ten times the response delay asked for.
 const SECOND_ANSWER: Duration = Duration::from_millis(100);
 
@@ -113,19 +115,25 @@ where
         let DriveAddress::Ip(address) = drive else {
             return Err(Error::NeedsDiscovery { drive: drive.clone() });
         };
-        let ip = IpSuite {
-            address: *address,
-            ..IpSuite::NONE
+        let now = self.now();
+        self.client.ask_mapper(now, *address);
+        let Some(Some(found)) = self.wait(MAPPER_LIMIT, Client::take_registered)? else {
+            return Err(Error::NotFound {
+                drive: drive.clone(),
+                heard: Vec::new(),
+            });
         };
-        let akd = profidrive::catalogue::AKD.device;
-        let station = Station {
-            ip,
-            vendor_id: akd.vendor_id,
-            device_id: akd.device_id,
-            instance: 1,
+        Ok(Drive::new(Station {
+            ip: IpSuite {
+                address: *address,
+                ..IpSuite::NONE
+            },
+            vendor_id: found.vendor_id,
+            device_id: found.device_id,
+            instance: found.instance,
+            station_type: found.annotation,
             ..Station::default()
-        };
-        Ok(Drive::new(station))
+        }))
     }
 
     /// Gives a station its name.

@@ -25,6 +25,35 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// A client on a medium, with calls that wait for their result.
 ///
 /// Reads only until told otherwise: nothing is written and nothing moves on construction, on finding or on reading.
+///
+/// ```
+/// use drive_client::{DriveAddress, Error, Session};
+/// use profinet::controller::ControllerConfig;
+/// use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
+///
+/// /// A cable that ends nowhere.
+/// struct Silence(Instant);
+/// impl Medium for Silence {
+///     type Error = std::convert::Infallible;
+///     fn now(&self) -> Instant {
+///         self.0
+///     }
+///     fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Self::Error> {
+///         let mut buffer = [0; profinet::MAX_FRAME];
+///         while endpoint.poll_transmit(self.0, &mut buffer).is_some() {}
+///         self.0 = endpoint.poll_timeout().map_or(until, |due| due.clamp(self.0, until));
+///         endpoint.handle_timeout(self.0);
+///         Ok(())
+///     }
+/// }
+///
+/// let mac = MacAddress([2, 0x50, 0x4E, 0, 0, 0xC0]);
+/// let config = ControllerConfig::new(mac, IpSuite::NONE, "tool", 1);
+/// let mut session = Session::new(Silence(Instant::ZERO), config);
+/// let drive: DriveAddress = "akd-1".parse()?;
+/// assert!(matches!(session.find(&drive), Err(Error::NotFound { .. })));
+/// # Ok::<(), drive_client::DriveAddressError>(())
+/// ```
 pub struct Session<M: Medium> {
     client: Client,
     medium: M,

@@ -5,7 +5,6 @@ use profidrive::notation::{Elements, ParameterReference, Target};
 use profinet::Medium;
 
 use super::Session;
-use crate::axis::Seen;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal};
 
@@ -35,17 +34,6 @@ pub struct Snapshot {
     pub fault_counter: Option<u16>,
     /// What else was asked for.
     pub readings: Vec<Result<Reading, Refusal>>,
-}
-
-impl Snapshot {
-    /// The status word with everything it tells.
-    #[must_use]
-    pub fn seen(&self) -> Option<Seen> {
-        Some(Seen {
-            zsw1: self.zsw1?,
-            nist_a: 0,
-        })
-    }
 }
 
 /// One fault of the buffer.

@@ -1,0 +1,176 @@
+//! Asking a device who it is where there is no discovery: its RPC endpoint mapper knows.
+//!
+//! DCE 1.1 RPC, endpoint mapper lookup; the object UUID of a PROFINET device carries vendor, device and instance.
+
+use std::net::{Ipv4Addr, SocketAddrV4};
+
+use profinet::rpc::{self, ClientConfig};
+use profinet::wire::rpc::{EPM_LOOKUP, EpmEntry, EpmHandle, Header, LookupRequest, LookupResponse};
+use profinet::wire::{Reader, Uuid, UuidSource};
+use profinet::{Instant, RPC_PORT, Transmit};
+
+/// Most entries looked at: a device has two.
+const MAX_ENTRIES: u32 = 16;
+/// Version of the endpoint mapper interface.
+const VERSION: u32 = 3;
+
+/// What the endpoint mapper of a device says about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Registered {
+    /// Vendor.
+    pub vendor_id: u16,
+    /// Device.
+    pub device_id: u16,
+    /// Instance.
+    pub instance: u16,
+    /// Product, order number and revisions as one text.
+    pub annotation: String,
+}
+
+/// One enumeration at a time.
+#[derive(Debug)]
+pub struct Mapper {
+    calls: rpc::Client,
+    uuids: UuidSource,
+    port: u16,
+    present: Option<Enumeration>,
+    result: Option<Option<Registered>>,
+}
+
+#[derive(Debug)]
+struct Enumeration {
+    server: SocketAddrV4,
+    activity: Uuid,
+    /// Calls so far, and their numbers.
+    calls: u32,
+    open: Option<rpc::CallId>,
+}
+
+impl Mapper {
+    /// Calls leave from `port`.
+    pub fn new(seed: u64, port: u16) -> Self {
+        Self {
+            calls: rpc::Client::new(ClientConfig::default()),
+            uuids: UuidSource::new(seed),
+            port,
+            present: None,
+            result: None,
+        }
+    }
+
+    /// The local port of the calls.
+    pub const fn port(&self) -> u16 {
+        self.port
+    }
+
+    /// Starts to ask; a question that is still open is dropped.
+    pub fn ask(&mut self, now: Instant, address: Ipv4Addr) {
+        if let Some(call) = self.present.take().and_then(|present| present.open) {
+            self.calls.cancel(call);
+        }
+        self.result = None;
+        let server = SocketAddrV4::new(address, RPC_PORT);
+        self.present = Some(Enumeration {
+            server,
+            activity: self.uuids.uuid(),
+            calls: 0,
+            open: None,
+        });
+        self.next_entry(now, EpmHandle::default());
+    }
+
+    /// The answer, once there is one: `None` inside when the device said nothing useful.
+    pub fn take(&mut self) -> Option<Option<Registered>> {
+        self.result.take()
+    }
+
+    fn next_entry(&mut self, now: Instant, handle: EpmHandle) {
+        let Some(present) = &mut self.present else { return };
+        let header = Header {
+            interface_version: VERSION,
+            ..Header::request(
+                Uuid::NIL,
+                Uuid::ENDPOINT_MAPPER,
+                present.activity,
+                present.calls,
+                EPM_LOOKUP,
+            )
+        };
+        let mut stub = Vec::new();
+        LookupRequest::all(handle).encode(&mut stub, header.order);
+        present.calls += 1;
+        present.open = Some(self.calls.call(now, present.server, header, stub));
+    }
+
+    fn work(&mut self, now: Instant) {
+        while let Some((call, reply)) = self.calls.poll_event() {
+            let Some(present) = &mut self.present else {
+                continue;
+            };
+            if present.open != Some(call) {
+                continue;
+            }
+            present.open = None;
+            let more = present.calls < MAX_ENTRIES;
+            let answer = reply
+                .ok()
+                .and_then(|reply| LookupResponse::decode(&mut Reader::new(&reply.stub), reply.order).ok());
+            match answer {
+                Some(answer) if answer.status == 0 => match answer.entries.iter().find_map(device) {
+                    Some(found) => self.end(Some(found)),
+                    None if more => self.next_entry(now, answer.handle),
+                    None => self.end(None),
+                },
+                _ => self.end(None),
+            }
+        }
+    }
+
+    fn end(&mut self, result: Option<Registered>) {
+        self.present = None;
+        self.result = Some(result);
+    }
+
+    pub fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, payload: &[u8]) {
+        self.calls.handle(now, source, payload);
+        self.work(now);
+    }
+
+    pub fn handle_timeout(&mut self, now: Instant) {
+        self.calls.handle_timeout(now);
+        self.work(now);
+    }
+
+    pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        let (destination, length) = self.calls.poll_transmit(now, buffer)?;
+        Some(Transmit::Datagram {
+            destination,
+            source_port: self.port,
+            length,
+        })
+    }
+
+    pub fn poll_timeout(&self) -> Option<Instant> {
+        self.calls.poll_timeout()
+    }
+}
+
+/// The device behind an entry; the mapper's own entry has none.
+fn device(entry: &EpmEntry) -> Option<Registered> {
+    let (instance, device_id, vendor_id) = entry.object.object_parts()?;
+    if entry.interface.0 != Uuid::DEVICE_INTERFACE {
+        return None;
+    }
+    let text = String::from_utf8_lossy(&entry.annotation);
+    let annotation = text
+        .trim_end_matches(['\0', ' '])
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    Some(Registered {
+        vendor_id,
+        device_id,
+        instance,
+        annotation,
+    })
+}
