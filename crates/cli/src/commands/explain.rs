@@ -31,15 +31,15 @@ fn explain(text: &str, kind: Kind) -> Result<Explained, Failure> {
             let word = word(text)?;
             let means = words::stw1_meaning(word);
             let mut fields = fields! { "as": "stw1", "meaning": means };
-            fields.insert("word".into(), words::word_json(&words::STW1, word));
-            (words::word_lines("STW1", &words::STW1, word, means), fields)
+            fields.insert("word".into(), words::word_json(words::stw1_bits(), word));
+            (words::word_lines("STW1", words::stw1_bits(), word, means), fields)
         }
         Kind::Zsw1 => {
             let word = word(text)?;
             let means = words::state(word);
             let mut fields = fields! { "as": "zsw1", "meaning": means };
-            fields.insert("word".into(), words::word_json(&words::ZSW1, word));
-            (words::word_lines("ZSW1", &words::ZSW1, word, means), fields)
+            fields.insert("word".into(), words::word_json(words::zsw1_bits(), word));
+            (words::word_lines("ZSW1", words::zsw1_bits(), word, means), fields)
         }
         Kind::State => {
             let word = word(text)?;

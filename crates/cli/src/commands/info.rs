@@ -72,20 +72,20 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         }
     }
     if let Some(stw1) = word(info, STW1) {
-        let set = words::set_names(&words::STW1, stw1);
+        let set = words::set_names(words::stw1_bits(), stw1);
         line(
             "STW1",
             format!("{} {} [{set}]", hex16(stw1), words::stw1_meaning(stw1)),
         );
     }
     if let Some(zsw1) = word(info, ZSW1) {
-        let set = words::set_names(&words::ZSW1, zsw1);
+        let set = words::set_names(words::zsw1_bits(), zsw1);
         line(
             "ZSW1",
             format!(
                 "{} [{set}] {}",
                 hex16(zsw1),
-                words::inverse_meanings(&words::ZSW1, zsw1)
+                words::inverse_meanings(words::zsw1_bits(), zsw1)
             ),
         );
     }
@@ -213,10 +213,10 @@ fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serd
     if let Some(zsw1) = word(info, ZSW1) {
         fields.insert("state".into(), words::state_number(zsw1).into());
         fields.insert("state_meaning".into(), words::state(zsw1).into());
-        fields.insert("zsw1".into(), words::word_json(&words::ZSW1, zsw1));
+        fields.insert("zsw1".into(), words::word_json(words::zsw1_bits(), zsw1));
     }
     if let Some(stw1) = word(info, STW1) {
-        fields.insert("stw1".into(), words::word_json(&words::STW1, stw1));
+        fields.insert("stw1".into(), words::word_json(words::stw1_bits(), stw1));
     }
     let readings: Vec<Value> = info.readings.iter().map(value::json).collect();
     fields.insert("parameters".into(), readings.into());

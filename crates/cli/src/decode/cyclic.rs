@@ -177,7 +177,7 @@ fn change(name: &str, before: Option<u16>, word: u16) -> String {
 }
 
 fn stw1(before: Option<u16>, word: u16) -> (String, Weight) {
-    let set = words::set_names(&words::STW1, word);
+    let set = words::set_names(words::stw1_bits(), word);
     (
         format!(
             "{} {} [{set}]",
@@ -189,7 +189,7 @@ fn stw1(before: Option<u16>, word: u16) -> (String, Weight) {
 }
 
 fn zsw1(before: Option<u16>, word: u16) -> (String, Weight) {
-    let set = words::set_names(&words::ZSW1, word);
+    let set = words::set_names(words::zsw1_bits(), word);
     let weight = match word {
         fault if fault & 1 << 3 != 0 => Weight::Error,
         warning if warning & 1 << 7 != 0 => Weight::Warning,

@@ -159,13 +159,13 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
             hex16(view.stw1),
             nibbles(view.stw1),
             words::stw1_meaning(view.stw1),
-            words::set_names(&words::STW1, view.stw1)
+            words::set_names(words::stw1_bits(), view.stw1)
         ),
         format!(
             "  ZSW1 {}  {}  [{}]",
             hex16(zsw1),
             nibbles(zsw1),
-            words::set_names(&words::ZSW1, zsw1)
+            words::set_names(words::zsw1_bits(), zsw1)
         ),
         speed("set   ", view.speed_set),
         speed("actual", view.speed_actual),

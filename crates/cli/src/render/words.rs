@@ -1,143 +1,20 @@
 //! Control and status words, states: what the bits say to a person.
 
+use profidrive::state::Mode;
+use profidrive::state::bits::{self, Bit};
 use serde_json::{Value, json};
 
 use super::{hex16, nibbles};
 
-/// One bit of a word.
-#[derive(Debug, Clone, Copy)]
-pub struct Bit {
-    /// Number, 0 to 15.
-    pub number: u8,
-    /// Short name; for an inverse bit the name of what it holds off.
-    pub name: &'static str,
-    /// Meaning of 1.
-    pub on: &'static str,
-    /// Meaning of 0.
-    pub off: &'static str,
-    /// 1 is the quiet state: shown by its meaning, never as a negative name.
-    pub inverse: bool,
+/// The bits of control word 1 in speed control mode.
+pub fn stw1_bits() -> &'static [Bit; 16] {
+    bits::stw1(Mode::Velocity)
 }
 
-const fn bit(number: u8, name: &'static str, on: &'static str, off: &'static str) -> Bit {
-    Bit {
-        number,
-        name,
-        on,
-        off,
-        inverse: false,
-    }
+/// The bits of status word 1 in speed control mode.
+pub fn zsw1_bits() -> &'static [Bit; 16] {
+    bits::zsw1(Mode::Velocity)
 }
-
-const fn inverse(number: u8, name: &'static str, on: &'static str, off: &'static str) -> Bit {
-    Bit {
-        number,
-        name,
-        on,
-        off,
-        inverse: true,
-    }
-}
-
-/// Control word 1 in speed control mode (profile reference 2.2).
-pub const STW1: [Bit; 16] = [
-    bit(0, "ON", "ON", "OFF (OFF1): ramp stop, then S2"),
-    inverse(
-        1,
-        "OFF2",
-        "OFF2 not active",
-        "OFF2: coast stop, pulses off at once",
-    ),
-    inverse(2, "OFF3", "OFF3 not active", "OFF3: quick stop"),
-    bit(3, "EN_OP", "operation enabled", "operation disabled"),
-    bit(
-        4,
-        "EN_RAMP",
-        "ramp generator enabled",
-        "ramp generator output forced to 0",
-    ),
-    bit(5, "UNFREEZE", "ramp generator runs", "ramp generator frozen"),
-    bit(
-        6,
-        "EN_SETPOINT",
-        "setpoint enabled",
-        "setpoint 0: brakes along the ramp",
-    ),
-    bit(
-        7,
-        "ACK",
-        "acknowledge fault (the 0 to 1 edge counts)",
-        "no acknowledge",
-    ),
-    bit(8, "JOG1", "jog 1", "no jog 1"),
-    bit(9, "JOG2", "jog 2", "no jog 2"),
-    bit(
-        10,
-        "CTRL_PLC",
-        "control by PLC: process data valid",
-        "process data not valid, the drive ignores them",
-    ),
-    bit(11, "BIT11", "device specific (positioning: start homing)", "-"),
-    bit(12, "BIT12", "device specific", "-"),
-    bit(13, "BIT13", "device specific", "-"),
-    bit(14, "BIT14", "device specific", "-"),
-    bit(15, "BIT15", "device specific", "-"),
-];
-
-/// Status word 1 in speed control mode (profile reference 2.3).
-pub const ZSW1: [Bit; 16] = [
-    bit(
-        0,
-        "READY_ON",
-        "ready for switching on",
-        "not ready for switching on",
-    ),
-    bit(1, "READY_OP", "ready for operation", "not ready for operation"),
-    bit(
-        2,
-        "OPERATION",
-        "operation enabled, the drive follows the setpoint",
-        "operation disabled",
-    ),
-    bit(3, "FAULT", "fault present", "no fault"),
-    inverse(4, "OFF2", "OFF2 not active", "OFF2 active: coast stop"),
-    inverse(5, "OFF3", "OFF3 not active", "OFF3 active: quick stop"),
-    bit(
-        6,
-        "INHIBIT",
-        "switching on inhibited: OFF first, then ON",
-        "switching on not inhibited",
-    ),
-    bit(7, "WARNING", "warning present", "no warning"),
-    bit(
-        8,
-        "IN_TOLERANCE",
-        "speed error within tolerance",
-        "speed error out of tolerance",
-    ),
-    bit(
-        9,
-        "CTRL_REQ",
-        "control requested from the PLC",
-        "no control requested: local operation",
-    ),
-    bit(
-        10,
-        "REACHED",
-        "comparison speed reached",
-        "comparison speed not reached",
-    ),
-    bit(
-        11,
-        "BIT11",
-        "device specific (positioning: home position set)",
-        "-",
-    ),
-    bit(12, "BIT12", "device specific", "-"),
-    bit(13, "BIT13", "device specific", "-"),
-    bit(14, "BIT14", "device specific", "-"),
-    bit(15, "BIT15", "device specific", "-"),
-];
 
 /// Names of the set bits without the inverse ones: `ON, EN_OP, CTRL_PLC`.
 pub fn set_names(table: &[Bit; 16], word: u16) -> String {
@@ -264,7 +141,7 @@ mod tests {
 
     #[test]
     fn tables_are_in_order() {
-        for table in [STW1, ZSW1] {
+        for table in [stw1_bits(), zsw1_bits()] {
             for (at, bit) in table.iter().enumerate() {
                 assert_eq!(usize::from(bit.number), at);
             }
@@ -285,15 +162,15 @@ mod tests {
             assert_eq!(stw1_meaning(word), means, "{word:#06x}");
         }
         assert_eq!(
-            set_names(&STW1, 0x047F),
+            set_names(stw1_bits(), 0x047F),
             "ON, EN_OP, EN_RAMP, UNFREEZE, EN_SETPOINT, CTRL_PLC"
         );
         assert_eq!(
-            inverse_meanings(&STW1, 0x047F),
+            inverse_meanings(stw1_bits(), 0x047F),
             "OFF2 not active, OFF3 not active"
         );
         assert_eq!(
-            inverse_meanings(&ZSW1, 0x0213),
+            inverse_meanings(zsw1_bits(), 0x0213),
             "OFF2 not active, OFF3 active: quick stop"
         );
     }
