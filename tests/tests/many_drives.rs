@@ -9,9 +9,21 @@ use system_tests::{Lab, Side, built, judge, traffic};
 #[test]
 fn sixty_four_drives_and_one_controller() {
     let lab = Lab::new("many-drives");
-    let arguments = ["dev0", "count=64", "name=akd", "ip=192.168.77.101"];
-    let mut drives = lab.spawn(Side::Device, built("test-drives"), arguments);
-    drives.wait_for("ready", Duration::from_secs(5));
+    let arguments = [
+        "simulate",
+        "--model",
+        "akd",
+        "-i",
+        "dev0",
+        "--name",
+        "akd",
+        "--count",
+        "64",
+        "--ip",
+        "192.168.77.101/24",
+    ];
+    let mut drives = lab.spawn(Side::Device, built("profidrive"), arguments);
+    drives.wait_for("64 drives", Duration::from_secs(5));
     let capture = lab.capture("traffic");
     let names: Vec<String> = (1..=64).map(|n| format!("akd-{n}")).collect();
     let arguments = [
@@ -54,14 +66,11 @@ fn sixty_four_drives_and_one_controller() {
             .any(|s| s["step"] == "released" && s["devices"] == 64)
     );
 
-    let addresses: HashSet<String> = judge::fields(
-        &file,
-        "pn_rt.frame_id >= 0x8000 && eth.src[0:4] == 02:50:4e:00 && eth.src[4:1] == 01",
-        &["eth.src"],
-    )
-    .into_iter()
-    .map(|row| row[0].clone())
-    .collect();
+    let filter = "pn_rt.frame_id >= 0x8000 && pn_rt.frame_id < 0xc000 && eth.src != 02:50:4e:00:00:02";
+    let addresses: HashSet<String> = judge::fields(&file, filter, &["eth.src"])
+        .into_iter()
+        .map(|row| row[0].clone())
+        .collect();
     assert_eq!(
         addresses.len(),
         64,
@@ -75,4 +84,5 @@ fn sixty_four_drives_and_one_controller() {
     let streams = traffic::streams(&file, 512);
     assert_eq!(streams.len(), 128);
     assert!(streams.values().all(|stream| stream.lost == 0), "{streams:?}");
+    drives.interrupt(Duration::from_secs(5)).ok();
 }

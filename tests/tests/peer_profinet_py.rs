@@ -44,12 +44,9 @@ fn the_virtual_drive_serves_profinet_py() {
     );
     let capture = lab.capture("traffic");
     // no name and no address: as it comes out of its box
-    let mut drive = lab.spawn(
-        Side::Device,
-        built("test-drives"),
-        ["dev0", &format!("mac={DEVICE_MAC}")],
-    );
-    drive.wait_for("ready", Duration::from_secs(5));
+    let simulate = ["simulate", "--model", "akd", "-i", "dev0", "--mac", DEVICE_MAC];
+    let mut drive = lab.spawn(Side::Device, built("profidrive"), simulate);
+    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
     let set_mode = "05 02 00 01 10 01 03 A2 00 00 42 01 00 02";
     let set_mode_back = "06 02 00 01 10 01 03 A2 00 00 42 01 00 01";
     let read_mode = "07 01 00 01 10 01 03 A2 00 00";

@@ -1,0 +1,110 @@
+//! The program at both ends of a cable: what a user does, in the order a user does it.
+
+use std::time::Duration;
+
+use profidrive::parameter::Dialect;
+use serde_json::Value;
+use system_tests::{Finished, Lab, Running, Side, built, compare, judge};
+
+const SHORT: Duration = Duration::from_secs(20);
+
+fn simulate(lab: &Lab, more: &[&str]) -> Running {
+    let mut arguments = vec!["simulate", "--model", "akd", "-i", "dev0"];
+    arguments.extend(more);
+    let mut drives = lab.spawn(Side::Device, built("profidrive"), arguments);
+    drives.wait_for("Ctrl-C ends", Duration::from_secs(5));
+    drives
+}
+
+fn client(lab: &Lab, arguments: &[&str]) -> Finished {
+    let mut all = vec!["-i", "ctl0"];
+    all.extend(arguments);
+    lab.run(Side::Controller, built("profidrive"), all, SHORT)
+}
+
+#[track_caller]
+fn json(lab: &Lab, arguments: &[&str]) -> Value {
+    let mut all = vec!["--json"];
+    all.extend(arguments);
+    let finished = client(lab, &all).ok();
+    serde_json::from_str(&finished.out).unwrap_or_else(|e| panic!("{e}: {}", finished.out))
+}
+
+#[test]
+fn from_an_unnamed_drive_to_a_turning_axis_and_over_a_restart() {
+    let lab = Lab::new("command-line");
+    let state = lab.folder().join("state");
+    let state = ["--state", state.to_str().unwrap()];
+    let capture = lab.capture("traffic");
+    let mac = "02:50:4e:00:00:01";
+    let mut drive = simulate(&lab, &[&["--mac", mac], &state[..]].concat());
+
+    let found = json(&lab, &["scan"]).to_string();
+    assert!(found.contains(mac), "{found}");
+    client(&lab, &["name", mac, "akd-1"]).ok();
+    client(&lab, &["ip", "akd-1", "192.168.77.50/24"]).ok();
+    lab.run(
+        Side::Controller,
+        "ping",
+        ["-c", "1", "-W", "2", "192.168.77.50"],
+        SHORT,
+    )
+    .ok();
+    client(&lab, &["blink", "akd-1", "--for", "1s"]).ok();
+    let info = client(&lab, &["info", "akd-1"]).ok().out;
+    assert!(info.contains("AKD-P00306"), "{info}");
+
+    for address in ["akd-1", "192.168.77.50", mac] {
+        let read = client(&lab, &["read", address, "DRV.ACC", "p930", "r947[0]"])
+            .ok()
+            .out;
+        assert!(read.contains("DRV.ACC"), "{read}");
+    }
+    client(&lab, &["write", "akd-1", "DRV.ACC=5000rpm/s"]).ok();
+    let read = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok().out;
+    assert!(read.contains("5000"), "{read}");
+    client(&lab, &["list", "akd-1", "--filter", "DRV."]).ok();
+    client(&lab, &["describe", "akd-1", "DRV.ACC"]).ok();
+    client(&lab, &["write", "akd-1", "DRV.NVSAVE=1"]).ok();
+
+    let run = client(&lab, &["run", "akd-1", "--velocity", "60rpm", "--for", "2s"]).ok();
+    assert!(run.out.contains("S4") || run.err.contains("S4"), "{run:?}");
+
+    // killed without a chance to say anything: name, address and saved parameters are still there
+    drive.kill();
+    let _drive = simulate(&lab, &[&["--mac", mac], &state[..]].concat());
+    let read = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok().out;
+    assert!(read.contains("5000"), "{read}");
+
+    let file = capture.stop();
+    judge::judge(&file).clean().saw("pn_dcp", 10).saw("pn_io", 30);
+    assert!(compare::same_parameters(&file, &Dialect::AKD) >= 10);
+}
+
+#[test]
+fn what_goes_wrong_is_said() {
+    let lab = Lab::new("command-line-errors");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    for (arguments, code, words) in [
+        (&["read", "akd-2", "DRV.ACC"][..], 4, "akd-1"),
+        (&["read", "akd-1", "DRV.AC"], 2, "DRV.ACC"),
+        (&["write", "akd-1", "DRV.ACC=1e9rpm/s"], 2, "rpm/s"),
+        (&["write", "akd-1", "p964[0]=1"], 2, "read"),
+    ] {
+        let finished = client(&lab, arguments);
+        assert_ne!(finished.code, Some(0), "{arguments:?}: {}", finished.out);
+        assert!(
+            finished.err.contains(words),
+            "{arguments:?} ({:?}, {code}): {}",
+            finished.code,
+            finished.err
+        );
+    }
+    let finished = lab.run(
+        Side::Controller,
+        built("profidrive"),
+        ["-i", "nosuch0", "scan"],
+        SHORT,
+    );
+    assert!(finished.err.contains("ctl0"), "{}", finished.err);
+}
