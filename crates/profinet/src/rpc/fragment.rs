@@ -28,11 +28,12 @@ impl Outgoing {
         self.current < self.last()
     }
 
-    /// Takes an acknowledgement; true if the next fragment may go out now.
+    /// Takes an acknowledgement, which names the highest fragment received in order; true if the next one may go out
+    /// now.
     pub(super) fn acknowledge(&mut self, fragment: u16) -> bool {
-        let next = fragment == self.current && self.awaits_fack();
+        let next = (self.current..self.last()).contains(&fragment);
         if next {
-            self.current += 1;
+            self.current = fragment + 1;
         }
         next
     }

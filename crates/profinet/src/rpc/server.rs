@@ -14,7 +14,7 @@ use crate::wire::{ByteOrder, SliceWriter, Uuid, Writer};
 const FACK_WAIT: Duration = Duration::from_secs(2);
 /// How often a fragment is sent before the answer is given up.
 const FACK_SENDS: u8 = 3;
-/// How long the rest of a fragmented request may take.
+/// How long the next fragment of a request may take.
 const REASSEMBLY: Duration = Duration::from_secs(5);
 /// How long an answer is kept for a client that did not get it.
 const KEEP: Duration = Duration::from_secs(60);
@@ -94,6 +94,8 @@ enum State {
     },
     /// Answered and nothing kept: repetitions are dropped.
     Forgotten,
+    /// Never complete, so nothing was executed: its first fragment may come again.
+    Dropped,
 }
 
 #[derive(Debug)]
@@ -240,7 +242,11 @@ impl Server {
                     return None;
                 }
                 let other = header.fragment == 0 && digest(body) != activity.digest;
-                let restarted = other && matches!(activity.state, State::Answering { .. } | State::Forgotten);
+                let restarted = match activity.state {
+                    State::Answering { .. } | State::Forgotten => other,
+                    State::Dropped => header.fragment == 0,
+                    State::Receiving(_) | State::Executing => false,
+                };
                 if ahead > 0 || restarted {
                     // A client that always begins with the same activity and number has started again when it says
                     // something else: the answer to its former life is not for it.
@@ -281,26 +287,34 @@ impl Server {
                 index
             }
         };
-        self.feed(index, source, header, body)
+        self.feed(now, index, source, header, body)
     }
 
     /// Gives a request PDU to its activity, which has the same call number.
-    fn feed(&mut self, index: usize, source: SocketAddrV4, header: &Header, body: &[u8]) -> Option<Call> {
+    fn feed(
+        &mut self,
+        now: Instant,
+        index: usize,
+        source: SocketAddrV4,
+        header: &Header,
+        body: &[u8],
+    ) -> Option<Call> {
         let limit = self.limits.stub;
         let activity = self.activities.get_mut(index)?;
         match &mut activity.state {
             State::Executing => self.short(source, header, PacketType::Working, Short::Empty),
             State::Answering { pending, .. } => *pending = true,
-            State::Forgotten => {}
+            State::Forgotten | State::Dropped => {}
             State::Receiving(incoming) => match incoming.take(header, body, limit) {
                 Progress::Nothing => {}
                 Progress::Acknowledge(fragment) => {
+                    incoming.deadline = now + REASSEMBLY;
                     let acknowledged = Header { fragment, ..*header };
                     let fack = Short::Fack(FackBody::new(header.serial));
                     self.short(source, &acknowledged, PacketType::Fack, fack);
                 }
                 Progress::Broken => {
-                    activity.state = State::Forgotten;
+                    activity.state = State::Dropped;
                     self.short(
                         source,
                         header,
@@ -338,7 +352,8 @@ impl Server {
         let own = |a: &&(usize, &Activity)| *a.1.peer.ip() == address;
         let all: Vec<_> = self.activities.iter().enumerate().collect();
         let idle = |a: &&(usize, &Activity)| !matches!(a.1.state, State::Executing);
-        let oldest = |a: &&(usize, &Activity)| (!matches!(a.1.state, State::Forgotten), a.1.used);
+        let oldest =
+            |a: &&(usize, &Activity)| (!matches!(a.1.state, State::Forgotten | State::Dropped), a.1.used);
         if all.iter().filter(own).count() >= self.limits.activities_per_address {
             all.iter()
                 .filter(own)
@@ -363,7 +378,7 @@ impl Server {
                         *pending = true;
                         None
                     }
-                    State::Receiving(_) | State::Forgotten => Some(PacketType::NoCall),
+                    State::Receiving(_) | State::Forgotten | State::Dropped => Some(PacketType::NoCall),
                 }
             }
         };
@@ -438,7 +453,7 @@ impl Server {
     pub fn handle_timeout(&mut self, now: Instant) {
         for activity in &mut self.activities {
             match &mut activity.state {
-                State::Receiving(incoming) if incoming.deadline <= now => activity.state = State::Forgotten,
+                State::Receiving(incoming) if incoming.deadline <= now => activity.state = State::Dropped,
                 State::Answering {
                     pending,
                     resend,
@@ -447,7 +462,8 @@ impl Server {
                 } if resend.is_some_and(|at| at <= now) => {
                     *resend = None;
                     if *sends >= FACK_SENDS {
-                        activity.state = State::Forgotten;
+                        // silent until the client asks again
+                        *sends = 0;
                     } else {
                         *pending = true;
                     }
@@ -468,7 +484,7 @@ impl Server {
             State::Answering {
                 resend: Some(resend), ..
             } => Some((*resend).min(a.used + KEEP)),
-            State::Answering { .. } | State::Forgotten => Some(a.used + KEEP),
+            State::Answering { .. } | State::Forgotten | State::Dropped => Some(a.used + KEEP),
         };
         self.activities.iter().filter_map(due).min()
     }

@@ -422,3 +422,113 @@ fn a_client_that_started_again_with_the_same_number_is_not_given_its_old_answer(
     assert_eq!(server.handle(Instant::ZERO, CLIENT, &second), None);
     assert_eq!(sent(&mut server, Instant::ZERO)[0].2, b"done 2");
 }
+
+/// The first, or another, fragment of a call in activity 1.
+fn piece(fragment: u16, flags: u8) -> Vec<u8> {
+    let header = Header {
+        fragment,
+        flags: Flags(flags),
+        ..header(1, 0)
+    };
+    pdu(&header, &[fragment as u8; 100])
+}
+
+#[test]
+fn a_request_that_broke_off_may_come_again() {
+    for broken in [false, true] {
+        let (mut server, mut now) = (server(), Instant::ZERO);
+        assert_eq!(server.handle(now, CLIENT, &piece(0, 0x04)), None);
+        if broken {
+            let other_order = Header {
+                fragment: 1,
+                flags: Flags(0x04),
+                order: ByteOrder::Little,
+                ..header(1, 0)
+            };
+            assert_eq!(server.handle(now, CLIENT, &pdu(&other_order, b"x")), None);
+        } else {
+            now += Duration::from_secs(6);
+            server.handle_timeout(now);
+        }
+        // the client is told that the call is not known, and begins anew with the same number
+        let ping = Header {
+            packet_type: PacketType::Ping,
+            ..header(1, 0)
+        };
+        let _ = kinds(&mut server);
+        assert_eq!(server.handle(now, CLIENT, &pdu(&ping, b"")), None);
+        assert_eq!(kinds(&mut server), [PacketType::NoCall]);
+        assert_eq!(server.handle(now, CLIENT, &piece(0, 0x04)), None);
+        assert_eq!(kinds(&mut server), [PacketType::Fack], "broken: {broken}");
+        let call = server.handle(now, CLIENT, &piece(1, 0x06)).expect("a whole call");
+        assert_eq!(call.stub.len(), 200);
+        assert_eq!(server.handle(now, CLIENT, &piece(0, 0x04)), None, "executed once");
+    }
+}
+
+#[test]
+fn a_long_request_may_take_long_as_long_as_it_goes_on() {
+    let mut server = server();
+    let mut now = Instant::ZERO;
+    for fragment in 0..5 {
+        assert_eq!(server.handle(now, CLIENT, &piece(fragment, 0x04)), None);
+        now += Duration::from_secs(4);
+        server.handle_timeout(now);
+    }
+    let call = server.handle(now, CLIENT, &piece(5, 0x06)).expect("a whole call");
+    assert_eq!(call.stub.len(), 600);
+}
+
+#[test]
+fn an_answer_that_was_not_acknowledged_is_kept_for_a_client_that_asks() {
+    let (mut server, mut now) = (server(), Instant::ZERO);
+    let call = server.handle(now, CLIENT, &pdu(&header(1, 0), b"")).unwrap();
+    server.respond(now, call.key, vec![1; 3000]);
+    for _ in 0..3 {
+        assert_eq!(sent(&mut server, now).len(), 1);
+        now += Duration::from_secs(2);
+        server.handle_timeout(now);
+    }
+    assert!(sent(&mut server, now).is_empty(), "three times are enough");
+    now += Duration::from_secs(20);
+    server.handle_timeout(now);
+    assert!(sent(&mut server, now).is_empty());
+    let ping = Header {
+        packet_type: PacketType::Ping,
+        ..header(1, 0)
+    };
+    assert_eq!(server.handle(now, CLIENT, &pdu(&ping, b"")), None);
+    let again = sent(&mut server, now);
+    assert_eq!(
+        (again[0].1.packet_type, again[0].1.fragment),
+        (PacketType::Response, 0)
+    );
+    assert_eq!(again[0].2.len(), 1384);
+}
+
+#[test]
+fn an_acknowledgement_counts_for_all_fragments_before_it() {
+    let mut client = Client::new(ClientConfig::default());
+    client.call(Instant::ZERO, SERVER, header(1, 0), vec![0; 5000]);
+    let mut buffer = [0; 1518];
+    let mut fragments = Vec::new();
+    // the server has lost the call after two fragments, then says that it has them after all
+    let answers: [(PacketType, u16); 4] = [
+        (PacketType::Fack, 0),
+        (PacketType::NoCall, 0),
+        (PacketType::Fack, 1),
+        (PacketType::Fack, 2),
+    ];
+    for (kind, fragment) in answers {
+        let (_, length) = client.poll_transmit(Instant::ZERO, &mut buffer).expect("a PDU");
+        fragments.push(Header::decode(&buffer[..length]).unwrap().0.fragment);
+        let answer = Header {
+            fragment,
+            ..header(1, 0).reply(kind)
+        };
+        assert!(client.handle(Instant::ZERO, SERVER, &pdu(&answer, b"")));
+    }
+    let (_, length) = client.poll_transmit(Instant::ZERO, &mut buffer).expect("a PDU");
+    fragments.push(Header::decode(&buffer[..length]).unwrap().0.fragment);
+    assert_eq!(fragments, [0, 1, 0, 2, 3]);
+}

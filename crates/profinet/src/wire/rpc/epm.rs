@@ -348,7 +348,10 @@ mod tests {
         body[48] = 0x64;
         let mut reader = Reader::new(&body);
         let request = LookupRequest::decode(&mut reader, ByteOrder::Little).unwrap();
-        assert_eq!((request.inquiry, request.object, request.interface), (0, Uuid::NIL, Uuid::NIL));
+        assert_eq!(
+            (request.inquiry, request.object, request.interface),
+            (0, Uuid::NIL, Uuid::NIL)
+        );
         assert_eq!((request.version, request.max_entries), ((0, 0), 0));
         assert_eq!(reader.remaining(), 12);
     }
