@@ -22,7 +22,7 @@ use crate::{Instant, IpSuite, MAX_FRAME, MacAddress};
 const CLIENT_HOLD: Duration = Duration::from_secs(3);
 /// How long a signal blinks; another one meanwhile changes nothing.
 const BLINK: Duration = Duration::from_secs(3);
-/// Delayed Identify answers that may wait; more requests are ignored.
+/// Delayed Identify answers that may wait; more requests for one are ignored.
 const WAITING: usize = 8;
 
 /// Blocks of one request that are answered; nobody needs more, and the answer must fit a frame.
@@ -89,13 +89,18 @@ impl Device {
                 if held {
                     return;
                 }
-                match service {
+                let served = match service {
                     ServiceId::Get => self.get(now, frame.source, &pdu),
                     ServiceId::Set => self.set(now, frame.source, &pdu),
-                    ServiceId::Identify | ServiceId::Hello => return,
-                    ServiceId::Other(_) => self.not_supported(now, frame.source, &pdu),
+                    ServiceId::Identify | ServiceId::Hello => false,
+                    ServiceId::Other(_) => {
+                        self.not_supported(now, frame.source, &pdu);
+                        false
+                    }
+                };
+                if served {
+                    self.dcp.held = Some((frame.source, now + CLIENT_HOLD));
                 }
-                self.dcp.held = Some((frame.source, now + CLIENT_HOLD));
             }
             _ => {}
         }
@@ -161,7 +166,9 @@ impl Device {
     }
 
     fn identify(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
-        if self.delayed.len() >= WAITING || !self.is_meant(pdu) {
+        let due = now + response_delay(self.config.mac, pdu.delay_factor);
+        // waiting answers must not keep a controller from finding its device
+        if (due > now && self.delayed.len() >= WAITING) || !self.is_meant(pdu) {
             return;
         }
         let mut payload = Vec::new();
@@ -176,7 +183,6 @@ impl Device {
             self.with_value(*option, |info, value| answer.info(info, value));
         }
         answer.finish();
-        let due = now + response_delay(self.config.mac, pdu.delay_factor);
         self.send_dcp(now, due, source, FrameId::DCP_IDENTIFY_RESPONSE, &payload);
     }
 
@@ -207,13 +213,14 @@ impl Device {
         same
     }
 
-    fn get(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
+    /// Answers a Get; false if it was malformed.
+    fn get(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) -> bool {
         let mut payload = Vec::new();
         let mut answer = PduWriter::new(&mut payload, ServiceId::Get, ServiceType::Success, pdu.xid, 0);
         // each option once, so that the answer fits one frame
         let mut answered: Vec<DcpOption> = Vec::new();
         for option in pdu.requested() {
-            let Ok(option) = option else { return };
+            let Ok(option) = option else { return false };
             if answered.contains(&option) || answered.len() >= MAX_BLOCKS {
                 continue;
             }
@@ -224,20 +231,22 @@ impl Device {
         }
         answer.finish();
         self.send_dcp(now, now, source, FrameId::DCP_GET_SET, &payload);
+        true
     }
 
-    fn set(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) {
+    /// Executes a Set; false if it was malformed.
+    fn set(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) -> bool {
         let mut payload = Vec::new();
         let mut answer = PduWriter::new(&mut payload, ServiceId::Set, ServiceType::Success, pdu.xid, 0);
         let mut reset = None;
         let mut blocks = Vec::new();
         for block in pdu.blocks() {
             // a request that is cut off is not half executed
-            let Ok(block) = block else { return };
+            let Ok(block) = block else { return false };
             blocks.push(block);
         }
         if blocks.len() > MAX_BLOCKS {
-            return;
+            return false;
         }
         for block in &blocks {
             let error = self.set_block(now, block, &mut reset);
@@ -248,6 +257,7 @@ impl Device {
         if let Some(mode) = reset {
             self.reset(now, mode);
         }
+        true
     }
 
     fn set_block(&mut self, now: Instant, block: &Block<'_>, reset: &mut Option<ResetMode>) -> BlockError {

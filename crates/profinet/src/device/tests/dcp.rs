@@ -169,6 +169,8 @@ fn identify_of_the_reference_and_delay_by_mac() {
     for _ in 0..50 {
         identify(&mut rig, 6400, &[Value::ALL]);
     }
+    // all of them wait for their time; who asks for an answer at once still gets it
+    assert!(identify(&mut rig, 1, &[Value::Name(b"drive-1")]).is_some());
     assert!(rig.pass(64_000).len() <= 8);
 }
 
@@ -337,6 +339,29 @@ fn one_client_at_a_time_is_served() {
             None
         );
     }
+}
+
+#[test]
+fn who_sends_garbage_is_not_served_and_holds_nobody_up() {
+    let mut rig = Rig::new(config());
+    let cut_off = |service, data: &[u8]| {
+        let mut payload = Vec::new();
+        PduWriter::new(&mut payload, service, ServiceType::Request, 1, 0).finish();
+        payload.extend_from_slice(data);
+        payload[9] = u8::try_from(data.len()).unwrap();
+        payload
+    };
+    for garbage in [
+        cut_off(ServiceId::Get, &[2, 2, 2]),
+        cut_off(ServiceId::Set, &[2, 2, 0, 9, 0, 0]),
+    ] {
+        assert_eq!(
+            ask(&mut rig, OTHER_TOOL, DEVICE, FrameId::DCP_GET_SET, &garbage),
+            None
+        );
+    }
+    let results = set_from(&mut rig, TOOL, Qualifier::TEMPORARY, &[Value::FLASH]);
+    assert_eq!(results, [BlockError::Ok]);
 }
 
 #[test]
