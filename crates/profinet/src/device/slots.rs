@@ -148,6 +148,8 @@ impl Slots {
                 submodules,
             });
         }
+        // the block names every API once
+        diff.modules.sort_by_key(|module| module.api);
         diff
     }
 }
@@ -178,4 +180,32 @@ pub(super) fn differs(diff: &ModuleDiff, slot: u16, subslot: u16) -> bool {
     diff.modules.iter().filter(|m| m.slot == slot).any(|module| {
         module.state != ModuleState::PROPER || module.submodules.iter().any(|s| s.subslot == subslot)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::block::Block;
+    use crate::wire::{Reader, Writer as _};
+    use alloc::vec;
+
+    #[test]
+    fn a_difference_names_every_api_once() {
+        let expected = |api, slot| ExpectedModule {
+            api,
+            slot,
+            ident: 7,
+            properties: 0,
+            submodules: vec![ExpectedSubmodule::new(1, 7, 0, 0)],
+        };
+        let expected = [expected(0, 1), expected(0x3A00, 2), expected(0, 3)];
+        let diff = Slots { plugged: vec![] }.adapt(&[], &expected);
+        let mut out = Vec::new();
+        diff.encode(&mut out);
+        let apis = Block::decode(&mut Reader::new(&out)).unwrap().body.u16("APIs");
+        assert_eq!(apis, Ok(2));
+        assert_eq!(out.position(), 6 + 2 + 2 * 6 + 3 * 10);
+        let slots: Vec<u16> = diff.modules.iter().map(|module| module.slot).collect();
+        assert_eq!(slots, [1, 3, 2]);
+    }
 }
