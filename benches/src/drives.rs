@@ -9,6 +9,6 @@ pub fn simulate(lab: &Lab, more: &[&str]) -> Running {
     let mut arguments = vec!["simulate", "--model", "akd", "--name", "akd-1", "-i", "dev0"];
     arguments.extend(more);
     let mut drive = lab.spawn(Side::Device, built("profidrive"), arguments);
-    drive.wait_for("akd-1", Duration::from_secs(5));
+    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
     drive
 }

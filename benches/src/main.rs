@@ -6,6 +6,7 @@
 // A benchmark reports by panicking when what it measures does not work.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod cycles;
 mod drives;
 mod round_trip;
 mod table;
@@ -14,7 +15,11 @@ use std::process::ExitCode;
 
 type Section = (&'static str, fn() -> Vec<table::Row>);
 
-const SECTIONS: &[Section] = &[("round-trip", round_trip::compare)];
+const SECTIONS: &[Section] = &[
+    ("round-trip", round_trip::compare),
+    ("cpu", cycles::cpu),
+    ("start", cycles::start),
+];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -23,6 +28,10 @@ fn main() -> ExitCode {
         // the programs that the sections start
         ["echo", address] => {
             round_trip::echo(address);
+            return ExitCode::SUCCESS;
+        }
+        ["pace", address, millis, seconds] => {
+            round_trip::pace(address, millis, seconds);
             return ExitCode::SUCCESS;
         }
         ["ask", address, port, vendor, count] => {

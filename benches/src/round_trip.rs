@@ -120,6 +120,24 @@ pub fn ask(address: &str, port: &str, vendor: &str, count: &str) {
     println!("{}", times[times.len() / 2].as_nanos());
 }
 
+/// A client that asks at a steady pace and counts nothing: the load for a device's CPU time.
+pub fn pace(address: &str, millis: &str, seconds: &str) {
+    let socket = UdpSocket::bind("192.168.77.11:0").unwrap();
+    socket.connect(address).unwrap();
+    socket.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
+    let step = Duration::from_millis(millis.parse().unwrap());
+    let start = Instant::now();
+    let end = start + Duration::from_secs(seconds.parse().unwrap());
+    let mut next = start;
+    let mut buffer = [0; 2048];
+    while next < end {
+        std::thread::sleep(next.saturating_duration_since(Instant::now()));
+        socket.send(&[0; 64]).unwrap();
+        socket.recv(&mut buffer).unwrap();
+        next += step;
+    }
+}
+
 /// ReadImplicit of I&M0 at slot 0, subslot 1.
 fn read_identification(sequence: usize, vendor: u16) -> Vec<u8> {
     let order = ByteOrder::Big;

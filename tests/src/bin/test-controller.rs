@@ -65,6 +65,7 @@ struct App<'a> {
     calls: Vec<profinet::controller::CallId>,
     heard: Vec<profinet::controller::Station>,
     identify_done: bool,
+    first_frame_us: u64,
 }
 
 impl<'a> App<'a> {
@@ -87,6 +88,7 @@ impl<'a> App<'a> {
             calls: Vec::new(),
             heard: Vec::new(),
             identify_done: false,
+            first_frame_us: 0,
         })
     }
 
@@ -150,8 +152,9 @@ impl<'a> App<'a> {
         if !self.lost.is_empty() {
             return Err(format!("not connected: {:?}", self.lost).into());
         }
-        let at = SystemTime::now().duration_since(UNIX_EPOCH)?.as_micros() as u64;
-        say(json!({"step": "running", "devices": ars.len(), "at_us": at}));
+        say(
+            json!({"step": "running", "devices": ars.len(), "at_us": wall_us(), "first_frame_us": self.first_frame_us}),
+        );
         Ok(ars)
     }
 
@@ -352,7 +355,10 @@ impl<'a> App<'a> {
                 Event::Identified { station, .. } => self.heard.push(station),
                 Event::IdentifyDone { .. } => self.identify_done = true,
                 Event::Connected { ar, .. } => self.outputs(ar),
-                Event::Running { ar } => self.running.push(ar),
+                Event::Running { ar } => {
+                    self.first_frame_us = wall_us();
+                    self.running.push(ar);
+                }
                 Event::Ready { ar, diff } => {
                     if let Some(diff) = diff {
                         say(json!({"step": "diff", "diff": format!("{diff:?}")}));
@@ -437,6 +443,12 @@ fn modules(kind: Kind) -> Vec<ModuleConfig> {
             ]
         }
     }
+}
+
+fn wall_us() -> u64 {
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |time| time.as_micros() as u64)
 }
 
 fn hex(data: &[u8]) -> String {
