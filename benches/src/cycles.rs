@@ -47,7 +47,8 @@ pub fn cpu() -> Vec<Row> {
         peer.wait_for("ready", Duration::from_secs(5));
         let theirs = measure("pnio", "pnio-dev", &peer);
         drop(peer);
-        let echo = lab.spawn(Side::Device, &own, ["echo", "192.168.77.50:5000"]);
+        let mut echo = lab.spawn(Side::Device, &own, ["echo", "192.168.77.50:5000"]);
+        echo.wait_for("ready", Duration::from_secs(5));
         let millis = cycle_ms.to_string();
         let pace = lab.spawn(
             Side::Controller,
