@@ -195,7 +195,7 @@ impl World {
             None => self.connect(),
             Some(ar) if self.running => {
                 self.control(ar);
-                if jobs && self.job.is_none() && self.ticks % 2 == 0 {
+                if jobs && self.job.is_none() && self.ticks.is_multiple_of(2) {
                     self.start_job(ar);
                 }
             }
