@@ -1,7 +1,7 @@
 //! The client against virtual drives on an in-memory segment, in virtual time.
 
 use std::cell::Cell;
-use std::net::Ipv4Addr;
+use std::net::{Ipv4Addr, SocketAddrV4};
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -15,7 +15,8 @@ use profidrive::notation::ParameterReference;
 use profinet::controller::{ConnectConfig, ControllerConfig, ModuleConfig, Resolve, SubmoduleConfig, Target};
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
-use profinet::{Endpoint, Instant, IpSuite, MacAddress};
+use profinet::wire::ethernet::Frame;
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 use proptest::prelude::*;
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
@@ -245,6 +246,149 @@ fn an_interrupt_stops_and_releases() {
     assert!(!drive_at(&session, ids[0]).drive().has_fault());
 }
 
+/// A drive whose telegram carries a bad IOPS while the flag is set.
+struct Muddled {
+    station: Station,
+    bad: Rc<Cell<bool>>,
+}
+
+impl Endpoint for Muddled {
+    fn mac(&self) -> MacAddress {
+        self.station.mac()
+    }
+
+    fn ip(&self) -> IpSuite {
+        self.station.ip()
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.station.handle_frame(now, frame);
+    }
+
+    fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        self.station.handle_datagram(now, source, local_port, payload);
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        self.station.handle_timeout(now);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        let transmit = self.station.poll_transmit(now, buffer);
+        if let Some(Transmit::Frame { length }) = transmit
+            && self.bad.get()
+        {
+            let frame = Frame::parse(&buffer[..length]).expect("a frame");
+            if frame.frame_id.is_cyclic() {
+                // three status octets of slot 0, four octets of telegram 1, its IOPS
+                let iops = length - frame.payload.len() + 3 + 4;
+                buffer[iops] = 0;
+            }
+        }
+        transmit
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        self.station.poll_timeout()
+    }
+}
+
+fn muddled() -> (Bench, StationId, Rc<Cell<bool>>) {
+    let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
+    config.network = Stored {
+        name: "akd-1".into(),
+        ip: ip(1),
+        ..Stored::default()
+    };
+    let bad = Rc::new(Cell::new(false));
+    let station = Muddled {
+        station: Station::new(config),
+        bad: Rc::clone(&bad),
+    };
+    let mut segment = Segment::new(7);
+    let id = segment.attach(Box::new(Host::new(station)));
+    let medium = SegmentMedium::new(segment, Pace::Virtual);
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
+    (Session::new(medium, config), id, bad)
+}
+
+fn enabled(session: &Bench, id: StationId) -> bool {
+    let host = session.medium().segment().station::<Host<Muddled>>(id);
+    host.expect("the drive").endpoint().station.drive().is_enabled()
+}
+
+const NO_INPUTS: fn(&Result<(), Error>) -> bool = |result| {
+    matches!(
+        result,
+        Err(Error::Axis {
+            trouble: Trouble::NoInputs,
+            ..
+        })
+    )
+};
+
+#[test]
+fn inputs_that_are_never_valid_end_in_an_error() {
+    let (mut session, id, bad) = muddled();
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    bad.set(true);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert!(NO_INPUTS(&axis.ready()));
+    assert!(NO_INPUTS(&axis.run(100.0)));
+    drop(axis);
+    assert!(!enabled(&session, id));
+}
+
+#[test]
+fn inputs_that_become_bad_stop_the_axis() {
+    let (mut session, id, bad) = muddled();
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    axis.run(100.0).expect("runs");
+    bad.set(true);
+    assert!(NO_INPUTS(&axis.hold(Duration::from_secs(1))));
+    axis.session()
+        .0
+        .pass(Duration::from_secs(1))
+        .expect("time passes");
+    assert!(!enabled(axis.session().0, id));
+    bad.set(false);
+    axis.session()
+        .0
+        .pass(Duration::from_secs(1))
+        .expect("time passes");
+    axis.run(100.0).expect("the caller knows and wants it again");
+    axis.release().expect("released");
+    assert!(!enabled(&session, id));
+}
+
+#[test]
+fn an_axis_that_stopped_by_itself_is_not_started_again_before_the_caller_knows() {
+    let (mut session, id, bad) = muddled();
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    axis.run(100.0).expect("runs");
+    // while the caller is busy with something else
+    bad.set(true);
+    axis.session()
+        .0
+        .pass(Duration::from_secs(1))
+        .expect("time passes");
+    bad.set(false);
+    axis.session()
+        .0
+        .pass(Duration::from_secs(1))
+        .expect("time passes");
+    assert!(NO_INPUTS(&axis.run(200.0)));
+    assert!(!enabled(axis.session().0, id));
+}
+
 #[test]
 fn a_broken_link_ends_on_both_sides_and_both_recover() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
@@ -399,7 +543,7 @@ proptest! {
             pn.extend(frame);
             client.handle_frame(now, &pn);
             client.handle_frame(now, frame);
-            client.handle_datagram(now, std::net::SocketAddrV4::new(ip(9).address, 34964), 34964, frame);
+            client.handle_datagram(now, SocketAddrV4::new(ip(9).address, 34964), 34964, frame);
             client.handle_timeout(now);
         }
         let mut buffer = [0; profinet::MAX_FRAME];

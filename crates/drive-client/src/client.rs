@@ -192,19 +192,19 @@ impl Client {
         }
         for axis in &mut self.axes {
             let input = self.controller.input(axis.ar, axis.slot, axis.subslot);
-            if let Some((data, provider)) = input
-                && provider.is_good()
-                && let [z1, z0, n1, n0, ..] = *data
-            {
-                let zsw1 = u16::from_be_bytes([z1, z0]);
-                axis.seen = Some(Seen {
-                    zsw1,
-                    nist_a: i16::from_be_bytes([n1, n0]),
-                });
-            }
-            // nothing is commanded before the drive said where it is
-            let Some(seen) = axis.seen else { continue };
-            let command = axis.control.step(now, seen);
+            let Some((data, provider)) = input else { continue };
+            let command = match *data {
+                [z1, z0, n1, n0, ..] if provider.is_good() => {
+                    let seen = Seen {
+                        zsw1: u16::from_be_bytes([z1, z0]),
+                        nist_a: i16::from_be_bytes([n1, n0]),
+                    };
+                    axis.seen = Some(seen);
+                    axis.control.step(now, seen)
+                }
+                // nothing is switched on on the word of a drive that says nothing valid
+                _ => axis.control.step_blind(now),
+            };
             if axis.sent != Some(command) {
                 let [s1, s0] = command.stw1.to_be_bytes();
                 let [n1, n0] = command.nsoll_a.to_be_bytes();

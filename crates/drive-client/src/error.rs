@@ -242,6 +242,7 @@ impl Error {
                 }
                 Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
                 Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
+                Trouble::NoInputs => "the module of telegram 1 is not usable in this drive: `profidrive info DRIVE`",
             }
             .into(),
             Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),

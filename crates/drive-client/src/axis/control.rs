@@ -114,6 +114,9 @@ pub enum Trouble {
     /// Neither ramp stop nor quick stop ended in time.
     #[error("the axis did not come to a standstill")]
     NotStopped,
+    /// The connection lives, but the inputs are marked bad (IOPS).
+    #[error("the drive marks its data as not valid (IOPS bad)")]
+    NoInputs,
 }
 
 /// Times and thresholds of the control.
@@ -175,6 +178,8 @@ pub struct AxisControl {
     command: Command,
     was_in_operation: bool,
     quick: bool,
+    /// ON was sent and the drive has not said since that the pulses are off.
+    may_turn: bool,
     /// First trouble since the last goal set by the caller.
     trouble: Option<Trouble>,
 }
@@ -192,6 +197,7 @@ impl AxisControl {
             command: Command::default(),
             was_in_operation: false,
             quick: false,
+            may_turn: false,
             trouble: None,
         }
     }
@@ -240,12 +246,66 @@ impl AxisControl {
 
     /// Looks at what the drive says and chooses what to send.
     pub fn step(&mut self, now: Instant, seen: Seen) -> Command {
-        let stw1_before = self.command.stw1;
-        self.command = self.choose(now, seen);
-        if self.command.stw1 != stw1_before {
+        let off = seen.pulses_off() && self.command.stw1 & 1 == 0 && self.stood(now);
+        self.may_turn &= !off;
+        let next = self.choose(now, seen);
+        self.send(now, next)
+    }
+
+    /// As [`step`](Self::step) while the inputs of the drive are not valid: an axis that may turn is stopped, and no
+    /// goal is pursued for longer than it could be with them.
+    pub fn step_blind(&mut self, now: Instant) -> Command {
+        let next = self.choose_blind(now);
+        self.send(now, next)
+    }
+
+    fn send(&mut self, now: Instant, next: Command) -> Command {
+        if next.stw1 != self.command.stw1 {
             self.word_since = now;
         }
-        self.command
+        self.may_turn |= next.stw1 & 1 != 0;
+        self.command = next;
+        next
+    }
+
+    fn choose_blind(&mut self, now: Instant) -> Command {
+        let too_long = self.took(now) > self.limits.step;
+        match self.goal {
+            Goal::Released => {
+                self.progress = Progress::Reached;
+                word(STW1_RELEASED)
+            }
+            Goal::Stop => self.stop_blind(now),
+            goal if goal.moves() && (self.may_turn || too_long) => {
+                self.give_up(now, Trouble::NoInputs);
+                self.stop_blind(now)
+            }
+            _ => {
+                if too_long {
+                    self.trouble.get_or_insert(Trouble::NoInputs);
+                }
+                self.command
+            }
+        }
+    }
+
+    /// Nothing says that the axis stands: the stops get all the time they may take.
+    fn stop_blind(&mut self, now: Instant) -> Command {
+        if self.may_turn {
+            self.stop_in_time(now);
+        } else {
+            self.progress = Progress::Reached;
+        }
+        word(if self.quick { STW1_QUICK_STOP } else { STW1_READY })
+    }
+
+    /// A motion has failed: what remains is to stop.
+    fn give_up(&mut self, now: Instant, trouble: Trouble) {
+        self.trouble.get_or_insert(trouble);
+        self.goal = Goal::Stop;
+        self.progress = Progress::Pursuing;
+        self.since = now;
+        self.quick = false;
     }
 
     fn choose(&mut self, now: Instant, seen: Seen) -> Command {
@@ -293,6 +353,11 @@ impl AxisControl {
         if let Some(command) = self.switch_on(now, seen, STW1_JOG_READY) {
             return command;
         }
+        // standstill is waited for before a jog, but no longer than for a stop
+        if self.progress == Progress::Pursuing && self.took(now) > self.limits.step + self.limits.stop {
+            self.give_up(now, Trouble::NotStopped);
+            return self.stop(now, seen);
+        }
         match self.command.stw1 {
             jogging if jogging == STW1_JOG_READY | jog.bit() => {
                 self.progress = Progress::Reached;
@@ -327,11 +392,7 @@ impl AxisControl {
             self.trouble
         };
         if let Some(trouble) = trouble {
-            self.trouble.get_or_insert(trouble);
-            self.goal = Goal::Stop;
-            self.progress = Progress::Pursuing;
-            self.since = now;
-            self.quick = false;
+            self.give_up(now, trouble);
             return Some(self.stop(now, seen));
         }
         match phase {
@@ -376,17 +437,25 @@ impl AxisControl {
             if self.command.stw1 & 1 == 0 && self.stood(now) {
                 self.progress = Progress::Reached;
             }
-        } else if self.took(now) > self.limits.stop {
-            if self.quick {
-                self.trouble = Some(Trouble::NotStopped);
-                self.progress = Progress::Reached;
-            } else {
-                self.quick = true;
-                self.since = now;
-                self.trouble.get_or_insert(Trouble::QuickStopUsed);
-            }
+        } else {
+            self.stop_in_time(now);
         }
         word(if self.quick { STW1_QUICK_STOP } else { STW1_READY })
+    }
+
+    /// The quick stop after the ramp stop has had its time, and the end of all patience after that.
+    fn stop_in_time(&mut self, now: Instant) {
+        if self.took(now) <= self.limits.stop {
+            return;
+        }
+        if self.quick {
+            self.trouble = Some(Trouble::NotStopped);
+            self.progress = Progress::Reached;
+        } else {
+            self.quick = true;
+            self.since = now;
+            self.trouble.get_or_insert(Trouble::QuickStopUsed);
+        }
     }
 
     fn took(&self, now: Instant) -> Duration {
@@ -408,131 +477,4 @@ const fn word(stw1: u16) -> Command {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::axis::model::Bench;
-
-    #[test]
-    fn runs_and_stops() {
-        let mut bench = Bench::new();
-        bench.pursue(Goal::Run { setpoint: 100 });
-        bench.until(Progress::Reached);
-        assert_eq!(
-            bench.command(),
-            Command {
-                stw1: STW1_RUN,
-                nsoll_a: 100
-            }
-        );
-        bench.cycles(60);
-        assert_eq!(bench.speed(), 100);
-        bench.pursue(Goal::Run { setpoint: -50 });
-        assert_eq!(bench.progress(), Progress::Reached);
-        bench.cycles(60);
-        assert_eq!(bench.speed(), -50);
-        bench.pursue(Goal::Stop);
-        bench.until(Progress::Reached);
-        assert_eq!(bench.speed(), 0);
-        assert_eq!(bench.words(), [STW1_READY, STW1_RUN, STW1_READY]);
-    }
-
-    #[test]
-    fn no_setpoint_before_operation() {
-        let mut bench = Bench::new();
-        bench.pursue(Goal::Run { setpoint: 1000 });
-        while bench.phase() != Phase::S4 {
-            assert_eq!(bench.command().nsoll_a, 0);
-            bench.cycles(1);
-        }
-    }
-
-    #[test]
-    fn jog_after_run_waits_for_standstill() {
-        let mut bench = Bench::new();
-        bench.pursue(Goal::Run { setpoint: 200 });
-        bench.until(Progress::Reached);
-        bench.cycles(50);
-        bench.pursue(Goal::Jog(Jog::Two));
-        bench.until(Progress::Reached);
-        bench.cycles(40);
-        assert_eq!(bench.speed(), -40, "the jog setpoint of the bench");
-        bench.pursue(Goal::Stop);
-        bench.until(Progress::Reached);
-        assert_eq!(
-            bench.words(),
-            [
-                STW1_READY,
-                STW1_RUN,
-                STW1_RUN_INPUT_ZERO,
-                STW1_JOG_READY,
-                STW1_JOG_READY | JOG_2,
-                STW1_READY
-            ]
-        );
-    }
-
-    #[test]
-    fn fault_is_reported_stopped_and_acknowledged_by_an_edge() {
-        let mut bench = Bench::new();
-        bench.pursue(Goal::Run { setpoint: 100 });
-        bench.until(Progress::Reached);
-        bench.fail(true);
-        bench.cycles(2);
-        assert_eq!(bench.progress(), Progress::Failed(Trouble::Fault));
-        assert_eq!(bench.command().stw1, STW1_READY);
-        bench.pursue(Goal::Acknowledge);
-        bench.until(Progress::Failed(Trouble::FaultStays));
-        bench.fail(false);
-        bench.pursue(Goal::Acknowledge);
-        bench.until(Progress::Reached);
-        assert!(!bench.seen().fault());
-        assert_eq!(bench.command().stw1, STW1_READY);
-    }
-
-    #[test]
-    fn is_not_switched_on_again_by_itself() {
-        let mut bench = Bench::new();
-        bench.pursue(Goal::Run { setpoint: 100 });
-        bench.until(Progress::Reached);
-        bench.coast();
-        bench.cycles(200);
-        assert!(matches!(
-            bench.progress(),
-            Progress::Failed(Trouble::LeftOperation { .. })
-        ));
-        assert_eq!(bench.command().stw1, STW1_READY);
-    }
-
-    #[test]
-    fn a_stop_that_does_not_end_becomes_a_quick_stop() {
-        let mut bench = Bench::new();
-        bench.pursue(Goal::Run { setpoint: 100 });
-        bench.until(Progress::Reached);
-        bench.cycles(50);
-        bench.never_ramps_down();
-        bench.pursue(Goal::Stop);
-        bench.cycles(2000);
-        assert_eq!(bench.progress(), Progress::Failed(Trouble::QuickStopUsed));
-        assert_eq!(bench.words().last(), Some(&STW1_QUICK_STOP));
-        assert_eq!(bench.speed(), 0);
-    }
-
-    #[test]
-    fn local_operation_is_said() {
-        let mut bench = Bench::new();
-        bench.local();
-        bench.pursue(Goal::Run { setpoint: 100 });
-        bench.cycles(1000);
-        assert_eq!(bench.progress(), Progress::Failed(Trouble::LocalOperation));
-    }
-
-    #[test]
-    fn release_gives_control_back() {
-        let mut bench = Bench::new();
-        bench.pursue(Goal::Ready);
-        bench.until(Progress::Reached);
-        bench.pursue(Goal::Released);
-        bench.cycles(1);
-        assert_eq!(bench.command(), Command::default());
-    }
-}
+mod tests;

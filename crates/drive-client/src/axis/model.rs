@@ -16,6 +16,8 @@ pub struct Bench {
     cause: bool,
     local: bool,
     ramps_down: bool,
+    slows_down: bool,
+    valid: bool,
     speed: i16,
     last_ack: bool,
     in_flight: Command,
@@ -33,6 +35,8 @@ impl Bench {
             cause: false,
             local: false,
             ramps_down: true,
+            slows_down: true,
+            valid: true,
             speed: 0,
             last_ack: false,
             in_flight: Command::default(),
@@ -48,7 +52,11 @@ impl Bench {
     pub fn cycles(&mut self, count: u32) {
         for _ in 0..count {
             self.now += Duration::from_millis(16);
-            let command = self.axis.step(self.now, self.seen());
+            let command = if self.valid {
+                self.axis.step(self.now, self.seen())
+            } else {
+                self.axis.step_blind(self.now)
+            };
             if self.words.last() != Some(&command.stw1) {
                 self.words.push(command.stw1);
             }
@@ -87,6 +95,19 @@ impl Bench {
 
     pub fn never_ramps_down(&mut self) {
         self.ramps_down = false;
+    }
+
+    /// Operation goes on at the same speed whatever the setpoint says.
+    pub fn never_slows_down(&mut self) {
+        self.slows_down = false;
+    }
+
+    pub fn inputs_valid(&mut self, valid: bool) {
+        self.valid = valid;
+    }
+
+    pub fn is_at_rest(&self) -> bool {
+        self.axis.is_at_rest()
     }
 
     pub fn local(&mut self) {
@@ -162,6 +183,7 @@ impl Bench {
         };
         let step = match self.state {
             Phase::S5 if !self.ramps_down && !self.quick => 0,
+            Phase::S4 if !self.slows_down => 0,
             _ => 10,
         };
         self.speed += (target - self.speed).clamp(-step, step);

@@ -75,6 +75,8 @@ where
     cycle: Duration,
     taken: profinet::Instant,
     watcher: Option<Watcher<'s>>,
+    /// The trouble there is was returned to the caller.
+    told: bool,
     finished: bool,
 }
 
@@ -144,6 +146,7 @@ where
             cycle: timing.interval(),
             taken: now,
             watcher: None,
+            told: false,
             finished: false,
             session: self,
         };
@@ -263,8 +266,7 @@ where
     /// # Errors
     /// When the connection is lost or the caller wants to stop.
     pub fn ready_or_fault(&mut self) -> Result<(), Error> {
-        let now = self.session.now();
-        self.session.client.pursue(now, self.ar, Goal::Ready);
+        self.pursue(Goal::Ready);
         let fault = |status: &AxisStatus| status.view.seen.is_some_and(crate::axis::Seen::fault);
         let ready = |status: &AxisStatus| status.view.progress == Progress::Reached;
         self.hold_until(Limits::default().step, |status| fault(status) || ready(status))
@@ -274,7 +276,8 @@ where
     /// Switches on and follows `rpm`; returns once operation (S4) is reached.
     ///
     /// # Errors
-    /// A speed above the limit, and as [`ready`](Self::ready).
+    /// A speed above the limit, trouble with the motion before that nobody was told of yet, and as
+    /// [`ready`](Self::ready).
     pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
         if rpm.is_nan() || rpm.abs() > self.settings.speed_limit {
             return Err(Error::SpeedLimit {
@@ -288,14 +291,16 @@ where
                 wanted: rpm,
                 limit: speed_rpm(&self.drive, i16::MAX),
             })?;
+        self.untold()?;
         self.reach(Goal::Run { setpoint })
     }
 
     /// Jogs at one of the drive's jog setpoints.
     ///
     /// # Errors
-    /// As [`ready`](Self::ready).
+    /// As [`run`](Self::run).
     pub fn jog(&mut self, jog: Jog) -> Result<(), Error> {
+        self.untold()?;
         self.reach(Goal::Jog(jog))
     }
 
@@ -356,9 +361,22 @@ where
         self.shut_down()
     }
 
-    fn reach(&mut self, goal: Goal) -> Result<(), Error> {
+    fn pursue(&mut self, goal: Goal) {
         let now = self.session.now();
+        self.told = false;
         self.session.client.pursue(now, self.ar, goal);
+    }
+
+    /// An axis that stopped by itself meanwhile is not started again before the caller knows.
+    fn untold(&mut self) -> Result<(), Error> {
+        if self.told {
+            return Ok(());
+        }
+        self.look().map(|_| ())
+    }
+
+    fn reach(&mut self, goal: Goal) -> Result<(), Error> {
+        self.pursue(goal);
         loop {
             let status = self.look()?;
             if status.view.progress == Progress::Reached {
@@ -384,10 +402,13 @@ where
         }
         let status = status.ok_or(profinet::controller::Misuse::UnknownConnection)?;
         match status.view.progress {
-            Progress::Failed(trouble) => Err(Error::Axis {
-                drive: self.drive.label(),
-                trouble,
-            }),
+            Progress::Failed(trouble) => {
+                self.told = true;
+                Err(Error::Axis {
+                    drive: self.drive.label(),
+                    trouble,
+                })
+            }
             Progress::Pursuing | Progress::Reached => Ok(status),
         }
     }
@@ -413,10 +434,9 @@ where
             .status()
             .is_some_and(|status| status.view.goal != Goal::Released);
         let stopped = if control_taken { self.ramp_down() } else { Ok(()) };
-        let now = self.session.now();
-        self.session.client.pursue(now, self.ar, Goal::Released);
+        self.pursue(Goal::Released);
         // the drive must see the word without control before the connection ends
-        let end = now + self.cycle * 4;
+        let end = self.session.now() + self.cycle * 4;
         while self.session.now() < end && self.session.client.connection(self.ar) == Connection::Running {
             self.session.step(end)?;
         }
@@ -425,8 +445,7 @@ where
 
     /// OFF1, and whatever it takes until the pulses are off or the control gives up.
     fn ramp_down(&mut self) -> Result<(), Error> {
-        let now = self.session.now();
-        self.session.client.pursue(now, self.ar, Goal::Stop);
+        self.pursue(Goal::Stop);
         loop {
             match self.look() {
                 Ok(status) if status.view.at_rest => return Ok(()),

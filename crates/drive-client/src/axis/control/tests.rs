@@ -1,0 +1,184 @@
+//! The control against the bench.
+
+use super::*;
+use crate::axis::model::Bench;
+
+#[test]
+fn runs_and_stops() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    assert_eq!(
+        bench.command(),
+        Command {
+            stw1: STW1_RUN,
+            nsoll_a: 100
+        }
+    );
+    bench.cycles(60);
+    assert_eq!(bench.speed(), 100);
+    bench.pursue(Goal::Run { setpoint: -50 });
+    assert_eq!(bench.progress(), Progress::Reached);
+    bench.cycles(60);
+    assert_eq!(bench.speed(), -50);
+    bench.pursue(Goal::Stop);
+    bench.until(Progress::Reached);
+    assert_eq!(bench.speed(), 0);
+    assert_eq!(bench.words(), [STW1_READY, STW1_RUN, STW1_READY]);
+}
+
+#[test]
+fn no_setpoint_before_operation() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 1000 });
+    while bench.phase() != Phase::S4 {
+        assert_eq!(bench.command().nsoll_a, 0);
+        bench.cycles(1);
+    }
+}
+
+#[test]
+fn jog_after_run_waits_for_standstill() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 200 });
+    bench.until(Progress::Reached);
+    bench.cycles(50);
+    bench.pursue(Goal::Jog(Jog::Two));
+    bench.until(Progress::Reached);
+    bench.cycles(40);
+    assert_eq!(bench.speed(), -40, "the jog setpoint of the bench");
+    bench.pursue(Goal::Stop);
+    bench.until(Progress::Reached);
+    assert_eq!(
+        bench.words(),
+        [
+            STW1_READY,
+            STW1_RUN,
+            STW1_RUN_INPUT_ZERO,
+            STW1_JOG_READY,
+            STW1_JOG_READY | JOG_2,
+            STW1_READY
+        ]
+    );
+}
+
+#[test]
+fn fault_is_reported_stopped_and_acknowledged_by_an_edge() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    bench.fail(true);
+    bench.cycles(2);
+    assert_eq!(bench.progress(), Progress::Failed(Trouble::Fault));
+    assert_eq!(bench.command().stw1, STW1_READY);
+    bench.pursue(Goal::Acknowledge);
+    bench.until(Progress::Failed(Trouble::FaultStays));
+    bench.fail(false);
+    bench.pursue(Goal::Acknowledge);
+    bench.until(Progress::Reached);
+    assert!(!bench.seen().fault());
+    assert_eq!(bench.command().stw1, STW1_READY);
+}
+
+#[test]
+fn is_not_switched_on_again_by_itself() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    bench.coast();
+    bench.cycles(200);
+    assert!(matches!(
+        bench.progress(),
+        Progress::Failed(Trouble::LeftOperation { .. })
+    ));
+    assert_eq!(bench.command().stw1, STW1_READY);
+}
+
+#[test]
+fn a_stop_that_does_not_end_becomes_a_quick_stop() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    bench.cycles(50);
+    bench.never_ramps_down();
+    bench.pursue(Goal::Stop);
+    bench.cycles(2000);
+    assert_eq!(bench.progress(), Progress::Failed(Trouble::QuickStopUsed));
+    assert_eq!(bench.words().last(), Some(&STW1_QUICK_STOP));
+    assert_eq!(bench.speed(), 0);
+}
+
+#[test]
+fn inputs_that_are_not_valid_any_more_stop_the_axis() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    bench.cycles(50);
+    bench.inputs_valid(false);
+    bench.cycles(1);
+    assert_eq!(bench.progress(), Progress::Failed(Trouble::NoInputs));
+    assert_eq!(bench.command(), word(STW1_READY));
+    bench.cycles(100);
+    assert_eq!(bench.speed(), 0);
+    assert!(!bench.is_at_rest(), "nothing says so");
+    bench.inputs_valid(true);
+    bench.cycles(10);
+    assert!(bench.is_at_rest());
+    assert_eq!(bench.words(), [STW1_READY, STW1_RUN, STW1_READY]);
+    // nor does the end of a stop need them
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    bench.pursue(Goal::Stop);
+    bench.inputs_valid(false);
+    bench.until(Progress::Failed(Trouble::NotStopped));
+    assert!(bench.is_at_rest() && bench.words().ends_with(&[STW1_READY, STW1_QUICK_STOP]));
+}
+
+#[test]
+fn inputs_that_never_become_valid_are_not_waited_for_for_ever() {
+    for goal in [
+        Goal::Ready,
+        Goal::Acknowledge,
+        Goal::Run { setpoint: 5 },
+        Goal::Jog(Jog::One),
+    ] {
+        let mut bench = Bench::new();
+        bench.inputs_valid(false);
+        bench.pursue(goal);
+        bench.until(Progress::Failed(Trouble::NoInputs));
+        assert!(bench.words().iter().all(|stw1| stw1 & 1 == 0), "{goal:?}");
+        bench.pursue(Goal::Stop);
+        assert!(bench.is_at_rest(), "never switched on: nothing to wait for");
+    }
+}
+
+#[test]
+fn a_jog_does_not_wait_for_ever_for_standstill() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.until(Progress::Reached);
+    bench.cycles(50);
+    bench.never_slows_down();
+    bench.pursue(Goal::Jog(Jog::One));
+    bench.until(Progress::Failed(Trouble::NotStopped));
+    assert_eq!(bench.command(), word(STW1_READY));
+}
+
+#[test]
+fn local_operation_is_said() {
+    let mut bench = Bench::new();
+    bench.local();
+    bench.pursue(Goal::Run { setpoint: 100 });
+    bench.cycles(1000);
+    assert_eq!(bench.progress(), Progress::Failed(Trouble::LocalOperation));
+}
+
+#[test]
+fn release_gives_control_back() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Ready);
+    bench.until(Progress::Reached);
+    bench.pursue(Goal::Released);
+    bench.cycles(1);
+    assert_eq!(bench.command(), Command::default());
+}
