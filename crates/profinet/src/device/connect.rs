@@ -415,7 +415,7 @@ impl Device {
         }
     }
 
-    /// Ends a relation for a reason of the application; see [`abort`](crate::wire::status::abort) for the causes.
+    /// Ends a relation for a reason of the application; see [`abort`] for the causes.
     pub fn abort(&mut self, now: Instant, ar: ArKey, cause: u8) {
         let cause = PnioStatus::aborted(cause);
         if self.controller.as_ref().is_some_and(|io| io.key == ar) {
