@@ -184,9 +184,9 @@ fn state_word(reading: &Reading) -> String {
         .and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
         .unwrap_or(0);
     let meaning = if reading.pnu == STW1 {
-        words::stw1_meaning(word)
+        words::stw1_meaning(word).to_owned()
     } else {
-        words::state(word)
+        words::state(word, None)
     };
     format!("{} {meaning}", hex16(word))
 }

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
 
+use profidrive::state::{State, Zsw1};
 use profinet::controller::{
     ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError,
     Station,
@@ -70,6 +71,15 @@ pub struct AxisView {
     pub seen: Option<Seen>,
     /// True when the axis stands with the pulses off.
     pub at_rest: bool,
+}
+
+impl AxisView {
+    /// State of the drive: its status word read with the control word it is being sent. `None` before the first
+    /// valid input and while the drive is not ready.
+    #[must_use]
+    pub fn state(&self) -> Option<State> {
+        self.seen?.state(self.command.stw1)
+    }
 }
 
 impl Client {
@@ -196,7 +206,7 @@ impl Client {
             let command = match *data {
                 [z1, z0, n1, n0, ..] if provider.is_good() => {
                     let seen = Seen {
-                        zsw1: u16::from_be_bytes([z1, z0]),
+                        zsw1: Zsw1(u16::from_be_bytes([z1, z0])),
                         nist_a: i16::from_be_bytes([n1, n0]),
                     };
                     axis.seen = Some(seen);
@@ -206,7 +216,7 @@ impl Client {
                 _ => axis.control.step_blind(now),
             };
             if axis.sent != Some(command) {
-                let [s1, s0] = command.stw1.to_be_bytes();
+                let [s1, s0] = command.stw1.0.to_be_bytes();
                 let [n1, n0] = command.nsoll_a.to_be_bytes();
                 let data = [s1, s0, n1, n0];
                 if self

@@ -185,7 +185,7 @@ fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Sho
             position: position.get(),
             ..AxisView::of(status)
         };
-        let state = picture.zsw1.map_or("--", words::state_number);
+        let state = picture.state_number().unwrap_or("--");
         if state != "--" && states.borrow().last() != Some(&state) {
             states.borrow_mut().push(state);
         }
@@ -226,10 +226,8 @@ fn find(session: &mut Session<SegmentMedium>, show: &mut Show) -> Result<Drive, 
 fn identity(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut Show) -> Result<(), Error> {
     show.next();
     let info = session.info(drive)?;
-    let state = info
-        .raw(2)
-        .and_then(|raw| u16::try_from(raw).ok())
-        .map_or("unknown", words::state);
+    let word = |pnu| info.raw(pnu).and_then(|raw| u16::try_from(raw).ok());
+    let state = word(2).map_or_else(|| "unknown".into(), |zsw1| words::state(zsw1, word(1)));
     let Some(identity) = info.identity.filter(|_| info.refused.is_empty()) else {
         return show.check(
             false,
@@ -389,7 +387,7 @@ fn fault(axis: &mut Demonstrated<'_>, station: StationId, show: &mut Show) -> Re
     let zsw1 = axis
         .status()
         .and_then(|status| status.view.seen)
-        .map_or(0, |seen| seen.zsw1);
+        .map_or(0, |seen| seen.zsw1.0);
     let (session, drive) = axis.session();
     let shifted = session
         .faults(drive)?
@@ -409,13 +407,13 @@ fn stop(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
     hold(axis, Duration::from_millis(750), show)?;
     axis.stop()?;
     let status = axis.status();
-    let zsw1 = status
-        .and_then(|status| status.view.seen)
-        .map_or(0, |seen| seen.zsw1);
+    let state = status
+        .and_then(|status| status.view.state())
+        .map_or_else(|| "not ready".into(), |state| state.to_string());
     let speed = status.map_or(f64::MAX, |status| status.speed_actual);
     show.check(
         near(speed, 0.0),
-        format!("{}, {speed:.2} rpm", words::state(zsw1)),
+        format!("{state}, {speed:.2} rpm"),
         "the motor still turns",
     )
 }

@@ -36,16 +36,18 @@ fn explain(text: &str, kind: Kind) -> Result<Explained, Failure> {
         }
         Kind::Zsw1 => {
             let word = word(text)?;
-            let means = words::state(word);
-            let mut fields = fields! { "as": "zsw1", "meaning": means };
+            let means = words::state(word, None);
+            let mut fields = fields! { "as": "zsw1", "meaning": means.as_str() };
             fields.insert("word".into(), words::word_json(words::zsw1_bits(), word));
-            (words::word_lines("ZSW1", words::zsw1_bits(), word, means), fields)
+            (
+                words::word_lines("ZSW1", words::zsw1_bits(), word, &means),
+                fields,
+            )
         }
         Kind::State => {
             let word = word(text)?;
-            let state = words::state(word);
-            let fields =
-                fields! { "as": "state", "raw": word, "state": words::state_number(word), "meaning": state };
+            let state = words::state(word, None);
+            let fields = fields! { "as": "state", "raw": word, "state": words::state_number(word, None), "meaning": state.as_str() };
             (vec![format!("ZSW1 {}: {state}", hex16(word))], fields)
         }
         Kind::Fault => fault(text)?,

@@ -39,7 +39,10 @@ pub fn run(args: &args::Drive, global: &Global, output: &Output) -> Result<(), F
             warning if warning & 1 << 7 != 0 => Colour::Warning,
             _ => Colour::Normal,
         };
-        output.line(&output.paint(colour, &format!("state        {}", words::state(zsw1))));
+        output.line(&output.paint(
+            colour,
+            &format!("state        {}", words::state(zsw1, word(&info, STW1))),
+        ));
     }
     for refused in &info.refused {
         output.say(&format!("not available: {refused}"));
@@ -211,8 +214,11 @@ fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serd
         fields.insert("identity".into(), Value::Object(identity));
     }
     if let Some(zsw1) = word(info, ZSW1) {
-        fields.insert("state".into(), words::state_number(zsw1).into());
-        fields.insert("state_meaning".into(), words::state(zsw1).into());
+        fields.insert("state".into(), words::state_number(zsw1, word(info, STW1)).into());
+        fields.insert(
+            "state_meaning".into(),
+            words::state(zsw1, word(info, STW1)).into(),
+        );
         fields.insert("zsw1".into(), words::word_json(words::zsw1_bits(), zsw1));
     }
     if let Some(stw1) = word(info, STW1) {

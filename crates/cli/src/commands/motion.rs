@@ -6,6 +6,7 @@ use drive_client::axis;
 use drive_client::parameter::{ParameterProblem, Selection};
 use drive_client::{AxisSettings, Error, Snapshot};
 use profidrive::notation::{ParameterReference, Quantity};
+use profidrive::state::Stw1;
 use serde_json::Value;
 
 use crate::args::{Ack, Cyclic, Global, Jog, Monitor, Run};
@@ -124,10 +125,7 @@ pub fn ack(args: &Ack, global: &Global, output: &Output) -> Result<(), Failure> 
             fault.meaning.unwrap_or("not in the tables")
         ));
     }
-    output.say(&format!(
-        "acknowledging with STW1 {}",
-        hex16(axis::STW1_ACKNOWLEDGE)
-    ));
+    output.say(&format!("acknowledging with STW1 {}", Stw1::ACKNOWLEDGE));
     let mut axis = session.take_axis(&mut drive, settings(&args.cyclic, 0.0))?;
     watch(&mut axis, "ack", output);
     let result = axis.ready_or_fault().and_then(|()| axis.acknowledge());
@@ -231,7 +229,7 @@ fn show_snapshot(snapshot: &Snapshot, output: &Output) {
     if output.json() {
         let mut fields = fields! {
             "stw1": snapshot.stw1, "zsw1": snapshot.zsw1,
-            "state": snapshot.zsw1.map(words::state_number), "fault_counter": snapshot.fault_counter,
+            "state": snapshot.zsw1.map(|zsw1| words::state_number(zsw1, snapshot.stw1)), "fault_counter": snapshot.fault_counter,
         };
         for (name, reading) in [
             ("speed_set", &snapshot.speed_set),
@@ -254,7 +252,10 @@ fn show_snapshot(snapshot: &Snapshot, output: &Output) {
     };
     let mut line = format!(
         "{:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
-        snapshot.zsw1.map_or("state unknown", words::state),
+        snapshot.zsw1.map_or_else(
+            || "state unknown".into(),
+            |zsw1| words::state(zsw1, snapshot.stw1)
+        ),
         word(snapshot.stw1),
         word(snapshot.zsw1),
         speed(&snapshot.speed_set),

@@ -97,12 +97,20 @@ impl Relations {
 
     /// Looks at a cyclic frame; false if it belongs to no known connection.
     pub fn cyclic(&mut self, frame: &Frame<'_>, sink: &mut Sink<'_>) -> bool {
-        let known = |stream: &&mut Stream| {
-            stream.receiver == frame.destination && stream.frame_id == frame.frame_id.0
-        };
-        let Some(stream) = self.streams.iter_mut().find(known) else {
+        let known =
+            |stream: &Stream| stream.receiver == frame.destination && stream.frame_id == frame.frame_id.0;
+        let Some(at) = self.streams.iter().position(known) else {
             return false;
         };
+        // the stream and what is sent to the station it comes from
+        let (before, rest) = self.streams.split_at_mut(at);
+        let Some((stream, after)) = rest.split_first_mut() else {
+            return false;
+        };
+        let opposite = before
+            .iter()
+            .chain(&*after)
+            .find(|other| other.output && other.receiver == frame.source);
         let Some(cyclic) = Cyclic::parse(frame.payload, stream.data_length) else {
             return false;
         };
@@ -112,7 +120,10 @@ impl Relations {
             stream.status = Some(status);
         }
         for drive in &mut stream.drives {
-            drive.look(cyclic.data, stream.output, sink);
+            let sent = opposite
+                .and_then(|other| other.drives.iter().find(|sent| sent.slot == drive.slot))
+                .and_then(|sent| sent.word);
+            drive.look(cyclic.data, stream.output, sent, sink);
         }
         true
     }
@@ -139,7 +150,8 @@ fn note_status(before: Option<DataStatus>, status: DataStatus, sink: &mut Sink<'
 }
 
 impl DriveData {
-    fn look(&mut self, data: &[u8], output: bool, sink: &mut Sink<'_>) {
+    /// `sent` is the control word on the way to the same slot.
+    fn look(&mut self, data: &[u8], output: bool, sent: Option<u16>, sink: &mut Sink<'_>) {
         let Some([high, low]) = data.get(self.offset..).and_then(|rest| rest.first_chunk::<2>()) else {
             return;
         };
@@ -161,7 +173,7 @@ impl DriveData {
             let (text, weight) = if output {
                 stw1(self.word, word)
             } else {
-                zsw1(self.word, word)
+                zsw1(self.word, word, sent)
             };
             sink.note(weight, "drive", text);
             self.word = Some(word);
@@ -188,7 +200,7 @@ fn stw1(before: Option<u16>, word: u16) -> (String, Weight) {
     )
 }
 
-fn zsw1(before: Option<u16>, word: u16) -> (String, Weight) {
+fn zsw1(before: Option<u16>, word: u16, sent: Option<u16>) -> (String, Weight) {
     let set = words::set_names(words::zsw1_bits(), word);
     let weight = match word {
         fault if fault & 1 << 3 != 0 => Weight::Error,
@@ -196,7 +208,11 @@ fn zsw1(before: Option<u16>, word: u16) -> (String, Weight) {
         _ => Weight::Normal,
     };
     (
-        format!("{} {} [{set}]", change("ZSW1", before, word), words::state(word)),
+        format!(
+            "{} {} [{set}]",
+            change("ZSW1", before, word),
+            words::state(word, sent)
+        ),
         weight,
     )
 }

@@ -35,16 +35,24 @@ impl AxisView {
     pub fn of(status: &AxisStatus) -> Self {
         Self {
             time: status.time,
-            stw1: status.view.command.stw1,
-            zsw1: status.view.seen.map(|seen| seen.zsw1),
+            stw1: status.view.command.stw1.0,
+            zsw1: status.view.seen.map(|seen| seen.zsw1.0),
             speed_set: status.speed_set,
             speed_actual: status.speed_actual,
             position: None,
         }
     }
 
-    fn state(&self) -> &'static str {
-        self.zsw1.map_or("no data yet", words::state)
+    fn state(&self) -> String {
+        self.zsw1.map_or_else(
+            || "no data yet".into(),
+            |zsw1| words::state(zsw1, Some(self.stw1)),
+        )
+    }
+
+    /// Short name of the state.
+    pub fn state_number(&self) -> Option<&'static str> {
+        self.zsw1.map(|zsw1| words::state_number(zsw1, Some(self.stw1)))
     }
 }
 
@@ -98,7 +106,7 @@ impl LiveView {
 
     fn document(&self, view: &AxisView) {
         let fields = fields! {
-            "time": view.time.as_secs_f64(), "state": view.zsw1.map(words::state_number), "stw1": view.stw1,
+            "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.stw1,
             "zsw1": view.zsw1, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
             "position": view.position,
         };
@@ -145,7 +153,7 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
     let (mark, colour) = match zsw1 {
         fault if fault & 1 << 3 != 0 => ("#", Colour::Fault),
         warning if warning & 1 << 7 != 0 => ("!", Colour::Warning),
-        _ if words::state_number(zsw1) == "S4" => ("»", Colour::Normal),
+        _ if view.state_number() == Some("S4") => ("»", Colour::Normal),
         _ => ("·", Colour::Faint),
     };
     let speed = |name: &str, rpm: f64| format!("  {name} {rpm:>9.2} rpm  {}", scale(rpm, view.speed_set));
@@ -210,6 +218,21 @@ mod tests {
             "   1.23 s  S4 operation                                    STW1 0x047F  ZSW1 0x0337  set    60.06 rpm  actual    59.70 rpm"
         );
         assert!(line(&AxisView { zsw1: None, ..VIEW }).contains("no data yet"));
+    }
+
+    #[test]
+    fn the_control_word_tells_a_ramp_stop_from_switched_on() {
+        let turning = AxisView {
+            stw1: 0x047E,
+            zsw1: Some(0x0233),
+            ..VIEW
+        };
+        assert!(line(&turning).contains(" S5 switching off, ramp stop  "));
+        let starting = AxisView {
+            stw1: 0x047F,
+            ..turning
+        };
+        assert!(line(&starting).contains(" S3 switched on  "));
     }
 
     #[test]

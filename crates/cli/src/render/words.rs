@@ -1,7 +1,7 @@
 //! Control and status words, states: what the bits say to a person.
 
-use profidrive::state::Mode;
 use profidrive::state::bits::{self, Bit};
+use profidrive::state::{Mode, State, Stw1, Zsw1};
 use serde_json::{Value, json};
 
 use super::{hex16, nibbles};
@@ -41,54 +41,59 @@ pub fn inverse_meanings(table: &[Bit; 16], word: u16) -> String {
 
 /// What the whole control word does.
 pub fn stw1_meaning(word: u16) -> &'static str {
-    let bit = |n: u16| word & (1 << n) != 0;
-    if !bit(10) {
+    let stw1 = Stw1(word);
+    if !stw1.has(Stw1::CONTROL_BY_PLC) {
         "no control by the PLC: the drive ignores the word"
-    } else if !bit(1) {
+    } else if !stw1.has(Stw1::NO_COAST_STOP) {
         "coast stop (OFF2)"
-    } else if !bit(2) {
+    } else if !stw1.has(Stw1::NO_QUICK_STOP) {
         "quick stop (OFF3)"
-    } else if bit(7) {
+    } else if stw1.has(Stw1::ACKNOWLEDGE_FAULT) {
         "acknowledge fault"
-    } else if !bit(0) {
+    } else if !stw1.has(Stw1::ON) {
         "ready: OFF, ramp stop if turning (OFF1)"
-    } else if !bit(3) {
+    } else if !stw1.has(Stw1::ENABLE_OPERATION) {
         "switched on, operation not enabled"
-    } else if word & 0x70 == 0 && (bit(8) || bit(9)) {
-        "jog"
-    } else if word & 0x70 == 0 {
-        "operation with the setpoint channel closed (jog permitted)"
-    } else if word & 0x70 == 0x70 {
-        "run: follows the setpoint"
     } else {
-        "operation with the setpoint held or at 0"
+        let channel = Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT;
+        match stw1 & channel {
+            all if all == channel => "run: follows the setpoint",
+            Stw1(0) if (stw1 & (Stw1::JOG_1 | Stw1::JOG_2)).0 != 0 => "jog",
+            Stw1(0) => "operation with the setpoint channel closed (jog permitted)",
+            _ => "operation with the setpoint held or at 0",
+        }
     }
 }
 
-/// State of the drive out of ZSW1 (profile reference 2.1), with S3 and a ramp stop told apart only as far as ZSW1 does.
-pub fn state(zsw1: u16) -> &'static str {
-    let bit = |n: u16| zsw1 & (1 << n) != 0;
-    match (bit(6), bit(3), bit(2), bit(1), bit(0)) {
-        (true, true, ..) => "S1 switching on inhibited, with a fault",
-        (true, ..) => "S1 switching on inhibited",
-        (_, true, false, false, _) => "fault",
-        (_, _, true, true, true) if bit(5) => "S4 operation",
-        (_, _, _, true, true) if !bit(5) => "S5 switching off, quick stop",
-        (_, true, _, true, true) => "S5 switching off, stop after a fault",
-        (_, _, false, true, true) => "S3 switched on (or S5 ramp stop while turning)",
-        (_, _, false, false, true) => "S2 ready for switching on",
-        (_, _, false, false, false) => "not ready",
-        _ => "no state of the profile",
+/// State of the drive out of ZSW1 and the control word it was sent: `S4 operation`. Without the control word, S3 and a
+/// ramp stop cannot be told apart.
+pub fn state(zsw1: u16, sent: Option<u16>) -> String {
+    let word = Zsw1(zsw1);
+    let fault = if word.has(Zsw1::FAULT) {
+        ", with a fault"
+    } else {
+        ""
+    };
+    match (profile_state(zsw1, sent), sent) {
+        (Some(State::S3), None) => format!("{} (or S5 ramp stop while turning)", State::S3),
+        (Some(state), _) => format!("{state}{fault}"),
+        (None, _) => "not ready".into(),
     }
 }
 
 /// Short name of the state: `S4`.
-pub fn state_number(zsw1: u16) -> &'static str {
-    match state(zsw1) {
-        "fault" => "S1",
-        "not ready" | "no state of the profile" => "--",
-        words => words.get(..2).unwrap_or(words),
-    }
+pub fn state_number(zsw1: u16, sent: Option<u16>) -> &'static str {
+    profile_state(zsw1, sent).map_or("--", |state| match state {
+        State::S1 => "S1",
+        State::S2 => "S2",
+        State::S3 => "S3",
+        State::S4 => "S4",
+        State::S5Ramp | State::S5Quick => "S5",
+    })
+}
+
+fn profile_state(zsw1: u16, sent: Option<u16>) -> Option<State> {
+    Zsw1(zsw1).state(Stw1(sent.unwrap_or(0)))
 }
 
 /// Everything about a control or status word as lines.
@@ -177,18 +182,48 @@ mod tests {
 
     #[test]
     fn states_of_the_typical_words() {
-        for (zsw1, number, words) in [
-            (0x0240, "S1", "S1 switching on inhibited"),
-            (0x0278, "S1", "S1 switching on inhibited, with a fault"),
-            (0x0231, "S2", "S2 ready for switching on"),
-            (0x0233, "S3", "S3 switched on (or S5 ramp stop while turning)"),
-            (0x0237, "S4", "S4 operation"),
-            (0x0217, "S5", "S5 switching off, quick stop"),
-            (0x0213, "S5", "S5 switching off, quick stop"),
-            (0x0238, "S1", "fault"),
-            (0x0000, "--", "not ready"),
+        let (off, on) = (Some(0x047E), Some(0x047F));
+        for (zsw1, sent, number, words) in [
+            (0x0240, None, "S1", "S1 switching on inhibited"),
+            (0x0278, None, "S1", "S1 switching on inhibited, with a fault"),
+            (0x0231, None, "S2", "S2 ready for switching on"),
+            (
+                0x0233,
+                None,
+                "S3",
+                "S3 switched on (or S5 ramp stop while turning)",
+            ),
+            (0x0233, on, "S3", "S3 switched on"),
+            (0x0233, off, "S5", "S5 switching off, ramp stop"),
+            (0x023B, on, "S5", "S5 switching off, ramp stop, with a fault"),
+            (0x0237, None, "S4", "S4 operation"),
+            (0x0237, on, "S4", "S4 operation"),
+            (0x0217, None, "S5", "S5 switching off, quick stop"),
+            (0x0213, on, "S5", "S5 switching off, quick stop"),
+            (0x0238, None, "S1", "S1 switching on inhibited, with a fault"),
+            (0x0000, None, "--", "not ready"),
         ] {
-            assert_eq!((state_number(zsw1), state(zsw1)), (number, words), "{zsw1:#06x}");
+            assert_eq!(
+                (state_number(zsw1, sent), state(zsw1, sent).as_str()),
+                (number, words),
+                "{zsw1:#06x}"
+            );
+        }
+        for state in State::ALL {
+            let number = state_number(0x0200 | state_bits(state), on);
+            assert!(state.to_string().starts_with(number), "{state}");
+        }
+    }
+
+    /// ZSW1 of a state, as the profile's machine gives it under STW1 0x047F.
+    fn state_bits(state: State) -> u16 {
+        match state {
+            State::S1 => 0x70,
+            State::S2 => 0x31,
+            State::S3 => 0x33,
+            State::S4 => 0x37,
+            State::S5Ramp => 0x3B,
+            State::S5Quick => 0x13,
         }
     }
 }

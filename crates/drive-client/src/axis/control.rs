@@ -2,27 +2,19 @@
 
 use core::time::Duration;
 
+use profidrive::state::{State, Stw1};
 use profinet::Instant;
 
-use super::seen::{Phase, Seen};
+use super::seen::{Seen, state_words};
 
-/// ON absent, no coast or quick stop, operation and setpoint channel enabled, control by PLC: `ready`.
-pub const STW1_READY: u16 = 0x047E;
-/// As ready with ON: `run`.
-pub const STW1_RUN: u16 = 0x047F;
-/// As ready with the acknowledge bit.
-pub const STW1_ACKNOWLEDGE: u16 = 0x04FE;
-/// As ready with a quick stop (OFF3) commanded.
-pub const STW1_QUICK_STOP: u16 = 0x047A;
+/// Quick stop (OFF3) with OFF: once it is over, nothing switches on again.
+const QUICK_STOP: Stw1 = Stw1::READY.without(Stw1::NO_QUICK_STOP);
 /// Operation with the ramp generator's input at zero: brakes along the ramp, stays enabled.
-pub const STW1_RUN_INPUT_ZERO: u16 = 0x043F;
-/// Operation with the setpoint channel closed (bits 4, 5, 6 zero): jogging is permitted.
-pub const STW1_JOG_READY: u16 = 0x040F;
+const INPUT_ZERO: Stw1 = Stw1::RUN.without(Stw1::ENABLE_SETPOINT);
+/// Operation with the setpoint channel closed: jogging is permitted.
+const JOG_READY: Stw1 = INPUT_ZERO.without(Stw1::ENABLE_RAMP).without(Stw1::UNFREEZE_RAMP);
 /// No control by PLC: the drive ignores everything else.
-pub const STW1_RELEASED: u16 = 0x0000;
-
-const JOG_1: u16 = 1 << 8;
-const JOG_2: u16 = 1 << 9;
+const RELEASED: Stw1 = Stw1(0);
 
 /// One of the two jog setpoints of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,10 +28,10 @@ pub enum Jog {
 impl Jog {
     /// The bit of STW1 that starts it.
     #[must_use]
-    pub const fn bit(self) -> u16 {
+    pub const fn bit(self) -> Stw1 {
         match self {
-            Self::One => JOG_1,
-            Self::Two => JOG_2,
+            Self::One => Stw1::JOG_1,
+            Self::Two => Stw1::JOG_2,
         }
     }
 }
@@ -97,16 +89,16 @@ pub enum Trouble {
     #[error("the drive does not ask for control by the PLC (ZSW1 bit 9 is 0): it is in local operation")]
     LocalOperation,
     /// The drive did not reach the state in time.
-    #[error("the drive stays in {phase}")]
+    #[error("the drive stays in {}", state_words(*state))]
     StuckIn {
-        /// Where it is.
-        phase: Phase,
+        /// Where it is, `None` in a self test.
+        state: Option<State>,
     },
     /// The drive left S4 though nobody here told it to. It is not switched on again by itself.
-    #[error("the drive left operation by itself, it is in {phase} now")]
+    #[error("the drive left operation by itself, it is in {} now", state_words(*state))]
     LeftOperation {
-        /// Where it is.
-        phase: Phase,
+        /// Where it is, `None` in a self test.
+        state: Option<State>,
     },
     /// The ramp stop took too long, the quick stop was used.
     #[error("the ramp stop did not end in time, a quick stop (OFF3) was commanded")]
@@ -147,7 +139,7 @@ impl Default for Limits {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Command {
     /// Control word 1.
-    pub stw1: u16,
+    pub stw1: Stw1,
     /// Speed setpoint A.
     pub nsoll_a: i16,
 }
@@ -158,12 +150,13 @@ pub struct Command {
 ///
 /// ```
 /// use drive_client::axis::{AxisControl, Goal, Limits, Seen};
+/// use profidrive::state::{Stw1, Zsw1};
 /// use profinet::Instant;
 /// let mut axis = AxisControl::new(Limits::default());
 /// axis.pursue(Instant::ZERO, Goal::Run { setpoint: 0xA3 });
-/// let ready_for_switching_on = Seen { zsw1: 0x0231, nist_a: 0 };
-/// assert_eq!(axis.step(Instant::ZERO, ready_for_switching_on).stw1, 0x047F);
-/// let operation = Seen { zsw1: 0x0237, nist_a: 0 };
+/// let ready_for_switching_on = Seen { zsw1: Zsw1(0x0231), nist_a: 0 };
+/// assert_eq!(axis.step(Instant::ZERO, ready_for_switching_on).stw1, Stw1::RUN);
+/// let operation = Seen { zsw1: Zsw1(0x0237), nist_a: 0 };
 /// assert_eq!(axis.step(Instant::from_millis(16), operation).nsoll_a, 0xA3);
 /// ```
 #[derive(Debug, Clone)]
@@ -246,7 +239,7 @@ impl AxisControl {
 
     /// Looks at what the drive says and chooses what to send.
     pub fn step(&mut self, now: Instant, seen: Seen) -> Command {
-        let off = seen.pulses_off() && self.command.stw1 & 1 == 0 && self.stood(now);
+        let off = seen.pulses_off() && !self.command.stw1.has(Stw1::ON) && self.stood(now);
         self.may_turn &= !off;
         let next = self.choose(now, seen);
         self.send(now, next)
@@ -263,7 +256,7 @@ impl AxisControl {
         if next.stw1 != self.command.stw1 {
             self.word_since = now;
         }
-        self.may_turn |= next.stw1 & 1 != 0;
+        self.may_turn |= next.stw1.has(Stw1::ON);
         self.command = next;
         next
     }
@@ -273,7 +266,7 @@ impl AxisControl {
         match self.goal {
             Goal::Released => {
                 self.progress = Progress::Reached;
-                word(STW1_RELEASED)
+                word(RELEASED)
             }
             Goal::Stop => self.stop_blind(now),
             goal if goal.moves() && (self.may_turn || too_long) => {
@@ -296,7 +289,7 @@ impl AxisControl {
         } else {
             self.progress = Progress::Reached;
         }
-        word(if self.quick { STW1_QUICK_STOP } else { STW1_READY })
+        word(if self.quick { QUICK_STOP } else { Stw1::READY })
     }
 
     /// A motion has failed: what remains is to stop.
@@ -315,7 +308,7 @@ impl AxisControl {
         match self.goal {
             Goal::Released => {
                 self.progress = Progress::Reached;
-                word(STW1_RELEASED)
+                word(RELEASED)
             }
             Goal::Ready => self.make_ready(now, seen),
             Goal::Run { setpoint } => self.run(now, seen, setpoint),
@@ -326,23 +319,24 @@ impl AxisControl {
     }
 
     fn make_ready(&mut self, now: Instant, seen: Seen) -> Command {
-        if seen.phase() == Phase::S2 {
+        if self.state(seen) == Some(State::S2) {
             self.progress = Progress::Reached;
         } else if self.progress == Progress::Pursuing && self.took(now) > self.limits.step {
             let fault = seen.fault().then_some(Trouble::Fault);
-            self.trouble
-                .get_or_insert(fault.unwrap_or(Trouble::StuckIn { phase: seen.phase() }));
+            self.trouble.get_or_insert(fault.unwrap_or(Trouble::StuckIn {
+                state: self.state(seen),
+            }));
         }
-        word(STW1_READY)
+        word(Stw1::READY)
     }
 
     fn run(&mut self, now: Instant, seen: Seen, setpoint: i16) -> Command {
-        match self.switch_on(now, seen, STW1_RUN) {
+        match self.switch_on(now, seen, Stw1::RUN) {
             Some(command) => command,
             None => {
                 self.progress = Progress::Reached;
                 Command {
-                    stw1: STW1_RUN,
+                    stw1: Stw1::RUN,
                     nsoll_a: setpoint,
                 }
             }
@@ -350,7 +344,7 @@ impl AxisControl {
     }
 
     fn jog(&mut self, now: Instant, seen: Seen, jog: Jog) -> Command {
-        if let Some(command) = self.switch_on(now, seen, STW1_JOG_READY) {
+        if let Some(command) = self.switch_on(now, seen, JOG_READY) {
             return command;
         }
         // standstill is waited for before a jog, but no longer than for a stop
@@ -359,34 +353,33 @@ impl AxisControl {
             return self.stop(now, seen);
         }
         match self.command.stw1 {
-            jogging if jogging == STW1_JOG_READY | jog.bit() => {
+            jogging if jogging == JOG_READY | jog.bit() => {
                 self.progress = Progress::Reached;
                 word(jogging)
             }
             // after a run: along the ramp to standstill before the setpoint channel is closed
-            STW1_RUN | STW1_RUN_INPUT_ZERO if !seen.stands(self.limits.standstill) => {
-                word(STW1_RUN_INPUT_ZERO)
+            Stw1::RUN | INPUT_ZERO if !seen.stands(self.limits.standstill) => word(INPUT_ZERO),
+            JOG_READY if self.stood(now) && seen.stands(self.limits.standstill) => {
+                word(JOG_READY | jog.bit())
             }
-            STW1_JOG_READY if self.stood(now) && seen.stands(self.limits.standstill) => {
-                word(STW1_JOG_READY | jog.bit())
-            }
-            _ => word(STW1_JOG_READY),
+            _ => word(JOG_READY),
         }
     }
 
     /// The way to S4 with `on` as the word that switches on; `None` once there. Failures turn into a stop.
-    fn switch_on(&mut self, now: Instant, seen: Seen, on: u16) -> Option<Command> {
-        let phase = seen.phase();
+    fn switch_on(&mut self, now: Instant, seen: Seen, on: Stw1) -> Option<Command> {
+        let state = self.state(seen);
+        let operation = state == Some(State::S4);
         let trouble = if seen.fault() {
             Some(Trouble::Fault)
-        } else if self.was_in_operation && phase != Phase::S4 {
-            Some(Trouble::LeftOperation { phase })
-        } else if phase != Phase::S4 && self.took(now) > self.limits.step {
+        } else if self.was_in_operation && !operation {
+            Some(Trouble::LeftOperation { state })
+        } else if !operation && self.took(now) > self.limits.step {
             let local = !seen.control_requested();
             Some(if local {
                 Trouble::LocalOperation
             } else {
-                Trouble::StuckIn { phase }
+                Trouble::StuckIn { state }
             })
         } else {
             self.trouble
@@ -395,52 +388,59 @@ impl AxisControl {
             self.give_up(now, trouble);
             return Some(self.stop(now, seen));
         }
-        match phase {
-            Phase::S4 => {
+        match state {
+            Some(State::S4) => {
                 self.was_in_operation = true;
                 None
             }
-            Phase::S2 | Phase::S3 => Some(word(on)),
+            Some(State::S2 | State::S3) => Some(word(on)),
+            // ON takes a ramp stop back, once the drive is sure to have seen the OFF
+            Some(State::S5Ramp) if self.stood(now) => Some(word(on)),
             // OFF first, also to end a stop that is still under way
-            Phase::S1 | Phase::S5 | Phase::NotReady => Some(word(STW1_READY)),
+            Some(State::S1 | State::S5Ramp | State::S5Quick) | None => Some(word(Stw1::READY)),
         }
     }
 
     fn acknowledge(&mut self, now: Instant, seen: Seen) -> Command {
         match self.command.stw1 {
-            STW1_ACKNOWLEDGE => {
+            Stw1::ACKNOWLEDGE => {
                 let cleared = !seen.fault();
                 if !(cleared && self.stood(now)) && self.word_age(now) <= self.limits.step {
-                    return word(STW1_ACKNOWLEDGE);
+                    return word(Stw1::ACKNOWLEDGE);
                 }
                 if !cleared {
                     self.trouble.get_or_insert(Trouble::FaultStays);
                 }
                 self.progress = Progress::Reached;
-                word(STW1_READY)
+                word(Stw1::READY)
             }
-            STW1_READY if self.progress == Progress::Pursuing && self.stood(now) => {
+            Stw1::READY if self.progress == Progress::Pursuing && self.stood(now) => {
                 if seen.fault() {
-                    word(STW1_ACKNOWLEDGE)
+                    word(Stw1::ACKNOWLEDGE)
                 } else {
                     self.progress = Progress::Reached;
-                    word(STW1_READY)
+                    word(Stw1::READY)
                 }
             }
-            _ => word(STW1_READY),
+            _ => word(Stw1::READY),
         }
     }
 
     fn stop(&mut self, now: Instant, seen: Seen) -> Command {
         if seen.pulses_off() {
             // the word must have reached the drive: what it says may be older than the command
-            if self.command.stw1 & 1 == 0 && self.stood(now) {
+            if !self.command.stw1.has(Stw1::ON) && self.stood(now) {
                 self.progress = Progress::Reached;
             }
         } else {
             self.stop_in_time(now);
         }
-        word(if self.quick { STW1_QUICK_STOP } else { STW1_READY })
+        word(if self.quick { QUICK_STOP } else { Stw1::READY })
+    }
+
+    /// The state the drive tells, read with the control word it was sent.
+    fn state(&self, seen: Seen) -> Option<State> {
+        seen.state(self.command.stw1)
     }
 
     /// The quick stop after the ramp stop has had its time, and the end of all patience after that.
@@ -472,7 +472,7 @@ impl AxisControl {
     }
 }
 
-const fn word(stw1: u16) -> Command {
+const fn word(stw1: Stw1) -> Command {
     Command { stw1, nsoll_a: 0 }
 }
 

@@ -2,16 +2,16 @@
 
 use std::time::Duration;
 
+use profidrive::state::{State, Stw1, Zsw1};
 use profinet::Instant;
 
 use super::control::{AxisControl, Command, Goal, Limits, Progress};
-use super::seen::{Phase, Seen};
+use super::seen::Seen;
 
 pub struct Bench {
     axis: AxisControl,
     now: Instant,
-    state: Phase,
-    quick: bool,
+    state: State,
     fault: bool,
     cause: bool,
     local: bool,
@@ -21,7 +21,7 @@ pub struct Bench {
     speed: i16,
     last_ack: bool,
     in_flight: Command,
-    words: Vec<u16>,
+    words: Vec<Stw1>,
 }
 
 impl Bench {
@@ -29,8 +29,7 @@ impl Bench {
         Self {
             axis: AxisControl::new(Limits::default()),
             now: Instant::ZERO,
-            state: Phase::S1,
-            quick: false,
+            state: State::S1,
             fault: false,
             cause: false,
             local: false,
@@ -83,13 +82,13 @@ impl Bench {
         self.cause = on;
         if on {
             self.fault = true;
-            self.state = Phase::S1;
+            self.state = State::S1;
             self.speed = 0;
         }
     }
 
     pub fn coast(&mut self) {
-        self.state = Phase::S1;
+        self.state = State::S1;
         self.speed = 0;
     }
 
@@ -116,16 +115,15 @@ impl Bench {
 
     pub fn seen(&self) -> Seen {
         let state = match self.state {
-            Phase::NotReady => 0,
-            Phase::S1 => 0x0070,
-            Phase::S2 => 0x0031,
-            Phase::S3 => 0x0033,
-            Phase::S4 => 0x0037,
-            Phase::S5 => 0x0033 & !(u16::from(self.quick) << 5),
+            State::S1 => 0x0070,
+            State::S2 => 0x0031,
+            State::S3 | State::S5Ramp => 0x0033,
+            State::S4 => 0x0037,
+            State::S5Quick => 0x0013,
         };
         let zsw1 = state | u16::from(self.fault) << 3 | u16::from(!self.local) << 9;
         Seen {
-            zsw1,
+            zsw1: Zsw1(zsw1),
             nist_a: self.speed,
         }
     }
@@ -138,7 +136,7 @@ impl Bench {
         self.axis.progress()
     }
 
-    pub fn phase(&self) -> Phase {
+    pub fn state(&self) -> State {
         self.state
     }
 
@@ -146,44 +144,45 @@ impl Bench {
         self.speed
     }
 
-    pub fn words(&self) -> &[u16] {
+    pub fn words(&self) -> &[Stw1] {
         &self.words
     }
 
     fn drive(&mut self, Command { stw1, nsoll_a }: Command) {
-        let bit = |n: u16| stw1 & (1 << n) != 0;
-        if self.local || !bit(10) {
+        let has = |bits| stw1.has(bits);
+        if self.local || !has(Stw1::CONTROL_BY_PLC) {
             return;
         }
-        if bit(7) && !self.last_ack && !self.cause {
+        let ack = has(Stw1::ACKNOWLEDGE_FAULT);
+        if ack && !self.last_ack && !self.cause {
             self.fault = false;
         }
-        self.last_ack = bit(7);
+        self.last_ack = ack;
+        let (on, held) = (has(Stw1::ON), has(Stw1::NO_COAST_STOP | Stw1::NO_QUICK_STOP));
         self.state = match self.state {
-            Phase::S1 if !bit(0) && bit(1) && bit(2) && !self.fault => Phase::S2,
-            Phase::S2 if bit(0) => Phase::S3,
-            Phase::S3 if !bit(0) => Phase::S2,
-            Phase::S3 if bit(3) => Phase::S4,
-            Phase::S4 if !bit(0) => Phase::S5,
-            Phase::S5 if self.speed == 0 => {
-                if self.quick {
-                    Phase::S1
-                } else {
-                    Phase::S2
-                }
-            }
+            State::S1 if !on && held && !self.fault => State::S2,
+            State::S2 if on => State::S3,
+            State::S3 if !on => State::S2,
+            State::S3 if has(Stw1::ENABLE_OPERATION) => State::S4,
+            State::S4 if !on => State::S5Ramp,
+            State::S5Ramp if on => State::S4,
+            State::S5Ramp if self.speed == 0 => State::S2,
+            State::S5Quick if self.speed == 0 => State::S1,
             other => other,
         };
-        self.quick = self.state == Phase::S5 && (self.quick || !bit(2));
+        if self.state == State::S5Ramp && !has(Stw1::NO_QUICK_STOP) {
+            self.state = State::S5Quick;
+        }
+        let channel = stw1 & (Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT);
         let target = match self.state {
-            Phase::S4 if stw1 & 0x70 == 0 && bit(8) => 40,
-            Phase::S4 if stw1 & 0x70 == 0 && bit(9) => -40,
-            Phase::S4 if stw1 & 0x70 == 0x70 => nsoll_a,
+            State::S4 if channel.0 == 0 && has(Stw1::JOG_1) => 40,
+            State::S4 if channel.0 == 0 && has(Stw1::JOG_2) => -40,
+            State::S4 if channel.0 == 0x70 => nsoll_a,
             _ => 0,
         };
         let step = match self.state {
-            Phase::S5 if !self.ramps_down && !self.quick => 0,
-            Phase::S4 if !self.slows_down => 0,
+            State::S5Ramp if !self.ramps_down => 0,
+            State::S4 if !self.slows_down => 0,
             _ => 10,
         };
         self.speed += (target - self.speed).clamp(-step, step);

@@ -11,7 +11,7 @@ fn runs_and_stops() {
     assert_eq!(
         bench.command(),
         Command {
-            stw1: STW1_RUN,
+            stw1: Stw1::RUN,
             nsoll_a: 100
         }
     );
@@ -24,14 +24,35 @@ fn runs_and_stops() {
     bench.pursue(Goal::Stop);
     bench.until(Progress::Reached);
     assert_eq!(bench.speed(), 0);
-    assert_eq!(bench.words(), [STW1_READY, STW1_RUN, STW1_READY]);
+    assert_eq!(bench.words(), [Stw1::READY, Stw1::RUN, Stw1::READY]);
+}
+
+#[test]
+fn the_words_are_those_of_the_manuals() {
+    let words = [QUICK_STOP, INPUT_ZERO, JOG_READY, RELEASED];
+    assert_eq!(words, [0x047A, 0x043F, 0x040F, 0].map(Stw1));
+}
+
+#[test]
+fn a_run_during_the_ramp_stop_takes_it_back() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 300 });
+    bench.until(Progress::Reached);
+    bench.cycles(50);
+    bench.pursue(Goal::Stop);
+    bench.pursue(Goal::Run { setpoint: 300 });
+    bench.until(Progress::Reached);
+    bench.cycles(2);
+    assert!(bench.speed() > 0, "not stopped in between");
+    bench.cycles(60);
+    assert_eq!((bench.progress(), bench.speed()), (Progress::Reached, 300));
 }
 
 #[test]
 fn no_setpoint_before_operation() {
     let mut bench = Bench::new();
     bench.pursue(Goal::Run { setpoint: 1000 });
-    while bench.phase() != Phase::S4 {
+    while bench.state() != State::S4 {
         assert_eq!(bench.command().nsoll_a, 0);
         bench.cycles(1);
     }
@@ -52,12 +73,12 @@ fn jog_after_run_waits_for_standstill() {
     assert_eq!(
         bench.words(),
         [
-            STW1_READY,
-            STW1_RUN,
-            STW1_RUN_INPUT_ZERO,
-            STW1_JOG_READY,
-            STW1_JOG_READY | JOG_2,
-            STW1_READY
+            Stw1::READY,
+            Stw1::RUN,
+            INPUT_ZERO,
+            JOG_READY,
+            JOG_READY | Stw1::JOG_2,
+            Stw1::READY
         ]
     );
 }
@@ -70,14 +91,14 @@ fn fault_is_reported_stopped_and_acknowledged_by_an_edge() {
     bench.fail(true);
     bench.cycles(2);
     assert_eq!(bench.progress(), Progress::Failed(Trouble::Fault));
-    assert_eq!(bench.command().stw1, STW1_READY);
+    assert_eq!(bench.command().stw1, Stw1::READY);
     bench.pursue(Goal::Acknowledge);
     bench.until(Progress::Failed(Trouble::FaultStays));
     bench.fail(false);
     bench.pursue(Goal::Acknowledge);
     bench.until(Progress::Reached);
     assert!(!bench.seen().fault());
-    assert_eq!(bench.command().stw1, STW1_READY);
+    assert_eq!(bench.command().stw1, Stw1::READY);
 }
 
 #[test]
@@ -91,7 +112,7 @@ fn is_not_switched_on_again_by_itself() {
         bench.progress(),
         Progress::Failed(Trouble::LeftOperation { .. })
     ));
-    assert_eq!(bench.command().stw1, STW1_READY);
+    assert_eq!(bench.command().stw1, Stw1::READY);
 }
 
 #[test]
@@ -104,7 +125,7 @@ fn a_stop_that_does_not_end_becomes_a_quick_stop() {
     bench.pursue(Goal::Stop);
     bench.cycles(2000);
     assert_eq!(bench.progress(), Progress::Failed(Trouble::QuickStopUsed));
-    assert_eq!(bench.words().last(), Some(&STW1_QUICK_STOP));
+    assert_eq!(bench.words().last(), Some(&QUICK_STOP));
     assert_eq!(bench.speed(), 0);
 }
 
@@ -117,21 +138,21 @@ fn inputs_that_are_not_valid_any_more_stop_the_axis() {
     bench.inputs_valid(false);
     bench.cycles(1);
     assert_eq!(bench.progress(), Progress::Failed(Trouble::NoInputs));
-    assert_eq!(bench.command(), word(STW1_READY));
+    assert_eq!(bench.command(), word(Stw1::READY));
     bench.cycles(100);
     assert_eq!(bench.speed(), 0);
     assert!(!bench.is_at_rest(), "nothing says so");
     bench.inputs_valid(true);
     bench.cycles(10);
     assert!(bench.is_at_rest());
-    assert_eq!(bench.words(), [STW1_READY, STW1_RUN, STW1_READY]);
+    assert_eq!(bench.words(), [Stw1::READY, Stw1::RUN, Stw1::READY]);
     // nor does the end of a stop need them
     bench.pursue(Goal::Run { setpoint: 100 });
     bench.until(Progress::Reached);
     bench.pursue(Goal::Stop);
     bench.inputs_valid(false);
     bench.until(Progress::Failed(Trouble::NotStopped));
-    assert!(bench.is_at_rest() && bench.words().ends_with(&[STW1_READY, STW1_QUICK_STOP]));
+    assert!(bench.is_at_rest() && bench.words().ends_with(&[Stw1::READY, QUICK_STOP]));
 }
 
 #[test]
@@ -146,7 +167,7 @@ fn inputs_that_never_become_valid_are_not_waited_for_for_ever() {
         bench.inputs_valid(false);
         bench.pursue(goal);
         bench.until(Progress::Failed(Trouble::NoInputs));
-        assert!(bench.words().iter().all(|stw1| stw1 & 1 == 0), "{goal:?}");
+        assert!(bench.words().iter().all(|stw1| !stw1.has(Stw1::ON)), "{goal:?}");
         bench.pursue(Goal::Stop);
         assert!(bench.is_at_rest(), "never switched on: nothing to wait for");
     }
@@ -161,7 +182,7 @@ fn a_jog_does_not_wait_for_ever_for_standstill() {
     bench.never_slows_down();
     bench.pursue(Goal::Jog(Jog::One));
     bench.until(Progress::Failed(Trouble::NotStopped));
-    assert_eq!(bench.command(), word(STW1_READY));
+    assert_eq!(bench.command(), word(Stw1::READY));
 }
 
 #[test]
