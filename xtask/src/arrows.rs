@@ -24,6 +24,16 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "network",
         ],
     ),
+    (
+        "examples",
+        &[
+            "profidrive",
+            "profinet",
+            "virtual-drive",
+            "drive-client",
+            "network",
+        ],
+    ),
     ("xtask", &[]),
     // tests and benchmarks look at everything, and nobody looks at them
     (
