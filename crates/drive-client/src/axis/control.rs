@@ -199,12 +199,17 @@ impl AxisControl {
     pub fn pursue(&mut self, now: Instant, goal: Goal) {
         // a new setpoint while running is no new start
         let same_motion = matches!((self.goal, goal), (Goal::Run { .. }, Goal::Run { .. }));
+        // a quick stop under way is not taken back
+        let same_stop = self.quick && (self.goal, goal) == (Goal::Stop, Goal::Stop);
         self.goal = goal;
         self.trouble = None;
-        if !same_motion {
-            self.progress = Progress::Pursuing;
+        if same_motion {
+            return;
+        }
+        self.progress = Progress::Pursuing;
+        self.was_in_operation = false;
+        if !same_stop {
             self.since = now;
-            self.was_in_operation = false;
             self.quick = false;
         }
     }

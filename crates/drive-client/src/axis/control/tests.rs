@@ -186,6 +186,22 @@ fn a_jog_does_not_wait_for_ever_for_standstill() {
 }
 
 #[test]
+fn a_quick_stop_is_not_taken_back_by_another_wish_to_stop() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 1000 });
+    bench.until(Progress::Reached);
+    bench.cycles(150);
+    bench.never_ramps_down();
+    bench.pursue(Goal::Stop);
+    bench.until(Progress::Failed(Trouble::QuickStopUsed));
+    // as an axis does that goes out of scope after the error
+    bench.pursue(Goal::Stop);
+    bench.until(Progress::Reached);
+    assert_eq!((bench.speed(), bench.is_at_rest()), (0, true));
+    assert_eq!(bench.words(), [Stw1::READY, Stw1::RUN, Stw1::READY, QUICK_STOP]);
+}
+
+#[test]
 fn local_operation_is_said() {
     let mut bench = Bench::new();
     bench.local();
