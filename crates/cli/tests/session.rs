@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::net::{Ipv4Addr, SocketAddrV4};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -242,6 +243,23 @@ fn an_interrupt_stops_and_releases() {
         Err(Error::Interrupted)
     ));
     axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
+    assert!(!drive_at(&session, ids[0]).drive().has_fault());
+}
+
+#[test]
+fn a_watcher_that_panics_does_not_keep_the_axis_from_stopping() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        axis.run(100.0).expect("runs");
+        axis.watch(|_| panic!("the terminal is gone"));
+        axis.hold(Duration::from_secs(1))
+    }));
+    assert!(result.is_err());
     assert!(is_at_rest(&session, ids[0]));
     assert!(!drive_at(&session, ids[0]).drive().has_fault());
 }

@@ -468,6 +468,10 @@ where
     M::Error: Send + Sync + 'static,
 {
     fn drop(&mut self) {
+        if std::thread::panicking() {
+            // a watcher that panics once more would end the process before the axis stands
+            self.watcher = None;
+        }
         // nobody is left to tell
         let _ = self.shut_down();
     }
