@@ -406,6 +406,21 @@ fn without_the_right_the_error_says_so() {
 }
 
 #[test]
+fn a_terminal_that_goes_away_sets_the_stop_flag() {
+    if !inside("a_terminal_that_goes_away_sets_the_stop_flag") {
+        return;
+    }
+    let stop = Stop::on_signals().unwrap();
+    assert!(!stop.is_stopped());
+    run(&format!("kill -HUP {}", std::process::id()));
+    let begin = now();
+    while !stop.is_stopped() && now() - begin < Duration::from_secs(5) {
+        std::thread::yield_now();
+    }
+    assert!(stop.is_stopped());
+}
+
+#[test]
 fn a_stop_flag_ends_the_wait_at_once() {
     if !inside("a_stop_flag_ends_the_wait_at_once") {
         return;

@@ -39,6 +39,16 @@ extern "C" fn on_signal(_: libc::c_int) {
     unsafe { libc::write(SIGNALLED.load(Ordering::SeqCst), one.as_ptr().cast(), one.len()) };
 }
 
+fn is_ignored(signal: libc::c_int) -> io::Result<bool> {
+    // SAFETY: an all-zero sigaction is a valid one.
+    let mut present: libc::sigaction = unsafe { std::mem::zeroed() };
+    // SAFETY: without a new action nothing changes; `present` is written during the call only.
+    if unsafe { libc::sigaction(signal, std::ptr::null(), &raw mut present) } != 0 {
+        return Err(io::Error::last_os_error());
+    }
+    Ok(present.sa_sigaction == libc::SIG_IGN)
+}
+
 impl Stop {
     /// A flag that only the program sets.
     ///
@@ -60,7 +70,8 @@ impl Stop {
         })
     }
 
-    /// A flag that Ctrl-C (SIGINT) and SIGTERM set. The second signal ends the program at once, as without this.
+    /// A flag that Ctrl-C (SIGINT), SIGTERM and a terminal that goes away (SIGHUP, unless ignored as by `nohup`) set.
+    /// The second signal ends the program at once, as without this.
     ///
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
@@ -69,7 +80,10 @@ impl Stop {
         SIGNALLED.store(stop.inner.event.as_raw_fd(), Ordering::SeqCst);
         // The descriptor must stay open as long as a signal may come: for ever.
         std::mem::forget(stop.clone());
-        for signal in [libc::SIGINT, libc::SIGTERM] {
+        for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
+            if signal == libc::SIGHUP && is_ignored(signal)? {
+                continue;
+            }
             // SAFETY: an all-zero sigaction is a valid one (no flags, empty mask).
             let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
             action.sa_sigaction = on_signal as *const () as libc::sighandler_t;
