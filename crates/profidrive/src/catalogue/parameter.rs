@@ -2,6 +2,9 @@
 
 use core::ops::RangeInclusive;
 
+use crate::unit;
+pub use crate::unit::akd::{Scale, Scaling};
+
 /// How many octets a value has on the wire.
 /// Source: AKD PROFINET manual 5.6, supported formats 0x41 to 0x43.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -69,72 +72,6 @@ pub struct Meaning {
     pub text: &'static str,
 }
 
-/// How the number on the wire is made from the engineering value.
-/// Source: AKD PROFINET manual 5.12 and 6; floats apart from positions 1000:1 as in the AKD EtherCAT and Modbus manuals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Scale {
-    /// The number itself.
-    Raw,
-    /// Thousandths.
-    Milli,
-    /// Thousandths divided by PN.POSSCALE.
-    Position,
-    /// Steps of PN.VELSCALING times 60 times 16000 / 2^32 rpm.
-    Velocity,
-    /// Steps of PN.ACCSCALING rpm/s.
-    Acceleration,
-    /// 2^14 is DRV.IPEAK.
-    Current,
-    /// 2^n is one revolution, n is PNU 1002.
-    Singleturn,
-    /// 2^32 is 12000 rpm.
-    MdiVelocity,
-}
-
-/// The values of the drive that scale other values; the default is a drive as delivered.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scaling {
-    /// PN.VELSCALING, PNU 3064 and 1009.
-    pub velocity: u16,
-    /// PN.ACCSCALING, PNU 3065 and 1008.
-    pub acceleration: u16,
-    /// PN.POSSCALE, PNU 3014.
-    pub position: u32,
-    /// DRV.IPEAK in ampere, PNU 2132.
-    pub peak_current: f64,
-    /// Bits of one revolution, PNU 1002.
-    pub singleturn_bits: u16,
-}
-
-impl Default for Scaling {
-    fn default() -> Self {
-        Self {
-            velocity: 1638,
-            acceleration: 763,
-            position: 1000,
-            peak_current: 9.0,
-            singleturn_bits: 16,
-        }
-    }
-}
-
-impl Scaling {
-    /// Engineering value of the raw number 1.
-    #[must_use]
-    pub fn step(&self, scale: Scale) -> f64 {
-        match scale {
-            Scale::Raw => 1.0,
-            Scale::Milli => 0.001,
-            Scale::Position => f64::from(self.position) / 1000.0,
-            Scale::Velocity => f64::from(self.velocity) * 960_000.0 / 4_294_967_296.0,
-            Scale::Acceleration => f64::from(self.acceleration),
-            Scale::Current => self.peak_current / 16384.0,
-            Scale::Singleturn => 1.0 / (1_u64 << self.singleturn_bits.min(32)) as f64,
-            Scale::MdiVelocity => 12000.0 / 4_294_967_296.0,
-        }
-    }
-}
-
 /// One parameter of a drive model.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameter {
@@ -184,25 +121,14 @@ impl Parameter {
     /// The engineering value of a number from the wire.
     #[must_use]
     pub fn engineering(&self, raw: i64, scaling: &Scaling) -> f64 {
-        match self.scale {
-            Scale::Raw => raw as f64,
-            // A division keeps decimal fractions as near as they can be: 1500 / 1000 is 1.5.
-            Scale::Milli => raw as f64 / 1000.0,
-            scale => raw as f64 * scaling.step(scale),
-        }
+        scaling.linear(self.scale).engineering(raw)
     }
 
     /// The number on the wire for an engineering value: nearest, halves away from zero, cut to what fits the size.
     #[must_use]
     pub fn raw(&self, engineering: f64, scaling: &Scaling) -> i64 {
-        let exact = match self.scale {
-            Scale::Raw => engineering,
-            Scale::Milli => engineering * 1000.0,
-            scale => engineering / scaling.step(scale),
-        };
-        let nearest = if exact < 0.0 { exact - 0.5 } else { exact + 0.5 } as i64;
-        let range = self.size.range(self.signed);
-        nearest.clamp(*range.start(), *range.end())
+        let exact = scaling.linear(self.scale).exact(engineering);
+        unit::nearest(exact, self.size.range(self.signed).into_inner()).value
     }
 
     /// Lowest and highest number on the wire: the limits where known, else what fits the size.

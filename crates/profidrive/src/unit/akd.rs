@@ -4,7 +4,73 @@
 //! "AKD Profinet PN.ACCSCALING Examples" (2022), where the manual contradicts itself.
 
 use super::{Linear, Width};
-use crate::catalogue::Scaling;
+
+/// How the number on the wire is made from the engineering value.
+/// Source: AKD PROFINET manual 5.12 and 6; floats apart from positions 1000:1 as in the AKD EtherCAT and Modbus manuals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Scale {
+    /// The number itself.
+    Raw,
+    /// Thousandths.
+    Milli,
+    /// Thousandths divided by PN.POSSCALE.
+    Position,
+    /// Steps of PN.VELSCALING times 60 times 16000 / 2^32 rpm.
+    Velocity,
+    /// Steps of PN.ACCSCALING rpm/s.
+    Acceleration,
+    /// 2^14 is DRV.IPEAK.
+    Current,
+    /// 2^n is one revolution, n is PNU 1002.
+    Singleturn,
+    /// 2^32 is 12000 rpm.
+    MdiVelocity,
+}
+
+/// The values of the drive that scale other values; the default is a drive as delivered.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scaling {
+    /// PN.VELSCALING, PNU 3064 and 1009.
+    pub velocity: u16,
+    /// PN.ACCSCALING, PNU 3065 and 1008.
+    pub acceleration: u16,
+    /// PN.POSSCALE, PNU 3014.
+    pub position: u32,
+    /// DRV.IPEAK in ampere, PNU 2132.
+    pub peak_current: f64,
+    /// Bits of one revolution, PNU 1002.
+    pub singleturn_bits: u16,
+}
+
+impl Default for Scaling {
+    fn default() -> Self {
+        Self {
+            velocity: 1638,
+            acceleration: 763,
+            position: 1000,
+            peak_current: 9.0,
+            singleturn_bits: 16,
+        }
+    }
+}
+
+impl Scaling {
+    /// The conversion of a scale. [`Scale::Raw`] and [`Scale::Milli`] occur in all sizes; their width here is that of a
+    /// signed double word.
+    #[must_use]
+    pub const fn linear(&self, scale: Scale) -> Linear {
+        match scale {
+            Scale::Raw => Linear::step(1.0, Width::I32),
+            Scale::Milli => Linear::decimal(-3, Width::I32),
+            Scale::Position => position(self),
+            Scale::Velocity => velocity(self),
+            Scale::Acceleration => acceleration(self),
+            Scale::Current => current(self),
+            Scale::Singleturn => revolutions(self),
+            Scale::MdiVelocity => mdi_velocity(),
+        }
+    }
+}
 
 /// Speed at full scale, rpm.
 pub const FULL_SPEED: f64 = 12_000.0;
@@ -72,7 +138,6 @@ pub const fn position(scaling: &Scaling) -> Linear {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::catalogue::Scale;
 
     fn with(change: impl Fn(&mut Scaling)) -> Scaling {
         let mut scaling = Scaling::default();
@@ -157,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn the_catalogue_scales_alike() {
+    fn each_scale_has_its_conversion() {
         let scaling = with(|scaling| {
             scaling.velocity = 1234;
             scaling.acceleration = 99;
@@ -165,15 +230,18 @@ mod tests {
             scaling.peak_current = 27.3;
             scaling.singleturn_bits = 20;
         });
-        for (scale, here) in [
-            (Scale::Velocity, velocity(&scaling)),
-            (Scale::Acceleration, acceleration(&scaling)),
-            (Scale::Position, position(&scaling)),
-            (Scale::Current, current(&scaling)),
-            (Scale::Singleturn, revolutions(&scaling)),
-            (Scale::MdiVelocity, mdi_velocity()),
+        for (scale, step) in [
+            (Scale::Raw, 1.0),
+            (Scale::Milli, 0.001),
+            (Scale::Position, 0.017),
+            (Scale::Velocity, 1234.0 * 960_000.0 / 4_294_967_296.0),
+            (Scale::Acceleration, 99.0),
+            (Scale::Current, 27.3 / 16_384.0),
+            (Scale::Singleturn, 1.0 / 1_048_576.0),
+            (Scale::MdiVelocity, 12_000.0 / 4_294_967_296.0),
         ] {
-            assert_eq!(scaling.step(scale), here.engineering(1), "{scale:?}");
+            assert_eq!(scaling.linear(scale).engineering(1), step, "{scale:?}");
         }
+        assert_eq!(scaling.linear(Scale::Milli).engineering(1500), 1.5);
     }
 }

@@ -188,7 +188,12 @@ impl Linear {
     /// The number for the wire: nearest, halves away from zero. Not-a-number gives 0, marked as saturated.
     #[must_use]
     pub const fn raw(&self, engineering: f64) -> Raw {
-        nearest(engineering * self.divisor / self.multiplier, self.width)
+        nearest(self.exact(engineering), self.width.range())
+    }
+
+    /// The number for the wire before it is rounded and cut.
+    pub(crate) const fn exact(&self, engineering: f64) -> f64 {
+        engineering * self.divisor / self.multiplier
     }
 
     /// Lowest and highest engineering value that the wire can carry.
@@ -199,8 +204,8 @@ impl Linear {
     }
 }
 
-/// Nearest whole number inside the range, halves away from zero.
-const fn nearest(exact: f64, width: Width) -> Raw {
+/// Nearest whole number from `lowest` to `highest`, halves away from zero.
+pub(crate) const fn nearest(exact: f64, (lowest, highest): (i64, i64)) -> Raw {
     let whole = exact as i64; // towards zero, ends of the range at overflow, 0 for not-a-number
     let rest = exact - whole as f64;
     let rounded = if rest >= 0.5 {
@@ -210,7 +215,6 @@ const fn nearest(exact: f64, width: Width) -> Raw {
     } else {
         whole
     };
-    let (lowest, highest) = width.range();
     let value = if rounded < lowest {
         lowest
     } else if rounded > highest {

@@ -38,7 +38,7 @@ impl Reciprocal {
     /// as saturated, since 0 is no time.
     #[must_use]
     pub const fn raw(&self, engineering: f64) -> Raw {
-        let raw = nearest(16_384.0 * self.sampling / engineering, Width::U16);
+        let raw = nearest(16_384.0 * self.sampling / engineering, Width::U16.range());
         if raw.value == 0 {
             Raw {
                 value: 1,

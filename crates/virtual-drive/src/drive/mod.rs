@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use profidrive::fault::{Fault, FaultBuffer};
-use profidrive::state::{FaultReaction, Machine, SetpointChannel};
+use profidrive::state::{FaultReaction, Machine, SetpointChannel, Stw1};
 use profinet::Instant;
 
 pub use profidrive::state::State;
@@ -336,7 +336,7 @@ impl Drive {
     /// Bit 10 of the control word: the controller has control.
     const fn is_controlled_by_bus(&self) -> bool {
         matches!(self.link, Link::Cyclic { running: true, .. })
-            && self.process.control & signals::STW1_BY_PLC != 0
+            && self.process.control.has(Stw1::CONTROL_BY_PLC)
     }
 
     /// Puts a fault that is not there already into the buffer and starts its reaction.

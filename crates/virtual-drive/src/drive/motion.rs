@@ -13,7 +13,7 @@ impl Drive {
     pub(super) fn decide(&mut self) -> u16 {
         let before = self.state();
         let mut inputs = Inputs {
-            stw1: Stw1(self.process.control),
+            stw1: self.process.control,
             local: self.local_word(),
             standstill: self.axis.is_standing(self.settings.standstill),
             fault: self.reaction.take(),

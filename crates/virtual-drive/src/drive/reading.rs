@@ -59,7 +59,7 @@ impl Drive {
             Live::Measured(Quantity::Angle) => wrap(self.axis.position(), parameter),
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Same(other) => self.same(parameter, other),
-            Live::ControlWord => i64::from(self.process.control),
+            Live::ControlWord => i64::from(self.process.control.0),
             Live::StatusWord => i64::from(self.process.status),
             Live::Telegram => i64::from(self.telegram_number()),
             Live::OperatingMode => match self.settings.mode {

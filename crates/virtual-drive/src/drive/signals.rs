@@ -1,13 +1,11 @@
 //! Process data: the signals of the telegram in use, between the bytes of a frame and the drive.
 
-use profidrive::catalogue::Scale;
+use profidrive::state::Stw1;
 use profidrive::telegram::{Direction, Signal, Telegram, signal};
+use profidrive::unit::akd;
 
 use super::{Drive, Link};
 use crate::model::{Live, Model};
-
-/// STW1 bit 10, control by PLC.
-pub(super) const STW1_BY_PLC: u16 = 1 << 10;
 
 /// Number of the telegram in use until a controller or PNU 922 chooses another.
 const FIRST_TELEGRAM: u16 = 1;
@@ -17,7 +15,7 @@ const FIRST_TELEGRAM: u16 = 1;
 pub(super) struct Process {
     telegram: Option<&'static Telegram>,
     /// Control word as received last.
-    pub control: u16,
+    pub control: Stw1,
     /// Status word as sent last.
     pub status: u16,
     /// Speed setpoint, rpm.
@@ -30,7 +28,7 @@ impl Process {
         // Switching on inhibited, control requested.
         Self {
             telegram,
-            control: 0,
+            control: Stw1::default(),
             status: 0x0240,
             speed: 0.0,
         }
@@ -97,9 +95,9 @@ impl Drive {
             return;
         };
         if let Some(control) = telegram.setpoint.get(outputs, signal::STW1) {
-            self.process.control = control as u16;
+            self.process.control = Stw1(control as u16);
         }
-        if self.process.control & STW1_BY_PLC == 0 {
+        if !self.process.control.has(Stw1::CONTROL_BY_PLC) {
             return;
         }
         for field in telegram.setpoint.fields {
@@ -112,9 +110,7 @@ impl Drive {
     fn take_setpoint(&mut self, number: u16, value: i64) {
         match number {
             signal::STW1 => {}
-            signal::NSOLL_A => {
-                self.process.speed = value as f64 * self.settings.scaling.step(Scale::Velocity)
-            }
+            signal::NSOLL_A => self.process.speed = akd::velocity(&self.settings.scaling).engineering(value),
             // The number of a signal is the number of its parameter too; where that stands for another one (DRV_ACC for
             // DRV.ACC), the limits of that one hold, and what is outside of them changes nothing.
             number => {
