@@ -7,9 +7,9 @@ use core::time::Duration;
 
 use super::error::ServiceError;
 use super::event::CallId;
-use super::record::RecordAddress;
 use crate::Instant;
 use crate::wire::PnioStatus;
+use crate::wire::block::RecordAddress;
 
 /// First pause after "not ready".
 const FIRST_PAUSE: Duration = Duration::from_millis(10);

@@ -18,6 +18,7 @@ mod lookup;
 mod phase;
 mod record;
 
+pub use crate::wire::block::RecordAddress;
 pub use config::{
     ConnectConfig, ControllerConfig, ModuleConfig, Resolve, RtClass, StartUp, StartupRecord, SubmoduleConfig,
     Target, Timeouts,
@@ -26,7 +27,7 @@ pub use dcp::{Filter, IdentifyOptions};
 pub use error::{DcpError, LostCause, Misuse, ServiceError};
 pub use event::{ArId, CallId, DcpId, DcpReply, Event, Station};
 pub use phase::Phase;
-pub use record::{MAX_RECORD, RecordAddress};
+pub use record::MAX_RECORD;
 
 use alloc::boxed::Box;
 use alloc::collections::{BTreeMap, VecDeque};

@@ -5,24 +5,11 @@ use alloc::vec::Vec;
 use super::error::ServiceError;
 use crate::rpc::{CallError, Reply};
 use crate::wire::block::{
-    Block, BlockType, ControlBlock, ControlCommand, RECORD_HEADER, ReadRequest, ReadResponse, WriteRequest,
-    WriteResponse,
+    Block, BlockType, ControlBlock, ControlCommand, RECORD_HEADER, ReadRequest, ReadResponse, RecordAddress,
+    WriteRequest, WriteResponse,
 };
 use crate::wire::rpc::{HEADER_LENGTH, NDR_LENGTH, NdrRequest, NdrResponse};
 use crate::wire::{ByteOrder, DecodeError, PnioStatus, Reader, Uuid, Writer};
-
-/// Where a record is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct RecordAddress {
-    /// Application process identifier.
-    pub api: u32,
-    /// Slot.
-    pub slot: u16,
-    /// Subslot.
-    pub subslot: u16,
-    /// Index.
-    pub index: u16,
-}
 
 /// Largest record asked for or written in one request.
 pub const MAX_RECORD: u32 = 32 * 1024;

@@ -7,6 +7,7 @@ use super::config::{ImRecords, ResetMode};
 use crate::IpSuite;
 use crate::wire::PnioStatus;
 use crate::wire::alarm::AlarmType;
+use crate::wire::block::RecordAddress;
 
 /// Names an application relation as long as it lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -23,19 +24,6 @@ pub enum ArKind {
     IoController,
     /// A tool that accesses records only.
     DeviceAccess,
-}
-
-/// Which record of which submodule.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct RecordAddress {
-    /// Application process identifier.
-    pub api: u32,
-    /// Slot.
-    pub slot: u16,
-    /// Subslot.
-    pub subslot: u16,
-    /// Index.
-    pub index: u16,
 }
 
 /// Something the application should know or do.

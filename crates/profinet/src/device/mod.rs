@@ -17,10 +17,11 @@ mod image;
 mod records;
 mod slots;
 
+pub use crate::wire::block::RecordAddress;
 pub use config::{
     DeviceConfig, Identity, ImRecords, ModuleDescription, ResetMode, Stored, SubmoduleDescription,
 };
-pub use event::{ArKey, ArKind, Event, RecordAddress, Token};
+pub use event::{ArKey, ArKind, Event, Token};
 pub use image::RaiseError;
 
 use alloc::collections::VecDeque;

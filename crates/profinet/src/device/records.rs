@@ -5,9 +5,10 @@ use alloc::vec::Vec;
 
 use super::Device;
 use super::check::RPC;
-use super::event::{ArKey, Event, RecordAddress, Token};
+use super::event::{ArKey, Event, Token};
 use crate::Instant;
 use crate::rpc::{Call, CallKey};
+use crate::wire::block::RecordAddress;
 use crate::wire::block::{MULTIPLE_WRITE, ReadRequest, WriteItems, WriteRequest, WriteResponse};
 use crate::wire::rpc::{NdrResponse, operation};
 use crate::wire::status::record;

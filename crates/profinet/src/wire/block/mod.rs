@@ -18,7 +18,8 @@ pub use expected::{
 };
 pub use iocr::{FrameObject, IocrApi, IocrRequest, IocrResponse, IocrType};
 pub use record::{
-    MULTIPLE_WRITE, RECORD_HEADER, ReadRequest, ReadResponse, WriteItems, WriteRequest, WriteResponse,
+    MULTIPLE_WRITE, RECORD_HEADER, ReadRequest, ReadResponse, RecordAddress, WriteItems, WriteRequest,
+    WriteResponse,
 };
 
 use core::fmt;

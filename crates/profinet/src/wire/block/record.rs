@@ -8,6 +8,19 @@ pub const RECORD_HEADER: usize = 64;
 /// Index of the container of several writes.
 pub const MULTIPLE_WRITE: u16 = 0xE040;
 
+/// Which record of which submodule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct RecordAddress {
+    /// Application process identifier.
+    pub api: u32,
+    /// Slot.
+    pub slot: u16,
+    /// Subslot.
+    pub subslot: u16,
+    /// Index.
+    pub index: u16,
+}
+
 /// IODReadReqHeader, block 0x0009.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReadRequest {
