@@ -1,55 +1,15 @@
 //! No allocation on the hot paths, shown by an allocator that counts.
-//!
-//! In a test binary of its own: the counter is per thread, so the tests do not disturb each other.
-#![allow(unsafe_code)]
 
-use std::alloc::{GlobalAlloc, Layout as Memory, System};
-use std::cell::Cell;
 use std::hint::black_box;
 use std::time::Duration;
 
+use allocations::made_by as allocations;
 use profidrive::parameter::{Attributes, Dialect, ErrorNumber, Format, ParameterAccess, ParameterAddress};
 use profidrive::parameter::{RequestId, Response, encode_read, serve};
 use profinet::cyclic::{Consumer, Provider, ProviderConfig, SubmoduleSize, Timing, pack};
 use profinet::wire::ethernet::{Frame, FrameId, Tag};
 use profinet::wire::rt::Iops;
 use profinet::{Instant, MacAddress};
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: hands everything to the system allocator unchanged; the counter needs no allocation itself.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, memory: Memory) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: same contract.
-        unsafe { System.alloc(memory) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, memory: Memory) {
-        // SAFETY: same contract.
-        unsafe { System.dealloc(pointer, memory) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, memory: Memory, size: usize) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: same contract.
-        unsafe { System.realloc(pointer, memory, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Allocations that `work` makes.
-fn allocations(work: impl FnOnce()) -> u64 {
-    let before = COUNT.with(Cell::get);
-    work();
-    COUNT.with(Cell::get) - before
-}
 
 #[test]
 fn the_counter_counts() {

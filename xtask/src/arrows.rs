@@ -57,6 +57,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "system-tests",
         ],
     ),
+    (
+        "examples",
+        &[
+            "profidrive",
+            "profinet",
+            "virtual-drive",
+            "drive-client",
+            "network",
+        ],
+    ),
+    ("allocations", &[]),
     ("pnio-device", &[]),
 ];
 

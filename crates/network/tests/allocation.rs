@@ -1,43 +1,12 @@
 //! Cyclic frames cost no allocation: not in a host, not on the segment.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
 use network::host::{Host, Station};
 use network::segment::{Conditions, Segment};
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: every call is handed to the system allocator unchanged; counting touches a plain thread-local number.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`; `pointer` came from the system allocator.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-fn allocations(work: impl FnOnce()) -> u64 {
-    let before = COUNT.with(Cell::get);
-    work();
-    COUNT.with(Cell::get) - before
-}
 
 /// Sends a frame to its peer per cycle, hears the peer's.
 struct Cyclic {
@@ -96,7 +65,7 @@ fn cyclic(own: u8, peer: u8) -> Host<Cyclic> {
 fn a_host_passes_cyclic_frames_without_allocation() {
     let (mut a, mut b) = (cyclic(1, 2), cyclic(2, 1));
     let mut buffer = [0; MAX_FRAME];
-    let count = allocations(|| {
+    let count = allocations::made_by(|| {
         for n in 1..=10_000 {
             let now = Instant::ZERO + CYCLE * n;
             a.handle_timeout(now);
@@ -124,7 +93,7 @@ fn the_segment_carries_cyclic_frames_without_allocation() {
     segment.attach(Box::new(cyclic(2, 1)));
     // The queue and the buffers grow to their size first.
     segment.run_until(Instant::from_millis(60_000));
-    let count = allocations(|| segment.run_until(Instant::from_millis(600_000)));
+    let count = allocations::made_by(|| segment.run_until(Instant::from_millis(600_000)));
     assert!(segment.station::<Host<Cyclic>>(id).unwrap().endpoint().heard > 36_000);
     assert_eq!(count, 0);
 }

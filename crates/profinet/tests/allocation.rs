@@ -1,8 +1,5 @@
 //! Controller and device exchange data without allocating, shown by an allocator that counts.
-#![allow(unsafe_code)]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::net::SocketAddrV4;
 use std::time::{Duration, Instant as Wall};
 
@@ -15,35 +12,6 @@ use profinet::device::{
 };
 use profinet::wire::rt::Iops;
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: hands everything to the system allocator unchanged; the counter needs no allocation itself.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: same contract.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: same contract.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: same contract.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 const DRIVE: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
 
@@ -187,24 +155,21 @@ fn cyclic_data_costs_no_allocation_on_either_side() {
         }
     }
     assert!(running);
-    let before = COUNT.with(Cell::get);
     let start = Wall::now();
     let cycles = 20_000u32;
     let end = now + Duration::from_millis(u64::from(cycles));
-    while now < end {
-        let [.., c, d] = (now.as_millis() as u32).to_be_bytes();
-        controller
-            .set_output(ar, 1, 1, &[4, 0x7F, c, d])
-            .expect("the connection is open");
-        device.set_input(1, 1, &[0x0F, c, d, 0], Iops::GOOD);
-        step(&mut now, &mut controller, &mut device);
-    }
+    let allocated = allocations::made_by(|| {
+        while now < end {
+            let [.., c, d] = (now.as_millis() as u32).to_be_bytes();
+            controller
+                .set_output(ar, 1, 1, &[4, 0x7F, c, d])
+                .expect("the connection is open");
+            device.set_input(1, 1, &[0x0F, c, d, 0], Iops::GOOD);
+            step(&mut now, &mut controller, &mut device);
+        }
+    });
     let took = start.elapsed();
-    assert_eq!(
-        COUNT.with(Cell::get) - before,
-        0,
-        "allocations in {cycles} cycles"
-    );
+    assert_eq!(allocated, 0, "allocations in {cycles} cycles");
     let statistics = controller.statistics(ar).expect("cyclic data");
     assert!(
         statistics.missed == 0 && statistics.received >= 20_000,

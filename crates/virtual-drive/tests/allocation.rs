@@ -1,8 +1,5 @@
 //! The cyclic path and a parameter read allocate nothing, shown by an allocator that counts.
-#![allow(unsafe_code, reason = "an allocator cannot be written without it")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::time::Duration;
 
 use profinet::Instant;
@@ -10,29 +7,6 @@ use virtual_drive::drive::Drive;
 use virtual_drive::model;
 
 mod pair;
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: hands everything to the system allocator unchanged; the counter needs no allocation itself.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: same contract.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: same contract.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn ticks_states_faults_and_parameters() {
@@ -43,24 +17,25 @@ fn ticks_states_faults_and_parameters() {
     let mut answer = [0; 240];
     let read = [1, 1, 0, 2, 0x10, 1, 0x09, 0x7C, 0, 0, 0x10, 64, 0x03, 0xB3, 0, 0]; // VL.FB_32, 947
     let write = [2, 2, 0, 1, 0x10, 1, 0x08, 0x3C, 0, 0, 0x43, 1, 0, 0x3D, 0x09, 0]; // DRV.ACC
-    let before = COUNT.with(Cell::get);
-    for cycle in 0..4000_u32 {
-        let control: u16 = match cycle % 400 {
-            0..5 => 0x047E,
-            300..310 => 0x047E,
-            310..320 => 0x04FE,
-            _ => 0x047F,
-        };
-        if cycle % 400 == 250 {
-            drive.inject_fault(501, false);
+    let run = || {
+        for cycle in 0..4000_u32 {
+            let control: u16 = match cycle % 400 {
+                0..5 => 0x047E,
+                300..310 => 0x047E,
+                310..320 => 0x04FE,
+                _ => 0x047F,
+            };
+            if cycle % 400 == 250 {
+                drive.inject_fault(501, false);
+            }
+            let [a, b] = control.to_be_bytes();
+            now += Duration::from_millis(16);
+            drive.tick(now, Some(&[a, b, 0x06, 0x66]), &mut inputs);
+            assert!(drive.serve(&read, &mut answer).is_ok());
+            assert!(drive.serve(&write, &mut answer).is_ok());
         }
-        let [a, b] = control.to_be_bytes();
-        now += Duration::from_millis(16);
-        drive.tick(now, Some(&[a, b, 0x06, 0x66]), &mut inputs);
-        assert!(drive.serve(&read, &mut answer).is_ok());
-        assert!(drive.serve(&write, &mut answer).is_ok());
-    }
-    assert_eq!(COUNT.with(Cell::get) - before, 0);
+    };
+    assert_eq!(allocations::made_by(run), 0);
 }
 
 #[test]
@@ -73,11 +48,7 @@ fn frame_in_step_frame_out() {
     pair.send([0x04, 0x7F, 0x06, 0x66]);
     let mut allocated = 0;
     for _ in 0..2000 {
-        pair.cycle(|_, work| {
-            let before = COUNT.with(Cell::get);
-            work();
-            allocated += COUNT.with(Cell::get) - before;
-        });
+        pair.cycle(|_, work| allocated += allocations::made_by(work));
     }
     assert!(pair.station.drive().is_enabled());
     assert_eq!(allocated, 0);

@@ -1,0 +1,82 @@
+//! An allocator that counts, to show that a hot path does not allocate.
+//!
+//! A test binary that uses this crate has its allocator. The count is kept per thread, so tests that run side by side do
+//! not disturb each other.
+#![allow(unsafe_code, reason = "an allocator cannot be written without it")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn count() {
+    // a thread that ends has no count any more, and nobody to ask for it
+    let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+}
+
+// SAFETY: hands everything to the system allocator unchanged; the counter needs no allocation itself.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: same contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: same contract.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: same contract.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: same contract.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+/// Allocations that `work` makes in this thread; growing one counts as well.
+///
+/// ```
+/// assert_eq!(allocations::made_by(|| drop(std::hint::black_box(Box::new(1)))), 1);
+/// ```
+pub fn made_by(work: impl FnOnce()) -> u64 {
+    let before = COUNT.with(Cell::get);
+    work();
+    COUNT.with(Cell::get) - before
+}
+
+#[cfg(test)]
+mod tests {
+    use std::hint::black_box;
+
+    use super::made_by;
+
+    #[test]
+    fn the_counter_counts() {
+        assert_eq!(made_by(|| drop(black_box(vec![1_u8; 10]))), 1);
+        assert_eq!(made_by(|| drop(black_box(vec![0_u8; 10]))), 1);
+        let grows = || {
+            let mut list = black_box(Vec::<u8>::with_capacity(1));
+            list.reserve_exact(100);
+            drop(black_box(list));
+        };
+        assert_eq!(made_by(grows), 2);
+        let nothing = || {
+            black_box(1);
+        };
+        assert_eq!(made_by(nothing), 0);
+    }
+}
