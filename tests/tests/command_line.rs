@@ -90,15 +90,27 @@ fn what_goes_wrong_is_said() {
         (&["read", "akd-1", "DRV.AC"], 2, "DRV.ACC"),
         (&["write", "akd-1", "DRV.ACC=1e9rpm/s"], 2, "rpm/s"),
         (&["write", "akd-1", "p964[0]=1"], 2, "read"),
+        (&["ip", "akd-1", "192.168.77.11/24"], 1, "this machine's own"),
+        (
+            &["run", "akd-1", "--velocity", "60rpm", "--cycle", "5ms"],
+            2,
+            "5 ms does not exist",
+        ),
+        (
+            &["run", "akd-1", "--velocity", "60rpm", "--cycle", "4ms"],
+            3,
+            "does not offer this update time",
+        ),
+        (&["run", "akd-1", "--velocity", "3001rpm"], 6, "3000 rpm"),
+        (
+            &["reset", "akd-1", "--mode", "application"],
+            6,
+            "nobody is there to ask",
+        ),
     ] {
         let finished = client(&lab, arguments);
-        assert_ne!(finished.code, Some(0), "{arguments:?}: {}", finished.out);
-        assert!(
-            finished.err.contains(words),
-            "{arguments:?} ({:?}, {code}): {}",
-            finished.code,
-            finished.err
-        );
+        assert_eq!(finished.code, Some(code), "{arguments:?}: {}", finished.err);
+        assert!(finished.err.contains(words), "{arguments:?}: {}", finished.err);
     }
     let finished = lab.run(
         Side::Controller,

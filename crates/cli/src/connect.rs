@@ -135,7 +135,8 @@ fn seed() -> u64 {
 
 /// The interface to use: as told, else the only one there is.
 pub fn interface(global: &Global) -> Result<Option<String>, Failure> {
-    if let Some(name) = &global.interface {
+    // an empty variable is no variable
+    if let Some(name) = global.interface.as_ref().filter(|name| !name.is_empty()) {
         return Ok(Some(name.clone()));
     }
     let usable: Vec<InterfaceInfo> = InterfaceInfo::list()?

@@ -78,9 +78,16 @@ fn guess(data: &[u8]) -> Side {
         {
             Side::Request
         }
+        // too short for its addresses and no value block: a request that was cut off
+        1 | 2 if data.len() < addresses && !looks_like_values(data) => Side::Request,
         3..0x80 => Side::Request,
         _ => Side::Response,
     }
+}
+
+/// True where a response would have its first format code: no attribute is one.
+fn looks_like_values(data: &[u8]) -> bool {
+    !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30))
 }
 
 fn values_fit(job: &Request<'_>) -> bool {
@@ -510,6 +517,14 @@ mod tests {
             lines[1].starts_with("  refused: 0x01 parameter value cannot be changed"),
             "{lines:?}"
         );
+    }
+
+    #[test]
+    fn a_request_cut_off_is_called_a_request() {
+        for hex in [[5, 2, 0, 1, 0x10, 1, 3], [5, 1, 0, 1, 0x10, 1, 3]] {
+            let failure = decode(&hex, None, None).err().unwrap();
+            assert!(failure.message.contains("no parameter request"), "{failure}");
+        }
     }
 
     #[test]

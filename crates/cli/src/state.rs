@@ -11,6 +11,15 @@ use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::SCHEMA;
 
+/// Makes the folder and sees whether it can be written to, before a drive promises to keep something in it.
+pub fn usable(folder: &Path) -> Result<(), Failure> {
+    let probe = StateFile::new(folder.join(format!(".probe-{}", std::process::id())));
+    probe.replace(b"").and_then(|()| probe.remove()).map_err(|error| {
+        Failure::new(Exit::Failed, format!("--state {}: {error}", folder.display()))
+            .hint("choose a folder that can be written to")
+    })
+}
+
 /// The files of one drive; without a folder nothing is kept.
 #[derive(Debug, Clone)]
 pub struct DriveState {
@@ -138,6 +147,22 @@ mod tests {
         };
         stored.im.im1[..4].copy_from_slice(b"feed");
         assert_eq!(decode(encode(&stored).as_bytes()), Some(stored));
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_used_is_told_at_once() {
+        let folder = std::env::temp_dir().join(format!("profidrive-state-{}", std::process::id()));
+        assert_eq!(usable(&folder), Ok(()));
+        assert_eq!(
+            std::fs::read_dir(&folder).unwrap().count(),
+            0,
+            "nothing left behind"
+        );
+        std::fs::remove_dir_all(&folder).unwrap();
+        std::fs::write(&folder, "a file").unwrap();
+        let failure = usable(&folder).unwrap_err();
+        assert!(failure.message.contains("--state"), "{failure}");
+        std::fs::remove_file(&folder).unwrap();
     }
 
     #[test]

@@ -7,6 +7,7 @@ use profidrive::notation::Shown;
 use profidrive::parameter::{ErrorNames, ErrorNumber};
 use profinet::MacAddress;
 use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
+use profinet::wire::PnioStatus;
 
 use crate::DriveAddress;
 use crate::axis::Trouble;
@@ -192,6 +193,11 @@ fn others(stations: &[Station]) -> String {
     format!("; heard: {}", names.join(", "))
 }
 
+/// Faulty IOCRBlockReq: send clock, reduction ratio.
+const fn faulty_timing(status: PnioStatus) -> bool {
+    status.code1 == 2 && matches!(status.code2, 10 | 11)
+}
+
 /// A station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
 #[must_use]
 pub fn describe(station: &Station) -> String {
@@ -200,7 +206,10 @@ pub fn describe(station: &Station) -> String {
     } else {
         &station.name
     };
-    if station.ip.is_set() {
+    if station.mac == MacAddress::default() {
+        // found by its IP address alone
+        station.ip.address.to_string()
+    } else if station.ip.is_set() {
         format!("{name} ({}, {})", station.mac, station.ip.address)
     } else {
         format!("{name} ({}, no IP address)", station.mac)
@@ -230,6 +239,12 @@ impl Error {
             Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
             Self::OwnedByController { .. } => {
                 "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
+            }
+            Self::Connect {
+                cause: LostCause::Service(ServiceError::Refused { status, .. }),
+                ..
+            } if faulty_timing(*status) => {
+                "the drive does not offer this update time; without --cycle the fastest it is known for is used".into()
             }
             Self::Refused { refusal, .. } => refusal.number.info(ErrorNames::Profile)?.remedy.into(),
             Self::Parameter(problem) => problem.hint()?,

@@ -2,8 +2,11 @@
 
 use std::io::{self, BufRead, IsTerminal, Write};
 use std::net::Ipv4Addr;
+use std::sync::mpsc;
+use std::time::Duration;
 
 use drive_client::{Drive, describe};
+use network::linux::InterfaceInfo;
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
 
@@ -17,13 +20,7 @@ pub fn name(args: &Name, global: &Global, output: &Output) -> Result<(), Failure
     if !args.name.is_empty()
         && let Err(rule) = check_name(args.name.as_bytes())
     {
-        let failure = Failure::usage(format!("`{}` is no station name: {rule}", args.name));
-        let legal = legal_name(&args.name);
-        return Err(if legal.is_empty() {
-            failure
-        } else {
-            failure.hint(format!("perhaps {legal}"))
-        });
+        return Err(no_name(&args.name, rule));
     }
     let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
     other_of_that_name(&mut session, &drive, &args.name)?;
@@ -42,6 +39,15 @@ pub fn name(args: &Name, global: &Global, output: &Output) -> Result<(), Failure
         output.document("name", fields);
     }
     Ok(())
+}
+
+/// Which rule a name breaks, with the name that keeps it.
+pub fn no_name(name: &str, rule: impl std::fmt::Display) -> Failure {
+    let failure = Failure::usage(format!("`{name}` is no station name: {rule}"));
+    match legal_name(name) {
+        legal if legal.is_empty() => failure,
+        legal => failure.hint(format!("perhaps {legal}")),
+    }
 }
 
 fn shown(name: &str) -> &str {
@@ -81,6 +87,7 @@ pub fn ip(args: &Ip, global: &Global, output: &Output) -> Result<(), Failure> {
         mask: args.address.mask(),
         gateway: args.gateway.unwrap_or(Ipv4Addr::UNSPECIFIED),
     };
+    not_our_own(ip.address)?;
     let address = drive_client::DriveAddress::Ip(ip.address);
     match session.find(&address) {
         Ok(other) if other.station.mac != drive.station.mac => {
@@ -113,9 +120,23 @@ pub fn ip(args: &Ip, global: &Global, output: &Output) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The address of this machine would make both unreachable.
+fn not_our_own(address: Ipv4Addr) -> Result<(), Failure> {
+    match InterfaceInfo::list()?
+        .into_iter()
+        .find(|info| info.ip().address == address)
+    {
+        Some(own) => {
+            let message = format!("the address {address} is this machine's own, on {}", own.name);
+            Err(Failure::new(Exit::Failed, message).hint("choose a free address"))
+        }
+        None => Ok(()),
+    }
+}
+
 pub fn blink(args: &Blink, global: &Global, output: &Output) -> Result<(), Failure> {
     /// One signal lasts about three seconds.
-    const EVERY: std::time::Duration = std::time::Duration::from_secs(3);
+    const EVERY: Duration = Duration::from_secs(3);
     let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
     output.say(&format!("{} blinks", describe(&drive.station)));
     let end = session.now() + args.time;
@@ -144,11 +165,11 @@ pub fn reset(args: &Reset, global: &Global, output: &Output) -> Result<(), Failu
     let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
     let (mode, what) = mode(args.mode);
     if !args.yes {
-        confirm(&format!(
-            "Reset {} of {} to factory values?",
-            what,
-            describe(&drive.station)
-        ))?;
+        let station = describe(&drive.station);
+        confirm(
+            &mut session,
+            &format!("Reset {what} of {station} to factory values?"),
+        )?;
     }
     session.reset(&drive, mode)?;
     output.say(&format!("{} reset: {what}", drive.label()));
@@ -169,19 +190,41 @@ const fn mode(mode: ResetMode) -> (u8, &'static str) {
     }
 }
 
-/// Asks a person; without one there is no yes.
-fn confirm(question: &str) -> Result<(), Failure> {
+/// Asks a person; without one there is no yes. Ctrl-C is a no.
+fn confirm(session: &mut Live, question: &str) -> Result<(), Failure> {
+    /// How often Ctrl-C is looked at.
+    const GLANCE: Duration = Duration::from_millis(50);
     if !io::stdin().is_terminal() {
         return Err(Failure::new(Exit::Safety, "not reset: nobody is there to ask")
             .hint("--yes resets without asking"));
     }
     let mut stderr = io::stderr();
     let _ = write!(stderr, "{question} [y/N] ").and_then(|()| stderr.flush());
-    let mut answer = String::new();
-    let read = io::stdin().lock().read_line(&mut answer);
-    if read.is_ok() && matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes") {
-        Ok(())
-    } else {
-        Err(Failure::new(Exit::Safety, "not reset"))
+    // reading a line cannot be interrupted, so somebody else waits for it
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || {
+        let mut answer = String::new();
+        let read = io::stdin().lock().read_line(&mut answer);
+        let _ = sender.send(read.is_ok() && is_yes(&answer));
+    });
+    loop {
+        match receiver.try_recv() {
+            Ok(true) => return Ok(()),
+            Ok(false) | Err(mpsc::TryRecvError::Disconnected) => {
+                return Err(Failure::new(Exit::Safety, "not reset"));
+            }
+            Err(mpsc::TryRecvError::Empty) => {}
+        }
+        match session.pass(GLANCE) {
+            Err(drive_client::Error::Interrupted) => {
+                let _ = writeln!(stderr);
+                return Err(Failure::new(Exit::Safety, "not reset"));
+            }
+            other => other?,
+        }
     }
+}
+
+fn is_yes(answer: &str) -> bool {
+    matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes")
 }

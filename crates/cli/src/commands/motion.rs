@@ -4,13 +4,14 @@ use std::time::Duration;
 
 use drive_client::axis;
 use drive_client::parameter::{ParameterProblem, Selection};
-use drive_client::{AxisSettings, Error, Snapshot};
+use drive_client::{AxisSettings, Drive, Error, FaultEntry, Snapshot};
 use profidrive::notation::{ParameterReference, Quantity};
 use profidrive::state::Stw1;
+use profinet::cyclic::Timing;
 use serde_json::Value;
 
 use crate::args::{Ack, Cyclic, Global, Jog, Monitor, Run};
-use crate::connect::{self, AnyMedium, Need};
+use crate::connect::{self, AnyMedium, Live, Need};
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
@@ -30,6 +31,18 @@ fn rpm(quantity: &Quantity, what: &str) -> Result<f64, Failure> {
         .map_err(|error| Failure::usage(format!("{what}: {error}")))
 }
 
+/// An update time that no connection can have is told before anything is opened.
+fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
+    match cyclic.cycle {
+        Some(cycle) if Timing::for_interval(cycle).is_none() => Err(Failure::usage(format!(
+            "--cycle: an update time of {} ms does not exist",
+            cycle.as_secs_f64() * 1000.0
+        ))
+        .hint("use 1, 2, 4, 8 .. 512 ms; left out it is the fastest the drive is known for")),
+        _ => Ok(()),
+    }
+}
+
 fn settings(cyclic: &Cyclic, limit: f64) -> AxisSettings {
     AxisSettings {
         cycle: cyclic.cycle,
@@ -43,6 +56,7 @@ pub fn run(args: &Run, global: &Global, output: &Output) -> Result<(), Failure> 
     let speed = rpm(&args.velocity, "--velocity")?;
     let limit = rpm(&args.limit, "--limit")?.abs();
     within(speed, limit)?;
+    checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(global, Need::Cyclic, &args.drive, output)?;
     let time = args.time.map_or_else(
         || "until Ctrl-C".into(),
@@ -57,7 +71,8 @@ pub fn run(args: &Run, global: &Global, output: &Output) -> Result<(), Failure> 
     let result = axis
         .run(speed)
         .and_then(|()| axis.hold(args.time.unwrap_or(FOR_EVER)));
-    finish(axis, result, args.time.is_none(), "run", output)?;
+    finish(axis, result, args.time.is_none(), "run", output)
+        .map_err(|error| explained(error, &mut session, &mut drive))?;
     Ok(session.close()?)
 }
 
@@ -79,6 +94,7 @@ pub fn jog(args: &Jog, global: &Global, output: &Output) -> Result<(), Failure> 
     if let Some(speed) = wanted {
         within(speed, limit)?;
     }
+    checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(global, Need::Cyclic, &args.drive, output)?;
     let (jog, pnu) = match args.jog {
         2 => (axis::Jog::Two, JOG_SPEED[1]),
@@ -111,25 +127,31 @@ pub fn jog(args: &Jog, global: &Global, output: &Output) -> Result<(), Failure> 
     let mut axis = session.take_axis(&mut drive, settings(&args.cyclic, limit))?;
     watch(&mut axis, "jog", output);
     let result = axis.jog(jog).and_then(|()| axis.hold(args.time));
-    finish(axis, result, false, "jog", output)?;
+    finish(axis, result, false, "jog", output).map_err(|error| explained(error, &mut session, &mut drive))?;
     Ok(session.close()?)
 }
 
 pub fn ack(args: &Ack, global: &Global, output: &Output) -> Result<(), Failure> {
+    checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(global, Need::Cyclic, &args.drive, output)?;
     let faults = session.faults(&mut drive).unwrap_or_default();
-    for fault in faults.iter().filter(|fault| fault.situation == 0) {
-        output.say(&format!(
-            "F{} {}",
-            fault.number,
-            fault.meaning.unwrap_or("not in the tables")
-        ));
+    let present: Vec<String> = faults
+        .iter()
+        .filter(|fault| fault.situation == 0)
+        .map(told)
+        .collect();
+    for fault in &present {
+        output.say(fault);
     }
-    output.say(&format!("acknowledging with STW1 {}", Stw1::ACKNOWLEDGE));
+    if present.is_empty() {
+        output.say("no fault is present");
+    } else {
+        output.say(&format!("acknowledging with STW1 {}", Stw1::ACKNOWLEDGE));
+    }
     let mut axis = session.take_axis(&mut drive, settings(&args.cyclic, 0.0))?;
     watch(&mut axis, "ack", output);
     let result = axis.ready_or_fault().and_then(|()| axis.acknowledge());
-    finish(axis, result, false, "ack", output)?;
+    finish(axis, result, false, "ack", output).map_err(|error| explained(error, &mut session, &mut drive))?;
     Ok(session.close()?)
 }
 
@@ -145,7 +167,7 @@ fn finish(
     open_end: bool,
     command: &str,
     output: &Output,
-) -> Result<(), Failure> {
+) -> Result<(), Error> {
     let statistics = axis.statistics();
     let released = axis.release();
     let interrupted = matches!(result, Err(Error::Interrupted));
@@ -174,8 +196,35 @@ fn finish(
             fields! { "end": true, "released": true, "frames": counts },
         );
     }
-    result?;
-    Ok(released?)
+    result.and(released)
+}
+
+/// A fault is told by number and text, not by the bit alone.
+fn explained(error: Error, session: &mut Live, drive: &mut Drive) -> Failure {
+    let fault = matches!(
+        error,
+        Error::Axis {
+            trouble: axis::Trouble::Fault | axis::Trouble::FaultStays,
+            ..
+        }
+    );
+    let mut failure = Failure::from(error);
+    if fault {
+        let faults = session.faults(drive).unwrap_or_default();
+        for fault in faults.iter().filter(|fault| fault.situation == 0) {
+            failure.message = format!("{}; {}", failure.message, told(fault));
+        }
+    }
+    failure
+}
+
+/// `F702 Fieldbus communication lost`
+fn told(fault: &FaultEntry) -> String {
+    format!(
+        "F{} {}",
+        fault.number,
+        fault.meaning.unwrap_or("not in the tables")
+    )
 }
 
 pub fn monitor(args: &Monitor, global: &Global, output: &Output) -> Result<(), Failure> {
@@ -206,11 +255,7 @@ pub fn monitor(args: &Monitor, global: &Global, output: &Output) -> Result<(), F
             faults_seen = snapshot.fault_counter;
             let faults = session.faults(&mut drive).unwrap_or_default();
             for fault in faults.iter().filter(|fault| fault.situation == 0) {
-                output.warn(&format!(
-                    "F{} {}",
-                    fault.number,
-                    fault.meaning.unwrap_or("not in the tables")
-                ));
+                output.warn(&told(fault));
             }
         }
         let next = (begin + args.every).min(end);

@@ -275,7 +275,7 @@ pub fn list(args: &List, global: &Global, output: &Output) -> Result<(), Failure
     if output.json() {
         let list: Vec<Value> = parameters
             .iter()
-            .map(|parameter| Value::Object(parameter_json(parameter)))
+            .map(|parameter| Value::Object(parameter_json(parameter, drive.parameters.limits(parameter))))
             .collect();
         output.document(
             "list",
@@ -383,7 +383,7 @@ pub fn describe(args: &Describe, global: &Global, output: &Output) -> Result<(),
     session.close()?;
     if output.json() {
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
-        fields.extend(parameter_json(parameter));
+        fields.extend(parameter_json(parameter, drive.parameters.limits(parameter)));
         let values: Vec<Value> = readings.iter().map(reading_json).collect();
         fields.insert("values".into(), values.into());
         output.document("describe", fields);
@@ -492,7 +492,8 @@ fn number_of(parameter: &Parameter) -> String {
     .to_string()
 }
 
-fn parameter_json(parameter: &Parameter) -> Map<String, Value> {
+/// Limits as `describe` shows them; null where only the size limits.
+fn parameter_json(parameter: &Parameter, limits: (f64, f64)) -> Map<String, Value> {
     let meanings = |list: &[profidrive::catalogue::Meaning]| -> Vec<Value> {
         list.iter()
             .map(|row| Value::Object(fields! { "value": row.value, "text": row.text }))
@@ -501,8 +502,8 @@ fn parameter_json(parameter: &Parameter) -> Map<String, Value> {
     fields! {
         "pnu": parameter.pnu, "name": parameter.name, "description": parameter.description, "unit": parameter.unit,
         "access": access_word(parameter.access), "elements": parameter.elements, "octets": parameter.size.octets(),
-        "signed": parameter.signed, "saved": parameter.saved, "minimum": parameter.minimum,
-        "maximum": parameter.maximum, "default": parameter.default, "choices": meanings(parameter.choices),
+        "signed": parameter.signed, "saved": parameter.saved, "minimum": parameter.minimum.map(|_| limits.0),
+        "maximum": parameter.maximum.map(|_| limits.1), "default": parameter.default, "choices": meanings(parameter.choices),
         "bits": meanings(parameter.bits), "source": parameter.source,
     }
 }

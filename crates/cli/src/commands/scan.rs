@@ -25,8 +25,10 @@ pub fn run(args: &Scan, global: &Global, output: &Output) -> Result<(), Failure>
         output.document("scan", fields! { "stations": list });
         return Ok(());
     }
-    for line in table(&stations).lines() {
-        output.line(&line);
+    if !stations.is_empty() {
+        for line in table(&stations).lines() {
+            output.line(&line);
+        }
     }
     for warning in warnings(&stations) {
         output.warn(&warning);

@@ -19,7 +19,7 @@ use crate::connect;
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
-use crate::state::DriveState;
+use crate::state::{self, DriveState};
 
 /// One step of an update time.
 const TICK_NANOS: u128 = 31_250;
@@ -42,6 +42,9 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
     let mut runner = Runner::open(&interface)?;
     let host = runner.interface().mac;
     let plans = plans(args, host)?;
+    if let Some(folder) = &args.state {
+        state::usable(folder)?;
+    }
     let stop = Stop::on_signals()
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     runner.set_stop(stop);
@@ -134,7 +137,7 @@ fn plans(args: &Simulate, host: Option<MacAddress>) -> Result<Vec<Plan>, Failure
         if !name.is_empty()
             && let Err(rule) = check_name(name.as_bytes())
         {
-            return Err(Failure::usage(format!("`{name}` is no station name: {rule}")));
+            return Err(super::address::no_name(&name, rule));
         }
         let key = if name.is_empty() {
             format!("drive-{number}")
@@ -238,14 +241,13 @@ fn told(network: &Stored, mac: MacAddress) -> String {
 
 /// Keeps what must be kept, and says what happened.
 fn happened(key: &str, state: &DriveState, event: &StationEvent, at: Duration, output: &Output) {
-    let kept = |result: Result<(), Failure>| {
-        if let Err(failure) = result {
-            output.warn(&format!("{key}: {}", failure.message));
-        }
+    // what could not be kept is not called kept
+    let kept = |result: Result<(), Failure>, text: &str| match result {
+        Ok(()) => tell(output, key, at, text),
+        Err(failure) => output.warn(&format!("{key}: not kept: {}", failure.message)),
     };
     match event {
         StationEvent::PersistNetwork(network) => {
-            kept(state.write_network(network));
             let name = if network.name.is_empty() {
                 "no name"
             } else {
@@ -256,11 +258,11 @@ fn happened(key: &str, state: &DriveState, event: &StationEvent, at: Duration, o
             } else {
                 "no address".into()
             };
-            tell(output, key, at, &format!("kept over power-off: {name}, {ip}"));
+            let text = format!("kept over power-off: {name}, {ip}");
+            kept(state.write_network(network), &text);
         }
         StationEvent::PersistParameters { text } => {
-            kept(state.write_parameters(text));
-            tell(output, key, at, "parameters saved");
+            kept(state.write_parameters(text), "parameters saved");
         }
         StationEvent::ParametersIgnored(error) => {
             output.warn(&format!(

@@ -57,6 +57,14 @@ impl Parameters {
         selection: &Selection,
         quantity: &Quantity,
     ) -> Result<CheckedValue, ParameterProblem> {
+        if selection
+            .parameter
+            .is_some_and(|parameter| parameter.access == Access::ReadOnly)
+        {
+            return Err(ParameterProblem::ReadOnly {
+                parameter: selection.label(),
+            });
+        }
         if selection.count != 1 {
             return Err(ParameterProblem::ManyElements {
                 parameter: selection.label(),
@@ -66,11 +74,6 @@ impl Parameters {
         let Some(parameter) = selection.parameter else {
             return unknown_parameter(selection, quantity);
         };
-        if parameter.access == Access::ReadOnly {
-            return Err(ParameterProblem::ReadOnly {
-                parameter: selection.label(),
-            });
-        }
         let raw = match quantity.raw() {
             Some(raw) => self.check_raw(selection, parameter, raw)?,
             None => self.check_engineering(selection, parameter, quantity)?,
@@ -236,7 +239,8 @@ mod tests {
             ("DRV.ACC=99999999", "is outside"),
             ("DRV.ACC=0x1", "is outside"),
             ("VL.FB_32=3", "is read-only"),
-            ("947[0..3]=0", "one value for 4 elements"),
+            ("947[0..3]=0", "is read-only"),
+            ("915[0..3]=0", "one value for 4 elements"),
             ("DRV.OPMODE=1.5", "takes whole numbers, not 1.5"),
             ("DRV.OPMODE=0x100", "does not fit 1 octets"),
             ("DRV.OPMODE=fast", "does not start with a number"),
