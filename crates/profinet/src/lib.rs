@@ -2,6 +2,15 @@
 //! and the next deadline. No socket, thread or clock inside.
 //!
 //! Knows nothing of drives; the drive profile is carried as records and cyclic data.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`device`] | [`Device`](device::Device): DCP, connections, records, cyclic data and alarms of a station that is controlled |
+//! | [`controller`] | [`Controller`](controller::Controller): finds, names, connects, reads and writes, exchanges data |
+//! | [`cyclic`], [`alarm`], [`rpc`] | the engines both sides share |
+//! | [`wire`] | what the bytes of each PDU mean, without behaviour |
+//!
+//! [`Endpoint`] is what an engine and its carrier agree on, [`Medium`] carries one endpoint until something happened.
 #![no_std]
 #![forbid(unsafe_code)]
 extern crate alloc;

@@ -1,6 +1,14 @@
 //! Virtual PROFIdrive drives: an axis, a parameter store and a drive model on top of a PROFINET device.
 //!
 //! Still no I/O: bytes and a time go in, bytes, events and the next deadline come out.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`station`] | [`Station`](station::Station): a drive on the network, a PROFINET device with a drive in it |
+//! | [`mod@drive`] | [`Drive`](drive::Drive): state machine, process data, parameters and faults, one tick per cycle |
+//! | [`axis`] | motor, load, speed loop and ramps |
+//! | [`store`] | parameter values and what of them survives |
+//! | [`model`] | what the drive models differ in |
 #![forbid(unsafe_code)]
 
 pub mod axis;

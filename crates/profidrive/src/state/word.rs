@@ -77,29 +77,6 @@ impl Stw1 {
     pub const QUICK_STOP: Self = Self(0x047B);
     /// `0x047D`: coast stop (OFF2).
     pub const COAST_STOP: Self = Self(0x047D);
-
-    /// True when all of these bits are 1.
-    #[must_use]
-    pub const fn has(self, bits: Self) -> bool {
-        self.0 & bits.0 == bits.0
-    }
-
-    /// The word with these bits 1.
-    #[must_use]
-    pub const fn with(self, bits: Self) -> Self {
-        Self(self.0 | bits.0)
-    }
-
-    /// The word with these bits 0.
-    #[must_use]
-    pub const fn without(self, bits: Self) -> Self {
-        Self(self.0 & !bits.0)
-    }
-
-    /// Number, short name and meaning of each bit, bit 0 first. An inverse bit is told by what it holds off.
-    pub fn describe(self, mode: Mode) -> impl Iterator<Item = BitMeaning> {
-        bits::describe(bits::stw1(mode), self.0)
-    }
 }
 
 impl Zsw1 {
@@ -139,18 +116,6 @@ impl Zsw1 {
     /// The bits that the state machine leaves to the application: 7, 8 and 10 to 15.
     pub const APPLICATION_BITS: Self = Self(0xFD80);
 
-    /// True when all of these bits are 1.
-    #[must_use]
-    pub const fn has(self, bits: Self) -> bool {
-        self.0 & bits.0 == bits.0
-    }
-
-    /// The word with these bits 1.
-    #[must_use]
-    pub const fn with(self, bits: Self) -> Self {
-        Self(self.0 | bits.0)
-    }
-
     /// The state that the word tells, none for a drive that is not ready (self test).
     ///
     /// S3 and a ramp stop have the same bits. A drive that was sent OFF, or that has a fault, is in the ramp stop. Bit 2
@@ -178,15 +143,35 @@ impl Zsw1 {
             (false, false) => None,
         }
     }
-
-    /// Number, short name and meaning of each bit, bit 0 first. An inverse bit is told by what it holds off.
-    pub fn describe(self, mode: Mode) -> impl Iterator<Item = BitMeaning> {
-        bits::describe(bits::zsw1(mode), self.0)
-    }
 }
 
 macro_rules! word {
-    ($name:ident) => {
+    ($name:ident, $table:path) => {
+        impl $name {
+            /// True when all of these bits are 1.
+            #[must_use]
+            pub const fn has(self, bits: Self) -> bool {
+                self.0 & bits.0 == bits.0
+            }
+
+            /// The word with these bits 1.
+            #[must_use]
+            pub const fn with(self, bits: Self) -> Self {
+                Self(self.0 | bits.0)
+            }
+
+            /// The word with these bits 0.
+            #[must_use]
+            pub const fn without(self, bits: Self) -> Self {
+                Self(self.0 & !bits.0)
+            }
+
+            /// Number, short name and meaning of each bit, bit 0 first. An inverse bit is told by what it holds off.
+            pub fn describe(self, mode: Mode) -> impl Iterator<Item = BitMeaning> {
+                bits::describe($table(mode), self.0)
+            }
+        }
+
         impl BitOr for $name {
             type Output = Self;
 
@@ -224,8 +209,8 @@ macro_rules! word {
     };
 }
 
-word!(Stw1);
-word!(Zsw1);
+word!(Stw1, bits::stw1);
+word!(Zsw1, bits::zsw1);
 
 #[cfg(test)]
 mod tests {

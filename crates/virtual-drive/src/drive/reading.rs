@@ -26,20 +26,25 @@ const MOTION_SERVICE: i64 = 1 << 9;
 impl Drive {
     /// The number of one element as on the wire (sign included); `position` is the place in the catalogue.
     pub(super) fn element(&self, position: usize, element: u16) -> Result<i64, ErrorNumber> {
-        let parameter = self
-            .model
-            .catalogue
-            .parameters
-            .get(position)
-            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        if element >= parameter.elements {
-            return Err(if parameter.is_array() {
-                ErrorNumber::SUBINDEX
-            } else {
-                ErrorNumber::NO_ARRAY
-            });
-        }
+        let parameter = self.parameter_with(position, element)?;
         Ok(self.number(position, parameter, element))
+    }
+
+    /// The parameter at a place in the catalogue, if it has this element.
+    pub(super) fn parameter_with(
+        &self,
+        position: usize,
+        element: u16,
+    ) -> Result<&'static Parameter, ErrorNumber> {
+        let parameters = self.model.catalogue.parameters;
+        let parameter = parameters.get(position).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
+        if element < parameter.elements {
+            Ok(parameter)
+        } else if parameter.is_array() {
+            Err(ErrorNumber::SUBINDEX)
+        } else {
+            Err(ErrorNumber::NO_ARRAY)
+        }
     }
 
     fn number(&self, position: usize, parameter: &Parameter, element: u16) -> i64 {

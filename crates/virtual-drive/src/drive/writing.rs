@@ -13,19 +13,7 @@ impl Drive {
     ///
     /// The order of the checks: known, subindex, read-only, state, limits, permitted value.
     pub(super) fn set_element(&mut self, position: usize, element: u16, raw: i64) -> Result<(), ErrorNumber> {
-        let parameter = self
-            .model
-            .catalogue
-            .parameters
-            .get(position)
-            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        if element >= parameter.elements {
-            return Err(if parameter.is_array() {
-                ErrorNumber::SUBINDEX
-            } else {
-                ErrorNumber::NO_ARRAY
-            });
-        }
+        let parameter = self.parameter_with(position, element)?;
         if parameter.access == Access::ReadOnly {
             return Err(ErrorNumber::NOT_CHANGEABLE);
         }
