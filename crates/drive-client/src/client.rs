@@ -35,6 +35,25 @@ pub enum Connection {
 ///
 /// Axes under control are stepped here, right after each input: a caller that blocks on a parameter read does not
 /// hold up the axis beside it.
+///
+/// ```
+/// use drive_client::Client;
+/// use profinet::controller::{ControllerConfig, Filter};
+/// use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
+///
+/// let own = MacAddress([2, 0, 0, 0, 0, 9]);
+/// let mut client = Client::new(ControllerConfig::new(own, IpSuite::NONE, "tool", 1));
+/// let id = client.controller().identify(Instant::ZERO, Filter::default()).unwrap();
+/// let mut buffer = [0; MAX_FRAME];
+/// let sent = client.poll_transmit(Instant::ZERO, &mut buffer);
+/// assert!(matches!(sent, Some(Transmit::Frame { .. }))); // who is there?
+/// // what comes back goes to `handle_frame`; here nobody answers, and the time runs out
+/// while let Some(wake) = client.poll_timeout() {
+///     client.handle_timeout(wake);
+///     while client.poll_transmit(wake, &mut buffer).is_some() {}
+/// }
+/// assert!(client.take_stations(id).unwrap().is_empty());
+/// ```
 #[derive(Debug)]
 pub struct Client {
     controller: Controller,

@@ -75,6 +75,37 @@ pub struct CyclicStatistics {
 /// most DataHoldFactor x interval may pass between two frames. A frame that is handed in late but before
 /// [`expire`](Self::expire) was called still counts, so that a process that was held up itself does not lose its
 /// peers. No call allocates.
+///
+/// ```
+/// use core::time::Duration;
+/// use profinet::cyclic::{Consumer, Provider, ProviderConfig, SubmoduleSize, Timing, pack};
+/// use profinet::wire::ethernet::{Frame, FrameId, Tag};
+/// use profinet::wire::rt::Iops;
+/// use profinet::{Instant, MacAddress};
+///
+/// let (_, output) = pack(&[SubmoduleSize::new(0, 1, 1, 4, 4)]).unwrap();
+/// let (sender, id) = (MacAddress([2, 0, 0, 0, 0, 2]), FrameId(0xC000));
+/// let timing = Timing::for_interval(Duration::from_millis(16)).unwrap();
+/// let config = ProviderConfig {
+///     destination: MacAddress([2, 0, 0, 0, 0, 1]),
+///     source: sender,
+///     tag: Some(Tag::PRIORITY_6),
+///     frame_id: id,
+///     timing,
+///     origin: Instant::ZERO,
+/// };
+/// let mut provider = Provider::new(config, output.clone(), Instant::ZERO);
+/// provider.set_data(1, 1, &[0x04, 0x7F, 0, 0], Iops::GOOD);
+/// let mut buffer = [0; 1518];
+/// let now = provider.next_send();
+/// let length = provider.emit(now, &mut buffer).unwrap();
+///
+/// let mut consumer = Consumer::new(sender, id, timing, 3, output);
+/// consumer.handle(now, &Frame::parse(&buffer[..length]).unwrap()).unwrap();
+/// assert_eq!(consumer.data(1, 1), Some((&[0x04, 0x7F, 0, 0][..], Iops::GOOD)));
+/// assert_eq!(consumer.deadline(), Some(now + Duration::from_millis(48)));
+/// assert!(consumer.expire(now + Duration::from_millis(48))); // the peer is gone
+/// ```
 #[derive(Debug, Clone)]
 pub struct Consumer {
     layout: Layout,
