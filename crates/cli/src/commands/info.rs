@@ -10,6 +10,7 @@ use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::{Colour, Output};
+use crate::render::table::clean;
 use crate::render::{hex16, value, words};
 
 /// The status word as a parameter.
@@ -73,6 +74,18 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         if let Some(reading) = info.readings.iter().find(|reading| reading.pnu == pnu) {
             line(name, format!("{} ({})", value::full(reading), reading.shown()));
         }
+    }
+    if let Some(controller) = &info.controller {
+        let text = controller.as_ref().map_or_else(
+            || "nobody: no controller is connected, `profidrive run` can take it".into(),
+            |name| {
+                format!(
+                    "controller \"{}\"; reading and `profidrive monitor` work beside it",
+                    clean(name)
+                )
+            },
+        );
+        line("control", text);
     }
     if let Some(stw1) = word(info, STW1) {
         let set = words::set_names(words::stw1_bits(), stw1);
@@ -223,6 +236,9 @@ fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serd
     }
     if let Some(stw1) = word(info, STW1) {
         fields.insert("stw1".into(), words::word_json(words::stw1_bits(), stw1));
+    }
+    if let Some(controller) = &info.controller {
+        fields.insert("controller".into(), controller.as_deref().into());
     }
     let readings: Vec<Value> = info.readings.iter().map(value::json).collect();
     fields.insert("parameters".into(), readings.into());

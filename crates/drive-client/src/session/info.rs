@@ -3,7 +3,7 @@
 use profidrive::notation::ParameterReference;
 use profinet::Medium;
 use profinet::controller::RecordAddress;
-use profinet::wire::record::{Im0, ImText};
+use profinet::wire::record::{Im0, ImText, decode_relations, index};
 use profinet::wire::{DecodeError, Reader};
 
 use super::Session;
@@ -48,6 +48,9 @@ pub struct Identity {
 pub struct Info {
     /// I&M0 to 3; `None` when the device has no I&M0.
     pub identity: Option<Identity>,
+    /// Name of the controller that has the cyclic connection: `Some(None)` when nobody has it, `None` when the
+    /// device does not tell.
+    pub controller: Option<Option<String>>,
     /// Records and parameters the device refused, with its reason.
     pub refused: Vec<String>,
     /// The page of identifying parameters, refused ones left out.
@@ -65,6 +68,7 @@ where
     pub fn info(&mut self, drive: &mut Drive) -> Result<Info, Error> {
         let mut info = Info {
             identity: None,
+            controller: None,
             refused: Vec::new(),
             readings: Vec::new(),
         };
@@ -84,6 +88,18 @@ where
                 Err(Error::Record { error, .. }) => info.refused.push(format!("I&M{number}: {error}")),
                 Err(error) => return Err(error),
             }
+        }
+        let at = RecordAddress {
+            api: 0,
+            slot: 0,
+            subslot: 1,
+            index: index::AR_DATA,
+        };
+        match self.read_record(drive, at) {
+            Ok(data) => info.controller = controller(&data),
+            // many devices do not tell
+            Err(Error::Record { .. }) => {}
+            Err(error) => return Err(error),
         }
         let page: Vec<Selection> = PAGE
             .iter()
@@ -114,6 +130,18 @@ impl Info {
     pub fn raw(&self, pnu: u16) -> Option<i64> {
         self.readings.iter().find(|reading| reading.pnu == pnu)?.raw()
     }
+}
+
+/// The one relation that is no parameter tool.
+fn controller(data: &[u8]) -> Option<Option<String>> {
+    const DEVICE_ACCESS: u16 = 6;
+    let relations = decode_relations(&mut Reader::new(data)).ok()?;
+    // the one that asks is in it; without it the record is in another form
+    relations.first()?;
+    let owner = relations
+        .iter()
+        .find(|relation| relation.ar_type != DEVICE_ACCESS);
+    Some(owner.map(|relation| text(relation.station_name)))
 }
 
 fn take_im(identity: &mut Option<Identity>, number: u8, data: &[u8]) -> Result<(), DecodeError> {

@@ -139,3 +139,49 @@ pub fn encode_ar_data(relations: &[ArData<'_>], out: &mut impl Writer) {
         }
     });
 }
+
+/// Who has a relation with a device, out of ARData.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Relation<'a> {
+    /// ARType: 1 an IO controller, 6 device access.
+    pub ar_type: u16,
+    /// Name of the initiator.
+    pub station_name: &'a [u8],
+}
+
+/// Reads the relations of ARData, block version 1.1; empty for another block or version.
+///
+/// # Errors
+/// When the data end before a relation does.
+pub fn decode_relations<'a>(r: &mut Reader<'a>) -> Result<Vec<Relation<'a>>, DecodeError> {
+    const UUIDS: usize = 3 * 16;
+    const IOCR: usize = 12;
+    let start = r.position();
+    let block = Block::decode(r)?;
+    let mut relations = Vec::new();
+    if block.block_type != BlockType::AR_DATA || block.version != (1, 1) {
+        return Ok(relations);
+    }
+    let mut r = block.body;
+    let align = |r: &mut Reader<'a>| r.skip((4 - (r.position() - start) % 4) % 4, "padding");
+    for _ in 0..r.u16("NumberOfARs")? {
+        r.skip(UUIDS + 4, "identifiers of the AR")?;
+        let ar_type = r.u16("ARType")?;
+        r.skip(10, "alarm channel and ports")?;
+        let length = r.u16("InitiatorStationNameLength")?;
+        let station_name = r.bytes(length.into(), "CMInitiatorStationName")?;
+        relations.push(Relation {
+            ar_type,
+            station_name,
+        });
+        align(&mut r)?;
+        let length = r.u16("ParameterServerStationNameLength")?;
+        r.skip(length.into(), "ParameterServerStationName")?;
+        align(&mut r)?;
+        let iocrs = r.u16("NumberOfIOCRs")?;
+        r.skip(2 + IOCR * usize::from(iocrs), "IOCRs")?;
+        let apis = r.u16("NumberOfAPIs")?;
+        r.skip(2 + 4 * usize::from(apis) + 4, "APIs")?;
+    }
+    Ok(relations)
+}

@@ -108,3 +108,43 @@ fn identification_of_version_1_0_has_no_api_level() {
     assert_eq!(decoded.modules.len(), 1);
     assert_eq!(decoded.modules[0].submodules[0].ident, 0x31);
 }
+
+#[test]
+fn relations_come_back_and_cut_records_are_errors() {
+    let relation = |ar_type, station_name, apis| ArData {
+        ar_uuid: Uuid::NIL,
+        initiator_object: Uuid::NIL,
+        properties: 0x4000_0011,
+        ar_type,
+        alarm_cr_type: 1,
+        alarm_references: (1, 2),
+        station_name,
+        iocrs: alloc::vec![
+            ArDataIocr {
+                properties: 2,
+                iocr_type: 1,
+                frame_id: 0x8000,
+                apdu_status: [0; 4],
+            };
+            2
+        ],
+        apis,
+    };
+    let mut record = Vec::new();
+    encode_ar_data(
+        &[
+            relation(1, b"plc-1", alloc::vec![0, 0x3A00]),
+            relation(6, b"tool", alloc::vec![]),
+        ],
+        &mut record,
+    );
+    let relations = decode_relations(&mut Reader::new(&record)).unwrap();
+    let seen: Vec<_> = relations.iter().map(|ar| (ar.ar_type, ar.station_name)).collect();
+    assert_eq!(seen, [(1, &b"plc-1"[..]), (6, &b"tool"[..])]);
+    for cut in 0..record.len() {
+        assert!(
+            decode_relations(&mut Reader::new(&record[..cut])).is_err(),
+            "{cut}"
+        );
+    }
+}
