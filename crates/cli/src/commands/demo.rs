@@ -395,7 +395,7 @@ fn fault(axis: &mut Demonstrated<'_>, station: StationId, show: &mut Show) -> Re
         .any(|fault| fault.situation == 1 && fault.number == FAULT);
     let text = format!("{}; acknowledged, ZSW1 {}", told.unwrap_or_default(), hex16(zsw1));
     show.check(
-        right && shifted && zsw1 & 1 << 3 == 0,
+        right && shifted && !words::has_fault(zsw1),
         text,
         "the fault buffer is not as it should be",
     )

@@ -36,8 +36,8 @@ pub fn run(args: &args::Drive, global: &Global, output: &Output) -> Result<(), F
     }
     if let Some(zsw1) = word(&info, ZSW1) {
         let colour = match zsw1 {
-            fault if fault & 1 << 3 != 0 => Colour::Fault,
-            warning if warning & 1 << 7 != 0 => Colour::Warning,
+            fault if words::has_fault(fault) => Colour::Fault,
+            warning if words::has_warning(warning) => Colour::Warning,
             _ => Colour::Normal,
         };
         output.line(&output.paint(

@@ -203,8 +203,8 @@ fn stw1(before: Option<u16>, word: u16) -> (String, Weight) {
 fn zsw1(before: Option<u16>, word: u16, sent: Option<u16>) -> (String, Weight) {
     let set = words::set_names(words::zsw1_bits(), word);
     let weight = match word {
-        fault if fault & 1 << 3 != 0 => Weight::Error,
-        warning if warning & 1 << 7 != 0 => Weight::Warning,
+        fault if words::has_fault(fault) => Weight::Error,
+        warning if words::has_warning(warning) => Weight::Warning,
         _ => Weight::Normal,
     };
     (

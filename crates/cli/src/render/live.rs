@@ -151,8 +151,8 @@ pub fn line(view: &AxisView) -> String {
 fn picture(view: &AxisView, output: &Output) -> Vec<String> {
     let zsw1 = view.zsw1.unwrap_or(0);
     let (mark, colour) = match zsw1 {
-        fault if fault & 1 << 3 != 0 => ("#", Colour::Fault),
-        warning if warning & 1 << 7 != 0 => ("!", Colour::Warning),
+        fault if words::has_fault(fault) => ("#", Colour::Fault),
+        warning if words::has_warning(warning) => ("!", Colour::Warning),
         _ if view.state_number() == Some("S4") => ("»", Colour::Normal),
         _ => ("·", Colour::Faint),
     };

@@ -68,17 +68,22 @@ pub fn stw1_meaning(word: u16) -> &'static str {
 /// State of the drive out of ZSW1 and the control word it was sent: `S4 operation`. Without the control word, S3 and a
 /// ramp stop cannot be told apart.
 pub fn state(zsw1: u16, sent: Option<u16>) -> String {
-    let word = Zsw1(zsw1);
-    let fault = if word.has(Zsw1::FAULT) {
-        ", with a fault"
-    } else {
-        ""
-    };
+    let fault = if has_fault(zsw1) { ", with a fault" } else { "" };
     match (profile_state(zsw1, sent), sent) {
         (Some(State::S3), None) => format!("{} (or S5 ramp stop while turning)", State::S3),
         (Some(state), _) => format!("{state}{fault}"),
         (None, _) => "not ready".into(),
     }
+}
+
+/// True when ZSW1 tells a fault.
+pub const fn has_fault(zsw1: u16) -> bool {
+    Zsw1(zsw1).has(Zsw1::FAULT)
+}
+
+/// True when ZSW1 tells a warning.
+pub const fn has_warning(zsw1: u16) -> bool {
+    Zsw1(zsw1).has(Zsw1::WARNING)
 }
 
 /// Short name of the state: `S4`.
