@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use network::files::StateFile;
+use network::files::{StateFile, StateFileError};
 use profinet::IpSuite;
 use profinet::device::{ImRecords, Stored};
 use serde_json::Value;
+use virtual_drive::store::{Storage, save};
 
 use crate::failure::{Exit, Failure};
 use crate::fields;
@@ -58,7 +59,7 @@ impl DriveState {
         let Some((file, _)) = &self.files else {
             return Ok(());
         };
-        file.replace(encode(network).as_bytes())
+        save(&mut OnDisk(file), &encode(network))
             .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
     }
 
@@ -76,8 +77,34 @@ impl DriveState {
         let Some((_, file)) = &self.files else {
             return Ok(());
         };
-        file.replace(text.as_bytes())
-            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+        save(&mut OnDisk(file), text).map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+    }
+}
+
+/// A file as the place the drive saves to.
+struct OnDisk<'f>(&'f StateFile);
+
+impl Storage for OnDisk<'_> {
+    type Error = StateFileError;
+
+    fn read(&mut self) -> Result<Option<Vec<u8>>, StateFileError> {
+        self.0.read()
+    }
+
+    fn write_beside(&mut self, bytes: &[u8]) -> Result<(), StateFileError> {
+        self.0.write_beside(bytes)
+    }
+
+    fn flush_beside(&mut self) -> Result<(), StateFileError> {
+        self.0.flush_beside()
+    }
+
+    fn replace(&mut self) -> Result<(), StateFileError> {
+        self.0.put_in_place()
+    }
+
+    fn flush_place(&mut self) -> Result<(), StateFileError> {
+        self.0.flush_place()
     }
 }
 

@@ -79,22 +79,60 @@ impl StateFile {
     /// # Errors
     /// When anything on the way fails; the old content is then still there.
     pub fn replace(&self, content: &[u8]) -> Result<(), StateFileError> {
-        let folder = match self.path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
+        self.write_beside(content)?;
+        self.flush_beside()?;
+        self.put_in_place()?;
+        self.flush_place()
+    }
+
+    /// First step of [`replace`](Self::replace): the new content in a file of its own; makes the folder if need be.
+    ///
+    /// # Errors
+    /// When the folder or the file cannot be written.
+    pub fn write_beside(&self, content: &[u8]) -> Result<(), StateFileError> {
+        let folder = self.folder();
         fs::create_dir_all(folder).map_err(|source| at(folder, "make", source))?;
         let beside = self.beside();
         let mut file = File::create(&beside).map_err(|source| at(&beside, "create", source))?;
         file.write_all(content)
-            .map_err(|source| at(&beside, "write", source))?;
-        file.sync_all().map_err(|source| at(&beside, "write", source))?;
-        drop(file);
-        fs::rename(&beside, &self.path).map_err(|source| self.error("replace", source))?;
-        // The new name itself must reach the disk.
+            .map_err(|source| at(&beside, "write", source))
+    }
+
+    /// Second step: returns when the new content is on the disk.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn flush_beside(&self) -> Result<(), StateFileError> {
+        let beside = self.beside();
+        File::open(&beside)
+            .and_then(|file| file.sync_all())
+            .map_err(|source| at(&beside, "write", source))
+    }
+
+    /// Third step: the new content takes the place of the old one, at once.
+    ///
+    /// # Errors
+    /// When the file cannot be renamed.
+    pub fn put_in_place(&self) -> Result<(), StateFileError> {
+        fs::rename(self.beside(), &self.path).map_err(|source| self.error("replace", source))
+    }
+
+    /// Fourth step: returns when the new name is on the disk.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn flush_place(&self) -> Result<(), StateFileError> {
+        let folder = self.folder();
         File::open(folder)
             .and_then(|folder| folder.sync_all())
             .map_err(|source| at(folder, "write", source))
+    }
+
+    fn folder(&self) -> &Path {
+        match self.path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        }
     }
 
     /// Removes the file; no error if there is none.
