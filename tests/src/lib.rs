@@ -16,4 +16,4 @@ pub mod traffic;
 
 pub use lab::{Capture, Lab, Side};
 pub use process::{Finished, Running};
-pub use programs::{built, capture_files, peer, python, root, wait_until};
+pub use programs::{built, capture_files, peer, python, root, undisturbed, wait_until};

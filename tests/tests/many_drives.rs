@@ -3,11 +3,15 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
-use system_tests::{Lab, Side, built, judge, traffic};
+use system_tests::{Lab, Side, built, judge, traffic, undisturbed};
 
 /// 64 virtual drives on one interface, one controller process, 16 ms, 30 s.
 #[test]
 fn sixty_four_drives_and_one_controller() {
+    undisturbed(measure);
+}
+
+fn measure() -> Result<(), String> {
     let lab = Lab::new("many-drives");
     let arguments = [
         "simulate",
@@ -33,6 +37,7 @@ fn sixty_four_drives_and_one_controller() {
         "cycle_us=16000",
         "seconds=30",
         "speed=164",
+        "hold=10",
     ];
     let finished = lab
         .run(
@@ -47,8 +52,14 @@ fn sixty_four_drives_and_one_controller() {
     let exchanges: Vec<_> = steps.iter().filter(|s| s["step"] == "exchange").collect();
     assert_eq!(exchanges.len(), 64);
     for exchange in &exchanges {
-        for counter in ["missed", "disordered", "rejected", "skipped"] {
-            assert_eq!(exchange[counter], 0, "{counter}: {exchange}");
+        assert_eq!(
+            (&exchange["rejected"], &exchange["disordered"]),
+            (&0.into(), &0.into()),
+            "{exchange}"
+        );
+        // an interval left out by a process that was held up, at either end
+        if exchange["missed"] != 0 || exchange["skipped"] != 0 {
+            return Err(exchange.to_string());
         }
         let received = exchange["received"].as_u64().unwrap();
         assert!((1870..=1880).contains(&received), "{exchange}");
@@ -83,6 +94,9 @@ fn sixty_four_drives_and_one_controller() {
         .saw("pn_io", 64 * 8);
     let streams = traffic::streams(&file, 512);
     assert_eq!(streams.len(), 128);
-    assert!(streams.values().all(|stream| stream.lost == 0), "{streams:?}");
+    if streams.values().any(|stream| stream.lost != 0) {
+        return Err(format!("{streams:?}"));
+    }
     drives.interrupt(Duration::from_secs(5)).ok();
+    Ok(())
 }
