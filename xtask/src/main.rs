@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 mod arrows;
-mod csv;
 mod r#gen;
+mod table;
 
 /// A house task either works or says why not.
 type Outcome<T> = Result<T, Box<dyn Error>>;

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::Generated;
 use crate::Outcome;
-use crate::csv::{Row, Table};
+use crate::table::{Row, Table};
 
 /// The generated files of the drive models.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
