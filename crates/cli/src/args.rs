@@ -355,7 +355,7 @@ pub struct Simulate {
     /// Ethernet address: derived from the name when left out, `host` for the interface's own (one drive only)
     #[arg(long, value_name = "host|MAC")]
     pub mac: Option<String>,
-    /// Fastest update time offered, 1 ms to 512 ms
+    /// Fastest update time offered: 1, 2, 4, 8 .. 512 ms
     #[arg(long, value_name = "TIME", default_value = "16ms", value_parser = duration)]
     pub min_cycle: Duration,
     /// Write the traffic of the drives to this file

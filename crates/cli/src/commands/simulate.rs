@@ -6,7 +6,7 @@ use std::net::Ipv4Addr;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use network::host::{Host, StationId};
-use network::linux::{Runner, Stop, Turn, now};
+use network::linux::{Error as NetworkError, Runner, Stop, Turn, now};
 use network::pcap::Writer;
 use profinet::device::Stored;
 use profinet::wire::dcp::check_name;
@@ -25,6 +25,8 @@ use crate::state::{self, DriveState};
 const TICK_NANOS: u128 = 31_250;
 /// How long to sleep while nothing happens.
 const NAP: Duration = Duration::from_secs(3600);
+/// How often an interface that went away is looked for.
+const RETRY: Duration = Duration::from_secs(1);
 
 /// A drive to be simulated.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -69,8 +71,26 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
         drives.insert(id, (plan.key.clone(), state));
     }
     output.say(&format!("{} on {interface}; Ctrl-C ends", count(plans.len())));
+    let (mut away, mut next_try) = (false, now());
     loop {
-        let turn = runner.step(now() + NAP)?;
+        let nap = if away { RETRY } else { NAP };
+        let turn = match runner.step(now() + nap) {
+            Err(error @ (NetworkError::InterfaceDown { .. } | NetworkError::InterfaceGone { .. })) => {
+                output.warn(&format!(
+                    "{error}: waiting until it is back; the drives go on without it"
+                ));
+                (away, next_try) = (true, now() + RETRY);
+                Turn::Worked
+            }
+            other => other?,
+        };
+        if away && now() >= next_try {
+            next_try = now() + RETRY;
+            away = !is_back(runner.reopen())?;
+            if !away {
+                output.say(&format!("{interface} is back"));
+            }
+        }
         let touched = runner.touched().to_vec();
         for id in touched {
             let Some((key, state)) = drives.get(&id) else {
@@ -91,6 +111,19 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
     runner
         .finish_taps()
         .map_err(|error| Failure::new(Exit::Failed, format!("the capture is not complete: {error}")))
+}
+
+/// Whether the interface could be opened again; down and not there are no failures.
+fn is_back(reopened: Result<(), NetworkError>) -> Result<bool, Failure> {
+    match reopened {
+        Ok(()) => Ok(true),
+        Err(
+            NetworkError::InterfaceDown { .. }
+            | NetworkError::InterfaceGone { .. }
+            | NetworkError::NoSuchInterface { .. },
+        ) => Ok(false),
+        Err(error) => Err(error.into()),
+    }
 }
 
 const fn model_of(model: Model) -> &'static DriveModel {
@@ -116,13 +149,35 @@ fn capture(path: &std::path::Path, interface: &str) -> Result<Writer<File>, Fail
     Writer::new(File::create(path).map_err(failed)?, interface, origin).map_err(failed)
 }
 
-/// The fastest update time in steps of 31.25 us.
+/// The fastest update time in steps of 31.25 us: a power of two of them, as every update time of PROFINET here.
 fn interval(time: Duration) -> Result<u16, Failure> {
-    let ticks = time.as_nanos() / TICK_NANOS;
-    u16::try_from(ticks)
-        .ok()
-        .filter(|ticks| (32..=16384).contains(ticks) && time.as_nanos().is_multiple_of(TICK_NANOS))
-        .ok_or_else(|| Failure::usage("--min-cycle: 1 ms to 512 ms, in steps of 31.25 us"))
+    let wanted = time.as_nanos();
+    let possible = (5..=14).map(|power| 1_u16 << power);
+    if let Some(ticks) = possible
+        .clone()
+        .find(|ticks| u128::from(*ticks) * TICK_NANOS == wanted)
+    {
+        return Ok(ticks);
+    }
+    let below = possible
+        .clone()
+        .rfind(|ticks| u128::from(*ticks) * TICK_NANOS < wanted);
+    let above = possible
+        .clone()
+        .find(|ticks| u128::from(*ticks) * TICK_NANOS > wanted);
+    let nearest: Vec<String> = [below, above]
+        .into_iter()
+        .flatten()
+        .map(|ticks| format!("{} ms", ticks / 32))
+        .collect();
+    Err(Failure::usage(format!(
+        "--min-cycle: an update time of {} ms does not exist",
+        time.as_secs_f64() * 1000.0
+    ))
+    .hint(format!(
+        "nearest: {}; possible are 1, 2, 4, 8 .. 512 ms",
+        nearest.join(" and ")
+    )))
 }
 
 /// Names, addresses and MAC addresses of all drives.
@@ -378,7 +433,14 @@ mod tests {
         assert_eq!(interval(Duration::from_millis(16)), Ok(512));
         assert_eq!(interval(Duration::from_millis(1)), Ok(32));
         assert_eq!(interval(Duration::from_millis(512)), Ok(16384));
-        assert!(interval(Duration::from_micros(500)).is_err());
-        assert!(interval(Duration::from_secs(1)).is_err());
+        for (micros, hint) in [
+            (500, "nearest: 1 ms;"),
+            (3_000, "nearest: 2 ms and 4 ms;"),
+            (1_000_000, "nearest: 512 ms;"),
+        ] {
+            let failure = interval(Duration::from_micros(micros)).unwrap_err();
+            assert_eq!(failure.exit, Exit::Usage);
+            assert!(failure.hint.unwrap().starts_with(hint), "{micros}");
+        }
     }
 }

@@ -66,6 +66,9 @@ pub struct Runner {
     taps: Vec<Box<dyn Tap>>,
     stop: Option<Stop>,
     sharpened: bool,
+    /// False from the moment the interface failed until it was opened again.
+    online: bool,
+    failure: Option<Error>,
 }
 
 impl std::fmt::Debug for Runner {
@@ -96,7 +99,24 @@ impl Runner {
             taps: Vec::new(),
             stop: None,
             sharpened: false,
+            online: true,
+            failure: None,
         })
+    }
+
+    /// Opens the interface once more, after [`step`](Self::step) said that it is down or gone. Until this succeeds the
+    /// stations go on in steps as before, but hear nothing, and what they send is lost.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open); it may be tried again.
+    pub fn reopen(&mut self) -> Result<(), Error> {
+        let mut socket = PacketSocket::open(&self.socket.interface().name, Wanted::Stations)?;
+        for station in self.stations.iter().flatten() {
+            socket.add_address(station.mac())?;
+        }
+        self.socket = socket;
+        self.online = true;
+        Ok(())
     }
 
     /// The interface as it was when opened.
@@ -178,7 +198,8 @@ impl Runner {
     /// set. Sleeps in between.
     ///
     /// # Errors
-    /// When the interface is down or gone, or the system refuses to wait. The step may be tried again.
+    /// When the interface is down or gone, or the system refuses to wait. The failure is told once; further steps run
+    /// the stations without a network until [`reopen`](Self::reopen) succeeds.
     pub fn step(&mut self, until: Instant) -> Result<Turn, Error> {
         if !self.sharpened {
             sharpen_timers();
@@ -204,22 +225,26 @@ impl Runner {
                 .earliest()
                 .map_or(until, |deadline| deadline.min(until));
             let mut fds = [
-                readable(self.socket.fd()),
+                readable(if self.online { self.socket.fd() } else { -1 }),
                 readable(self.stop.as_ref().map_or(-1, Stop::fd)),
             ];
             wait(&mut fds, wake - now()).map_err(Error::system("cannot wait for frames"))?;
-            self.socket.check(fds[0].revents)?;
+            if self.online {
+                let checked = self.socket.check(fds[0].revents);
+                self.note(checked);
+            }
+            self.told()?;
         }
     }
 
     /// Everything that is there to do at `now`, without waiting.
     fn work(&mut self, now: Instant) -> Result<(), Error> {
         while let Some(index) = self.dirty.pop() {
-            self.drain(index, now)?;
+            self.drain(index, now);
             self.schedule(index, Instant::ZERO);
         }
         for _ in 0..MAX_FRAMES {
-            if !self.receive(now)? {
+            if !self.online || !self.receive(now) {
                 break;
             }
         }
@@ -233,14 +258,30 @@ impl Runner {
                 station.handle_timeout(now);
             }
             self.touch(index);
-            self.drain(index, now)?;
+            self.drain(index, now);
             self.schedule(index, now + BREATH);
         }
-        self.socket.flush()
+        if self.online {
+            let flushed = self.socket.flush();
+            self.note(flushed);
+        }
+        self.told()
+    }
+
+    /// A failed interface fails no station half way: it is remembered, and told when all had their turn.
+    fn note(&mut self, result: Result<(), Error>) {
+        if let Err(error) = result {
+            self.online = false;
+            self.failure.get_or_insert(error);
+        }
+    }
+
+    fn told(&mut self) -> Result<(), Error> {
+        self.failure.take().map_or(Ok(()), Err)
     }
 
     /// Hands out one received frame; false if there is none.
-    fn receive(&mut self, now: Instant) -> Result<bool, Error> {
+    fn receive(&mut self, now: Instant) -> bool {
         let Self {
             socket,
             stations,
@@ -250,7 +291,7 @@ impl Runner {
             ..
         } = self;
         let Some((received, frame)) = socket.peek() else {
-            return Ok(false);
+            return false;
         };
         let mut single = None;
         let mut multicast = false;
@@ -275,27 +316,32 @@ impl Runner {
         let all = 0..if multicast { self.stations.len() } else { 0 };
         for index in all.chain(single.filter(|_| !multicast)) {
             self.touch(index);
-            self.drain(index, now)?;
+            self.drain(index, now);
             self.schedule(index, Instant::ZERO);
         }
-        Ok(true)
+        true
     }
 
-    fn drain(&mut self, index: usize, now: Instant) -> Result<(), Error> {
+    fn drain(&mut self, index: usize, now: Instant) {
         let Some(Some(station)) = self.stations.get_mut(index) else {
-            return Ok(());
+            return;
         };
         for _ in 0..MAX_BURST {
             let Some(length) = station.poll_transmit(now, &mut self.buffer) else {
-                return Ok(());
+                return;
             };
             let Some(frame) = self.buffer.get(..length) else {
-                return Ok(());
+                return;
             };
+            if !self.online {
+                continue;
+            }
             self.taps.iter_mut().for_each(|tap| tap.frame(now, frame));
-            self.socket.queue(frame)?;
+            if let Err(error) = self.socket.queue(frame) {
+                self.online = false;
+                self.failure.get_or_insert(error);
+            }
         }
-        Ok(())
     }
 
     /// Takes note of a station's deadline, not before `earliest`.
