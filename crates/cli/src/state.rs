@@ -36,6 +36,11 @@ impl DriveState {
         }
     }
 
+    /// True when there is a folder to keep things in.
+    pub const fn is_kept(&self) -> bool {
+        self.files.is_some()
+    }
+
     /// Name, address and I&M data; `None` for a drive that starts for the first time.
     pub fn read_network(&self) -> Result<Option<Stored>, Failure> {
         let Some((file, _)) = &self.files else {

@@ -1,8 +1,11 @@
 //! `profidrive simulate --model akd --name akd-1 -i IFACE`
 
+mod scribe;
+
 use std::collections::HashMap;
 use std::fs::File;
 use std::net::Ipv4Addr;
+use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use network::host::{Host, StationId};
@@ -12,14 +15,15 @@ use profinet::device::Stored;
 use profinet::wire::dcp::check_name;
 use profinet::{Instant, IpSuite, MacAddress};
 use virtual_drive::model::{self, Model as DriveModel};
-use virtual_drive::station::{Station, StationConfig, StationEvent};
+use virtual_drive::station::{Station, StationConfig};
 
 use crate::args::{Global, Model, Network, Simulate};
 use crate::connect;
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
 use crate::state::{self, DriveState};
+
+use scribe::Scribe;
 
 /// One step of an update time.
 const TICK_NANOS: u128 = 31_250;
@@ -38,6 +42,13 @@ struct Plan {
     ip: IpSuite,
 }
 
+/// A drive as its events need it.
+#[derive(Debug)]
+struct Keeping {
+    key: String,
+    state: DriveState,
+}
+
 pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Failure> {
     let interface = connect::interface(global)?.ok_or_else(connect::no_interface)?;
     let interval = interval(args.min_cycle)?;
@@ -54,7 +65,8 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
         runner.add_tap(Box::new(capture(path, &interface)?));
     }
     let start = now();
-    let mut drives: HashMap<StationId, (String, DriveState)> = HashMap::new();
+    let mut drives: HashMap<StationId, Arc<Keeping>> = HashMap::new();
+    let scribe = Scribe::new(output.clone());
     for plan in &plans {
         let state = DriveState::new(args.state.as_deref(), &plan.key);
         let mut config = StationConfig::new(model_of(args.model), plan.mac);
@@ -67,8 +79,12 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
         config.parameters = state.read_parameters()?;
         let told = told(&config.network, plan.mac);
         let id = runner.attach(Box::new(Host::new(Station::new(config))))?;
-        tell(output, &plan.key, now() - start, &format!("ready: {told}"));
-        drives.insert(id, (plan.key.clone(), state));
+        let keeping = Arc::new(Keeping {
+            key: plan.key.clone(),
+            state,
+        });
+        scribe.say(&keeping, now() - start, format!("ready: {told}"));
+        drives.insert(id, keeping);
     }
     output.say(&format!("{} on {interface}; Ctrl-C ends", count(plans.len())));
     let (mut away, mut next_try) = (false, now());
@@ -93,7 +109,7 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
         }
         let touched = runner.touched().to_vec();
         for id in touched {
-            let Some((key, state)) = drives.get(&id) else {
+            let Some(keeping) = drives.get(&id) else {
                 continue;
             };
             // asking for the station changes nothing but its place in the queue; most turns have no event
@@ -101,13 +117,14 @@ pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Fail
                 .station_mut::<Host<Station>>(id)
                 .and_then(|host| host.endpoint_mut().poll_event())
             {
-                happened(key, state, &event, now() - start, output);
+                scribe.happened(keeping, now() - start, event);
             }
         }
         if turn == Turn::Stopped {
             break;
         }
     }
+    scribe.finish();
     runner
         .finish_taps()
         .map_err(|error| Failure::new(Exit::Failed, format!("the capture is not complete: {error}")))
@@ -291,76 +308,6 @@ fn told(network: &Stored, mac: MacAddress) -> String {
         format!("{name}, {mac}, {}", network.ip.address)
     } else {
         format!("{name}, {mac}, waits for its address")
-    }
-}
-
-/// Keeps what must be kept, and says what happened.
-fn happened(key: &str, state: &DriveState, event: &StationEvent, at: Duration, output: &Output) {
-    // what could not be kept is not called kept
-    let kept = |result: Result<(), Failure>, text: &str| match result {
-        Ok(()) => tell(output, key, at, text),
-        Err(failure) => output.warn(&format!("{key}: not kept: {}", failure.message)),
-    };
-    match event {
-        StationEvent::PersistNetwork(network) => {
-            let name = if network.name.is_empty() {
-                "no name"
-            } else {
-                &network.name
-            };
-            let ip = if network.ip.is_set() {
-                network.ip.address.to_string()
-            } else {
-                "no address".into()
-            };
-            let text = format!("kept over power-off: {name}, {ip}");
-            kept(state.write_network(network), &text);
-        }
-        StationEvent::PersistParameters { text } => {
-            kept(state.write_parameters(text), "parameters saved");
-        }
-        StationEvent::ParametersIgnored(error) => {
-            output.warn(&format!(
-                "{key}: saved parameters not used, values as delivered: {error}"
-            ));
-        }
-        StationEvent::Blink => tell(output, key, at, "blinks"),
-        StationEvent::Connected { controller, station } => {
-            let kind = if *controller {
-                "controller"
-            } else {
-                "parameter tool"
-            };
-            let station = crate::render::table::clean(station);
-            tell(output, key, at, &format!("connected: {kind} \"{station}\""));
-        }
-        StationEvent::Exchanging { telegram } => {
-            tell(output, key, at, &format!("exchanges data, telegram {telegram}"))
-        }
-        StationEvent::Disconnected { cause } => tell(output, key, at, &format!("disconnected: {cause}")),
-        StationEvent::State { from, to } => tell(output, key, at, &format!("{from} -> {to}")),
-        StationEvent::Fault { number } => {
-            let meaning = profidrive::catalogue::AKD
-                .fault(*number, false)
-                .map_or("", |fault| fault.meaning);
-            tell(output, key, at, &format!("fault F{number} {meaning}"));
-        }
-        StationEvent::Acknowledged => tell(output, key, at, "faults acknowledged"),
-    }
-}
-
-fn tell(output: &Output, key: &str, at: Duration, text: &str) {
-    if output.json() {
-        output.document(
-            "simulate",
-            fields! { "time": at.as_secs_f64(), "drive": key, "text": text },
-        );
-    } else {
-        output.line(&format!(
-            "{:>10.3} s  {key:<16} {}",
-            at.as_secs_f64(),
-            text.trim_end()
-        ));
     }
 }
 

@@ -1,0 +1,284 @@
+//! Keeps what drives want kept and says what happened, beside the thread that carries their frames: neither a slow disk nor
+//! a terminal that takes no more text may hold up a cycle.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::thread::{JoinHandle, sleep, spawn};
+use std::time::Duration;
+
+use virtual_drive::station::StationEvent;
+
+use super::Keeping;
+use crate::failure::Failure;
+use crate::fields;
+use crate::output::Output;
+
+/// Lines that may wait for a terminal; what comes on top is counted and left out.
+const WAITING: usize = 4096;
+/// How long the end waits for a terminal that takes nothing.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Something to keep.
+struct Keep {
+    drive: Arc<Keeping>,
+    at: Duration,
+    event: StationEvent,
+}
+
+/// A line to print.
+struct Line {
+    drive: Arc<Keeping>,
+    at: Duration,
+    text: String,
+    warning: bool,
+}
+
+/// The way to the terminal.
+#[derive(Clone)]
+struct Voice {
+    lines: SyncSender<Line>,
+    left_out: Arc<AtomicU64>,
+}
+
+impl Voice {
+    fn say(&self, line: Line) {
+        if self.lines.try_send(line).is_err() {
+            self.left_out.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+/// One thread that saves, in order, and one that prints.
+pub struct Scribe {
+    keep: Sender<Keep>,
+    voice: Voice,
+    keeper: JoinHandle<()>,
+    talker: JoinHandle<()>,
+}
+
+impl Scribe {
+    /// Starts both.
+    pub fn new(output: Output) -> Self {
+        let (keep, kept) = channel();
+        let (lines, spoken) = sync_channel(WAITING);
+        let left_out = Arc::new(AtomicU64::new(0));
+        let voice = Voice {
+            lines,
+            left_out: Arc::clone(&left_out),
+        };
+        let keeper_voice = voice.clone();
+        let keeper = spawn(move || keep_all(&kept, &keeper_voice));
+        let talker = spawn(move || talk(&spoken, &left_out, &output));
+        Self {
+            keep,
+            voice,
+            keeper,
+            talker,
+        }
+    }
+
+    /// Says `text` of a drive.
+    pub fn say(&self, drive: &Arc<Keeping>, at: Duration, text: String) {
+        self.voice.say(Line {
+            drive: Arc::clone(drive),
+            at,
+            text,
+            warning: false,
+        });
+    }
+
+    /// Keeps what the event wants kept, or says what it says.
+    pub fn happened(&self, drive: &Arc<Keeping>, at: Duration, event: StationEvent) {
+        match &event {
+            StationEvent::PersistNetwork(_) | StationEvent::PersistParameters { .. } => {
+                // The keeper lives as long as this sender.
+                let _ = self.keep.send(Keep {
+                    drive: Arc::clone(drive),
+                    at,
+                    event,
+                });
+            }
+            StationEvent::ParametersIgnored(error) => {
+                let text = format!("saved parameters not used, values as delivered: {error}");
+                self.voice.say(Line {
+                    drive: Arc::clone(drive),
+                    at,
+                    text,
+                    warning: true,
+                });
+            }
+            said => self.say(drive, at, words(said)),
+        }
+    }
+
+    /// Waits until everything is saved and, unless the terminal takes nothing, printed.
+    pub fn finish(self) {
+        drop(self.keep);
+        let _ = self.keeper.join();
+        drop(self.voice);
+        let mut left = PATIENCE;
+        while !self.talker.is_finished() && !left.is_zero() {
+            let nap = Duration::from_millis(5).min(left);
+            sleep(nap);
+            left -= nap;
+        }
+    }
+}
+
+fn keep_all(jobs: &Receiver<Keep>, voice: &Voice) {
+    for Keep { drive, at, event } in jobs {
+        let (result, text) = match &event {
+            StationEvent::PersistNetwork(network) => {
+                let name = if network.name.is_empty() {
+                    "no name"
+                } else {
+                    &network.name
+                };
+                let ip = if network.ip.is_set() {
+                    network.ip.address.to_string()
+                } else {
+                    "no address".into()
+                };
+                (
+                    drive.state.write_network(network),
+                    format!("name and address: {name}, {ip}"),
+                )
+            }
+            StationEvent::PersistParameters { text } => {
+                (drive.state.write_parameters(text), "parameters saved".to_owned())
+            }
+            _ => continue,
+        };
+        voice.say(told(&drive, at, result, &text));
+    }
+}
+
+/// What could not be kept is not called kept, and what is not asked to be kept is not either.
+fn told(drive: &Arc<Keeping>, at: Duration, result: Result<(), Failure>, text: &str) -> Line {
+    let (text, warning) = match result {
+        Ok(()) if drive.state.is_kept() => (format!("{text}; kept over a restart"), false),
+        Ok(()) => (format!("{text}; until this program ends, without --state"), false),
+        Err(failure) => (format!("{text}: not kept: {}", failure.message), true),
+    };
+    Line {
+        drive: Arc::clone(drive),
+        at,
+        text,
+        warning,
+    }
+}
+
+fn talk(lines: &Receiver<Line>, left_out: &AtomicU64, output: &Output) {
+    for Line {
+        drive,
+        at,
+        text,
+        warning,
+    } in lines
+    {
+        if warning {
+            output.warn(&format!("{}: {text}", drive.key));
+        } else if output.json() {
+            output.document(
+                "simulate",
+                fields! { "time": at.as_secs_f64(), "drive": drive.key.as_str(), "text": text },
+            );
+        } else {
+            output.line(&format!(
+                "{:>10.3} s  {:<16} {}",
+                at.as_secs_f64(),
+                drive.key,
+                text.trim_end()
+            ));
+        }
+        let missing = left_out.swap(0, Ordering::Relaxed);
+        if missing > 0 {
+            output.warn(&format!(
+                "{missing} lines were left out: they came faster than they could be printed"
+            ));
+        }
+    }
+}
+
+fn words(event: &StationEvent) -> String {
+    match event {
+        StationEvent::Blink => "blinks".into(),
+        StationEvent::Connected { controller, station } => {
+            let kind = if *controller {
+                "controller"
+            } else {
+                "parameter tool"
+            };
+            let station = crate::render::table::clean(station);
+            format!("connected: {kind} \"{station}\"")
+        }
+        StationEvent::Exchanging { telegram } => format!("exchanges data, telegram {telegram}"),
+        StationEvent::Disconnected { cause } => format!("disconnected: {cause}"),
+        StationEvent::State { from, to } => format!("{from} -> {to}"),
+        StationEvent::Fault { number } => {
+            let meaning = profidrive::catalogue::AKD
+                .fault(*number, false)
+                .map_or("", |fault| fault.meaning);
+            format!("fault F{number} {meaning}")
+        }
+        StationEvent::Acknowledged => "faults acknowledged".into(),
+        StationEvent::PersistNetwork(_)
+        | StationEvent::PersistParameters { .. }
+        | StationEvent::ParametersIgnored(_) => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::failure::Exit;
+    use crate::state::DriveState;
+
+    fn drive(folder: Option<&std::path::Path>) -> Arc<Keeping> {
+        Arc::new(Keeping {
+            key: "akd-1".into(),
+            state: DriveState::new(folder, "akd-1"),
+        })
+    }
+
+    #[test]
+    fn only_what_was_kept_is_called_kept() {
+        let at = Duration::ZERO;
+        let folder = std::env::temp_dir();
+        let line = told(&drive(Some(&folder)), at, Ok(()), "parameters saved");
+        assert_eq!(
+            (line.text.as_str(), line.warning),
+            ("parameters saved; kept over a restart", false)
+        );
+        let line = told(&drive(None), at, Ok(()), "parameters saved");
+        assert!(line.text.contains("without --state"), "{}", line.text);
+        let failed = Err(Failure::new(Exit::Failed, "disk full"));
+        let line = told(&drive(Some(&folder)), at, failed, "parameters saved");
+        assert!(
+            line.warning && line.text.contains("not kept: disk full"),
+            "{}",
+            line.text
+        );
+    }
+
+    #[test]
+    fn a_terminal_that_takes_nothing_holds_nobody_up() {
+        let (lines, spoken) = sync_channel(2);
+        let voice = Voice {
+            lines,
+            left_out: Arc::default(),
+        };
+        for _ in 0..10 {
+            let (drive, at) = (drive(None), Duration::ZERO);
+            voice.say(Line {
+                drive,
+                at,
+                text: "x".into(),
+                warning: false,
+            });
+        }
+        assert_eq!(voice.left_out.load(Ordering::Relaxed), 8);
+        drop(spoken);
+    }
+}
