@@ -55,13 +55,13 @@ pub struct Global {
 pub enum Command {
     /// List the stations that answer on the network
     Scan(Scan),
-    /// Give a station its name
+    /// Give a station its name; `blink` first shows which one it is
     Name(Name),
-    /// Give a station its IP address
+    /// Give a station its IP address; `blink` first shows which one it is
     Ip(Ip),
     /// Let a station blink, to be sure which one it is
     Blink(Blink),
-    /// Reset a station to factory values (asks first)
+    /// Reset a station to factory values (asks first); `blink` first shows which one it is
     Reset(Reset),
     /// Show who a drive is and in which state
     Info(Drive),
@@ -112,9 +112,12 @@ pub struct Name {
     pub drive: String,
     /// The new name: lower case letters, digits, hyphens and dots; "" takes the name away
     pub name: String,
-    /// Keep it only until the next power-on
+    /// Keep it only until the next power-on; after it the drive has no name at all
     #[arg(long)]
     pub temporary: bool,
+    /// Also when a controller is running the drive: its axis then loses the controller
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -126,9 +129,12 @@ pub struct Ip {
     /// Gateway; none when left out
     #[arg(long, value_name = "A.B.C.D")]
     pub gateway: Option<Ipv4Addr>,
-    /// Keep it only until the next power-on
+    /// Keep it only until the next power-on; after it the drive has no address at all
     #[arg(long)]
     pub temporary: bool,
+    /// Also when a controller is running the drive: its axis then loses the controller
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Debug, Args)]
@@ -150,6 +156,9 @@ pub struct Reset {
     /// Do not ask
     #[arg(long)]
     pub yes: bool,
+    /// Also when a controller is running the drive: its axis then loses the controller
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// What a reset takes back to factory values (DCP ResetToFactory).
@@ -201,6 +210,9 @@ pub struct List {
     /// Read and show the values too
     #[arg(long)]
     pub values: bool,
+    /// Also show the raw value in hexadecimal
+    #[arg(long, requires = "values")]
+    pub raw: bool,
 }
 
 #[derive(Debug, Args)]
@@ -280,6 +292,9 @@ pub struct Monitor {
     /// How long to watch; until Ctrl-C when left out
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
+    /// Also show the raw value in hexadecimal
+    #[arg(long)]
+    pub raw: bool,
 }
 
 #[derive(Debug, Args)]

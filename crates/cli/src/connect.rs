@@ -89,11 +89,12 @@ pub fn session(
 }
 
 fn server(need: Need) -> ServerPort {
-    // devices call back on this port when a cyclic connection becomes ready
-    if need == Need::Cyclic {
-        ServerPort::Required
-    } else {
-        ServerPort::IfFree
+    match need {
+        // devices call back on this port when a cyclic connection becomes ready
+        Need::Cyclic => ServerPort::Required,
+        Need::Records => ServerPort::IfFree,
+        // left to a controller that starts meanwhile
+        Need::Discovery => ServerPort::None,
     }
 }
 
@@ -203,4 +204,16 @@ pub fn bar(output: &Output, length: usize, words: &'static str) -> ProgressBar {
     ProgressBar::new(length as u64)
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         .with_message(words)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_cyclic_data_needs_the_port_of_the_controller() {
+        assert_eq!(server(Need::Discovery), ServerPort::None);
+        assert_eq!(server(Need::Records), ServerPort::IfFree);
+        assert_eq!(server(Need::Cyclic), ServerPort::Required);
+    }
 }

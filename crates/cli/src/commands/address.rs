@@ -15,6 +15,7 @@ use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
+use crate::render::table::clean;
 
 pub fn name(args: &Name, global: &Global, output: &Output) -> Result<(), Failure> {
     if !args.name.is_empty()
@@ -24,8 +25,9 @@ pub fn name(args: &Name, global: &Global, output: &Output) -> Result<(), Failure
     }
     let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
     other_of_that_name(&mut session, &drive, &args.name)?;
+    not_at_work(&mut session, &drive, args.force, "named")?;
     session.set_name(&drive, &args.name, !args.temporary)?;
-    let kept = kept(args.temporary);
+    let kept = kept(args.temporary, "has no name at all");
     output.say(&format!(
         "{} is {} now ({kept})",
         describe(&drive.station),
@@ -54,12 +56,47 @@ fn shown(name: &str) -> &str {
     if name.is_empty() { "without a name" } else { name }
 }
 
-const fn kept(temporary: bool) -> &'static str {
+/// A name or address that is not kept takes the kept one with it.
+fn kept(temporary: bool, then: &str) -> String {
     if temporary {
-        "until the next power-on"
+        format!("until the next power-on; after it the drive {then}")
     } else {
-        "kept over power-off"
+        "kept over power-off".into()
     }
+}
+
+/// Naming, addressing or resetting a drive ends its connection, and with it the motion.
+fn not_at_work(session: &mut Live, drive: &Drive, force: bool, done: &str) -> Result<(), Failure> {
+    if force || !in_reach(drive.station.ip)? {
+        return Ok(());
+    }
+    let owner = match session.owner(drive) {
+        Err(error @ drive_client::Error::Interrupted) => return Err(error.into()),
+        // a drive that cannot be asked is named and addressed all the same: that is how it becomes reachable
+        other => other.unwrap_or_default().flatten(),
+    };
+    // the connection that asked is not to be cut by what follows
+    session.close()?;
+    owner.map_or(Ok(()), |name| {
+        Err(at_work(&describe(&drive.station), &name, done))
+    })
+}
+
+/// Whether records can be read from a station: not where no answer can come.
+fn in_reach(ip: IpSuite) -> Result<bool, Failure> {
+    Ok(ip.is_set()
+        && InterfaceInfo::list()?.iter().any(|info| {
+            let own = info.ip();
+            own.is_set() && own.is_local(ip.address)
+        }))
+}
+
+fn at_work(station: &str, controller: &str, done: &str) -> Failure {
+    let controller = clean(controller);
+    let message = format!("{station} is not {done}: controller \"{controller}\" is running it");
+    Failure::new(Exit::Safety, message).hint(
+        "its axis would lose the controller; `profidrive blink` shows which drive it is, --force goes on all the same",
+    )
 }
 
 /// One name, one station.
@@ -101,8 +138,9 @@ pub fn ip(args: &Ip, global: &Global, output: &Output) -> Result<(), Failure> {
         Ok(_) | Err(drive_client::Error::NotFound { .. }) => {}
         Err(error) => return Err(error.into()),
     }
+    not_at_work(&mut session, &drive, args.force, "addressed")?;
     session.set_ip(&drive, ip, !args.temporary)?;
-    let kept = kept(args.temporary);
+    let kept = kept(args.temporary, "has no address at all");
     output.say(&format!(
         "{} has {}/{} now ({kept})",
         drive.label(),
@@ -164,6 +202,7 @@ pub fn blink(args: &Blink, global: &Global, output: &Output) -> Result<(), Failu
 pub fn reset(args: &Reset, global: &Global, output: &Output) -> Result<(), Failure> {
     let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
     let (mode, what) = mode(args.mode);
+    not_at_work(&mut session, &drive, args.force, "reset")?;
     if !args.yes {
         let station = describe(&drive.station);
         confirm(
@@ -227,4 +266,28 @@ fn confirm(session: &mut Live, question: &str) -> Result<(), Failure> {
 
 fn is_yes(answer: &str) -> bool {
     matches!(answer.trim().to_ascii_lowercase().as_str(), "y" | "yes")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_drive_at_work_is_left_alone() {
+        let failure = at_work("akd-1", "plc", "named");
+        assert_eq!(failure.exit, Exit::Safety);
+        assert_eq!(
+            failure.message,
+            "akd-1 is not named: controller \"plc\" is running it"
+        );
+    }
+
+    #[test]
+    fn what_is_temporary_leaves_nothing() {
+        assert_eq!(
+            kept(true, "has no name at all"),
+            "until the next power-on; after it the drive has no name at all"
+        );
+        assert_eq!(kept(false, "has no name at all"), "kept over power-off");
+    }
 }

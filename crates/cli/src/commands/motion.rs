@@ -250,7 +250,7 @@ pub fn monitor(args: &Monitor, global: &Global, output: &Output) -> Result<(), F
             Err(Error::Interrupted) => break,
             other => other?,
         };
-        show_snapshot(&snapshot, output);
+        show_snapshot(&snapshot, args.raw, output);
         if faults_seen != snapshot.fault_counter {
             faults_seen = snapshot.fault_counter;
             let faults = session.faults(&mut drive).unwrap_or_default();
@@ -270,7 +270,7 @@ pub fn monitor(args: &Monitor, global: &Global, output: &Output) -> Result<(), F
     Ok(session.close()?)
 }
 
-fn show_snapshot(snapshot: &Snapshot, output: &Output) {
+fn show_snapshot(snapshot: &Snapshot, raw: bool, output: &Output) {
     if output.json() {
         let mut fields = fields! {
             "stw1": snapshot.stw1, "zsw1": snapshot.zsw1,
@@ -313,6 +313,9 @@ fn show_snapshot(snapshot: &Snapshot, output: &Output) {
                     .name
                     .map_or_else(|| reading.shown().to_string(), str::to_owned);
                 line = format!("{line}  {name} {}", value::full(reading));
+                if raw {
+                    line = format!("{line} [{}]", value::raw(reading));
+                }
             }
             Err(refusal) => line = format!("{line}  {} refused", refusal.shown),
         }

@@ -265,7 +265,7 @@ pub fn list(args: &List, global: &Global, output: &Output) -> Result<(), Failure
         }
         bar.finish_and_clear();
         session.close()?;
-        print_readings("list", &drive.label(), &readings, false, output);
+        print_readings("list", &drive.label(), &readings, args.raw, output);
         let refused = readings.iter().filter(|reading| reading.is_err()).count();
         if refused > 0 {
             output.say(&format!("{refused} of {} could not be read", readings.len()));

@@ -169,11 +169,16 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
             words::stw1_meaning(view.stw1),
             words::set_names(words::stw1_bits(), view.stw1)
         ),
-        format!(
-            "  ZSW1 {}  {}  [{}]",
-            hex16(zsw1),
-            nibbles(zsw1),
-            words::set_names(words::zsw1_bits(), zsw1)
+        view.zsw1.map_or_else(
+            || "  ZSW1 -".into(),
+            |zsw1| {
+                format!(
+                    "  ZSW1 {}  {}  [{}]",
+                    hex16(zsw1),
+                    nibbles(zsw1),
+                    words::set_names(words::zsw1_bits(), zsw1)
+                )
+            },
         ),
         speed("set   ", view.speed_set),
         speed("actual", view.speed_actual),
@@ -247,5 +252,7 @@ mod tests {
             text.contains("[READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ]"),
             "{text}"
         );
+        let text = picture(&AxisView { zsw1: None, ..VIEW }, &output).join("\n");
+        assert!(text.contains("\n  ZSW1 -\n"), "{text}");
     }
 }

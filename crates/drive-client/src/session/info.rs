@@ -89,18 +89,7 @@ where
                 Err(error) => return Err(error),
             }
         }
-        let at = RecordAddress {
-            api: 0,
-            slot: 0,
-            subslot: 1,
-            index: index::AR_DATA,
-        };
-        match self.read_record(drive, at) {
-            Ok(data) => info.controller = controller(&data),
-            // many devices do not tell
-            Err(Error::Record { .. }) => {}
-            Err(error) => return Err(error),
-        }
+        info.controller = self.owner(drive)?;
         let page: Vec<Selection> = PAGE
             .iter()
             .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
@@ -121,6 +110,26 @@ where
             }
         }
         Ok(info)
+    }
+
+    /// Name of the controller that has the cyclic connection of a drive: `Some(None)` when nobody has it, `None` when
+    /// the device does not tell.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn owner(&mut self, drive: &Drive) -> Result<Option<Option<String>>, Error> {
+        let at = RecordAddress {
+            api: 0,
+            slot: 0,
+            subslot: 1,
+            index: index::AR_DATA,
+        };
+        match self.read_record(drive, at) {
+            Ok(data) => Ok(controller(&data)),
+            // many devices do not tell
+            Err(Error::Record { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 }
 

@@ -389,6 +389,12 @@ static MT_CNTL_BITS: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+static OPERATING_MODE_CHOICES: &[Meaning] = &[
+    Meaning { value: 1, text: "speed control" },
+    Meaning { value: 2, text: "positioning" },
+];
+
+#[rustfmt::skip]
 static PL_FBSOURCE_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "Primary" },
     Meaning { value: 1, text: "Secondary" },
@@ -550,7 +556,7 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 916, name: "DO IO data actual telegram", size: Word, elements: 16, signed: false, access: ReadWrite, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Signal numbers of the actual-value telegram", source: SOURCES[0] },
     Parameter { pnu: 922, name: "Telegram selection", size: Word, elements: 1, signed: false, access: ReadWrite, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "PROFIdrive telegram in use; also FBUS.PARAM01", source: SOURCES[0] },
     Parameter { pnu: 923, name: "List of all signal parameters", size: Word, elements: 110, signed: false, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Signal numbers and the PNU of each", source: SOURCES[0] },
-    Parameter { pnu: 930, name: "Operating mode", size: Word, elements: 1, signed: false, access: ReadWrite, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Operating mode; writing 2 selects position mode (DRV.OPMODE 2) in the worked example", source: SOURCES[0] },
+    Parameter { pnu: 930, name: "Operating mode", size: Word, elements: 1, signed: false, access: ReadWrite, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: OPERATING_MODE_CHOICES, bits: &[], description: "Operating mode; writing 2 selects position mode (DRV.OPMODE 2) in the worked example", source: SOURCES[0] },
     Parameter { pnu: 944, name: "Fault message counter", size: Word, elements: 1, signed: false, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Counts each new fault situation", source: SOURCES[0] },
     Parameter { pnu: 947, name: "Fault number", size: Word, elements: 64, signed: false, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Fault buffer: 8 situations of 8 numbers each (64 entries), situation 0 is the unacknowledged one", source: SOURCES[0] },
     Parameter { pnu: 964, name: "Drive unit identification", size: Word, elements: 5, signed: false, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Indices 0 to 4", source: SOURCES[0] },
