@@ -1,6 +1,6 @@
 //! PROFIdrive parameter frames of a capture as *we* read them, to be put beside what the dissector reads.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use profidrive::parameter::{Answer, Dialect, ParameterAddress, Request, RequestId, Response, ResponseError};
@@ -19,7 +19,44 @@ type Asked = (RequestId, u8, Vec<ParameterAddress>);
 
 /// All PROFIdrive parameter frames of a capture as our decoders read them.
 #[must_use]
+#[track_caller]
 pub fn parameter_frames(capture: &Path, dialect: &Dialect) -> Vec<ParameterFrame> {
+    decoded(capture, dialect)
+        .into_iter()
+        .map(|(number, frame)| frame.unwrap_or_else(|error| panic!("frame {number}: {error}")))
+        .collect()
+}
+
+/// Frames in which the dissector is known to err, by what *we* find in them. A frame that we cannot read to its end is in
+/// neither set.
+#[derive(Debug, Clone, Default)]
+pub struct Misread {
+    /// A value block with an odd number of octets, so that a pad octet follows it.
+    pub padded: BTreeSet<usize>,
+    /// A positive change answer, which some drives end with a value-less block.
+    pub written: BTreeSet<usize>,
+}
+
+/// Looks for the frames that the dissector misreads.
+#[must_use]
+pub fn misread(capture: &Path) -> Misread {
+    let mut found = Misread::default();
+    // the AKD dialect accepts both forms of the positive change answer
+    for (number, frame) in decoded(capture, &Dialect::AKD) {
+        let Ok(frame) = frame else { continue };
+        let change = frame.request_id == Some(RequestId::Change.octet());
+        let whole = !change || frame.blocks.len() == usize::from(frame.count);
+        if whole && frame.blocks.iter().any(|&(format, count)| padded(format, count)) {
+            found.padded.insert(number);
+        }
+        if frame.response_id == Some(RequestId::Change.octet()) {
+            found.written.insert(number);
+        }
+    }
+    found
+}
+
+fn decoded(capture: &Path, dialect: &Dialect) -> Vec<(usize, Result<ParameterFrame, ResponseError>)> {
     let mut open: HashMap<([u8; 16], u16), Asked> = HashMap::new();
     let mut found = Vec::new();
     for (number, bytes) in frames(capture) {
@@ -46,7 +83,7 @@ pub fn parameter_frames(capture: &Path, dialect: &Dialect) -> Vec<ParameterFrame
                     continue;
                 };
                 let addresses: Vec<ParameterAddress> = request.addresses().collect();
-                found.push(ParameterFrame {
+                let frame = ParameterFrame {
                     frame: number,
                     reference: request.reference(),
                     request_id: Some(request.id().octet()),
@@ -65,7 +102,8 @@ pub fn parameter_frames(capture: &Path, dialect: &Dialect) -> Vec<ParameterFrame
                             .collect(),
                         _ => Vec::new(),
                     },
-                });
+                };
+                found.push((number, Ok(frame)));
                 let key = (write.ar_uuid.0, write.index);
                 open.insert(key, (request.id(), request.reference(), addresses));
             }
@@ -88,9 +126,12 @@ pub fn parameter_frames(capture: &Path, dialect: &Dialect) -> Vec<ParameterFrame
                     Err(ResponseError::Refused(error)) => {
                         (true, vec![(0x44, 1 + u8::from(error.info.is_some()))])
                     }
-                    Err(error) => panic!("frame {number}: {error}"),
+                    Err(error) => {
+                        found.push((number, Err(error)));
+                        continue;
+                    }
                 };
-                found.push(ParameterFrame {
+                let frame = ParameterFrame {
                     frame: number,
                     reference: *reference,
                     request_id: None,
@@ -99,7 +140,8 @@ pub fn parameter_frames(capture: &Path, dialect: &Dialect) -> Vec<ParameterFrame
                     count: data[3],
                     addresses: Vec::new(),
                     blocks,
-                });
+                };
+                found.push((number, Ok(frame)));
             }
             _ => {}
         }

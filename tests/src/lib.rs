@@ -9,6 +9,7 @@ pub mod compare;
 pub mod fuzz_targets;
 pub mod judge;
 mod lab;
+pub mod memory;
 mod process;
 mod programs;
 pub mod rewrite;

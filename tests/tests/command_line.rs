@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use profidrive::parameter::Dialect;
 use serde_json::Value;
-use system_tests::{Finished, Lab, Running, Side, built, compare, judge};
+use system_tests::{Finished, Lab, Running, Side, built, compare, judge, memory};
 
 const SHORT: Duration = Duration::from_secs(20);
 
@@ -28,6 +28,21 @@ fn json(lab: &Lab, arguments: &[&str]) -> Value {
     all.extend(arguments);
     let finished = client(lab, &all).ok();
     serde_json::from_str(&finished.out).unwrap_or_else(|e| panic!("{e}: {}", finished.out))
+}
+
+/// The demo needs no network, so nobody else has seen its frames yet.
+#[test]
+fn the_dissector_accepts_the_traffic_of_the_demo() {
+    let file = memory::scratch("demo.pcapng");
+    let _ = std::fs::remove_file(&file);
+    let output = std::process::Command::new(built("profidrive"))
+        .args(["demo", "--fast", "--pcap"])
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    judge::judge(&file).clean().saw("pn_dcp", 2).saw("pn_io", 500);
+    assert!(compare::same_parameters(&file, &Dialect::AKD) >= 30);
 }
 
 #[test]

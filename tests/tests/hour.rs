@@ -15,6 +15,7 @@ use profinet::controller::{
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
 use profinet::{Instant, IpSuite, MacAddress};
+use system_tests::{compare, judge, memory};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
@@ -339,7 +340,8 @@ fn one_hour_at_one_percent_loss_duplication_and_reordering() {
     }
 }
 
-fn one_hour(seed: u64) {
+/// A world with one percent of everything bad.
+fn bad_world(seed: u64) -> World {
     let mut world = World::new(seed);
     // With jitter the third frame after the last one may come just behind three intervals, so a factor of 3 survives one
     // lost frame for sure; 4 survives two.
@@ -353,13 +355,43 @@ fn one_hour(seed: u64) {
         ..Conditions::default()
     };
     world.segment.set_all_conditions(bad);
-    let end = Instant::from_millis(3_600_000);
+    world
+}
+
+fn run_until(world: &mut World, end: Instant) {
     while world.segment.now() < end {
         // a new speed every ten seconds
         let phase = world.ticks / 200 % 3;
         world.want = [Want::Run(164), Want::Run(-164), Want::Ready][usize::try_from(phase).unwrap()];
         world.tick(true);
     }
+}
+
+/// The first half minute of the hour, and a connection lost and found, for the dissector.
+#[test]
+fn the_dissector_accepts_what_is_sent_on_a_bad_segment() {
+    let mut world = bad_world(SEED);
+    let traffic = memory::listen(&mut world.segment);
+    run_until(&mut world, Instant::from_millis(30_000));
+    world.until("last job", 60, |world| world.job.is_none());
+    world.segment.cut(world.drive);
+    let before = world.lost.len();
+    world.until("the controller notices", 1, |world| world.lost.len() > before);
+    world.segment.uncut(world.drive);
+    world.until("connected again", 60, |world| world.running);
+    let statistics = world.segment.statistics();
+    println!("{} right, errors {:?}; {statistics:?}", world.right, world.errors);
+    assert!(world.right > 100, "{}", world.right);
+    let file = memory::save("bad-segment.pcapng", &traffic.borrow());
+    judge::judge(&file).clean().saw("pn_dcp", 4).saw("pn_io", 3000);
+    // the dissector sees each job even if its frames come twice or not at all
+    let jobs = compare::parameter_frames(&file, &Dialect::AKD).len();
+    assert!(jobs > 2 * world.right, "{jobs} of {}", world.right);
+}
+
+fn one_hour(seed: u64) {
+    let mut world = bad_world(seed);
+    run_until(&mut world, Instant::from_millis(3_600_000));
     world.until("last job", 60, |world| world.job.is_none());
     let statistics = world.segment.statistics();
     println!(
