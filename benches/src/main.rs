@@ -8,6 +8,7 @@
 
 mod cycles;
 mod drives;
+mod parameters;
 mod round_trip;
 mod table;
 
@@ -19,6 +20,7 @@ const SECTIONS: &[Section] = &[
     ("round-trip", round_trip::compare),
     ("cpu", cycles::cpu),
     ("start", cycles::start),
+    ("parameters", parameters::compare),
 ];
 
 fn main() -> ExitCode {
@@ -36,6 +38,10 @@ fn main() -> ExitCode {
         }
         ["ask", address, port, vendor, count] => {
             round_trip::ask(address, port, vendor, count);
+            return ExitCode::SUCCESS;
+        }
+        ["read-all", interface] => {
+            parameters::read_all(interface);
             return ExitCode::SUCCESS;
         }
         _ => {}

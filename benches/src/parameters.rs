@@ -1,0 +1,78 @@
+//! Reading every parameter of an AKD with the client: in memory, and over a veth pair from a drive in another process.
+
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use drive_client::Session;
+use network::linux::{PacketMedium, ServerPort};
+use profinet::Medium;
+use profinet::controller::ControllerConfig;
+use system_tests::{Lab, Side, memory};
+
+use crate::drives::simulate;
+use crate::table::Row;
+
+const ROUNDS: usize = 5;
+const IN_MEMORY: Duration = Duration::from_millis(10);
+const OVER_VETH: Duration = Duration::from_millis(50);
+
+/// Both ways.
+pub fn compare() -> Vec<Row> {
+    let (count, in_memory) = measure(&mut memory::session());
+    let lab = Lab::new("bench-parameters");
+    let own = std::env::current_exe().unwrap();
+    let _drive = simulate(&lab, &["--ip", "192.168.77.60/24"]);
+    let finished = lab
+        .run(
+            Side::Controller,
+            own,
+            ["read-all", "ctl0"],
+            Duration::from_secs(60),
+        )
+        .ok();
+    let over_veth = Duration::from_nanos(finished.out.trim().parse().unwrap());
+    let row = |way: &str, time: Duration, limit: Duration| {
+        Row::new(
+            &format!("reading all {count} AKD parameters {way} (median)"),
+            format!("{:.1} ms", time.as_secs_f64() * 1000.0),
+        )
+        .limit(format!("{} ms", limit.as_millis()), time <= limit)
+    };
+    vec![
+        row("in memory", in_memory, IN_MEMORY),
+        row("over veth", over_veth, OVER_VETH),
+    ]
+}
+
+/// The client over an interface: prints the median time in nanoseconds.
+pub fn read_all(interface: &str) {
+    let medium = PacketMedium::open(interface, ServerPort::IfFree).unwrap();
+    let info = medium.interface().clone();
+    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
+    let seed = u64::from(time.subsec_nanos());
+    let config = ControllerConfig::new(info.usable().unwrap(), info.ip(), "bench", seed);
+    let (_, time) = measure(&mut Session::new(medium, config));
+    println!("{}", time.as_nanos());
+}
+
+/// Number of parameters and median wall time to read them all, on a connection that is there already.
+fn measure<M: Medium>(session: &mut Session<M>) -> (usize, Duration)
+where
+    M::Error: Send + Sync + 'static,
+{
+    let mut drive = memory::find(session);
+    let all = memory::everything(&drive);
+    session.read(&mut drive, &all[..1]).unwrap();
+    let mut times: Vec<Duration> = (0..ROUNDS)
+        .map(|_| {
+            let start = Instant::now();
+            let readings = session.read(&mut drive, &all).unwrap();
+            let time = start.elapsed();
+            let refused = readings.iter().filter(|reading| reading.is_err()).count();
+            assert_eq!(refused, 0, "parameters refused");
+            time
+        })
+        .collect();
+    times.sort();
+    session.close().unwrap();
+    (all.len(), times[ROUNDS / 2])
+}
