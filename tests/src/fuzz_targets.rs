@@ -4,6 +4,12 @@
 //! A target fails by panicking. Beyond "does not panic" each checks what must hold for every input that is accepted:
 //! what was decoded encodes to something that decodes to the same.
 
+mod controller;
+mod records;
+
+pub use controller::controller;
+pub use records::records;
+
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
@@ -33,6 +39,7 @@ pub type Target = fn(&[u8]);
 pub const TARGETS: &[(&str, Target)] = &[
     ("alarm", alarm),
     ("blocks", blocks),
+    ("controller", controller),
     ("dcp", dcp),
     ("description", description),
     ("drive", drive),
@@ -41,6 +48,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("parameter_request", parameter_request),
     ("parameter_response", parameter_response),
     ("pcap", pcap),
+    ("records", records),
     ("rpc", rpc),
     ("rpc_client", rpc_client),
     ("rpc_server", rpc_server),

@@ -57,6 +57,14 @@ fn every_target_has_a_fuzzer_and_every_fuzzer_a_target() {
         );
     }
     assert_eq!(manifest.matches("[[bin]]").count(), TARGETS.len());
+    // and no seeds that nobody reads
+    for folder in std::fs::read_dir(root().join("fuzz/corpus")).unwrap() {
+        let folder = folder.unwrap().file_name().into_string().unwrap();
+        assert!(
+            TARGETS.iter().any(|(name, _)| *name == folder),
+            "fuzz/corpus/{folder} has no target"
+        );
+    }
 }
 
 /// The DCP and RPC seeds are whole frames and datagrams of the captures: nothing may change on the way through us.
