@@ -16,8 +16,9 @@ use super::{Step, Steps};
 
 const DEVICE: MacAddress = MacAddress([2, 0x50, 0x4E, 0, 0, 1]);
 const OWN: MacAddress = MacAddress([2, 0x50, 0x4E, 0, 0, 2]);
-/// Where the ARUUID stands in every body: behind NDR header, block header and two more octets.
-const AR_UUID: std::ops::Range<usize> = 28..44;
+/// Where the ARUUID stands in every body, behind NDR header, block header and two more octets; in all but records the
+/// session key follows.
+const AR_UUID: usize = 28;
 
 fn ip(last: u8) -> IpSuite {
     IpSuite {
@@ -68,7 +69,8 @@ fn config(resolve: Resolve) -> ConnectConfig {
 struct Peer {
     /// Header of the latest request.
     asked: Option<Header>,
-    ar: Option<[u8; 16]>,
+    /// ARUUID and session key.
+    ar: Option<[u8; 18]>,
 }
 
 impl Peer {
@@ -77,8 +79,10 @@ impl Peer {
             return;
         };
         if header.packet_type == PacketType::Request {
-            let ar = body.get(AR_UUID).and_then(|uuid| uuid.first_chunk::<16>());
-            self.ar = ar.copied().or(self.ar);
+            if header.operation == operation::CONNECT {
+                let ar = body.get(AR_UUID..).and_then(|ar| ar.first_chunk());
+                self.ar = ar.copied().or(self.ar);
+            }
             self.asked = Some(header);
         }
     }
@@ -98,8 +102,10 @@ impl Peer {
             _ => return content.to_vec(),
         };
         let mut body = content.to_vec();
-        if let (Some(place), Some(ar)) = (body.get_mut(AR_UUID), self.ar) {
-            place.copy_from_slice(&ar);
+        let record = matches!(header.operation, operation::READ | operation::WRITE);
+        let known = if record { 16 } else { 18 };
+        if let (Some(place), Some(ar)) = (body.get_mut(AR_UUID..AR_UUID + known), self.ar) {
+            place.copy_from_slice(&ar[..known]);
         }
         let mut datagram = Vec::new();
         header.encode(&mut datagram, body.len());
