@@ -26,23 +26,33 @@ use profidrive::notation::Quantity;
 )]
 pub struct Cli {
     #[command(flatten)]
+    pub interface: Interface,
+    #[command(flatten)]
     pub global: Global,
     #[command(subcommand)]
     pub command: Command,
 }
 
+/// The network to use.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Interface {
+    /// Network interface towards the drives; else that of the variable PROFIDRIVE_INTERFACE, else the only one
+    #[arg(short, long, value_name = "IFACE")]
+    pub interface: Option<String>,
+}
+
+/// A command that uses the network.
+#[derive(Debug, Args)]
+pub struct OnNetwork<T: Args> {
+    #[command(flatten)]
+    pub args: T,
+    #[command(flatten)]
+    pub interface: Interface,
+}
+
 /// Options of every command.
 #[derive(Debug, Clone, Args)]
 pub struct Global {
-    /// Network interface towards the drives
-    #[arg(
-        short,
-        long,
-        global = true,
-        env = "PROFIDRIVE_INTERFACE",
-        value_name = "IFACE"
-    )]
-    pub interface: Option<String>,
     /// Print data as JSON ("schema": "profidrive/1")
     #[arg(long, global = true)]
     pub json: bool,
@@ -54,39 +64,39 @@ pub struct Global {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// List the stations that answer on the network
-    Scan(Scan),
+    Scan(OnNetwork<Scan>),
     /// Give a station its name; `blink` first shows which one it is
-    Name(Name),
+    Name(OnNetwork<Name>),
     /// Give a station its IP address; `blink` first shows which one it is
-    Ip(Ip),
+    Ip(OnNetwork<Ip>),
     /// Let a station blink, to be sure which one it is
-    Blink(Blink),
+    Blink(OnNetwork<Blink>),
     /// Reset a station to factory values (asks first); `blink` first shows which one it is
-    Reset(Reset),
+    Reset(OnNetwork<Reset>),
     /// Show who a drive is and in which state
-    Info(Drive),
+    Info(OnNetwork<Drive>),
     /// Read parameters
-    Read(Read),
+    Read(OnNetwork<Read>),
     /// Write parameters: limits first, then old and new value, then read back
-    Write(Write),
+    Write(OnNetwork<Write>),
     /// List the parameters of a drive
-    List(List),
+    List(OnNetwork<List>),
     /// Describe one parameter: unit, limits, default, access
-    Describe(Describe),
+    Describe(OnNetwork<Describe>),
     /// Turn the motor at a speed for a time, then stop it (moves the axis)
-    Run(Run),
+    Run(OnNetwork<Run>),
     /// Turn the motor at a jog speed for a time, then stop it (moves the axis)
-    Jog(Jog),
+    Jog(OnNetwork<Jog>),
     /// Acknowledge the fault of a drive (sends STW1 0x04FE)
-    Ack(Ack),
+    Ack(OnNetwork<Ack>),
     /// Watch a drive beside its controller; reads only
-    Monitor(Monitor),
+    Monitor(OnNetwork<Monitor>),
     /// Say in words what a number means
     Explain(Explain),
     /// Say in words what a parameter job or a capture file contains
     Decode(Decode),
     /// Put virtual drives on a network
-    Simulate(Simulate),
+    Simulate(OnNetwork<Simulate>),
     /// Run a virtual drive and a controller on an in-memory network
     Demo(Demo),
     /// Write the completion script of a shell
@@ -497,6 +507,11 @@ mod tests {
             assert!(Cli::try_parse_from(line.split(' ')).is_ok(), "{line}");
         }
         assert!(Cli::try_parse_from(["profidrive", "decode"]).is_err());
+        assert!(Cli::try_parse_from("profidrive -i eth0 scan".split(' ')).is_ok());
+        for line in ["decode f", "explain 1 --as stw1", "demo", "completions bash"] {
+            let line = format!("profidrive {line} -i eth0");
+            assert!(Cli::try_parse_from(line.split(' ')).is_err(), "{line}");
+        }
         assert!(Cli::try_parse_from(["profidrive", "decode", "f", "--hex", "00"]).is_err());
     }
 }

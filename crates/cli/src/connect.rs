@@ -9,7 +9,7 @@ use network::linux::{Error as NetworkError, InterfaceInfo, PacketMedium, ServerP
 use profinet::controller::ControllerConfig;
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 
-use crate::args::Global;
+use crate::args::Interface;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 
@@ -56,7 +56,7 @@ pub type Live = Session<AnyMedium>;
 
 /// Opens the network for a command.
 pub fn session(
-    global: &Global,
+    interface: &Interface,
     need: Need,
     drive: Option<&DriveAddress>,
     output: &Output,
@@ -64,7 +64,7 @@ pub fn session(
     let stop = Stop::on_signals()
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     let by_ip = matches!((need, drive), (Need::Records, Some(DriveAddress::Ip(_))));
-    let mut session = match (interface(global)?, by_ip) {
+    let mut session = match (self::interface(interface)?, by_ip) {
         (Some(name), _) => match PacketMedium::open(&name, server(need)) {
             Err(NetworkError::NoPermission { .. }) if by_ip => {
                 output.say("no right to open a raw socket: going by UDP alone");
@@ -135,10 +135,16 @@ fn seed() -> u64 {
 }
 
 /// The interface to use: as told, else the only one there is.
-pub fn interface(global: &Global) -> Result<Option<String>, Failure> {
+pub fn interface(told: &Interface) -> Result<Option<String>, Failure> {
+    let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
     // an empty variable is no variable
-    if let Some(name) = global.interface.as_ref().filter(|name| !name.is_empty()) {
-        return Ok(Some(name.clone()));
+    if let Some(name) = told
+        .interface
+        .clone()
+        .or_else(variable)
+        .filter(|name| !name.is_empty())
+    {
+        return Ok(Some(name));
     }
     let usable: Vec<InterfaceInfo> = InterfaceInfo::list()?
         .into_iter()
@@ -173,12 +179,17 @@ pub fn no_interface() -> Failure {
 }
 
 /// Opens the network and finds the drive.
-pub fn drive(global: &Global, need: Need, text: &str, output: &Output) -> Result<(Live, Drive), Failure> {
+pub fn drive(
+    interface: &Interface,
+    need: Need,
+    text: &str,
+    output: &Output,
+) -> Result<(Live, Drive), Failure> {
     let address: DriveAddress = text.parse().map_err(|error: drive_client::DriveAddressError| {
         Failure::usage(error.to_string())
             .hint("DRIVE is a station name (akd-1), an IP address or a MAC address")
     })?;
-    let mut session = session(global, need, Some(&address), output)?;
+    let mut session = session(interface, need, Some(&address), output)?;
     let spinner = spinner(output, format!("looking for {address}"));
     let found = session.find(&address);
     spinner.finish_and_clear();

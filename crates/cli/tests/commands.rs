@@ -262,3 +262,30 @@ fn data_and_talk_are_apart() {
         assert_eq!(value["schema"], "profidrive/1");
     }
 }
+
+#[test]
+fn the_interface_is_asked_for_only_where_there_is_one() {
+    for verb in ["decode", "explain", "demo", "completions"] {
+        let help = stdout(&profidrive(&[verb, "--help"]));
+        assert!(!help.contains("--interface"), "{help}");
+    }
+    assert!(stdout(&profidrive(&["read", "--help"])).contains("--interface"));
+    let output = Command::new(env!("CARGO_BIN_EXE_profidrive"))
+        .arg("read")
+        .env("PROFIDRIVE_INTERFACE", "nosuch0")
+        .output()
+        .expect("the binary runs");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("Usage: profidrive read <DRIVE> <PARAM>..."),
+        "{}",
+        stderr(&output)
+    );
+    let output = Command::new(env!("CARGO_BIN_EXE_profidrive"))
+        .arg("scan")
+        .env("PROFIDRIVE_INTERFACE", "nosuch0")
+        .output()
+        .expect("the binary runs");
+    assert_eq!(output.status.code(), Some(4));
+    assert!(stderr(&output).contains("nosuch0"), "{}", stderr(&output));
+}

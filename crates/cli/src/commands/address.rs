@@ -10,20 +10,20 @@ use network::linux::InterfaceInfo;
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
 
-use crate::args::{Blink, Global, Ip, Name, Reset, ResetMode};
+use crate::args::{Blink, Interface, Ip, Name, Reset, ResetMode};
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
 use crate::render::table::clean;
 
-pub fn name(args: &Name, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), Failure> {
     if !args.name.is_empty()
         && let Err(rule) = check_name(args.name.as_bytes())
     {
         return Err(no_name(&args.name, rule));
     }
-    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+    let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     other_of_that_name(&mut session, &drive, &args.name)?;
     not_at_work(&mut session, &drive, args.force, "named")?;
     session.set_name(&drive, &args.name, !args.temporary)?;
@@ -117,8 +117,8 @@ fn other_of_that_name(session: &mut Live, drive: &Drive, name: &str) -> Result<(
     }
 }
 
-pub fn ip(args: &Ip, global: &Global, output: &Output) -> Result<(), Failure> {
-    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     let ip = IpSuite {
         address: args.address.address,
         mask: args.address.mask(),
@@ -172,10 +172,10 @@ fn not_our_own(address: Ipv4Addr) -> Result<(), Failure> {
     }
 }
 
-pub fn blink(args: &Blink, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(), Failure> {
     /// One signal lasts about three seconds.
     const EVERY: Duration = Duration::from_secs(3);
-    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+    let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     output.say(&format!("{} blinks", describe(&drive.station)));
     let end = session.now() + args.time;
     loop {
@@ -199,8 +199,8 @@ pub fn blink(args: &Blink, global: &Global, output: &Output) -> Result<(), Failu
     Ok(())
 }
 
-pub fn reset(args: &Reset, global: &Global, output: &Output) -> Result<(), Failure> {
-    let (mut session, drive) = connect::drive(global, Need::Discovery, &args.drive, output)?;
+pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     let (mode, what) = mode(args.mode);
     not_at_work(&mut session, &drive, args.force, "reset")?;
     if !args.yes {

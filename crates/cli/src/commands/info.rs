@@ -5,7 +5,7 @@ use drive_client::{FaultEntry, Identity, Info, describe};
 use serde_json::Value;
 
 use crate::args;
-use crate::args::Global;
+use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::fields;
@@ -17,8 +17,8 @@ use crate::render::{hex16, value, words};
 const ZSW1: u16 = 2;
 const STW1: u16 = 1;
 
-pub fn run(args: &args::Drive, global: &Global, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+pub fn run(args: &args::Drive, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
     let info = session.info(&mut drive);
     let faults = session.faults(&mut drive);

@@ -11,32 +11,40 @@ mod parameters;
 mod scan;
 mod simulate;
 
-use crate::args::{Cli, Command};
+use crate::args::{Cli, Command, Interface};
 use crate::failure::Failure;
 use crate::output::Output;
 
 /// Runs what was asked for.
 pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
-    let global = &cli.global;
     match &cli.command {
-        Command::Scan(args) => scan::run(args, global, output),
-        Command::Name(args) => address::name(args, global, output),
-        Command::Ip(args) => address::ip(args, global, output),
-        Command::Blink(args) => address::blink(args, global, output),
-        Command::Reset(args) => address::reset(args, global, output),
-        Command::Info(args) => info::run(args, global, output),
-        Command::Read(args) => parameters::read(args, global, output),
-        Command::Write(args) => parameters::write(args, global, output),
-        Command::List(args) => parameters::list(args, global, output),
-        Command::Describe(args) => parameters::describe(args, global, output),
-        Command::Run(args) => motion::run(args, global, output),
-        Command::Jog(args) => motion::jog(args, global, output),
-        Command::Ack(args) => motion::ack(args, global, output),
-        Command::Monitor(args) => motion::monitor(args, global, output),
+        Command::Scan(on) => scan::run(&on.args, interface(cli, &on.interface), output),
+        Command::Name(on) => address::name(&on.args, interface(cli, &on.interface), output),
+        Command::Ip(on) => address::ip(&on.args, interface(cli, &on.interface), output),
+        Command::Blink(on) => address::blink(&on.args, interface(cli, &on.interface), output),
+        Command::Reset(on) => address::reset(&on.args, interface(cli, &on.interface), output),
+        Command::Info(on) => info::run(&on.args, interface(cli, &on.interface), output),
+        Command::Read(on) => parameters::read(&on.args, interface(cli, &on.interface), output),
+        Command::Write(on) => parameters::write(&on.args, interface(cli, &on.interface), output),
+        Command::List(on) => parameters::list(&on.args, interface(cli, &on.interface), output),
+        Command::Describe(on) => parameters::describe(&on.args, interface(cli, &on.interface), output),
+        Command::Run(on) => motion::run(&on.args, interface(cli, &on.interface), output),
+        Command::Jog(on) => motion::jog(&on.args, interface(cli, &on.interface), output),
+        Command::Ack(on) => motion::ack(&on.args, interface(cli, &on.interface), output),
+        Command::Monitor(on) => motion::monitor(&on.args, interface(cli, &on.interface), output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => decode::run(args, output),
-        Command::Simulate(args) => simulate::run(args, global, output),
+        Command::Simulate(on) => simulate::run(&on.args, interface(cli, &on.interface), output),
         Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),
+    }
+}
+
+/// `-i` may stand before the verb or after it; the one after it counts.
+const fn interface<'a>(cli: &'a Cli, own: &'a Interface) -> &'a Interface {
+    if own.interface.is_some() {
+        own
+    } else {
+        &cli.interface
     }
 }

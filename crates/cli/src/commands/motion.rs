@@ -10,7 +10,7 @@ use profidrive::state::Stw1;
 use profinet::cyclic::Timing;
 use serde_json::Value;
 
-use crate::args::{Ack, Cyclic, Global, Jog, Monitor, Run};
+use crate::args::{Ack, Cyclic, Interface, Jog, Monitor, Run};
 use crate::connect::{self, AnyMedium, Live, Need};
 use crate::failure::Failure;
 use crate::fields;
@@ -52,12 +52,12 @@ fn settings(cyclic: &Cyclic, limit: f64) -> AxisSettings {
     }
 }
 
-pub fn run(args: &Run, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let speed = rpm(&args.velocity, "--velocity")?;
     let limit = rpm(&args.limit, "--limit")?.abs();
     within(speed, limit)?;
     checked(&args.cyclic)?;
-    let (mut session, mut drive) = connect::drive(global, Need::Cyclic, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
     let time = args.time.map_or_else(
         || "until Ctrl-C".into(),
         |time| format!("for {} s", time.as_secs_f64()),
@@ -84,7 +84,7 @@ fn within(speed: f64, limit: f64) -> Result<(), Failure> {
     Ok(())
 }
 
-pub fn jog(args: &Jog, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn jog(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let limit = rpm(&args.limit, "--limit")?.abs();
     let wanted = args
         .velocity
@@ -95,7 +95,7 @@ pub fn jog(args: &Jog, global: &Global, output: &Output) -> Result<(), Failure> 
         within(speed, limit)?;
     }
     checked(&args.cyclic)?;
-    let (mut session, mut drive) = connect::drive(global, Need::Cyclic, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
     let (jog, pnu) = match args.jog {
         2 => (axis::Jog::Two, JOG_SPEED[1]),
         _ => (axis::Jog::One, JOG_SPEED[0]),
@@ -131,9 +131,9 @@ pub fn jog(args: &Jog, global: &Global, output: &Output) -> Result<(), Failure> 
     Ok(session.close()?)
 }
 
-pub fn ack(args: &Ack, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Failure> {
     checked(&args.cyclic)?;
-    let (mut session, mut drive) = connect::drive(global, Need::Cyclic, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
     let faults = session.faults(&mut drive).unwrap_or_default();
     let present: Vec<String> = faults
         .iter()
@@ -227,7 +227,7 @@ fn told(fault: &FaultEntry) -> String {
     )
 }
 
-pub fn monitor(args: &Monitor, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let references: Vec<ParameterReference> = args
         .parameters
         .iter()
@@ -236,7 +236,7 @@ pub fn monitor(args: &Monitor, global: &Global, output: &Output) -> Result<(), F
                 .map_err(|error| Failure::from(ParameterProblem::from(error)))
         })
         .collect::<Result<_, _>>()?;
-    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let more: Vec<Selection> = references
         .iter()
         .map(|reference| drive.parameters.select(reference))

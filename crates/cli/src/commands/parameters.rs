@@ -7,7 +7,7 @@ use profidrive::notation::{ParameterReference, Shown};
 use profidrive::parameter::ErrorNames;
 use serde_json::{Map, Value};
 
-use crate::args::{Describe, Global, List, Read, Write};
+use crate::args::{Describe, Interface, List, Read, Write};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
@@ -15,9 +15,9 @@ use crate::output::{Colour, Output};
 use crate::render::table::Table;
 use crate::render::{number, value};
 
-pub fn read(args: &Read, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn read(args: &Read, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let references = parse_all(&args.parameters)?;
-    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let mut selections = Vec::new();
     let mut problems: Vec<Failure> = Vec::new();
     // one unknown name does not break the whole page
@@ -113,13 +113,13 @@ fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
     fields! { "pnu": refusal.shown.pnu, "index": refusal.shown.index, "name": refusal.name, "error": error }
 }
 
-pub fn write(args: &Write, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let assignments: Vec<Assignment> = args
         .assignments
         .iter()
         .map(|text| text.parse().map_err(Failure::from))
         .collect::<Result<_, _>>()?;
-    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let mode = if args.dry_run {
         WriteMode::DryRun
     } else {
@@ -231,8 +231,8 @@ fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
     fields
 }
 
-pub fn list(args: &List, global: &Global, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let Some(tables) = drive.model.catalogue else {
         return list_numbers(&mut session, &mut drive, output);
     };
@@ -368,9 +368,9 @@ fn list_numbers(
     Ok(())
 }
 
-pub fn describe(args: &Describe, global: &Global, output: &Output) -> Result<(), Failure> {
+pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let reference = parse_all(std::slice::from_ref(&args.parameter))?.remove(0);
-    let (mut session, mut drive) = connect::drive(global, Need::Records, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let selection = drive.parameters.select(&reference)?;
     let Some(parameter) = selection.parameter else {
         return Err(Failure::new(

@@ -7,15 +7,15 @@ use profinet::controller::Station;
 use profinet::wire::dcp::role;
 use serde_json::Value;
 
-use crate::args::{Global, Scan};
+use crate::args::{Interface, Scan};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
 use crate::render::table::Table;
 
-pub fn run(args: &Scan, global: &Global, output: &Output) -> Result<(), Failure> {
-    let mut session = connect::session(global, Need::Discovery, None, output)?;
+pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let mut session = connect::session(interface, Need::Discovery, None, output)?;
     let spinner = connect::spinner(output, format!("listening for {} ms", args.time.as_millis()));
     let stations = session.scan(args.time);
     spinner.finish_and_clear();

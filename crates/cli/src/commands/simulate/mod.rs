@@ -17,7 +17,7 @@ use profinet::{Instant, IpSuite, MacAddress};
 use virtual_drive::model::{self, Model as DriveModel};
 use virtual_drive::station::{Station, StationConfig};
 
-use crate::args::{Global, Model, Network, Simulate};
+use crate::args::{Interface, Model, Network, Simulate};
 use crate::connect;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
@@ -49,8 +49,8 @@ struct Keeping {
     state: DriveState,
 }
 
-pub fn run(args: &Simulate, global: &Global, output: &Output) -> Result<(), Failure> {
-    let interface = connect::interface(global)?.ok_or_else(connect::no_interface)?;
+pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failure> {
+    let interface = connect::interface(on)?.ok_or_else(connect::no_interface)?;
     let interval = interval(args.min_cycle)?;
     let mut runner = Runner::open(&interface)?;
     let host = runner.interface().mac;
@@ -321,7 +321,7 @@ mod tests {
         let crate::args::Command::Simulate(args) = cli.command else {
             panic!()
         };
-        plans(&args, Some(MacAddress([0, 1, 2, 3, 4, 5])))
+        plans(&args.args, Some(MacAddress([0, 1, 2, 3, 4, 5])))
     }
 
     #[test]
