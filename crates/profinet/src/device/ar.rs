@@ -112,6 +112,8 @@ pub(super) struct IoAr {
     pub(super) input: IocrRequest,
     pub(super) output: IocrRequest,
     pub(super) provider: Provider,
+    /// Both directions have the same interval.
+    pub(super) same_interval: bool,
     pub(super) consumer: Consumer,
     pub(super) alarms: Alarms,
     pub(super) diff: ModuleDiff,

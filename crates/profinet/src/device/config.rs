@@ -139,6 +139,9 @@ pub struct DeviceConfig {
     pub reset_modes: Vec<ResetMode>,
     /// DeviceAccess relations at once, beside the one controller.
     pub max_device_access: usize,
+    /// Sends each input frame right behind the controller's output frame where that is at most a quarter of the interval
+    /// early, see [`Provider::follow`](crate::cyclic::Provider::follow): one wake-up in a cycle instead of two.
+    pub follow_controller: bool,
     /// How long the application may take to answer a record before the engine refuses it.
     pub answer_limit: Duration,
 }
@@ -165,6 +168,7 @@ impl DeviceConfig {
             min_device_interval: 32,
             reset_modes: alloc::vec![ResetMode::Communication],
             max_device_access: 4,
+            follow_controller: false,
             answer_limit: Duration::from_secs(30),
         }
     }

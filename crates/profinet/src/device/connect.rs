@@ -272,6 +272,7 @@ impl Device {
             output: output.request.clone(),
             request: ar,
             provider,
+            same_interval: input.timing.interval() == output.timing.interval(),
             consumer,
             alarms,
             diff,

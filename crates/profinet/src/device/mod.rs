@@ -244,6 +244,9 @@ impl Device {
         let Ok(accepted) = io.consumer.handle(now, frame) else {
             return;
         };
+        if self.config.follow_controller && io.same_interval {
+            io.provider.follow(now);
+        }
         let key = io.key;
         let run = accepted.status.is_run();
         let run_changed = io.run != Some(run);

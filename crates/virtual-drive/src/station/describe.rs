@@ -53,6 +53,7 @@ pub(super) fn device_config(config: &StationConfig) -> DeviceConfig {
         }],
     }));
     DeviceConfig {
+        follow_controller: config.follow_controller,
         min_device_interval: config.min_device_interval.unwrap_or(device.min_device_interval),
         reset_modes: vec![
             ResetMode::ApplicationData,

@@ -42,6 +42,8 @@ pub struct StationConfig {
     pub mac: MacAddress,
     /// Shortest update time in steps of 31.25 us; `None` for that of the model.
     pub min_device_interval: Option<u16>,
+    /// Sends each input frame right behind the controller's frame: saves a wake-up in each cycle on a real network.
+    pub follow_controller: bool,
     /// Name, address and I&M data from the last run, or given by the user.
     pub network: Stored,
     /// Text of the saved parameters from the last run.
@@ -56,6 +58,7 @@ impl StationConfig {
             model,
             mac,
             min_device_interval: None,
+            follow_controller: false,
             network: Stored::default(),
             parameters: None,
         }

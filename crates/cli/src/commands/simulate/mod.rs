@@ -71,6 +71,7 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
         let state = DriveState::new(args.state.as_deref(), &plan.key);
         let mut config = StationConfig::new(model_of(args.model), plan.mac);
         config.min_device_interval = Some(interval);
+        config.follow_controller = true;
         config.network = state.read_network()?.unwrap_or_else(|| Stored {
             name: plan.name.clone(),
             ip: plan.ip,
