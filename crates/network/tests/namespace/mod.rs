@@ -15,7 +15,9 @@ pub fn inside(name: &str) -> bool {
     }
     let program = std::env::current_exe().expect("the test knows its own file");
     let with = |namespaces: &[&str]| {
-        Command::new("unshare")
+        // whatever started the tests may ignore SIGHUP (nohup), and children inherit that
+        Command::new("env")
+            .args(["--default-signal=HUP", "unshare"])
             .args(namespaces)
             .arg(&program)
             .args(["--exact", name, "--nocapture", "--test-threads=1"])
