@@ -75,7 +75,8 @@ pub fn judge(capture: &Path) -> Verdict {
             if padded {
                 verdict.exempted.insert(number);
             }
-            !(padded || misread.written.contains(&number) && row[2] == "Long frame (2 bytes)")
+            let akd_written = row[1].contains("[Long frame (2 bytes)]") && row[2].starts_with("Long frame");
+            !(padded || misread.written.contains(&number) && akd_written)
         });
         rows.into_iter().map(|row| row.join(" | ")).collect()
     };
@@ -91,7 +92,8 @@ pub fn judge(capture: &Path) -> Verdict {
 fn out_of_step(notes: &str) -> bool {
     !notes.is_empty()
         && notes.split(',').all(|note| {
-            note.starts_with("Long frame (")
+            note == "Long frame"
+                || note.starts_with("Long frame (")
                 || note.starts_with("Not supported or invalid format ")
                 || note.starts_with("Malformed Packet")
         })
