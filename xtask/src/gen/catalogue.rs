@@ -71,7 +71,7 @@ fn akd(root: &Path) -> Outcome<String> {
     let faults = Table::read(root, "data/akd/faults.csv")?;
 
     let mut text = String::from(
-        "use super::device::{Device, TelegramModule};\nuse super::fault::FaultText;\n\
+        "use super::device::{Device, TelegramModule};\nuse super::fault::{Cleared, Fault, Reaction};\n\
          use super::parameter::{Access::*, Meaning, Parameter, Scale::*, Size::*};\nuse super::Catalogue;\n\n\
          /// Kollmorgen AKD with PROFINET, firmware 1.17.\n\
          pub static AKD: Catalogue = Catalogue { model: \"AKD\", parameters: PARAMETERS, index: INDEX, names: NAMES, \
@@ -109,21 +109,9 @@ fn akd(root: &Path) -> Outcome<String> {
         "#[rustfmt::skip]\nstatic PARAMETERS: &[Parameter] = &[\n{rows}];\n"
     )?;
     text.push_str(&render_index(&numbers)?);
-    writeln!(text, "#[rustfmt::skip]\nstatic FAULTS: &[FaultText] = &[")?;
+    writeln!(text, "#[rustfmt::skip]\nstatic FAULTS: &[Fault] = &[")?;
     for row in faults.rows() {
-        let warning = match row.text("kind")? {
-            "F" => false,
-            "n" => true,
-            other => return Err(format!("{}: kind {other:?}", row.place()).into()),
-        };
-        writeln!(
-            text,
-            "    FaultText {{ number: {}, warning: {warning}, meaning: {:?}, remedy: {:?}, source: {:?} }},",
-            row.number::<u16>("number")?,
-            row.text("meaning")?,
-            row.text("cleared_by")?,
-            row.text("source")?,
-        )?;
+        text.push_str(&render_fault(row)?);
     }
     text.push_str("];\n");
     Ok(text)
@@ -238,6 +226,49 @@ fn render_parameter(
         number("minimum")?,
         number("maximum")?,
         row.text("description")?,
+    ))
+}
+
+fn render_fault(row: Row<'_>) -> Outcome<String> {
+    let place = || row.place();
+    let warning = match row.text("kind")? {
+        "F" => false,
+        "n" => true,
+        other => return Err(format!("{}: kind {other:?}", place()).into()),
+    };
+    let reaction = match row.text("reaction")? {
+        "coast" => "Coast",
+        "dynamic-brake" => "DynamicBrake",
+        "quick-stop" => "QuickStop",
+        "ramp-stop" => "RampStop",
+        "none" => "None",
+        other => return Err(format!("{}: reaction {other:?}", place()).into()),
+    };
+    if warning != (reaction == "None") {
+        return Err(format!("{}: a warning has no reaction, a fault has one", place()).into());
+    }
+    let cleared = match row.text("cleared")? {
+        "acknowledge" => "Acknowledge",
+        "by itself" => "ByItself",
+        "restart" => "Restart",
+        other => return Err(format!("{}: cleared {other:?}", place()).into()),
+    };
+    let recalled = match row.text("confidence")? {
+        "read" => false,
+        "recalled" => true,
+        other => return Err(format!("{}: confidence {other:?}", place()).into()),
+    };
+    if row.text("remedy")?.is_empty() {
+        return Err(format!("{}: no remedy", place()).into());
+    }
+    Ok(format!(
+        "    Fault {{ number: {}, warning: {warning}, meaning: {:?}, reaction: Reaction::{reaction}, remedy: {:?}, \
+         cleared: Cleared::{cleared}, recalled: {recalled}, assumed: {:?}, source: {:?} }},\n",
+        row.number::<u16>("number")?,
+        row.text("meaning")?,
+        row.text("remedy")?,
+        row.text("assumed")?,
+        row.text("source")?,
     ))
 }
 

@@ -81,12 +81,20 @@ fn fault(text: &str) -> Result<Explained, Failure> {
     let mut fields = fields! { "as": "fault", "model": "akd", "number": number, "warning": warning };
     if let Some(fault) = known {
         fields.insert("meaning".into(), fault.meaning.into());
+        fields.insert("reaction".into(), fault.reaction.text().into());
         fields.insert("remedy".into(), fault.remedy.into());
+        fields.insert("cleared".into(), fault.cleared.text().into());
         fields.insert("source".into(), fault.source.into());
-        if !fault.remedy.is_empty() {
-            lines.push(format!("  do     {}", fault.remedy));
-        }
-        lines.push(format!("  source {}", fault.source));
+        fields.insert("recalled".into(), fault.recalled.into());
+        lines.push(format!("  reaction {}", fault.reaction));
+        lines.push(format!("  do       {}", fault.remedy));
+        lines.push(format!("  cleared  {}", fault.cleared));
+        let assumed = if fault.assumed.is_empty() {
+            String::new()
+        } else {
+            format!(" (not told there: {})", fault.assumed)
+        };
+        lines.push(format!("  source   {}{assumed}", fault.source));
     }
     Ok((lines, fields))
 }
@@ -170,6 +178,12 @@ mod tests {
     fn faults_states_and_statuses() {
         assert!(lines("F702", Kind::Fault).starts_with("AKD F702: "));
         assert!(lines("702", Kind::Fault).starts_with("AKD F702: "));
+        let following = lines("n439", Kind::Fault);
+        assert!(
+            following.contains("\n  reaction none\n  do       look for"),
+            "{following}"
+        );
+        assert!(following.contains("\n  cleared  by itself"), "{following}");
         assert!(lines("9", Kind::Fault).contains("not in the table"));
         assert_eq!(lines("0x0237", Kind::State), "ZSW1 0x0237: S4 operation");
         assert!(lines("DE80B500", Kind::Pnio).contains("state conflict"));

@@ -1,17 +1,111 @@
 //! Fault and warning numbers of a model.
 
-/// What a fault or warning number means.
+use crate::state::FaultReaction;
+
+/// What a fault or warning number means, what the drive does about it and what a person can do.
 /// Source: the maker's lists, named in [`source`](Self::source).
+///
+/// ```
+/// use profidrive::catalogue::{AKD, Cleared, Reaction};
+/// let lost = AKD.fault(702, false).unwrap();
+/// assert_eq!((lost.reaction, lost.cleared), (Reaction::QuickStop, Cleared::Acknowledge));
+/// assert_eq!(lost.reaction.to_string(), "quick stop");
+/// assert_eq!(AKD.fault(107, true).unwrap().reaction, Reaction::None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FaultText {
+pub struct Fault {
     /// The number, as in PNU 947.
     pub number: u16,
     /// True for a warning (`n107`), false for a fault (`F107`).
     pub warning: bool,
     /// What happened.
     pub meaning: &'static str,
-    /// How it is cleared, empty when not known.
+    /// What the drive does when it happens.
+    pub reaction: Reaction,
+    /// What a person can do about it.
     pub remedy: &'static str,
+    /// How it goes away.
+    pub cleared: Cleared,
+    /// True where the row is from memory and no source was open when it was written.
+    pub recalled: bool,
+    /// Names of the columns of a row that no source tells, empty when there is none.
+    pub assumed: &'static str,
     /// Where this is from.
     pub source: &'static str,
+}
+
+/// What the drive does about a fault while its motor is on.
+/// Source: the AKD fault card ("disable power stage", "dynamic braking", "controlled stop") in the words of PROFIdrive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Reaction {
+    /// Pulses off at once, the axis coasts.
+    Coast,
+    /// Pulses off at once, the shorted windings brake the motor.
+    DynamicBrake,
+    /// Quick stop, then pulses off.
+    QuickStop,
+    /// Ramp stop, then pulses off.
+    RampStop,
+    /// Nothing: it is a warning.
+    None,
+}
+
+impl Reaction {
+    /// What it is for the general state machine; `None` for a warning.
+    #[must_use]
+    pub const fn of_machine(self) -> Option<FaultReaction> {
+        match self {
+            Self::Coast | Self::DynamicBrake => Some(FaultReaction::Coast),
+            Self::QuickStop => Some(FaultReaction::QuickStop),
+            Self::RampStop => Some(FaultReaction::RampStop),
+            Self::None => None,
+        }
+    }
+
+    /// In words.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Coast => "coast",
+            Self::DynamicBrake => "dynamic brake",
+            Self::QuickStop => "quick stop",
+            Self::RampStop => "ramp stop",
+            Self::None => "none",
+        }
+    }
+}
+
+impl core::fmt::Display for Reaction {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.text())
+    }
+}
+
+/// How a fault or warning goes away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Cleared {
+    /// When its cause is gone and somebody acknowledges: STW1 bit 7, DRV.CLRFAULTS or an input that does it.
+    Acknowledge,
+    /// By itself when its cause is gone: a warning.
+    ByItself,
+    /// By a restart of the drive only.
+    Restart,
+}
+
+impl Cleared {
+    /// In words.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Acknowledge => "acknowledge (STW1 bit 7 or DRV.CLRFAULTS) once the cause is gone",
+            Self::ByItself => "by itself once the cause is gone",
+            Self::Restart => "restart of the drive",
+        }
+    }
+}
+
+impl core::fmt::Display for Cleared {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.text())
+    }
 }

@@ -21,7 +21,7 @@ mod nearest;
 mod parameter;
 
 pub use device::{Device, TelegramModule};
-pub use fault::FaultText;
+pub use fault::{Cleared, Fault, Reaction};
 pub use generated_akd::AKD;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
 
@@ -33,7 +33,7 @@ pub struct Catalogue {
     /// All parameters, ascending by PNU.
     pub parameters: &'static [Parameter],
     /// Fault and warning numbers with their meaning, ascending by number.
-    pub faults: &'static [FaultText],
+    pub faults: &'static [Fault],
     /// Identity, modules and telegrams on the field bus.
     pub device: Device,
     /// Position in `parameters` plus one by PNU, 0 where there is none.
@@ -107,7 +107,7 @@ impl Catalogue {
 
     /// Meaning of a fault number (`F702`) or, with `warning`, of a warning number (`n702`).
     #[must_use]
-    pub fn fault(&self, number: u16, warning: bool) -> Option<&'static FaultText> {
+    pub fn fault(&self, number: u16, warning: bool) -> Option<&'static Fault> {
         let start = self.faults.partition_point(|fault| fault.number < number);
         let same = self
             .faults
@@ -249,6 +249,21 @@ mod tests {
                 .contains("fieldbus")
         );
         assert!(AKD.fault(107, false).is_none() && AKD.fault(107, true).is_some());
+    }
+
+    #[test]
+    fn every_fault_says_what_it_does_and_what_to_do() {
+        for fault in AKD.faults {
+            assert_eq!(fault.warning, fault.reaction == Reaction::None, "{fault:?}");
+            assert_eq!(fault.warning, fault.cleared == Cleared::ByItself, "{fault:?}");
+            assert!((8..110).contains(&fault.remedy.len()), "{fault:?}");
+            assert_eq!(AKD.fault(fault.number, fault.warning), Some(fault), "{fault:?}");
+        }
+        let reaction = |number| AKD.fault(number, false).unwrap().reaction;
+        assert_eq!(reaction(405), Reaction::DynamicBrake); // as the fault card says
+        assert_eq!(reaction(419), Reaction::Coast);
+        assert_eq!(reaction(702), Reaction::QuickStop);
+        assert!(AKD.fault(439, false).unwrap().recalled && !AKD.fault(438, true).unwrap().recalled);
     }
 
     #[test]
