@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use super::Generated;
+use super::{Generated, backup};
 use crate::Outcome;
 use crate::table::{Row, Table};
 
@@ -71,11 +71,11 @@ fn akd(root: &Path) -> Outcome<String> {
     let faults = Table::read(root, "data/akd/faults.csv")?;
 
     let mut text = String::from(
-        "use super::device::{Device, TelegramModule};\nuse super::fault::{Cleared, Fault, Reaction};\n\
+        "use super::backup::{BackupRule, Phase, Role};\nuse super::device::{Device, TelegramModule};\nuse super::fault::{Cleared, Fault, Reaction};\n\
          use super::parameter::{Access::*, Meaning, Parameter, Scale::*, Size::*};\nuse super::Catalogue;\n\n\
          /// Kollmorgen AKD with PROFINET, firmware 1.17.\n\
          pub static AKD: Catalogue = Catalogue { model: \"AKD\", parameters: PARAMETERS, index: INDEX, names: NAMES, \
-         faults: FAULTS, device: DEVICE };\n\n",
+         faults: FAULTS, device: DEVICE, backup: BACKUP };\n\n",
     );
     text.push_str(&render_device(&device));
     text.push_str(&meanings.render());
@@ -113,7 +113,9 @@ fn akd(root: &Path) -> Outcome<String> {
     for row in faults.rows() {
         text.push_str(&render_fault(row)?);
     }
-    text.push_str("];\n");
+    text.push_str("];\n\n");
+    let rules = Table::read(root, "data/akd/backup.csv")?;
+    text.push_str(&backup::render(&rules, &backup::known(&parameters)?)?);
     Ok(text)
 }
 

@@ -6,6 +6,7 @@ use std::process::{Command, Stdio};
 
 use crate::Outcome;
 
+mod backup;
 mod catalogue;
 mod parameter;
 mod profile;

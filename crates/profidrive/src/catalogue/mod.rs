@@ -14,12 +14,14 @@
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
+mod backup;
 mod device;
 mod fault;
 mod generated_akd;
 mod nearest;
 mod parameter;
 
+pub use backup::{BackupRule, Phase, Role};
 pub use device::{Device, TelegramModule};
 pub use fault::{Cleared, Fault, Reaction};
 pub use generated_akd::AKD;
@@ -36,6 +38,8 @@ pub struct Catalogue {
     pub faults: &'static [Fault],
     /// Identity, modules and telegrams on the field bus.
     pub device: Device,
+    /// What each parameter that is no plain setting is to a tool that saves and restores, ascending by PNU.
+    pub backup: &'static [BackupRule],
     /// Position in `parameters` plus one by PNU, 0 where there is none.
     index: &'static [u16],
     /// Positions in `parameters`, ordered by name without regard to case.
@@ -103,6 +107,31 @@ impl Catalogue {
         self.parameters
             .iter()
             .filter(move |parameter| contains(parameter.name, text) || contains(parameter.description, text))
+    }
+
+    /// What a parameter is to a tool that saves and restores.
+    ///
+    /// ```
+    /// use profidrive::catalogue::{AKD, Phase, Role};
+    /// assert_eq!(AKD.backup_rule(3014).phase, Phase::Scaling); // PN.POSSCALE
+    /// assert_eq!(AKD.backup_rule(2242).role, Role::Action); // MOTOR.BRAKERLS
+    /// assert_eq!(AKD.backup_rule(2108).role, Role::Setting); // DRV.ACC
+    /// ```
+    #[must_use]
+    pub fn backup_rule(&self, pnu: u16) -> BackupRule {
+        let found = self.backup.binary_search_by_key(&pnu, |rule| rule.pnu);
+        found
+            .ok()
+            .and_then(|at| self.backup.get(at))
+            .copied()
+            .unwrap_or_else(|| BackupRule::plain(pnu))
+    }
+
+    /// The first parameter with this role.
+    #[must_use]
+    pub fn with_role(&self, role: Role) -> Option<&'static Parameter> {
+        let rule = self.backup.iter().find(|rule| rule.role == role)?;
+        self.by_pnu(rule.pnu)
     }
 
     /// Meaning of a fault number (`F702`) or, with `warning`, of a warning number (`n702`).
@@ -236,6 +265,27 @@ mod tests {
         assert_eq!(names, ["DRV.NVSAVE"]);
         assert!(AKD.filter("watchdog").any(|found| found.pnu == 3022));
         assert_eq!(AKD.filter("").count(), 800);
+    }
+
+    #[test]
+    fn rules_of_saving_and_restoring_fit_the_table() {
+        assert!(AKD.backup.windows(2).all(|pair| pair[0].pnu < pair[1].pnu));
+        for rule in AKD.backup {
+            let parameter = AKD.by_pnu(rule.pnu).unwrap();
+            match rule.role {
+                Role::Alias { of } => assert_eq!(AKD.backup_rule(of).role, Role::Setting),
+                Role::Save | Role::ClearFaults => assert_eq!(parameter.access, Access::WriteOnly),
+                Role::Active => assert_eq!(parameter.access, Access::ReadOnly),
+                _ => assert_eq!(parameter.access, Access::ReadWrite, "{}", parameter.name),
+            }
+        }
+        assert_eq!(AKD.with_role(Role::Save).unwrap().name, "DRV.NVSAVE");
+        assert_eq!(AKD.with_role(Role::Active).unwrap().name, "DRV.ACTIVE");
+        assert_eq!(AKD.backup_rule(2031).role, Role::Setting); // CAP0.MODE
+        assert_eq!(AKD.backup_rule(2261).phase, Phase::Motor); // MOTOR.VMAX
+        assert_eq!(AKD.backup_rule(2260).phase, Phase::Scaling); // MOTOR.TYPE: the first row counts
+        assert_eq!(AKD.backup_rule(2110).role, Role::Active);
+        assert_eq!(AKD.backup_rule(930).role, Role::Alias { of: 2135 });
     }
 
     #[test]

@@ -1,0 +1,155 @@
+//! What each parameter is to a tool that saves and restores: `backup.csv` of a model.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use crate::Outcome;
+use crate::table::Table;
+
+/// A parameter that rules can name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Known {
+    /// Its number.
+    pub pnu: u16,
+    /// Its name.
+    pub name: String,
+    /// True when it can be read and written.
+    pub writable: bool,
+}
+
+/// Every parameter of a table.
+pub fn known(parameters: &Table) -> Outcome<Vec<Known>> {
+    parameters
+        .rows()
+        .map(|row| {
+            Ok(Known {
+                pnu: row.number("pnu")?,
+                name: row.text("name")?.to_owned(),
+                writable: row.text("access")? == "rw",
+            })
+        })
+        .collect()
+}
+
+/// The rules as Rust. The first row that names a parameter counts; a pattern names only what can be written.
+pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
+    let mut found: BTreeMap<u16, String> = BTreeMap::new();
+    for row in rules.rows() {
+        let place = row.place();
+        let pattern = row.text("pattern")?;
+        let of = row.text("of")?;
+        let role = match row.text("role")? {
+            "setting" => "Role::Setting".to_owned(),
+            "network" => "Role::Network".to_owned(),
+            "setpoint" => "Role::Setpoint".to_owned(),
+            "action" => "Role::Action".to_owned(),
+            "window" => "Role::Window".to_owned(),
+            "state" => "Role::State".to_owned(),
+            "save" => "Role::Save".to_owned(),
+            "clear-faults" => "Role::ClearFaults".to_owned(),
+            "active" => "Role::Active".to_owned(),
+            // of two parameters with one name, the one of the drive's own range
+            "alias" => known
+                .iter()
+                .rev()
+                .find(|other| other.name == of)
+                .map(|other| format!("Role::Alias {{ of: {} }}", other.pnu))
+                .ok_or_else(|| format!("{place}: there is no {of:?}"))?,
+            other => return Err(format!("{place}: role {other:?}").into()),
+        };
+        let phase = match row.text("phase")? {
+            "scaling" => "Scaling",
+            "mode" => "Mode",
+            "motor" => "Motor",
+            "limit" => "Limit",
+            "" => "Value",
+            "enable" => "Enable",
+            other => return Err(format!("{place}: phase {other:?}").into()),
+        };
+        let before = found.len();
+        for parameter in known.iter().filter(|one| names(pattern, one)) {
+            found.entry(parameter.pnu).or_insert(format!(
+                "    BackupRule {{ pnu: {}, role: {role}, phase: Phase::{phase}, why: {:?} }},",
+                parameter.pnu,
+                row.text("why")?
+            ));
+        }
+        if found.len() == before {
+            return Err(format!("{place}: {pattern:?} names nothing that no row before it names").into());
+        }
+    }
+    let mut text = String::from("#[rustfmt::skip]\nstatic BACKUP: &[BackupRule] = &[\n");
+    for rule in found.values() {
+        writeln!(text, "{rule}")?;
+    }
+    text.push_str("];\n");
+    Ok(text)
+}
+
+/// True when the pattern is the number (`p922`), the name, or a name with `*` for any part and the parameter can be
+/// written.
+fn names(pattern: &str, parameter: &Known) -> bool {
+    if let Some(pnu) = pattern
+        .strip_prefix('p')
+        .and_then(|number| number.parse::<u16>().ok())
+    {
+        return pnu == parameter.pnu;
+    }
+    pattern == parameter.name
+        || (parameter.writable && pattern.contains('*') && fits(pattern, &parameter.name))
+}
+
+fn fits(pattern: &str, text: &str) -> bool {
+    match pattern.split_once('*') {
+        None => pattern == text,
+        Some((start, rest)) => text.strip_prefix(start).is_some_and(|tail| {
+            (0..=tail.len()).any(|skip| tail.get(skip..).is_some_and(|end| fits(rest, end)))
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameters() -> Vec<Known> {
+        known(
+            &Table::parse(
+                "p",
+                "pnu,name,access\n922,Telegram,rw\n2000,A.EN,rw\n2001,A.FB,ro\n2002,B.EN,rw\n",
+            )
+            .unwrap(),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn the_first_row_counts_and_patterns_leave_out_what_is_read_only() {
+        let rules = "pattern,role,phase,of,why\nA.EN,alias,,B.EN,\nA.FB,active,,,\np922,network,,,w\n*.EN,setting,enable,,\n";
+        let text = render(&Table::parse("r", rules).unwrap(), &parameters()).unwrap();
+        let lines: Vec<&str> = text.lines().skip(2).map(str::trim).collect();
+        assert_eq!(
+            lines,
+            [
+                "BackupRule { pnu: 922, role: Role::Network, phase: Phase::Value, why: \"w\" },",
+                "BackupRule { pnu: 2000, role: Role::Alias { of: 2002 }, phase: Phase::Value, why: \"\" },",
+                "BackupRule { pnu: 2001, role: Role::Active, phase: Phase::Value, why: \"\" },",
+                "BackupRule { pnu: 2002, role: Role::Setting, phase: Phase::Enable, why: \"\" },",
+                "];",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_row_that_names_nothing_is_a_mistake() {
+        for rules in [
+            "C.*,setting,,,",
+            "A.*,alias,,C,",
+            "A.*,setting,soon,,",
+            "A.*,toy,,,",
+        ] {
+            let table = Table::parse("r", &format!("pattern,role,phase,of,why\n{rules}\n")).unwrap();
+            assert!(render(&table, &parameters()).is_err(), "{rules}");
+        }
+    }
+}
