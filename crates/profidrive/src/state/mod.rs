@@ -5,7 +5,8 @@
 //! items say so.
 //!
 //! The facts are tables ([`TRANSITIONS`], the bit tables in [`bits`]); [`Machine`] walks them. It has no clock and does
-//! nothing by itself: each drive cycle calls [`Machine::step`] once.
+//! nothing by itself: each drive cycle calls [`Machine::step`] once. What happens inside S4 of an axis in position mode
+//! is a table and a machine of its own, [`POSITION_TRANSITIONS`] and [`PositionMachine`].
 //!
 //! ```
 //! use profidrive::state::{Inputs, Machine, Motion, State, Stw1, Zsw1};
@@ -20,6 +21,7 @@
 
 pub mod bits;
 mod machine;
+mod position;
 mod setpoint;
 mod transition;
 mod word;
@@ -29,6 +31,10 @@ mod exhaustive;
 
 pub use bits::Mode;
 pub use machine::{Inputs, Machine, Output, Path};
+pub use position::{
+    POSITION_TRANSITIONS, PositionCommand, PositionCondition, PositionEffect, PositionFacts, PositionInputs,
+    PositionMachine, PositionOutput, PositionState, PositionTransition,
+};
 pub use setpoint::{Jog, SETPOINT_RULES, Setpoint, SetpointChannel, SetpointRule, SpeedCommand};
 pub use transition::{Condition, FaultReaction, MOST_TRANSITIONS, Reason, TRANSITIONS, Transition};
 pub use word::{Stw1, Zsw1};
