@@ -26,7 +26,7 @@ pub fn cpu() -> Vec<Row> {
     let mut rows = Vec::new();
     for cycle_ms in [1_u64, 4, 16] {
         let measure = |kind: &str, name: &str, device: &Running| -> f64 {
-            let seconds = if cycle_ms == 16 { 10 } else { 5 };
+            let seconds = seconds(cycle_ms);
             let options = [
                 format!("cycle_us={}", cycle_ms * 1000),
                 format!("seconds={seconds}"),
@@ -53,11 +53,16 @@ pub fn cpu() -> Vec<Row> {
         let pace = lab.spawn(
             Side::Controller,
             &own,
-            ["pace", "192.168.77.50:5000", &millis, "5"],
+            [
+                "pace",
+                "192.168.77.50:5000",
+                &millis,
+                &seconds(cycle_ms).to_string(),
+            ],
         );
         std::thread::sleep(Duration::from_millis(500));
-        let plain = used(&echo, Duration::from_secs(4), cycle_ms);
-        pace.finish(Duration::from_secs(10)).ok();
+        let plain = used(&echo, Duration::from_secs(seconds(cycle_ms) - 2), cycle_ms);
+        pace.finish(Duration::from_secs(60)).ok();
         drop(echo);
         rows.push(
             Row::new(
@@ -69,6 +74,11 @@ pub fn cpu() -> Vec<Row> {
         );
     }
     rows
+}
+
+/// How long one measurement runs, in seconds: 1,000 cycles at least.
+const fn seconds(cycle_ms: u64) -> u64 {
+    2 + if cycle_ms == 16 { 18 } else { 5 }
 }
 
 /// CPU seconds per 1,000 cycles of a process over a time.

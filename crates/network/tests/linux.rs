@@ -433,7 +433,7 @@ fn a_stop_flag_ends_the_wait_at_once() {
     veth();
     let mut runner = Runner::open("va").unwrap();
     let stop = Stop::on_signals().unwrap();
-    runner.set_stop(stop.clone());
+    runner.set_stop(stop.clone()).unwrap();
     run("ip address add 10.0.0.9/24 dev vb");
     let mut medium = UdpMedium::open(suite(9).address, ServerPort::Required).unwrap();
     medium.set_stop(stop.clone());

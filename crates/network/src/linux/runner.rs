@@ -1,7 +1,7 @@
 //! Stations on a real interface.
 
 use std::any::Any;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use profinet::{Instant, MAX_FRAME, MacAddress};
@@ -10,7 +10,7 @@ use super::error::Error;
 use super::filter::Wanted;
 use super::interface::InterfaceInfo;
 use super::packet::{PacketSocket, PacketStatistics};
-use super::poll::{now, readable, sharpen_timers, wait};
+use super::poll::{Watch, now, sharpen_timers};
 use super::stop::Stop;
 use crate::deadlines::Deadlines;
 use crate::host::{Station, StationId, addresses};
@@ -41,7 +41,7 @@ pub enum Turn {
 /// # fn stations() -> Vec<Box<dyn network::host::Station>> { Vec::new() }
 /// use network::linux::{Runner, Stop, Turn, now};
 /// let mut runner = Runner::open("eth0")?;
-/// runner.set_stop(Stop::on_signals()?);
+/// runner.set_stop(Stop::on_signals()?)?;
 /// for station in stations() {
 ///     runner.attach(station)?;
 /// }
@@ -54,8 +54,9 @@ pub enum Turn {
 /// ```
 pub struct Runner {
     socket: PacketSocket,
+    watch: Watch,
     stations: Vec<Option<Box<dyn Station>>>,
-    by_mac: HashMap<MacAddress, usize>,
+    by_mac: BTreeMap<MacAddress, usize>,
     deadlines: Deadlines,
     dirty: Vec<usize>,
     touched: Vec<StationId>,
@@ -86,10 +87,16 @@ impl Runner {
     /// # Errors
     /// No such interface, interface down, no Ethernet, no right to raw sockets.
     pub fn open(interface: &str) -> Result<Self, Error> {
+        let socket = PacketSocket::open(interface, Wanted::Stations)?;
+        let watch = Watch::new().map_err(Error::system("cannot wait for frames"))?;
+        watch
+            .add(socket.fd())
+            .map_err(Error::system("cannot wait for frames"))?;
         Ok(Self {
-            socket: PacketSocket::open(interface, Wanted::Stations)?,
+            socket,
+            watch,
             stations: Vec::new(),
-            by_mac: HashMap::new(),
+            by_mac: BTreeMap::new(),
             deadlines: Deadlines::default(),
             dirty: Vec::new(),
             touched: Vec::new(),
@@ -114,6 +121,9 @@ impl Runner {
         for station in self.stations.iter().flatten() {
             socket.add_address(station.mac())?;
         }
+        self.watch
+            .add(socket.fd())
+            .map_err(Error::system("cannot wait for frames"))?;
         self.socket = socket;
         self.online = true;
         Ok(())
@@ -176,8 +186,18 @@ impl Runner {
     }
 
     /// Lets this flag end a step early.
-    pub fn set_stop(&mut self, stop: Stop) {
+    ///
+    /// # Errors
+    /// When the system has no room to watch it.
+    pub fn set_stop(&mut self, stop: Stop) -> Result<(), Error> {
+        if let Some(former) = self.stop.take() {
+            self.watch.remove(former.fd());
+        }
+        self.watch
+            .add(stop.fd())
+            .map_err(Error::system("cannot wait for the end of the program"))?;
         self.stop = Some(stop);
+        Ok(())
     }
 
     /// Lets `tap` see every frame received for the stations and sent by them; times are those of [`now`](super::now),
@@ -224,13 +244,12 @@ impl Runner {
                 .deadlines
                 .earliest()
                 .map_or(until, |deadline| deadline.min(until));
-            let mut fds = [
-                readable(if self.online { self.socket.fd() } else { -1 }),
-                readable(self.stop.as_ref().map_or(-1, Stop::fd)),
-            ];
-            wait(&mut fds, wake - now()).map_err(Error::system("cannot wait for frames"))?;
+            let events = self
+                .watch
+                .wait(self.socket.fd(), wake - now())
+                .map_err(Error::system("cannot wait for frames"))?;
             if self.online {
-                let checked = self.socket.check(fds[0].revents);
+                let checked = self.socket.check(events);
                 self.note(checked);
             }
             self.told()?;
@@ -271,9 +290,15 @@ impl Runner {
     /// A failed interface fails no station half way: it is remembered, and told when all had their turn.
     fn note(&mut self, result: Result<(), Error>) {
         if let Err(error) = result {
-            self.online = false;
-            self.failure.get_or_insert(error);
+            self.fail(error);
         }
+    }
+
+    /// A socket that failed would wake the runner for ever.
+    fn fail(&mut self, error: Error) {
+        self.watch.remove(self.socket.fd());
+        self.online = false;
+        self.failure.get_or_insert(error);
     }
 
     fn told(&mut self) -> Result<(), Error> {
@@ -323,25 +348,30 @@ impl Runner {
     }
 
     fn drain(&mut self, index: usize, now: Instant) {
+        let queued = self.queue_all(index, now);
+        self.note(queued);
+    }
+
+    /// Puts all frames of a station into the batch; what follows a failure of the socket is lost.
+    fn queue_all(&mut self, index: usize, now: Instant) -> Result<(), Error> {
+        let mut result = Ok(());
         let Some(Some(station)) = self.stations.get_mut(index) else {
-            return;
+            return Ok(());
         };
         for _ in 0..MAX_BURST {
             let Some(length) = station.poll_transmit(now, &mut self.buffer) else {
-                return;
+                break;
             };
             let Some(frame) = self.buffer.get(..length) else {
-                return;
+                break;
             };
-            if !self.online {
+            if !self.online || result.is_err() {
                 continue;
             }
             self.taps.iter_mut().for_each(|tap| tap.frame(now, frame));
-            if let Err(error) = self.socket.queue(frame) {
-                self.online = false;
-                self.failure.get_or_insert(error);
-            }
+            result = self.socket.queue(frame);
         }
+        result
     }
 
     /// Takes note of a station's deadline, not before `earliest`.

@@ -158,6 +158,12 @@ impl Station {
         self.events.pop_front()
     }
 
+    /// True while [`poll_event`](Self::poll_event) has something to tell.
+    #[must_use]
+    pub fn has_event(&self) -> bool {
+        !self.events.is_empty()
+    }
+
     /// The drive behind the field bus.
     #[must_use]
     pub const fn drive(&self) -> &Drive {

@@ -2,7 +2,7 @@
 
 mod scribe;
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
@@ -60,12 +60,12 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     }
     let stop = Stop::on_signals()
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
-    runner.set_stop(stop);
+    runner.set_stop(stop)?;
     if let Some(path) = &args.pcap {
         runner.add_tap(Box::new(capture(path, &interface)?));
     }
     let start = now();
-    let mut drives: HashMap<StationId, Arc<Keeping>> = HashMap::new();
+    let mut drives: BTreeMap<StationId, Arc<Keeping>> = BTreeMap::new();
     let scribe = Scribe::new(output.clone());
     for plan in &plans {
         let state = DriveState::new(args.state.as_deref(), &plan.key);
@@ -108,12 +108,18 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
                 output.say(&format!("{interface} is back"));
             }
         }
-        let touched = runner.touched().to_vec();
-        for id in touched {
-            let Some(keeping) = drives.get(&id) else {
+        for turn in 0..runner.touched().len() {
+            // most turns have no event: looking first leaves the station undisturbed
+            let touched = runner.touched().get(turn).copied();
+            let Some((id, keeping)) = touched
+                .filter(|id| {
+                    let host = runner.station::<Host<Station>>(*id);
+                    host.is_some_and(|host| host.endpoint().has_event())
+                })
+                .and_then(|id| Some((id, drives.get(&id)?)))
+            else {
                 continue;
             };
-            // asking for the station changes nothing but its place in the queue; most turns have no event
             while let Some(event) = runner
                 .station_mut::<Host<Station>>(id)
                 .and_then(|host| host.endpoint_mut().poll_event())
