@@ -2,10 +2,13 @@
 
 use thiserror::Error;
 
-use super::{Direction, Field, SetError, Signal};
+use super::{Direction, Field, Image, SetError, Signal};
 
-/// Words of a free telegram at most: the PNU 915 and 916 of the drives known here have 16.
-const MOST_WORDS: usize = 32;
+/// Words of a telegram at most: the PNU 915 and 916 of the drives known here have 16.
+pub(super) const MOST_WORDS: usize = 32;
+
+/// Numbers of STW1 and ZSW1, whose place is the first word and no other.
+const WORD_ONE: [u16; 2] = [1, 2];
 
 /// Half of a free telegram (telegram 0, AKD telegram 400), made out of the signal numbers of PNU 915 or 916.
 /// Source: AKD manual 5.8, 5.11.1 and 5.11.10; AKD2G web help (STW1 and ZSW1 come first).
@@ -19,9 +22,23 @@ const MOST_WORDS: usize = 32;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mapping {
-    fields: [Option<Field>; MOST_WORDS],
+    /// In order, without gaps; only the first `count` count.
+    fields: [Field; MOST_WORDS],
+    count: usize,
     octets: u16,
 }
+
+/// Stands in the places of [`Mapping::fields`] that are not in use.
+static NOTHING: Signal = Signal {
+    number: 0,
+    name: "",
+    vendor: None,
+    bits: 16,
+    signed: false,
+    direction: Direction::Either,
+    meaning: "",
+    source: "",
+};
 
 /// Why signal numbers are no mapping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -64,9 +81,55 @@ pub enum MappingError {
         /// Signal number there.
         signal: u16,
     },
+    /// STW1 or ZSW1 in another word than the first. Source: AKD2G web help, PROFINET signal list.
+    #[error("word {word}: {signal} can be the first word only")]
+    OnlyFirst {
+        /// Position, from 0.
+        word: usize,
+        /// Signal name.
+        signal: &'static str,
+    },
+}
+
+impl MappingError {
+    /// Position of the word that is wrong, from 0; of the first one too many for a mapping that is too long.
+    #[must_use]
+    pub const fn word(&self) -> usize {
+        match *self {
+            Self::Long { .. } => MOST_WORDS,
+            Self::First { .. } => 0,
+            Self::Unknown { word, .. }
+            | Self::Direction { word, .. }
+            | Self::Cut { word, .. }
+            | Self::OnlyFirst { word, .. } => word,
+        }
+    }
 }
 
 impl Mapping {
+    /// No words.
+    pub const EMPTY: Self = Self {
+        fields: [Field {
+            signal: &NOTHING,
+            offset: 0,
+        }; MOST_WORDS],
+        count: 0,
+        octets: 0,
+    };
+
+    /// The half of a fixed telegram as a mapping.
+    #[must_use]
+    pub fn of(image: &Image) -> Self {
+        let mut mapping = Self {
+            octets: image.octets,
+            ..Self::EMPTY
+        };
+        for field in image.fields {
+            mapping.push(*field);
+        }
+        mapping
+    }
+
     /// A mapping for a drive of this vendor; `direction` says if it is that of PNU 915 (setpoint) or 916 (actual).
     ///
     /// # Errors
@@ -83,12 +146,9 @@ impl Mapping {
         {
             return Err(MappingError::First { signal: *first });
         }
-        let mut mapping = Self {
-            fields: [None; MOST_WORDS],
-            octets: 0,
-        };
+        let mut mapping = Self::EMPTY;
         let mut covered = 0;
-        for ((word, number), place) in words.iter().enumerate().zip(&mut mapping.fields) {
+        for (word, number) in words.iter().enumerate() {
             let offset = mapping.octets;
             mapping.octets += 2;
             if word < covered || *number == 0 {
@@ -107,6 +167,12 @@ impl Mapping {
                     signal: signal.name,
                 });
             }
+            if word > 0 && WORD_ONE.contains(number) {
+                return Err(MappingError::OnlyFirst {
+                    word,
+                    signal: signal.name,
+                });
+            }
             covered = word + usize::from(signal.octets() / 2);
             let repeated = words
                 .get(word..covered)
@@ -118,9 +184,16 @@ impl Mapping {
                     words: signal.octets() / 2,
                 });
             }
-            *place = Some(Field { signal, offset });
+            mapping.push(Field { signal, offset });
         }
         Ok(mapping)
+    }
+
+    fn push(&mut self, field: Field) {
+        if let Some(place) = self.fields.get_mut(self.count) {
+            *place = field;
+            self.count += 1;
+        }
     }
 
     /// Length of the data.
@@ -130,14 +203,39 @@ impl Mapping {
     }
 
     /// The signals with their places, in order.
-    pub fn fields(&self) -> impl Iterator<Item = &Field> {
-        self.fields.iter().flatten()
+    #[must_use]
+    pub fn fields(&self) -> &[Field] {
+        self.fields.get(..self.count).unwrap_or_default()
+    }
+
+    /// Signal number of each word as in PNU 915 and 916: a longer signal stands in each of its words, 0 is none.
+    pub fn words(&self) -> impl Iterator<Item = u16> {
+        (0..self.octets / 2).map(|word| self.word(word))
+    }
+
+    /// Signal number of one word, counted from 0; 0 where there is none.
+    #[must_use]
+    pub fn word(&self, word: u16) -> u16 {
+        let inside = |field: &&Field| {
+            let first = field.offset / 2;
+            (first..first + field.signal.octets() / 2).contains(&word)
+        };
+        self.fields()
+            .iter()
+            .find(inside)
+            .map_or(0, |field| field.signal.number)
+    }
+
+    /// True when the signal has a place here.
+    #[must_use]
+    pub fn has(&self, signal: u16) -> bool {
+        self.position_of(signal).is_some()
     }
 
     /// First octet of the signal with this number.
     #[must_use]
     pub fn position_of(&self, signal: u16) -> Option<usize> {
-        let field = self.fields().find(|field| field.signal.number == signal);
+        let field = self.fields().iter().find(|field| field.signal.number == signal);
         field.map(|field| usize::from(field.offset))
     }
 
@@ -145,6 +243,7 @@ impl Mapping {
     #[must_use]
     pub fn get(&self, data: &[u8], signal: u16) -> Option<i64> {
         self.fields()
+            .iter()
             .find(|field| field.signal.number == signal)?
             .get(data)
     }
@@ -155,6 +254,7 @@ impl Mapping {
     /// It is not mapped, the value does not fit, or the data are too short. Nothing is changed then.
     pub fn set(&self, data: &mut [u8], signal: u16, value: i64) -> Result<(), SetError> {
         self.fields()
+            .iter()
             .find(|field| field.signal.number == signal)
             .ok_or(SetError::NoSignal { signal })?
             .set(data, value)
@@ -186,7 +286,9 @@ mod tests {
                 let words: Vec<_> = image.words().collect();
                 let mapping = Mapping::new(&words, telegram.vendor.unwrap_or(0), direction).unwrap();
                 assert_eq!(mapping.octets(), image.octets);
-                assert!(mapping.fields().eq(image.fields), "{}", telegram.number);
+                assert_eq!(mapping.fields(), image.fields, "{}", telegram.number);
+                assert_eq!(mapping, Mapping::of(image));
+                assert!(mapping.words().eq(words), "{}", telegram.number);
             }
         }
     }
@@ -210,6 +312,12 @@ mod tests {
         assert_eq!(error(&[1, 34]), cut);
         assert_eq!(error(&[1, 34, 5]), cut);
         assert_eq!(error(&[1; 33]), MappingError::Long { words: 33 });
+        let twice = MappingError::OnlyFirst {
+            word: 2,
+            signal: "STW1",
+        };
+        assert_eq!(error(&[1, 5, 1]), twice);
+        assert_eq!((twice.word(), cut.word(), error(&[5]).word()), (2, 1, 0));
         assert_eq!(new(&[]).unwrap().octets(), 0);
         assert_eq!(new(&[1, 0, 107]).unwrap().position_of(107), Some(4));
     }

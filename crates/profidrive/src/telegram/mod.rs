@@ -13,9 +13,11 @@
 //! assert_eq!(telegram.actual.get(&[0x02, 0x37, 0xFF, 0x62], signal::NIST_A), Some(-158));
 //! ```
 
+mod free;
 mod generated;
 mod mapping;
 
+pub use free::FreeMapping;
 pub use generated::{SIGNALS, TELEGRAMS, signal};
 pub use mapping::{Mapping, MappingError};
 
