@@ -5,6 +5,8 @@ mod parameters;
 mod reading;
 mod settings;
 mod signals;
+mod telegrams;
+mod velocity;
 mod writing;
 
 use std::collections::VecDeque;
@@ -22,6 +24,7 @@ use crate::model::{Live, Model};
 use crate::store::{Image, ImageError, Values};
 use settings::Settings;
 use signals::Process;
+use telegrams::FreeTelegram;
 
 /// How often a drive that moves without a connection has to be looked after.
 const ALONE: Duration = Duration::from_millis(4);
@@ -135,7 +138,12 @@ pub struct Drive {
     faults: FaultBuffer,
     causes: [u16; MOST_CAUSES],
     axis: Axis,
+    /// Speed that the axis has when the ramp is done, rpm.
+    target: f64,
+    /// Current that a frozen setpoint keeps, A.
+    held_current: f64,
     process: Process,
+    free: Vec<FreeTelegram>,
     link: Link,
     service: Service,
     clear_requested: bool,
@@ -164,7 +172,10 @@ impl Drive {
             faults: FaultBuffer::new(),
             causes: [0; MOST_CAUSES],
             axis: Axis::new(model.plant),
+            target: 0.0,
+            held_current: 0.0,
             process: Process::new(model),
+            free: FreeTelegram::of(model),
             link: Link::None,
             service: Service::Off,
             clear_requested: false,
@@ -191,6 +202,7 @@ impl Drive {
     pub fn reset_to_delivery(&mut self) {
         self.disable_requested = self.is_enabled();
         self.values.reset();
+        self.reset_telegrams();
         self.apply();
         let text = self.values.image().encode();
         self.saved = Some(text.clone());
@@ -386,4 +398,8 @@ mod conformance;
 #[cfg(test)]
 mod table_tests;
 #[cfg(test)]
+mod telegram_tests;
+#[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod velocity_tests;

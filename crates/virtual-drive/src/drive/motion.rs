@@ -1,12 +1,10 @@
 //! From the state machine to what the power stage does, and back into the status word.
 
-use profidrive::state::{Inputs, Motion, Setpoint, SpeedCommand, State, Stw1, Zsw1};
+use profidrive::state::{Inputs, Motion, State, Stw1};
 
+use super::velocity::on_ramp;
 use super::{Drive, Event, Mode, Service};
 use crate::axis::{Command, Ramps};
-
-/// Tolerance of ZSW1 bits 8 and 10: 1 rpm, or this part of the speed.
-const TOLERANCE: f64 = 0.005;
 
 impl Drive {
     /// Runs the state machine; the status word without the bits that depend on the axis.
@@ -89,43 +87,18 @@ impl Drive {
                     deceleration: settings.quick_stop,
                 },
             ),
-            Motion::FollowSetpoint if self.service == Service::Off => self.operation(),
+            Motion::FollowSetpoint if self.service == Service::Off => self.velocity_operation(),
             Motion::FollowSetpoint => match settings.mode {
                 Mode::Current => Command::Current {
                     target: settings.service_current,
                 },
-                _ => on_ramp(settings.service_speed, settings.ramps),
+                _ => {
+                    let (speed, ramps) = (settings.service_speed, settings.ramps);
+                    self.target = speed;
+                    on_ramp(speed, ramps)
+                }
             },
         }
-    }
-
-    /// The setpoint channel in S4.
-    fn operation(&mut self) -> Command {
-        let standing = self.axis.is_standing(self.settings.standstill);
-        let speed = self.channel.step(self.state(), self.machine.word(), standing);
-        let settings = &self.settings;
-        let [one, two] = settings.jog_speed;
-        let setpoint = match speed {
-            SpeedCommand::Jog1 => return on_ramp(one, settings.jog_ramps),
-            SpeedCommand::Jog2 => return on_ramp(two, settings.jog_ramps),
-            SpeedCommand::JogStop => return on_ramp(0.0, settings.jog_ramps),
-            SpeedCommand::Channel(setpoint) => setpoint,
-        };
-        if setpoint != Setpoint::Follow || self.process.speed == 0.0 {
-            self.stop_requested = false;
-        }
-        let target = if self.stop_requested || settings.mode != Mode::Speed {
-            0.0
-        } else {
-            self.process.speed
-        };
-        let (target, ramp, hold) = match setpoint {
-            Setpoint::Follow => (target, Some(settings.ramps), false),
-            Setpoint::Freeze => (target, Some(settings.ramps), true),
-            Setpoint::RampToZero => (0.0, Some(settings.ramps), false),
-            Setpoint::ZeroAtLimits => (0.0, None, false),
-        };
-        Command::Speed { target, ramp, hold }
     }
 
     /// The bits of the status word that depend on the axis.
@@ -133,23 +106,6 @@ impl Drive {
         if self.state() != State::S4 {
             return 0;
         }
-        let within =
-            |wanted: f64| (wanted - self.axis.measured_speed()).abs() <= (TOLERANCE * wanted.abs()).max(1.0);
-        let mut status = Zsw1::default();
-        if within(self.axis.speed_command()) {
-            status = status.with(Zsw1::IN_TOLERANCE);
-        }
-        if within(self.process.speed) {
-            status = status.with(Zsw1::REACHED);
-        }
-        status.0
-    }
-}
-
-const fn on_ramp(target: f64, ramps: Ramps) -> Command {
-    Command::Speed {
-        target,
-        ramp: Some(ramps),
-        hold: false,
+        self.velocity_status().0
     }
 }

@@ -1,14 +1,15 @@
 //! What a parameter reads as.
 
-use profidrive::catalogue::{Parameter, Size};
+use profidrive::catalogue::{Parameter, Scale, Size};
 
 use profidrive::parameter::ErrorNumber;
+use profidrive::telegram::Mapping;
 
 use super::{Drive, Mode, Service};
 use crate::model::{Live, Quantity, Sensor, Table};
 
-/// Signal numbers have PNUs of their own in this range (PNU 923 tells which).
-const SIGNALS: core::ops::RangeInclusive<u16> = 1..=109;
+/// Position counts of one revolution.
+const COUNTS: f64 = 65_536.0;
 
 /// PNUs of the lists of PNUs.
 const LISTS: core::ops::RangeInclusive<u16> = 980..=989;
@@ -64,9 +65,11 @@ impl Drive {
             Live::Measured(Quantity::Angle) => wrap(self.axis.position(), parameter),
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Same(other) => self.same(parameter, other),
+            Live::Setpoint => self.process.signal(parameter.pnu),
+            Live::Through(other) => self.through(parameter, other),
             Live::ControlWord => i64::from(self.process.control.0),
             Live::StatusWord => i64::from(self.process.status),
-            Live::Telegram => i64::from(self.telegram_number()),
+            Live::Telegram => i64::from(self.process.telegram()),
             Live::OperatingMode => match self.settings.mode {
                 Mode::Current => MODE_CURRENT,
                 Mode::Speed => 1,
@@ -97,25 +100,59 @@ impl Drive {
                         0
                     }
             }
-            // Bit 6: torque is allowed, there is no STO. No limit switch is touched, no input disables.
-            Live::Inputs => 1 << 6,
+            Live::Bits(bits) => bits.iter().fold(0, |word, source| {
+                let value = self.parameter(source.pnu).unwrap_or(0);
+                word | (value >> source.of & 1) << source.bit
+            }),
             Live::Array(table) => self.entry(table, usize::from(element)),
         }
     }
 
+    /// The number of a parameter that is no array.
+    pub(super) fn parameter(&self, pnu: u16) -> Option<i64> {
+        self.element(self.model.catalogue.position(pnu)?, 0).ok()
+    }
+
     fn same(&self, parameter: &Parameter, other: u16) -> i64 {
-        let Some(position) = self.model.catalogue.position(other) else {
-            return 0;
-        };
-        let Some(target) = self.model.catalogue.parameters.get(position) else {
-            return 0;
-        };
-        let raw = self.values.at(position);
-        if parameter.scale == target.scale {
+        match self.model.catalogue.by_pnu(other) {
+            Some(target) => self.converted(target, parameter, self.values.get(other)),
+            None => 0,
+        }
+    }
+
+    /// The signal as it came, as long as the parameter it sets has taken it over; else the value of that one.
+    fn through(&self, parameter: &Parameter, other: u16) -> i64 {
+        let came = self.process.signal(parameter.pnu);
+        if self.differs(parameter, other, came) {
+            self.same(parameter, other)
+        } else {
+            came
+        }
+    }
+
+    /// True when this signal is not the value that another parameter has.
+    pub(super) fn differs(&self, signal: &Parameter, other: u16, raw: i64) -> bool {
+        self.model
+            .catalogue
+            .by_pnu(other)
+            .is_some_and(|target| self.converted(signal, target, raw) != self.values.get(other))
+    }
+
+    /// The number of one parameter as the number of another with the same meaning.
+    pub(super) fn converted(&self, from: &Parameter, to: &Parameter, raw: i64) -> i64 {
+        if from.scale == to.scale {
             return raw;
         }
         let scaling = &self.settings.scaling;
-        parameter.raw(target.engineering(raw, scaling), scaling)
+        let value = from.engineering(raw, scaling);
+        to.raw(
+            match (from.scale, to.scale) {
+                (Scale::Singleturn, Scale::Position) => value * COUNTS,
+                (Scale::Position, Scale::Singleturn) => value / COUNTS,
+                _ => value,
+            },
+            scaling,
+        )
     }
 
     /// A measured value in its engineering unit; positions in revolutions and counts.
@@ -132,7 +169,6 @@ impl Drive {
                     0.0
                 }
             }
-            Quantity::SpeedSetpoint => self.process.speed,
             Quantity::SpeedError => {
                 if self.is_enabled() {
                     axis.speed_command() - axis.measured_speed()
@@ -142,7 +178,7 @@ impl Drive {
             }
             Quantity::Current | Quantity::CurrentCommand => axis.current(),
             Quantity::Revolutions | Quantity::Angle => revolutions,
-            Quantity::Counts => revolutions * 65_536.0,
+            Quantity::Counts => revolutions * COUNTS,
             Quantity::BusVoltage => axis.electrical().bus_voltage(),
             Quantity::Temperature(Sensor::Control) => axis.electrical().control_temperature(),
             Quantity::Temperature(Sensor::PowerStage) => axis.electrical().power_stage_temperature(),
@@ -162,18 +198,12 @@ impl Drive {
             i64::from(device.firmware_day_month),
         ];
         match table {
-            Table::SetpointSignals => i64::from(self.setpoint_signal(element)),
-            Table::ActualSignals => i64::from(self.actual_signal(element)),
-            Table::SignalParameters => {
-                let number = u16::try_from(element).unwrap_or(0);
-                let known = SIGNALS.contains(&number)
-                    && self
-                        .model
-                        .catalogue
-                        .by_pnu(number)
-                        .is_some_and(|parameter| parameter.name != "reserved");
-                if known { i64::from(number) } else { 0 }
-            }
+            Table::SetpointSignals => mapped(self.process.setpoints(), element),
+            Table::ActualSignals => mapped(self.process.actuals(), element),
+            Table::SignalParameters => u16::try_from(element)
+                .ok()
+                .and_then(|number| self.parameter_of_signal(number))
+                .map_or(0, i64::from),
             Table::FaultNumbers => i64::from(self.fault_number(u16::try_from(element).unwrap_or(u16::MAX))),
             Table::Identification => unit.get(element).copied().unwrap_or(0),
             // Type class 1 is an axis; application classes 1 and 3; the axis number that requests carry.
@@ -200,6 +230,10 @@ impl Drive {
     pub(super) fn first_list(model: &crate::model::Model) -> usize {
         model.catalogue.position(*LISTS.start()).unwrap_or(usize::MAX)
     }
+}
+
+fn mapped(mapping: &Mapping, element: usize) -> i64 {
+    u16::try_from(element).map_or(0, |word| i64::from(mapping.word(word)))
 }
 
 /// Keeps the low bits that the size holds.

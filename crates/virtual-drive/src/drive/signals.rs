@@ -1,81 +1,156 @@
 //! Process data: the signals of the telegram in use, between the bytes of a frame and the drive.
+//!
+//! Source: AKD manual 5.8 (signals; each is a parameter of the same number too), 5.11 (telegrams).
 
 use profidrive::state::Stw1;
-use profidrive::telegram::{Direction, Signal, Telegram, signal};
+use profidrive::telegram::{Field, Mapping, Telegram, signal};
 use profidrive::unit::akd;
 
 use super::{Drive, Link};
 use crate::model::{Live, Model};
 
 /// Number of the telegram in use until a controller or PNU 922 chooses another.
-const FIRST_TELEGRAM: u16 = 1;
+pub(super) const FIRST_TELEGRAM: u16 = 1;
+
+/// Signal numbers that have a place: those of the profile up to 99 and those of the maker behind them.
+const SIGNALS: usize = 128;
+
+/// One step of a sign of life: bits 12 to 15 of STW2 and ZSW2.
+const LIFE: i64 = 0x1000;
+
+/// Setpoints that move the axis as long as they stand there, without an edge in STW1: while there is a controller only
+/// its own telegram may give them, and they start with 0 in each connection.
+const MOVING: [u16; 2] = [signal::NSOLL_A, signal::kollmorgen::IL_CMD_FIELDBUS];
+
+/// Fields of one direction at most.
+const MOST_FIELDS: usize = 32;
 
 /// The present process values.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Process {
-    telegram: Option<&'static Telegram>,
+    telegram: u16,
+    setpoint: Mapping,
+    actual: Mapping,
+    /// The fields of both with the places of their parameters in the catalogue.
+    takes: Vec<(Field, Option<usize>)>,
+    gives: Vec<(Field, Option<usize>)>,
+    /// Value of each setpoint signal as it came last.
+    values: [i64; SIGNALS],
+    /// Status word 2 as sent last.
+    status2: i64,
     /// Control word as received last.
     pub control: Stw1,
     /// Status word as sent last.
     pub status: u16,
     /// Speed setpoint, rpm.
     pub speed: f64,
+    /// Current setpoint, A.
+    pub current: f64,
 }
 
 impl Process {
+    /// The first telegram, nothing received: switching on inhibited, control requested.
     pub fn new(model: &Model) -> Self {
-        let telegram = Telegram::find(FIRST_TELEGRAM, model.catalogue.device.vendor_id);
-        // Switching on inhibited, control requested.
-        Self {
-            telegram,
+        let mut process = Self {
+            telegram: 0,
+            setpoint: Mapping::EMPTY,
+            actual: Mapping::EMPTY,
+            takes: Vec::with_capacity(MOST_FIELDS),
+            gives: Vec::with_capacity(MOST_FIELDS),
+            values: [0; SIGNALS],
+            status2: 0,
             control: Stw1::default(),
             status: 0x0240,
             speed: 0.0,
+            current: 0.0,
+        };
+        if let Some(telegram) = Telegram::find(FIRST_TELEGRAM, model.catalogue.device.vendor_id) {
+            process.use_telegram(
+                model,
+                telegram.number,
+                Mapping::of(&telegram.setpoint),
+                Mapping::of(&telegram.actual),
+            );
         }
+        process
+    }
+
+    /// Puts a telegram into use. Its setpoints start with 0, and so do those that move the axis; the others keep what
+    /// was written into their parameters.
+    pub fn use_telegram(&mut self, model: &Model, number: u16, setpoint: Mapping, actual: Mapping) {
+        let places = |mapping: &Mapping, into: &mut Vec<(Field, Option<usize>)>| {
+            into.clear();
+            into.extend(
+                mapping
+                    .fields()
+                    .iter()
+                    .map(|field| (*field, model.catalogue.position(field.signal.number))),
+            );
+        };
+        places(&setpoint, &mut self.takes);
+        places(&actual, &mut self.gives);
+        self.telegram = number;
+        self.setpoint = setpoint;
+        self.actual = actual;
+        self.control = Stw1::default();
+        self.status2 = 0;
+        self.speed = 0.0;
+        self.current = 0.0;
+        for (number, value) in (0..).zip(&mut self.values) {
+            if setpoint.has(number) || MOVING.contains(&number) {
+                *value = 0;
+            }
+        }
+    }
+
+    /// Value of a setpoint signal as it came last from the controller, or as it was written into the parameter of its
+    /// number; 0 before that. STW1 is the word that was received, not the one in force.
+    pub fn signal(&self, number: u16) -> i64 {
+        self.values.get(usize::from(number)).copied().unwrap_or(0)
+    }
+
+    /// Sets the value of a setpoint signal.
+    pub fn set_signal(&mut self, number: u16, value: i64) {
+        if let Some(place) = self.values.get_mut(usize::from(number)) {
+            *place = value;
+        }
+    }
+
+    /// Number of the telegram in use, PNU 922.
+    pub const fn telegram(&self) -> u16 {
+        self.telegram
+    }
+
+    /// The setpoints of the telegram in use.
+    pub const fn setpoints(&self) -> &Mapping {
+        &self.setpoint
+    }
+
+    /// The actual values of the telegram in use.
+    pub const fn actuals(&self) -> &Mapping {
+        &self.actual
+    }
+
+    /// The drive's sign of life: it counts from 1 to 15 while the controller's is not 0.
+    /// Source: profile, STW2 and ZSW2 bits 12 to 15; that it needs no clock synchronism is our reading.
+    fn live_on(&mut self) {
+        let controller = self.signal(signal::STW2) & !(LIFE - 1);
+        self.status2 = match self.status2 {
+            _ if controller == 0 => 0,
+            last if last >= 15 * LIFE => LIFE,
+            last => last + LIFE,
+        };
     }
 }
 
 impl Drive {
-    /// True for a signal that the controller sends.
-    pub(super) fn is_setpoint(&self, number: u16) -> bool {
-        Signal::find(number, self.model.catalogue.device.vendor_id)
-            .is_some_and(|signal| signal.direction == Direction::Setpoint)
-    }
-
-    pub(super) fn telegram_number(&self) -> u16 {
-        self.process.telegram.map_or(0, |telegram| telegram.number)
-    }
-
-    /// Puts a telegram of the model into use; false when it has no such telegram.
-    pub(super) fn choose_telegram(&mut self, number: u16) -> bool {
-        let device = &self.model.catalogue.device;
-        let found = Telegram::find(number, device.vendor_id).filter(|_| device.telegram(number).is_some());
-        if found.is_some() {
-            self.process = Process {
-                telegram: found,
-                status: self.process.status,
-                ..Process::new(self.model)
-            };
-        }
-        found.is_some()
-    }
-
-    pub(super) fn setpoint_signal(&self, word: usize) -> u16 {
-        self.process
-            .telegram
-            .and_then(|telegram| telegram.setpoint.words().nth(word))
-            .unwrap_or(0)
-    }
-
-    pub(super) fn actual_signal(&self, word: usize) -> u16 {
-        self.process
-            .telegram
-            .and_then(|telegram| telegram.actual.words().nth(word))
-            .unwrap_or(0)
-    }
-
     pub(super) const fn is_running(&self) -> bool {
         matches!(self.link, Link::Cyclic { running: true, .. })
+    }
+
+    /// True while nobody but the controller may give this setpoint.
+    pub(super) fn is_commanded(&self, number: u16) -> bool {
+        self.link.is_cyclic() && (self.process.setpoints().has(number) || MOVING.contains(&number))
     }
 
     /// Takes the outputs of the controller over. Setpoints beside a control word without control by PLC are ignored.
@@ -91,36 +166,42 @@ impl Drive {
             return;
         };
         *running = true;
-        let Some(telegram) = self.process.telegram else {
-            return;
-        };
-        if let Some(control) = telegram.setpoint.get(outputs, signal::STW1) {
+        if let Some(control) = self.process.setpoint.get(outputs, signal::STW1) {
             self.process.control = Stw1(control as u16);
+            self.process.set_signal(signal::STW1, control);
         }
         if !self.process.control.has(Stw1::CONTROL_BY_PLC) {
             return;
         }
-        for field in telegram.setpoint.fields {
-            if let Some(value) = field.get(outputs) {
-                self.take_setpoint(field.signal.number, value);
+        // From the last to the first: of a signal that is mapped twice the first place counts.
+        for index in (0..self.process.takes.len()).rev() {
+            if let Some((field, position)) = self.process.takes.get(index).copied()
+                && let Some(value) = field.get(outputs)
+                && field.signal.number != signal::STW1
+            {
+                self.take_setpoint(field.signal.number, position, value);
             }
         }
+        self.process.live_on();
     }
 
-    fn take_setpoint(&mut self, number: u16, value: i64) {
+    /// A setpoint signal has a value now, out of a frame or written as parameter. Where it stands for another parameter
+    /// (DRV_ACC for DRV.ACC) the limits of that one hold, and what is outside of them changes nothing there.
+    pub(super) fn take_setpoint(&mut self, number: u16, position: Option<usize>, value: i64) {
+        self.process.set_signal(number, value);
         match number {
-            signal::STW1 => {}
             signal::NSOLL_A => self.process.speed = akd::velocity(&self.settings.scaling).engineering(value),
-            // The number of a signal is the number of its parameter too; where that stands for another one (DRV_ACC for
-            // DRV.ACC), the limits of that one hold, and what is outside of them changes nothing.
-            number => {
-                let Some(position) = self.model.catalogue.position(number) else {
-                    return;
-                };
-                if !matches!(self.live.get(position), Some(Live::Same(_))) {
-                    self.values.set_at(position, value);
-                } else if self.element(position, 0) != Ok(value) {
-                    let _ = self.set_element(position, 0, value);
+            signal::kollmorgen::IL_CMD_FIELDBUS => {
+                self.process.current = akd::current(&self.settings.scaling).engineering(value);
+            }
+            _ => {
+                let Some(position) = position else { return };
+                if let Some(Live::Through(other)) = self.live.get(position).copied()
+                    && let Some(parameter) = self.model.catalogue.parameters.get(position)
+                    && self.differs(parameter, other, value)
+                    && self.write_same(parameter, other, value).is_ok()
+                {
+                    self.apply();
                 }
             }
         }
@@ -128,14 +209,12 @@ impl Drive {
 
     /// Writes the actual values.
     pub(super) fn give_inputs(&self, inputs: &mut [u8]) {
-        let Some(telegram) = self.process.telegram else {
-            return;
-        };
-        for field in telegram.actual.fields {
-            let position = self.model.catalogue.position(field.signal.number);
-            let value = position
-                .and_then(|position| self.element(position, 0).ok())
-                .unwrap_or(0);
+        for (field, position) in &self.process.gives {
+            let value = match (field.signal.number, position) {
+                (signal::ZSW2, _) => self.process.status2,
+                (_, Some(position)) => self.element(*position, 0).unwrap_or(0),
+                _ => 0,
+            };
             // Inputs that are too short for the telegram get what fits.
             let _ = field.set(inputs, value);
         }

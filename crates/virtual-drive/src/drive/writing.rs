@@ -3,9 +3,10 @@
 use profidrive::catalogue::{Access, Parameter};
 
 use profidrive::parameter::ErrorNumber;
+use profidrive::telegram::Direction;
 
 use super::{Drive, Event, Mode, Service};
-use crate::model::{Action, Live};
+use crate::model::{Action, Live, Table};
 use crate::store::Image;
 
 impl Drive {
@@ -45,12 +46,25 @@ impl Drive {
                     return Err(ErrorNumber::VALUE);
                 }
             }
-            // Setpoints come with the cyclic data only: a setpoint without a watchdog would be dangerous.
-            Live::Measured(_) => return Err(ErrorNumber::NO_RIGHTS),
-            // The telegram says what these are.
-            Live::Array(_) => return Err(ErrorNumber::NOT_NOW),
-            Live::Stored if self.is_setpoint(parameter.pnu) && self.link.is_cyclic() => {
+            // What a controller sends, nobody else sets.
+            Live::Setpoint | Live::Through(_) if self.is_commanded(parameter.pnu) => {
                 return Err(ErrorNumber::NOT_NOW);
+            }
+            Live::Setpoint => {
+                self.within_limits(parameter, raw)?;
+                self.take_setpoint(parameter.pnu, None, raw);
+            }
+            Live::Through(other) => {
+                self.write_same(parameter, other, raw)?;
+                self.process.set_signal(parameter.pnu, raw);
+            }
+            Live::Array(Table::SetpointSignals) => {
+                let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
+                self.map_signal(Direction::Setpoint, element, number)?;
+            }
+            Live::Array(Table::ActualSignals) => {
+                let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
+                self.map_signal(Direction::Actual, element, number)?;
             }
             _ => {
                 self.within_limits(parameter, raw)?;
@@ -70,26 +84,18 @@ impl Drive {
         }
     }
 
-    fn write_same(&mut self, parameter: &Parameter, other: u16, raw: i64) -> Result<(), ErrorNumber> {
-        let position = self
-            .model
-            .catalogue
-            .position(other)
-            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        let target = self
-            .model
-            .catalogue
-            .parameters
-            .get(position)
-            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        let raw = if parameter.scale == target.scale {
-            raw
-        } else {
-            let scaling = &self.settings.scaling;
-            target.raw(parameter.engineering(raw, scaling), scaling)
-        };
+    /// Writes another parameter of the same meaning.
+    pub(super) fn write_same(
+        &mut self,
+        parameter: &Parameter,
+        other: u16,
+        raw: i64,
+    ) -> Result<(), ErrorNumber> {
+        let target = self.model.catalogue.by_pnu(other);
+        let target = target.ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
+        let raw = self.converted(parameter, target, raw);
         self.within_limits(target, raw)?;
-        self.values.set_at(position, raw);
+        self.values.set(other, raw);
         Ok(())
     }
 

@@ -5,7 +5,7 @@
 use profidrive::catalogue;
 use profidrive::parameter::Dialect;
 
-use super::live::{Action, Live, Quantity, Sensor, Table};
+use super::live::{Action, Bit, Live, Quantity, Sensor, Table};
 use super::{Model, Roles};
 use crate::axis::Plant;
 
@@ -55,18 +55,42 @@ const ROLES: Roles = Roles {
     bus_options: Some(2158),     // FBUS.PARAM02
 };
 
+/// DRIVE_INPUTS (manual 5.8.1): SWLS.STATE, HWLS.NEGSTATE, HWLS.POSSTATE, DRV.DISSOURCES, STO.STATE.
+const DRIVE_INPUTS: &[Bit] = &[
+    input(0, 2387, 0),
+    input(1, 2387, 1),
+    input(2, 2211, 0),
+    input(3, 2212, 0),
+    input(4, 2120, 2),
+    input(5, 2120, 5),
+    input(6, 2381, 0),
+];
+
+const fn input(bit: u8, pnu: u16, of: u8) -> Bit {
+    Bit { bit, pnu, of }
+}
+
 const LIVE: &[(u16, Live)] = &[
     (1, Live::ControlWord),
     (2, Live::StatusWord),
-    (5, Live::Measured(Quantity::SpeedSetpoint)),
+    (5, Live::Setpoint),
     (6, Live::Measured(Quantity::Speed)),
     (28, Live::Measured(Quantity::Revolutions)),
+    (32, Live::Setpoint),
+    (34, Live::Setpoint),
+    (35, Live::Setpoint),
+    (36, Live::Setpoint),
+    (37, Live::Setpoint),
+    (38, Live::Setpoint),
     (52, Live::Measured(Quantity::Current)),
-    (103, Live::Same(2203)),
+    (100, Live::Through(2198)),
+    (101, Live::Setpoint),
+    (102, Live::Setpoint),
+    (103, Live::Through(2203)),
     (105, Live::MotionStatus),
-    (106, Live::Inputs),
-    (108, Live::Same(2108)),
-    (109, Live::Same(2115)),
+    (106, Live::Bits(DRIVE_INPUTS)),
+    (108, Live::Through(2108)),
+    (109, Live::Through(2115)),
     (915, Live::Array(Table::SetpointSignals)),
     (916, Live::Array(Table::ActualSignals)),
     (922, Live::Telegram),
@@ -140,6 +164,28 @@ const LIVE: &[(u16, Live)] = &[
 mod tests {
     use super::*;
     use profidrive::catalogue::Access;
+    use profidrive::telegram::{Direction, Signal};
+
+    fn is_setpoint(number: u16) -> bool {
+        let signal = Signal::find(number, AKD.catalogue.device.vendor_id);
+        signal.is_some_and(|signal| signal.direction == Direction::Setpoint)
+    }
+
+    #[test]
+    fn every_setpoint_signal_that_can_be_written_is_one_in_the_drive() {
+        for parameter in AKD.catalogue.parameters {
+            if is_setpoint(parameter.pnu) && parameter.access == Access::ReadWrite {
+                let live = LIVE
+                    .iter()
+                    .find(|(pnu, _)| *pnu == parameter.pnu)
+                    .map(|(_, live)| live);
+                assert!(
+                    matches!(live, Some(Live::Setpoint | Live::Through(_))),
+                    "{parameter:?}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn the_tables_name_parameters_of_the_catalogue() {
@@ -149,10 +195,21 @@ mod tests {
             let writable = parameter.access == Access::ReadWrite;
             match live {
                 Live::Measured(_) | Live::Fault(_) | Live::Active | Live::FaultCounter => {
-                    assert!(!writable || *pnu == 5, "{parameter:?}");
+                    assert!(!writable, "{parameter:?}");
                 }
                 Live::Do(_) => assert_eq!(parameter.access, Access::WriteOnly, "{parameter:?}"),
                 Live::Same(other) => assert!(AKD.catalogue.by_pnu(*other).is_some()),
+                Live::Setpoint => assert!(writable && is_setpoint(*pnu), "{parameter:?}"),
+                Live::Through(other) => {
+                    let other = AKD.catalogue.by_pnu(*other).unwrap();
+                    assert!(
+                        is_setpoint(*pnu) && other.access == Access::ReadWrite,
+                        "{parameter:?}"
+                    );
+                }
+                Live::Bits(bits) => {
+                    assert!(bits.iter().all(|bit| AKD.catalogue.by_pnu(bit.pnu).is_some()));
+                }
                 Live::Array(_) => assert!(parameter.is_array(), "{parameter:?}"),
                 _ => {}
             }

@@ -9,6 +9,10 @@ pub enum Live {
     Measured(Quantity),
     /// The same engineering value as another parameter, in its own steps.
     Same(u16),
+    /// Setpoint signal of the parameter's own number: the value that came last.
+    Setpoint,
+    /// The same, and it sets another parameter, within the limits of that one.
+    Through(u16),
     /// The control word that the controller sent last.
     ControlWord,
     /// The status word that the drive sends.
@@ -33,12 +37,23 @@ pub enum Live {
     DisableSources,
     /// Bit field of motion.
     MotionStatus,
-    /// Bit field of the inputs.
-    Inputs,
+    /// Bit field put together from bits of other parameters.
+    Bits(&'static [Bit]),
     /// An array that is computed.
     Array(Table),
     /// A command.
     Do(Action),
+}
+
+/// One bit of another parameter in a bit field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bit {
+    /// Number of the bit here.
+    pub bit: u8,
+    /// The other parameter.
+    pub pnu: u16,
+    /// Number of the bit there.
+    pub of: u8,
 }
 
 /// What is measured.
@@ -50,8 +65,6 @@ pub enum Quantity {
     SpeedFiltered,
     /// Output of the ramp generator, rpm.
     SpeedCommand,
-    /// Speed setpoint of the controller, rpm.
-    SpeedSetpoint,
     /// Command minus measurement, rpm.
     SpeedError,
     /// Torque-producing current, A.

@@ -8,7 +8,7 @@ mod akd;
 mod live;
 
 pub use akd::AKD;
-pub use live::{Action, Live, Quantity, Sensor, Table};
+pub use live::{Action, Bit, Live, Quantity, Sensor, Table};
 
 use profidrive::catalogue::Catalogue;
 use profidrive::parameter::Dialect;

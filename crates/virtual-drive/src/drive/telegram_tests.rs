@@ -1,0 +1,488 @@
+//! Telegrams and signals: every setpoint and every actual value, in frames and as parameters.
+
+use super::*;
+use crate::model::AKD;
+use profidrive::parameter::ErrorNumber;
+use profidrive::telegram::Mapping;
+
+/// A drive with any telegram.
+struct Line {
+    drive: Drive,
+    now: Instant,
+    setpoint: Mapping,
+    actual: Mapping,
+    outputs: Vec<u8>,
+    inputs: Vec<u8>,
+}
+
+impl Line {
+    fn new(telegram: u16) -> Self {
+        Self::with(Drive::new(&AKD), telegram)
+    }
+
+    fn with(mut drive: Drive, telegram: u16) -> Self {
+        let module = AKD.catalogue.device.telegram(telegram).unwrap();
+        drive.connect(telegram, Duration::from_millis(48)).unwrap();
+        let (setpoint, actual) = (*drive.process.setpoints(), *drive.process.actuals());
+        Self {
+            now: drive.last,
+            drive,
+            setpoint,
+            actual,
+            outputs: vec![0; module.outputs.into()],
+            inputs: vec![0; module.inputs.into()],
+        }
+    }
+
+    fn set(&mut self, signal: u16, value: i64) {
+        self.setpoint.set(&mut self.outputs, signal, value).unwrap();
+    }
+
+    fn cycle(&mut self) {
+        self.now += Duration::from_millis(16);
+        self.drive.tick(self.now, Some(&self.outputs), &mut self.inputs);
+    }
+
+    fn cycles(&mut self, count: usize) {
+        (0..count).for_each(|_| self.cycle());
+    }
+
+    fn get(&self, signal: u16) -> i64 {
+        self.actual.get(&self.inputs, signal).unwrap()
+    }
+
+    fn read(&self, pnu: u16) -> i64 {
+        self.drive.parameter(pnu).unwrap()
+    }
+
+    fn write(&mut self, pnu: u16, raw: i64) -> Result<(), ErrorNumber> {
+        write(&mut self.drive, pnu, 0, raw)
+    }
+}
+
+fn write(drive: &mut Drive, pnu: u16, subindex: u16, raw: i64) -> Result<(), ErrorNumber> {
+    drive.set_element(AKD.catalogue.position(pnu).unwrap(), subindex, raw)
+}
+
+fn words(drive: &Drive, pnu: u16) -> Vec<i64> {
+    let position = AKD.catalogue.position(pnu).unwrap();
+    (0..16)
+        .map(|word| drive.element(position, word).unwrap())
+        .collect()
+}
+
+/// A value of a setpoint signal that the parameter behind it can take.
+fn a_value(signal: u16) -> i64 {
+    match signal {
+        103 => 7,             // HOME_MODE
+        108 => 4,             // DRV_ACC, 3052 rpm/s
+        109 => 12,            // DRV_DEC
+        38 => 1,              // MDI_MOD
+        34 | 100 => -123_456, // MDI_TARPOS, HOME_DIST
+        35 => 0xF234_5678,    // MDI_VELOCITY needs all 32 bits
+        5 => -300,
+        102 => -5,
+        other => 1000 + i64::from(other),
+    }
+}
+
+#[test]
+fn every_setpoint_of_every_telegram_is_kept_and_reads_as_parameter() {
+    for module in AKD.catalogue.device.telegrams {
+        let mut line = Line::new(module.telegram);
+        assert_eq!(line.read(922), i64::from(module.telegram));
+        assert_eq!(line.read(2157), i64::from(module.telegram));
+        let signals: Vec<u16> = line.setpoint.fields().iter().map(|f| f.signal.number).collect();
+        line.set(1, 0x0400);
+        for signal in signals.iter().copied().filter(|signal| *signal != 1) {
+            line.set(signal, a_value(signal));
+        }
+        line.cycle();
+        for signal in signals.iter().copied().filter(|signal| *signal != 1) {
+            assert_eq!(line.drive.process.signal(signal), a_value(signal), "{signal}");
+            if let Some(value) = line.drive.parameter(signal) {
+                assert_eq!(value, a_value(signal), "{signal}");
+                assert_eq!(line.write(signal, 1), Err(ErrorNumber::NOT_NOW), "{signal}");
+            }
+        }
+        // Without control by PLC the setpoints of a frame do not count, the word itself is shown.
+        line.set(1, 0x0001);
+        for signal in signals.iter().copied().filter(|signal| *signal != 1) {
+            line.set(signal, 0);
+        }
+        line.cycle();
+        assert_eq!(line.read(1), 1);
+        for signal in signals.into_iter().filter(|signal| *signal != 1) {
+            assert_eq!(line.drive.process.signal(signal), a_value(signal), "{signal}");
+        }
+    }
+}
+
+#[test]
+fn every_actual_value_of_every_telegram_is_its_parameter() {
+    for module in AKD.catalogue.device.telegrams {
+        let mut line = Line::new(module.telegram);
+        line.set(1, 0x047E);
+        line.cycles(3);
+        line.set(1, 0x047F);
+        if line.setpoint.has(5) {
+            line.set(5, 1638);
+        }
+        for _ in 0..60 {
+            line.cycle();
+            for field in line.actual.fields().to_vec() {
+                if let Some(value) = line.drive.parameter(field.signal.number) {
+                    assert_eq!(field.get(&line.inputs), Some(value), "{}", field.signal.name);
+                }
+            }
+        }
+        if line.setpoint.has(5) {
+            assert!(line.get(6) > 1600, "it turned");
+        }
+    }
+}
+
+#[test]
+fn a_setpoint_is_written_as_parameter_while_no_telegram_carries_it() {
+    let mut line = Line::new(1);
+    for pnu in [32, 34, 35, 36, 37, 38, 100, 101, 103, 108, 109] {
+        line.write(pnu, a_value(pnu)).unwrap();
+        assert_eq!(line.read(pnu), a_value(pnu), "{pnu}");
+    }
+    assert_eq!((line.read(2203), line.read(2198)), (7, -123_456));
+    assert_eq!((line.read(2108), line.read(2115)), (3_052_000, 9_156_000));
+    // What moves the axis without an edge is for the controller's telegram alone.
+    line.set(1, 0x0400);
+    line.cycle();
+    assert_eq!(line.write(5, 100), Err(ErrorNumber::NOT_NOW));
+    assert_eq!(line.write(102, 100), Err(ErrorNumber::NOT_NOW));
+    assert_eq!(line.write(38, 2), Err(ErrorNumber::LIMIT));
+    assert_eq!(
+        line.write(103, 16),
+        Err(ErrorNumber::LIMIT),
+        "HOME.MODE ends at 15"
+    );
+    assert_eq!(
+        line.write(108, 0),
+        Err(ErrorNumber::LIMIT),
+        "DRV.ACC begins at 1.86"
+    );
+    for pnu in [1, 2, 6, 28, 33, 52, 104, 105, 106, 107] {
+        assert_eq!(line.write(pnu, 0), Err(ErrorNumber::NOT_CHANGEABLE), "{pnu}");
+    }
+    // Without a controller it is stored, and the next controller starts from 0.
+    line.drive.disconnect(Disconnect::Released);
+    line.write(5, 100).unwrap();
+    line.write(102, 100).unwrap();
+    assert_eq!((line.read(5), line.read(102)), (100, 100));
+    let mut line = Line::with(line.drive, 7);
+    assert_eq!((line.read(5), line.read(102), line.read(36)), (0, 0, a_value(36)));
+    line.set(1, 0x0400);
+    line.cycle();
+    assert_eq!(line.write(5, 100), Err(ErrorNumber::NOT_NOW));
+    assert_eq!(line.drive.process.speed, 0.0);
+}
+
+#[test]
+fn a_signal_that_stands_for_a_parameter_keeps_its_limits_and_follows_it() {
+    let mut line = Line::new(353);
+    line.set(1, 0x0400);
+    line.set(103, 99);
+    line.set(100, 65_536);
+    line.cycle();
+    assert_eq!((line.read(2203), line.read(103)), (0, 0), "no such homing mode");
+    assert_eq!((line.read(2198), line.read(100)), (65_536, 65_536));
+    line.set(103, 11);
+    line.cycle();
+    assert_eq!((line.read(2203), line.read(103)), (11, 11));
+    // The controller has the last word, in the next cycle.
+    line.write(2203, 3).unwrap();
+    assert_eq!(line.read(103), 3);
+    line.cycle();
+    assert_eq!((line.read(2203), line.read(103)), (11, 11));
+    // One revolution in 20 bits is finer than the position counts: the signal stays what it was.
+    line.drive.disconnect(Disconnect::Released);
+    line.write(1002, 20).unwrap();
+    line.write(100, 1_048_577).unwrap();
+    assert_eq!((line.read(2198), line.read(100)), (65_536, 1_048_577));
+    line.write(2198, 131_072).unwrap();
+    assert_eq!(line.read(100), 2 << 20);
+}
+
+#[test]
+fn drv_acc_and_drv_dec_are_steps_of_acc_scaling() {
+    for scaling in [1, 20, 763, 14_648] {
+        let mut line = Line::new(354);
+        line.write(3065, scaling).unwrap();
+        line.set(1, 0x0400);
+        line.set(108, 50);
+        line.set(109, 3);
+        line.cycle();
+        assert_eq!(line.read(2108), 50 * 1000 * scaling);
+        assert_eq!(line.read(2115), 3000 * scaling);
+        assert_eq!(line.drive.settings.ramps.acceleration, (50 * scaling) as f64);
+        // 0 rpm/s is below the limit of DRV.ACC.
+        line.set(108, 0);
+        line.cycle();
+        assert_eq!(line.read(2108), 50 * 1000 * scaling);
+        assert_eq!((line.read(108), line.drive.process.signal(108)), (50, 0));
+    }
+}
+
+#[test]
+fn the_telegram_sets_the_command_source() {
+    let mut drive = Drive::new(&AKD);
+    for (telegram, source) in [
+        (7, 0),
+        (1, 1),
+        (9, 0),
+        (354, 1),
+        (353, 0),
+        (350, 1),
+        (352, 0),
+        (351, 1),
+        (400, 0),
+    ] {
+        drive.connect(telegram, Duration::from_millis(48)).unwrap();
+        assert_eq!(drive.parameter(2113), Some(source), "{telegram}");
+        assert_eq!(drive.settings.commanded_by_bus, source == 1);
+        drive.disconnect(Disconnect::Released);
+    }
+    write(&mut drive, 915, 1, 102).unwrap();
+    assert_eq!(
+        drive.parameter(2113),
+        Some(1),
+        "telegram 400 with a current setpoint"
+    );
+}
+
+#[test]
+fn the_drive_lives_while_the_controller_does() {
+    let mut line = Line::new(9);
+    line.set(1, 0x0400);
+    line.cycles(3);
+    assert_eq!(line.get(4), 0, "the controller does not count");
+    line.set(3, 0x7000);
+    let seen: Vec<i64> = (0..17)
+        .map(|_| {
+            line.cycle();
+            line.get(4) >> 12
+        })
+        .collect();
+    assert_eq!(
+        seen,
+        (1..=15).chain(1..=2).collect::<Vec<_>>(),
+        "1 to 15, never 0"
+    );
+    line.set(3, 0x0FFF);
+    line.cycle();
+    assert_eq!(line.get(4), 0);
+}
+
+#[test]
+fn the_bits_of_drive_inputs() {
+    let mut drive = Drive::new(&AKD);
+    assert_eq!(
+        drive.parameter(106),
+        Some(0x40),
+        "torque is allowed, nothing else"
+    );
+    // Whoever provides the states: the word is put together out of these parameters.
+    for (bit, pnu, of) in [
+        (0, 2387, 0),
+        (1, 2387, 1),
+        (2, 2211, 0),
+        (3, 2212, 0),
+        (6, 2381, 0),
+    ] {
+        let before = drive.values.get(pnu);
+        drive.values.set(pnu, 1 << of);
+        assert_eq!(drive.parameter(106), Some(0x40 | 1 << bit), "{pnu}");
+        drive.values.set(pnu, before);
+    }
+    drive.values.set(2381, 0);
+    assert_eq!(drive.parameter(106), Some(0));
+}
+
+mod free {
+    use super::*;
+
+    fn chosen(telegram: i64) -> Drive {
+        let mut drive = Drive::new(&AKD);
+        write(&mut drive, 922, 0, telegram).unwrap();
+        drive
+    }
+
+    #[test]
+    fn telegram_400_starts_like_telegram_9() {
+        let drive = chosen(400);
+        let zeros = |count| vec![0; count];
+        let setpoints = [1, 32, 3, 34, 34, 35, 35, 36, 37, 38];
+        assert_eq!(words(&drive, 915), [&setpoints[..], &zeros(6)].concat());
+        assert_eq!(words(&drive, 916), [&[2, 33, 4, 28, 28][..], &zeros(11)].concat());
+        let nine = chosen(9);
+        assert_eq!(
+            (words(&nine, 915), words(&nine, 916)),
+            (words(&drive, 915), words(&drive, 916))
+        );
+    }
+
+    #[test]
+    fn telegram_0_starts_like_the_one_before() {
+        let drive = chosen(0);
+        assert_eq!(
+            (words(&drive, 915)[..3].to_vec(), words(&drive, 916)[..3].to_vec()),
+            (vec![1, 5, 0], vec![2, 6, 0])
+        );
+        let mut drive = chosen(353);
+        write(&mut drive, 922, 0, 0).unwrap();
+        let twelve = [1, 32, 3, 34, 34, 35, 35, 36, 37, 38, 100, 100];
+        assert_eq!(
+            words(&drive, 915),
+            [&twelve[..], &[0; 4]].concat(),
+            "what fits into its module"
+        );
+        write(&mut drive, 915, 1, 5).unwrap();
+        write(&mut drive, 922, 0, 1).unwrap();
+        assert_eq!(words(&drive, 915)[..3], [1, 5, 0]);
+        write(&mut drive, 922, 0, 0).unwrap();
+        assert_eq!(words(&drive, 915)[..3], [1, 5, 3], "its own mapping is back");
+    }
+
+    #[test]
+    fn each_refusal() {
+        let mut drive = chosen(400);
+        let before = (words(&drive, 915), words(&drive, 916));
+        for (pnu, word, number) in [
+            (915, 1, 999), // no such signal
+            (915, 1, 7),   // NSOLL_B: of the profile, not of this drive
+            (915, 1, 107), // reserved
+            (915, 1, 2108),
+            (915, 0, 5), // STW1 comes first
+            (915, 0, 0),
+            (915, 2, 1), // and only first
+            (916, 0, 1),
+            (916, 0, 6),
+            (916, 1, 2),
+            (915, 1, 6), // goes the other way
+            (916, 1, 5),
+            (915, 4, 5), // cuts MDI_TARPOS
+            (915, 4, 0),
+            (915, 11, 34), // no room for the second word
+            (915, 12, 5),  // behind the end
+            (916, 15, 6),
+        ] {
+            assert_eq!(
+                write(&mut drive, pnu, word, number),
+                Err(ErrorNumber::VALUE),
+                "{pnu}[{word}] = {number}"
+            );
+        }
+        assert_eq!(write(&mut drive, 915, 16, 0), Err(ErrorNumber::SUBINDEX));
+        assert_eq!(
+            write(&mut drive, 915, 15, 0),
+            Ok(()),
+            "nothing behind the end is nothing wrong"
+        );
+        assert_eq!((words(&drive, 915), words(&drive, 916)), before);
+        // The mapping of a fixed telegram is fixed, and that of a telegram in use too.
+        for telegram in [1, 7, 9, 350, 351, 352, 353, 354] {
+            let mut drive = chosen(telegram);
+            assert_eq!(
+                write(&mut drive, 915, 1, 5),
+                Err(ErrorNumber::NOT_NOW),
+                "{telegram}"
+            );
+            assert_eq!(
+                write(&mut drive, 916, 1, 6),
+                Err(ErrorNumber::NOT_NOW),
+                "{telegram}"
+            );
+        }
+        let mut drive = Line::with(drive, 400).drive;
+        let first = words(&drive, 915)[0];
+        for pnu in [915, 916, 922] {
+            assert_eq!(
+                write(&mut drive, pnu, 0, first),
+                Err(ErrorNumber::NOT_NOW),
+                "{pnu}"
+            );
+        }
+        drive.disconnect(Disconnect::Lost);
+        write(&mut drive, 915, 1, 5).unwrap();
+        for unknown in [2, 8, 399, 999, 65_535] {
+            assert_eq!(
+                write(&mut drive, 922, 0, unknown),
+                Err(ErrorNumber::VALUE),
+                "{unknown}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_mapping_of_ones_own_is_used_by_the_next_connection() {
+        for telegram in [400_u16, 0] {
+            let mut drive = chosen(telegram.into());
+            for (pnu, map) in [
+                (915, [1, 5, 108, 109, 34, 34, 102, 0, 101, 0, 0, 0]),
+                (916, [2, 6, 28, 28, 52, 106, 105, 105, 104, 104, 33, 0]),
+            ] {
+                for (word, number) in (0..).zip(map) {
+                    write(&mut drive, pnu, word, number).unwrap();
+                }
+                assert_eq!(words(&drive, pnu)[..12], map);
+            }
+            // Another telegram in between does not take it away.
+            let mut drive = Line::with(drive, 1).drive;
+            drive.disconnect(Disconnect::Released);
+            let mut line = Line::with(drive, telegram);
+            line.outputs.copy_from_slice(&[
+                0x04, 0x7E, 0x01, 0x00, 0, 20, 0, 30, 0xFF, 0xFE, 0x80, 0, 0xFF, 0x38, 0x77, 0x77, 0, 100, 0,
+                0, 0, 0, 0, 0,
+            ]);
+            line.cycles(3);
+            for (signal, value) in [
+                (5, 256),
+                (108, 20),
+                (109, 30),
+                (34, -98_304),
+                (102, -200),
+                (101, 100),
+            ] {
+                assert_eq!(
+                    (line.drive.process.signal(signal), line.read(signal)),
+                    (value, value),
+                    "{signal}"
+                );
+            }
+            line.outputs[1] = 0x7F;
+            line.cycles(30);
+            assert_eq!(line.get(106), 0x40);
+            assert!((line.get(6) - 256).abs() < 4, "{}", line.get(6));
+            assert_eq!(line.get(28), line.drive.axis.position() >> 16);
+            assert_eq!(line.inputs[22..], [0, 0]);
+        }
+    }
+
+    #[test]
+    fn reset_to_delivery_takes_the_mapping_with_it() {
+        let mut drive = chosen(400);
+        write(&mut drive, 915, 1, 5).unwrap();
+        drive.reset_to_delivery();
+        assert_eq!(drive.parameter(922), Some(1));
+        write(&mut drive, 922, 0, 400).unwrap();
+        assert_eq!(words(&drive, 915)[1], 32);
+    }
+
+    #[test]
+    fn a_signal_mapped_twice_has_the_value_of_its_first_place() {
+        let mut drive = chosen(400);
+        for (word, number) in [(1, 5), (2, 5)] {
+            write(&mut drive, 915, word, number).unwrap();
+        }
+        let mut line = Line::with(drive, 400);
+        line.outputs[..6].copy_from_slice(&[0x04, 0, 0, 10, 0, 20]);
+        line.cycle();
+        assert_eq!(line.drive.process.signal(5), 10);
+    }
+}

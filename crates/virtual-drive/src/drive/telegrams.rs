@@ -1,0 +1,180 @@
+//! Which telegram is in use (PNU 922), and the mapping of the free ones (PNU 915 and 916).
+//!
+//! Source: AKD manual 5.8, 5.11.1 and 5.11.10; profile reference on the configuration of telegrams. Neither 922 nor the
+//! mappings are kept over power-off, as the table of parameters has it.
+
+use profidrive::parameter::ErrorNumber;
+use profidrive::telegram::{Direction, FreeMapping, Mapping, Signal, Telegram, signal};
+
+use super::Drive;
+use super::signals::FIRST_TELEGRAM;
+use crate::model::Model;
+
+/// Values of DRV.CMDSOURCE: telegrams with a speed or current setpoint need the field bus, those of positioning the
+/// service channel. Source: Kollmorgen developer network, command source for PROFINET.
+const FIELD_BUS: i64 = 1;
+const SERVICE: i64 = 0;
+
+/// A free telegram with what is mapped into it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FreeTelegram {
+    number: u16,
+    setpoint: FreeMapping,
+    actual: FreeMapping,
+    /// Has a mapping of its own; else it takes over that of the telegram that was in use before.
+    own: bool,
+}
+
+impl FreeTelegram {
+    /// The free telegrams of a model as delivered; each is as long as its module.
+    pub fn of(model: &Model) -> Vec<Self> {
+        let device = &model.catalogue.device;
+        let free = device.telegrams.iter().filter_map(|module| {
+            let telegram =
+                Telegram::find(module.telegram, device.vendor_id).filter(|telegram| telegram.free)?;
+            let half = |words: &mut dyn Iterator<Item = u16>, octets: u16, direction| {
+                let words: Vec<u16> = words.collect();
+                FreeMapping::new(&words, usize::from(octets / 2), device.vendor_id, direction).ok()
+            };
+            Some(Self {
+                number: telegram.number,
+                setpoint: half(
+                    &mut telegram.setpoint.words(),
+                    module.outputs,
+                    Direction::Setpoint,
+                )?,
+                actual: half(&mut telegram.actual.words(), module.inputs, Direction::Actual)?,
+                own: telegram.setpoint.octets > 0,
+            })
+        });
+        free.collect()
+    }
+
+    fn half(&mut self, direction: Direction) -> &mut FreeMapping {
+        match direction {
+            Direction::Actual => &mut self.actual,
+            _ => &mut self.setpoint,
+        }
+    }
+
+    /// Takes a mapping over as far as it fits.
+    fn follow(&mut self, vendor: u16, setpoint: &Mapping, actual: &Mapping) {
+        for (mapping, direction) in [(setpoint, Direction::Setpoint), (actual, Direction::Actual)] {
+            let words: Vec<u16> = mapping.words().collect();
+            let length = self.half(direction).words().len();
+            if let Ok(taken) = FreeMapping::new(&words, length, vendor, direction) {
+                *self.half(direction) = taken;
+            }
+        }
+    }
+}
+
+impl Drive {
+    /// Puts a telegram of the model into use; false when it has no such telegram.
+    pub(super) fn choose_telegram(&mut self, number: u16) -> bool {
+        let device = &self.model.catalogue.device;
+        let Some(telegram) =
+            Telegram::find(number, device.vendor_id).filter(|_| device.telegram(number).is_some())
+        else {
+            return false;
+        };
+        let (setpoints, actuals) = (*self.process.setpoints(), *self.process.actuals());
+        let free = self.free.iter_mut().find(|free| free.number == number);
+        let mapped = free.and_then(|free| {
+            if !free.own {
+                free.follow(device.vendor_id, &setpoints, &actuals);
+            }
+            Some((free.setpoint.mapping().ok()?, free.actual.mapping().ok()?))
+        });
+        let (setpoint, actual) =
+            mapped.unwrap_or_else(|| (Mapping::of(&telegram.setpoint), Mapping::of(&telegram.actual)));
+        self.process.use_telegram(self.model, number, setpoint, actual);
+        self.follow_command_source(&setpoint);
+        true
+    }
+
+    /// As delivered; not while a controller uses the present one.
+    pub(super) fn reset_telegrams(&mut self) {
+        if !self.link.is_cyclic() {
+            self.free = FreeTelegram::of(self.model);
+            self.choose_telegram(FIRST_TELEGRAM);
+        }
+    }
+
+    /// The telegram sets DRV.CMDSOURCE.
+    fn follow_command_source(&mut self, setpoints: &Mapping) {
+        let speed = [signal::NSOLL_A, signal::kollmorgen::IL_CMD_FIELDBUS];
+        let source = if speed.iter().any(|number| setpoints.has(*number)) {
+            FIELD_BUS
+        } else if setpoints.has(signal::SATZANW) {
+            SERVICE
+        } else {
+            return;
+        };
+        if let Some(pnu) = self.model.roles.command_source
+            && self.values.get(pnu) != source
+        {
+            self.values.set(pnu, source);
+            self.apply();
+        }
+    }
+
+    /// Writes one word of PNU 915 or 916.
+    ///
+    /// # Errors
+    /// 0x11 while a controller exchanges the telegram and while the telegram in use has a fixed mapping; 0x14 for a
+    /// signal that the drive does not have or that goes the other way, for anything but STW1 or ZSW1 in the first word
+    /// and for these in another word, for a part of a signal of two words, and behind the end of the telegram.
+    pub(super) fn map_signal(
+        &mut self,
+        direction: Direction,
+        word: u16,
+        number: u16,
+    ) -> Result<(), ErrorNumber> {
+        if self.link.is_cyclic() {
+            return Err(ErrorNumber::NOT_NOW);
+        }
+        let known = number == 0 || self.has_signal(number);
+        let telegram = self.process.telegram();
+        let free = self.free.iter_mut().find(|free| free.number == telegram);
+        let free = free.ok_or(ErrorNumber::NOT_NOW)?;
+        let half = free.half(direction);
+        let word = usize::from(word);
+        if word >= half.words().len() && number == 0 {
+            return Ok(());
+        }
+        if !known || half.set(word, number).is_err() {
+            return Err(ErrorNumber::VALUE);
+        }
+        free.own = true;
+        self.choose_telegram(telegram);
+        Ok(())
+    }
+
+    /// True for a signal that the drive has: one with a parameter of its number, or one of its fixed telegrams (STW2 and
+    /// ZSW2 have no parameter).
+    fn has_signal(&self, number: u16) -> bool {
+        let device = &self.model.catalogue.device;
+        self.parameter_of_signal(number).is_some()
+            || device
+                .telegrams
+                .iter()
+                .filter_map(|module| Telegram::find(module.telegram, device.vendor_id))
+                .any(|telegram| {
+                    [&telegram.setpoint, &telegram.actual]
+                        .iter()
+                        .any(|half| half.field(number).is_some())
+                })
+    }
+
+    /// PNU of the parameter that a signal is (PNU 923); none for a number that is no signal or is reserved.
+    pub(super) fn parameter_of_signal(&self, number: u16) -> Option<u16> {
+        let catalogue = self.model.catalogue;
+        Signal::find(number, catalogue.device.vendor_id)?;
+        let parameter = catalogue.by_pnu(number)?;
+        (parameter.name != RESERVED).then_some(number)
+    }
+}
+
+/// Name of a number that the maker keeps free.
+const RESERVED: &str = "reserved";

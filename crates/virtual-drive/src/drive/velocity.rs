@@ -1,0 +1,142 @@
+//! Operation (S4) in the modes without positioning: velocity, and current.
+//!
+//! Source: AKD manual 5.4, 5.5 and 5.9 (application class 1).
+
+use profidrive::state::{Setpoint, SpeedCommand, Zsw1};
+
+use super::{Drive, Mode};
+use crate::axis::{Command, Ramps};
+
+/// Tolerance of ZSW1 bits 8 and 10: 1 rpm, or this part of the speed, whichever is more. No source tells the AKD's; the
+/// sample of manual 7.1.4 has 158 steps for 163 (1.83 rpm at 60 rpm) and neither bit.
+const TOLERANCE: f64 = 0.005;
+const LEAST_TOLERANCE: f64 = 1.0;
+
+/// True when a measured speed counts as the wanted one, in rpm; the limits belong to it.
+fn within(wanted: f64, measured: f64) -> bool {
+    (wanted - measured).abs() <= (TOLERANCE * wanted.abs()).max(LEAST_TOLERANCE)
+}
+
+impl Drive {
+    /// The setpoint channel in S4.
+    pub(super) fn velocity_operation(&mut self) -> Command {
+        let standing = self.axis.is_standing(self.settings.standstill);
+        let speed = self.channel.step(self.state(), self.machine.word(), standing);
+        let settings = &self.settings;
+        let [one, two] = settings.jog_speed;
+        let jog = match speed {
+            SpeedCommand::Jog1 => Some(one),
+            SpeedCommand::Jog2 => Some(two),
+            SpeedCommand::JogStop => Some(0.0),
+            SpeedCommand::Channel(_) => None,
+        };
+        if let Some(target) = jog.filter(|_| settings.mode == Mode::Speed) {
+            self.target = target;
+            return on_ramp(target, settings.jog_ramps);
+        }
+        let setpoint = match speed {
+            SpeedCommand::Channel(setpoint) => setpoint,
+            _ => Setpoint::ZeroAtLimits,
+        };
+        if setpoint != Setpoint::Follow || (self.process.speed == 0.0 && self.process.current == 0.0) {
+            self.stop_requested = false;
+        }
+        match settings.mode {
+            Mode::Current => self.current_operation(setpoint),
+            Mode::Speed => self.speed_operation(setpoint),
+            Mode::Position => self.hold(),
+        }
+    }
+
+    fn speed_operation(&mut self, setpoint: Setpoint) -> Command {
+        let ramps = self.settings.ramps;
+        let wanted = if self.stop_requested {
+            0.0
+        } else {
+            self.process.speed
+        };
+        let (target, ramp, hold) = match setpoint {
+            Setpoint::Follow => (wanted, Some(ramps), false),
+            Setpoint::Freeze => (wanted, Some(ramps), true),
+            Setpoint::RampToZero => (0.0, Some(ramps), false),
+            Setpoint::ZeroAtLimits => (0.0, None, false),
+        };
+        self.target = target;
+        Command::Speed { target, ramp, hold }
+    }
+
+    /// Current mode: IL_CMD_FIELDBUS (signal 102) is the setpoint. There is no ramp: bits 4 and 6 let it through, bit 5
+    /// keeps the present one. Source: manual 5.8 names the signal only, the bits are ours by analogy.
+    fn current_operation(&mut self, setpoint: Setpoint) -> Command {
+        self.target = 0.0;
+        let target = match setpoint {
+            Setpoint::Follow if !self.stop_requested => self.process.current,
+            Setpoint::Freeze => self.held_current,
+            _ => 0.0,
+        };
+        self.held_current = target;
+        Command::Current { target }
+    }
+
+    fn hold(&mut self) -> Command {
+        self.target = 0.0;
+        on_ramp(0.0, self.settings.ramps)
+    }
+
+    /// Bit 8, velocity error in range: the axis follows the ramp generator. Bit 10, target velocity reached: it has the
+    /// speed that is asked for at the end of the ramp, be it NSOLL_A, a jog speed or 0. Neither means anything in current
+    /// mode.
+    pub(super) fn velocity_status(&self) -> Zsw1 {
+        let mut status = Zsw1::default();
+        if self.settings.mode == Mode::Current {
+            return status;
+        }
+        let measured = self.axis.measured_speed();
+        if within(self.axis.speed_command(), measured) {
+            status = status.with(Zsw1::IN_TOLERANCE);
+        }
+        if within(self.target, measured) {
+            status = status.with(Zsw1::REACHED);
+        }
+        status
+    }
+}
+
+pub(super) const fn on_ramp(target: f64, ramps: Ramps) -> Command {
+    Command::Speed {
+        target,
+        ramp: Some(ramps),
+        hold: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limits_of_the_tolerance_are_inside() {
+        // 1 rpm up to 200 rpm, half a percent above
+        for (wanted, tolerance) in [
+            (0.0, 1.0),
+            (60.0, 1.0),
+            (199.0, 1.0),
+            (200.0, 1.0),
+            (201.0, 1.005),
+            (1000.0, 5.0),
+            (3000.0, 15.0),
+        ] {
+            for sign in [1.0, -1.0] {
+                let wanted: f64 = wanted * sign;
+                let near = |error: f64| within(wanted, wanted + error);
+                let least = 1e-9;
+                assert!(near(tolerance - least) && near(-tolerance + least), "{wanted}");
+                assert!(!near(tolerance + least) && !near(-tolerance - least), "{wanted}");
+            }
+        }
+        assert!(within(60.0, 61.0) && within(60.0, 59.0) && within(1000.0, 995.0) && within(1000.0, 1005.0));
+        // the sample of the manual: 0x00A3 asked for, 0x009E measured, neither bit
+        assert!(!within(59.678, 57.847));
+        assert!(!within(f64::NAN, 0.0) && !within(0.0, f64::NAN));
+    }
+}
