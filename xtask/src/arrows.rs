@@ -11,7 +11,8 @@ use crate::Outcome;
 const ALLOWED: &[(&str, &[&str])] = &[
     ("profidrive", &[]),
     ("profinet", &[]),
-    ("virtual-drive", &["profidrive", "profinet"]),
+    ("gsdml", &[]),
+    ("virtual-drive", &["profidrive", "profinet", "gsdml"]),
     ("drive-client", &["profidrive", "profinet"]),
     ("network", &["profinet"]),
     (
@@ -19,6 +20,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "profidrive",
             "profinet",
+            "gsdml",
             "virtual-drive",
             "drive-client",
             "network",
@@ -29,6 +31,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "profidrive",
             "profinet",
+            "gsdml",
             "virtual-drive",
             "drive-client",
             "network",
@@ -41,6 +44,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "profidrive",
             "profinet",
+            "gsdml",
             "virtual-drive",
             "drive-client",
             "network",
@@ -51,6 +55,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "profidrive",
             "profinet",
+            "gsdml",
             "virtual-drive",
             "drive-client",
             "network",
@@ -62,6 +67,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "profidrive",
             "profinet",
+            "gsdml",
             "virtual-drive",
             "drive-client",
             "network",
@@ -72,7 +78,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
 ];
 
 /// Outside crates that would bring sockets, threads or clocks into a protocol room.
-const NO_IO: &[&str] = &["profidrive", "profinet", "virtual-drive", "drive-client"];
+const NO_IO: &[&str] = &["profidrive", "profinet", "gsdml", "virtual-drive", "drive-client"];
 const IO_CRATES: &[&str] = &[
     "libc",
     "socket2",

@@ -1,0 +1,83 @@
+//! Device descriptions of PROFINET devices (GSDML): text in, typed model out, and the other way round.
+//!
+//! A description comes from a maker's web page: [`parse`] takes it as hostile input. There are no entities, size, depth
+//! and counts are bounded, references do not go round, and what cannot be understood is refused with line and column.
+//! [`check`] tells everything that is against the rules, not only the first thing; [`Gsdml::to_xml`] writes. Knows no
+//! drive and no protocol, does no I/O.
+//!
+//! ```
+//! let text = r#"<?xml version="1.0" encoding="UTF-8"?>
+//! <ISO15745Profile xmlns="http://www.profibus.com/GSDML/2003/11/DeviceProfile"><ProfileBody>
+//!   <DeviceIdentity VendorID="0x0105" DeviceID="0x0001"><VendorName Value="Some maker"/></DeviceIdentity>
+//!   <ApplicationProcess><DeviceAccessPointList>
+//!     <DeviceAccessPointItem ID="DAP" ModuleIdentNumber="0x1" MinDeviceInterval="512"/>
+//!   </DeviceAccessPointList><ExternalTextList><PrimaryLanguage/></ExternalTextList></ApplicationProcess>
+//! </ProfileBody></ISO15745Profile>"#;
+//! let description = gsdml::parse(text.as_bytes()).unwrap();
+//! assert_eq!(description.identity.vendor_id, 0x0105);
+//! assert_eq!(description.access_points[0].min_device_interval, 512);
+//!
+//! let problem = gsdml::parse(&text.replace("512", "5e5").into_bytes()).unwrap_err();
+//! assert_eq!((problem.position.line, problem.position.column), (5, 61));
+//!
+//! // usable, but far from complete
+//! assert!(gsdml::check(text.as_bytes(), None).problems.len() > 3);
+//! ```
+#![no_std]
+#![forbid(unsafe_code)]
+extern crate alloc;
+
+mod bitmap;
+mod check;
+mod data;
+mod file_name;
+#[cfg(test)]
+mod fixtures;
+mod model;
+mod problem;
+mod read;
+mod source;
+mod text;
+mod value;
+mod write;
+
+pub use bitmap::Bitmap;
+pub use check::{Report, check};
+pub use data::{BitItem, Consistency, DataDescription, DataItem, DataType, IoData};
+pub use file_name::{FileName, FileNameError};
+pub use model::{
+    AccessPoint, Category, Certification, ChannelDiagnosis, Constant, DeviceIdentity, Family, Features,
+    Graphic, GraphicRef, Gsdml, Interface, IoLimits, MAIN_FAMILIES, Menu, MenuEntry, Module, ModuleInfo,
+    ModuleRef, ParameterRecord, ParameterRef, Port, Submodule, SubmoduleRef, SubslotName, ValueItem,
+};
+pub use problem::{Position, Problem, Rule, Severity};
+pub use read::NAMESPACE;
+pub use source::{MOST_DEPTH, MOST_NODES, MOST_OCTETS};
+pub use text::{Language, TextId, Texts};
+pub use value::{NoList, NoVersion, SchemaVersion, ValueList};
+
+/// Reads a device description.
+///
+/// Takes files of all schema versions 2.x; unknown elements and attributes are passed over, and rules that do not change
+/// what the file means are not looked at ([`check`] does).
+///
+/// # Errors
+/// The first problem that makes it uncertain what the file means, with its place.
+pub fn parse(octets: &[u8]) -> Result<Gsdml, Problem> {
+    let source = source::Source::new(octets)?;
+    let document = read::document(&source)?;
+    let mut reader = read::Reader::new(&source);
+    let gsdml = reader.gsdml(&document);
+    let unusable = |problem: &Problem| problem.severity == Severity::Unusable;
+    match (gsdml, reader.problems.list.into_iter().find(unusable)) {
+        (_, Some(problem)) => Err(problem),
+        (Some(gsdml), None) => Ok(gsdml),
+        // the reader says why it gives nothing; kept so that no path panics
+        (None, None) => Err(Problem {
+            severity: Severity::Unusable,
+            rule: Rule::Root,
+            position: Position { line: 1, column: 1 },
+            message: "no device description".into(),
+        }),
+    }
+}
