@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`host`] | [`Host`](host::Host): ARP, IPv4, ICMP echo and UDP around an endpoint; [`Station`](host::Station): frames in, frames out, next deadline |
 //! | [`segment`] | [`Segment`](segment::Segment): a switch with stations, virtual time, seeded faults; [`SegmentMedium`](segment::SegmentMedium) |
+//! | [`impaired`] | [`Impaired`](impaired::Impaired): a station behind a bad cable |
 //! | [`linux`] | [`Runner`](linux::Runner): stations on an interface; [`PacketMedium`](linux::PacketMedium) and [`UdpMedium`](linux::UdpMedium) for clients |
 //! | [`pcap`] | capture files: pcapng writer, pcap and pcapng reader |
 //! | [`files`] | files that are replaced whole or not at all |
@@ -15,6 +16,7 @@
 mod deadlines;
 pub mod files;
 pub mod host;
+pub mod impaired;
 #[cfg(target_os = "linux")]
 #[allow(unsafe_code)] // system calls that std does not offer; each block says why it is sound
 pub mod linux;

@@ -323,13 +323,13 @@ impl Fabric {
 }
 
 /// True with probability `share`.
-fn chance(random: &mut Pcg64Mcg, share: f64) -> bool {
+pub(crate) fn chance(random: &mut Pcg64Mcg, share: f64) -> bool {
     // 53 random bits are a number from 0 to below 1 that f64 holds exactly.
     share > 0.0 && ((random.next_u64() >> 11) as f64) < share * (1u64 << 53) as f64
 }
 
 /// Evenly spread from zero to `most`.
-fn jitter(random: &mut Pcg64Mcg, most: Duration) -> Duration {
+pub(crate) fn jitter(random: &mut Pcg64Mcg, most: Duration) -> Duration {
     let nanos = u64::try_from(most.as_nanos()).unwrap_or(u64::MAX);
     if nanos == 0 {
         return Duration::ZERO;

@@ -23,6 +23,7 @@ pub use crate::host::StationId;
 pub use conditions::Conditions;
 pub use fabric::SegmentStatistics;
 use fabric::{Delivery, Fabric};
+pub(crate) use fabric::{chance, jitter};
 pub use medium::{Pace, SegmentMedium};
 pub use tap::Tap;
 pub(crate) use tap::finish_all;

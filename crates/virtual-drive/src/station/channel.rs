@@ -3,7 +3,13 @@
 //! Source: PROFIdrive on PROFINET, records 0x002F, 0xB02E and 0xB02F; the answer belongs to the relation that asked,
 //! and is gone with it or once it was read.
 
-use profidrive::parameter::Refusal;
+use std::fmt;
+use std::str::FromStr;
+use std::time::Duration;
+
+use profidrive::notation::Quantity;
+use profidrive::parameter::{Format, Refusal};
+use profinet::Instant;
 use profinet::wire::PnioStatus;
 use profinet::wire::status::record as code1;
 
@@ -15,47 +21,138 @@ pub(super) const INDICES: [u16; 3] = [0x002F, 0xB02E, 0xB02F];
 /// Longest answer.
 const LONGEST: usize = 240;
 
-/// Answers that wait to be read, one per relation.
+/// A parameter manager that does not work as it should, to see what a client makes of it.
+///
+/// Written `none`, `silent`, `late 500ms`, `reference`, `cut` or `error 0x11`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AnswerFault {
+    /// All is well.
+    #[default]
+    None,
+    /// Takes requests and never has an answer: "not ready" for ever. What was asked for is done all the same.
+    Silent,
+    /// Has its answer ready only after this time.
+    Late(Duration),
+    /// Answers with the reference of another request.
+    Reference,
+    /// Leaves the last octet of the answer out.
+    Cut,
+    /// Does nothing and refuses every parameter with this error number.
+    Error(u16),
+}
+
+/// The text is no [`AnswerFault`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}`: answers can be none, silent, late TIME, reference, cut or error NUMBER")]
+pub struct NoAnswerFault(String);
+
+impl FromStr for AnswerFault {
+    type Err = NoAnswerFault;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let wrong = || NoAnswerFault(text.to_owned());
+        let (word, value) = text.trim().split_once(' ').unwrap_or((text.trim(), ""));
+        let value = value.trim();
+        let quantity = || value.parse::<Quantity>().map_err(|_| wrong());
+        Ok(match (word, value) {
+            ("none", "") => Self::None,
+            ("silent", "") => Self::Silent,
+            ("reference", "") => Self::Reference,
+            ("cut", "") => Self::Cut,
+            ("late", _) => {
+                let seconds = quantity()?.in_unit("s").map_err(|_| wrong())?;
+                Self::Late(Duration::try_from_secs_f64(seconds).map_err(|_| wrong())?)
+            }
+            ("error", _) => {
+                let number = quantity()?.in_unit("").map_err(|_| wrong())?;
+                if number.fract() != 0.0 || !(0.0..=65_535.0).contains(&number) {
+                    return Err(wrong());
+                }
+                Self::Error(number as u16)
+            }
+            _ => return Err(wrong()),
+        })
+    }
+}
+
+impl fmt::Display for AnswerFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("none"),
+            Self::Silent => f.write_str("silent"),
+            Self::Late(time) => write!(f, "late {}ms", time.as_secs_f64() * 1000.0),
+            Self::Reference => f.write_str("reference"),
+            Self::Cut => f.write_str("cut"),
+            Self::Error(number) => write!(f, "error 0x{number:02X}"),
+        }
+    }
+}
+
+/// Answers that wait to be read, one per relation, each from its time on; `None` for never.
 #[derive(Debug)]
 pub(super) struct Channels<K> {
-    waiting: Vec<(K, Vec<u8>)>,
+    waiting: Vec<(K, Option<Instant>, Vec<u8>)>,
+    fault: AnswerFault,
 }
 
 impl<K> Default for Channels<K> {
     fn default() -> Self {
-        Self { waiting: Vec::new() }
+        Self {
+            waiting: Vec::new(),
+            fault: AnswerFault::None,
+        }
     }
 }
 
 impl<K: Copy + PartialEq> Channels<K> {
+    /// From the next request on.
+    pub const fn set_fault(&mut self, fault: AnswerFault) {
+        self.fault = fault;
+    }
+
     /// Takes a request; an answer that was not fetched is given up.
-    pub fn write(&mut self, relation: K, request: &[u8], drive: &mut Drive) -> Result<(), PnioStatus> {
+    pub fn write(
+        &mut self,
+        now: Instant,
+        relation: K,
+        request: &[u8],
+        drive: &mut Drive,
+    ) -> Result<(), PnioStatus> {
         let mut out = [0; LONGEST];
-        let length = drive.serve(request, &mut out).map_err(|refusal| {
+        let length = match self.fault {
+            AnswerFault::Error(number) => refuse_all(request, number, &mut out),
+            _ => drive.serve(request, &mut out),
+        };
+        let length = length.map_err(|refusal| {
             PnioStatus::write(match refusal {
                 Refusal::Parameters { .. } => code1::INVALID_RANGE,
                 Refusal::Length | Refusal::Room => code1::LENGTH,
             })
         })?;
-        let answer = out.get(..length).unwrap_or_default();
-        match self.waiting.iter_mut().find(|(known, _)| *known == relation) {
-            Some((_, waiting)) => {
-                waiting.clear();
-                waiting.extend_from_slice(answer);
-            }
-            None => self.waiting.push((relation, answer.to_vec())),
+        let mut ready = Some(now);
+        let mut answer = out.get(..length).unwrap_or_default();
+        match self.fault {
+            AnswerFault::Silent => ready = None,
+            AnswerFault::Late(time) => ready = Some(now + time),
+            AnswerFault::Cut => answer = answer.split_last().map_or(answer, |(_, rest)| rest),
+            AnswerFault::None | AnswerFault::Reference | AnswerFault::Error(_) => {}
         }
+        let mut answer = answer.to_vec();
+        if let (AnswerFault::Reference, Some(reference)) = (self.fault, answer.first_mut()) {
+            *reference = reference.wrapping_add(1);
+        }
+        self.forget(relation);
+        self.waiting.push((relation, ready, answer));
         Ok(())
     }
 
     /// Gives the answer to the relation's request, once. "Not ready" (0xB5) while there is none.
-    pub fn read(&mut self, relation: Option<K>, most: usize) -> Result<Vec<u8>, PnioStatus> {
-        let place = self
-            .waiting
-            .iter()
-            .position(|(known, _)| Some(*known) == relation);
+    pub fn read(&mut self, now: Instant, relation: Option<K>, most: usize) -> Result<Vec<u8>, PnioStatus> {
+        let place = self.waiting.iter().position(|(known, ready, _)| {
+            Some(*known) == relation && ready.is_some_and(|ready| ready <= now)
+        });
         let place = place.ok_or(PnioStatus::read(code1::STATE_CONFLICT))?;
-        let (_, answer) = self.waiting.swap_remove(place);
+        let (_, _, answer) = self.waiting.swap_remove(place);
         if answer.len() > most {
             Err(PnioStatus::read(code1::LENGTH))
         } else {
@@ -65,8 +162,27 @@ impl<K: Copy + PartialEq> Channels<K> {
 
     /// The relation has ended.
     pub fn forget(&mut self, relation: K) {
-        self.waiting.retain(|(known, _)| *known != relation);
+        self.waiting.retain(|(known, _, _)| *known != relation);
     }
+}
+
+/// A negative answer to every parameter of a request, and nothing done.
+fn refuse_all(request: &[u8], number: u16, out: &mut [u8]) -> Result<usize, Refusal> {
+    let [reference, id, axis, count, ..] = *request else {
+        return Err(Refusal::Length);
+    };
+    let length = 4 + 4 * usize::from(count);
+    let room = out.get_mut(..length).filter(|_| (1..=39).contains(&count));
+    let block = room.ok_or(Refusal::Parameters {
+        found: count,
+        allowed: 39,
+    })?;
+    let (head, errors) = block.split_at_mut(4);
+    head.copy_from_slice(&[reference, id | 0x80, axis, count]);
+    let [high, low] = number.to_be_bytes();
+    let (errors, _) = errors.as_chunks_mut::<4>();
+    errors.fill([Format::ERROR.0, 1, high, low]);
+    Ok(length)
 }
 
 #[cfg(test)]
@@ -75,32 +191,36 @@ mod tests {
     use crate::model::AKD;
 
     const READ_922: [u8; 10] = [1, 1, 0, 1, 0x10, 1, 0x03, 0x9A, 0, 0];
+    const NOW: Instant = Instant::ZERO;
     const NOT_READY: PnioStatus = PnioStatus::read(code1::STATE_CONFLICT);
 
     #[test]
     fn an_answer_is_read_once_and_by_its_own_relation() {
         let mut drive = Drive::new(&AKD);
         let mut channels = Channels::default();
-        assert_eq!(channels.read(Some(1), 240), Err(NOT_READY));
-        channels.write(1, &READ_922, &mut drive).unwrap();
-        assert_eq!(channels.read(Some(2), 240), Err(NOT_READY));
-        assert_eq!(channels.read(None, 240), Err(NOT_READY));
-        assert_eq!(channels.read(Some(1), 240), Ok(vec![1, 1, 0, 1, 0x42, 1, 0, 1]));
-        assert_eq!(channels.read(Some(1), 240), Err(NOT_READY));
+        assert_eq!(channels.read(NOW, Some(1), 240), Err(NOT_READY));
+        channels.write(NOW, 1, &READ_922, &mut drive).unwrap();
+        assert_eq!(channels.read(NOW, Some(2), 240), Err(NOT_READY));
+        assert_eq!(channels.read(NOW, None, 240), Err(NOT_READY));
+        assert_eq!(
+            channels.read(NOW, Some(1), 240),
+            Ok(vec![1, 1, 0, 1, 0x42, 1, 0, 1])
+        );
+        assert_eq!(channels.read(NOW, Some(1), 240), Err(NOT_READY));
     }
 
     #[test]
     fn a_new_request_replaces_an_unread_answer() {
         let mut drive = Drive::new(&AKD);
         let mut channels = Channels::default();
-        channels.write(1, &READ_922, &mut drive).unwrap();
+        channels.write(NOW, 1, &READ_922, &mut drive).unwrap();
         let mut second = READ_922;
         second[0] = 2;
-        channels.write(1, &second, &mut drive).unwrap();
-        channels.write(7, &READ_922, &mut drive).unwrap();
-        assert_eq!(channels.read(Some(1), 240).unwrap()[0], 2);
+        channels.write(NOW, 1, &second, &mut drive).unwrap();
+        channels.write(NOW, 7, &READ_922, &mut drive).unwrap();
+        assert_eq!(channels.read(NOW, Some(1), 240).unwrap()[0], 2);
         channels.forget(7);
-        assert_eq!(channels.read(Some(7), 240), Err(NOT_READY));
+        assert_eq!(channels.read(NOW, Some(7), 240), Err(NOT_READY));
     }
 
     #[test]
@@ -108,20 +228,61 @@ mod tests {
         let mut drive = Drive::new(&AKD);
         let mut channels = Channels::default();
         assert_eq!(
-            channels.write(1, &[], &mut drive),
+            channels.write(NOW, 1, &[], &mut drive),
             Err(PnioStatus::write(code1::LENGTH))
         );
         assert_eq!(
-            channels.write(1, &READ_922[..9], &mut drive),
+            channels.write(NOW, 1, &READ_922[..9], &mut drive),
             Err(PnioStatus::write(code1::LENGTH))
         );
         let mut many = READ_922;
         many[3] = 40;
         assert_eq!(
-            channels.write(1, &many, &mut drive),
+            channels.write(NOW, 1, &many, &mut drive),
             Err(PnioStatus::write(code1::INVALID_RANGE))
         );
-        channels.write(1, &READ_922, &mut drive).unwrap();
-        assert_eq!(channels.read(Some(1), 4), Err(PnioStatus::read(code1::LENGTH)));
+        channels.write(NOW, 1, &READ_922, &mut drive).unwrap();
+        assert_eq!(
+            channels.read(NOW, Some(1), 4),
+            Err(PnioStatus::read(code1::LENGTH))
+        );
+    }
+
+    #[test]
+    fn a_sick_parameter_manager_answers_as_told() {
+        let answer = |fault: &str, wait: u64| {
+            let mut drive = Drive::new(&AKD);
+            let mut channels = Channels::default();
+            channels.set_fault(fault.parse().unwrap());
+            channels.write(NOW, 1, &READ_922, &mut drive).unwrap();
+            channels.read(NOW + Duration::from_millis(wait), Some(1), 240)
+        };
+        let good = vec![1, 1, 0, 1, 0x42, 1, 0, 1];
+        assert_eq!(answer("none", 0), Ok(good.clone()));
+        assert_eq!(answer("silent", 3_600_000), Err(NOT_READY));
+        assert_eq!(answer("late 500ms", 499), Err(NOT_READY));
+        assert_eq!(answer("late 500ms", 500), Ok(good.clone()));
+        assert_eq!(answer("reference", 0), Ok(vec![2, 1, 0, 1, 0x42, 1, 0, 1]));
+        assert_eq!(answer("cut", 0), Ok(good[..7].to_vec()));
+        assert_eq!(answer("error 0x11", 0), Ok(vec![1, 0x81, 0, 1, 0x44, 1, 0, 0x11]));
+    }
+
+    #[test]
+    fn faults_of_answers_are_written_and_read_alike() {
+        for text in ["none", "silent", "late 500ms", "reference", "cut", "error 0x11"] {
+            assert_eq!(text.parse::<AnswerFault>().unwrap().to_string(), text);
+        }
+        for wrong in [
+            "",
+            "late",
+            "late 3rpm",
+            "error 70000",
+            "error 1.5",
+            "cut 3",
+            "loud",
+        ] {
+            let error = wrong.parse::<AnswerFault>().unwrap_err().to_string();
+            assert!(error.contains("answers can be"), "{error}");
+        }
     }
 }

@@ -21,6 +21,7 @@ use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 use crate::drive::{Disconnect, Drive, Event as DriveEvent};
 use crate::model::Model;
 use crate::store::ImageError;
+pub use channel::{AnswerFault, NoAnswerFault};
 use channel::{Channels, INDICES};
 
 /// Slot and subslot of the telegram and of the parameter access point.
@@ -175,6 +176,11 @@ impl Station {
         &mut self.drive
     }
 
+    /// Lets the parameter manager answer wrongly, late or not at all, from the next request on.
+    pub const fn set_answer_fault(&mut self, fault: AnswerFault) {
+        self.channels.set_fault(fault);
+    }
+
     /// The PROFINET device.
     #[must_use]
     pub const fn device(&self) -> &Device {
@@ -272,7 +278,8 @@ impl Station {
                 address,
                 length,
             } => {
-                let answer = check(address, PnioStatus::read).and_then(|()| self.channels.read(ar, length));
+                let answer =
+                    check(address, PnioStatus::read).and_then(|()| self.channels.read(now, ar, length));
                 let answer = answer.as_deref().map_err(|status| *status);
                 self.device.answer_read(now, token, answer);
             }
@@ -283,7 +290,7 @@ impl Station {
                 data,
             } => {
                 let written = check(address, PnioStatus::write)
-                    .and_then(|()| self.channels.write(ar, &data, &mut self.drive));
+                    .and_then(|()| self.channels.write(now, ar, &data, &mut self.drive));
                 self.device.answer_write(now, token, written);
             }
             DeviceEvent::ProviderState { .. } | DeviceEvent::AlarmAcknowledged { .. } => {}
