@@ -39,6 +39,7 @@ pub type Target = fn(&[u8]);
 pub const TARGETS: &[(&str, Target)] = &[
     ("alarm", alarm),
     ("blocks", blocks),
+    ("capture", capture),
     ("controller", controller),
     ("dcp", dcp),
     ("description", description),
@@ -395,6 +396,28 @@ pub fn pcap(data: &[u8]) {
         frames += 1;
         assert!(frames <= data.len(), "more frames than octets");
     }
+}
+
+/// What `decode` says about a capture whose frames may be anybody's: one note at most in a bounded number of octets, and
+/// the same capture always gives the same words.
+pub fn capture(data: &[u8]) {
+    let mut now = Duration::ZERO;
+    let mut frames = Vec::new();
+    for step in Steps(data) {
+        match step {
+            Step::Frame(frame) | Step::Datagram(frame) => frames.push((now, frame)),
+            Step::Wait(time) => now += time,
+        }
+    }
+    frames.push((now, data));
+    let notes = profidrive_cli::decode_frames(frames.iter().copied());
+    let length: usize = notes.iter().map(String::len).sum();
+    assert!(
+        length <= 4096 + 200 * data.len(),
+        "{length} octets of notes for {}",
+        data.len()
+    );
+    assert_eq!(notes, profidrive_cli::decode_frames(frames));
 }
 
 /// The virtual AKD: control words and setpoints (frames), parameter jobs (datagrams), connections lost and found (pauses).

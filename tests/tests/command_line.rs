@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use profidrive::parameter::Dialect;
 use serde_json::Value;
-use system_tests::{Finished, Lab, Running, Side, built, compare, judge, memory};
+use system_tests::{Finished, Lab, Running, Side, built, compare, judge, memory, wait_until};
 
 const SHORT: Duration = Duration::from_secs(20);
 
@@ -100,7 +100,7 @@ fn from_an_unnamed_drive_to_a_turning_axis_and_over_a_restart() {
 #[test]
 fn what_goes_wrong_is_said() {
     let lab = Lab::new("command-line-errors");
-    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
     for (arguments, code, words) in [
         (&["read", "akd-2", "DRV.ACC"][..], 4, "akd-1"),
         (&["read", "akd-1", "DRV.AC"], 2, "DRV.ACC"),
@@ -128,6 +128,12 @@ fn what_goes_wrong_is_said() {
         assert_eq!(finished.code, Some(code), "{arguments:?}: {}", finished.err);
         assert!(finished.err.contains(words), "{arguments:?}: {}", finished.err);
     }
+    let listened = client(&lab, &["scan", "--for", "200ms"]).ok();
+    assert!(listened.out.contains("akd-1"), "{}", listened.out);
+    drop(drive);
+    let alone = client(&lab, &["scan", "--for", "200ms"]);
+    assert_eq!(alone.code, Some(4), "{}", alone.err);
+    assert!(alone.err.contains("no station answered"), "{}", alone.err);
     let finished = lab.run(
         Side::Controller,
         built("profidrive"),
@@ -135,4 +141,62 @@ fn what_goes_wrong_is_said() {
         SHORT,
     );
     assert!(finished.err.contains("ctl0"), "{}", finished.err);
+}
+
+#[test]
+fn simulate_outlives_its_interface() {
+    let lab = Lab::new("command-line-link");
+    let mut drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    client(&lab, &["write", "akd-1", "DRV.ACC=5000rpm/s"]).ok();
+    for round in 1..=2 {
+        lab.link(Side::Device, false);
+        let down = wait_until(SHORT, || drive.err().matches("is down").count() == round);
+        assert!(down, "{}", drive.err());
+        assert_eq!(client(&lab, &["read", "akd-1", "DRV.ACC"]).code, Some(4));
+        lab.link(Side::Device, true);
+        let back = wait_until(SHORT, || drive.err().matches("dev0 is back").count() == round);
+        assert!(back, "{}", drive.err());
+        // the same drive, not a new one
+        let read = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok().out;
+        assert!(read.contains("5000"), "{read}");
+    }
+    assert!(drive.status().is_none());
+    drive.interrupt(Duration::from_secs(5)).ok();
+}
+
+#[test]
+fn a_drive_at_work_is_renamed_addressed_and_reset_by_force_only() {
+    let lab = Lab::new("command-line-owner");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let run = [
+        "-i",
+        "ctl0",
+        "run",
+        "akd-1",
+        "--velocity",
+        "60rpm",
+        "--for",
+        "60s",
+    ];
+    let mut owner = lab.spawn(Side::Controller, built("profidrive"), run);
+    owner.wait_for("S4", SHORT);
+    for line in [
+        &["name", "akd-1", "akd-2"][..],
+        &["ip", "akd-1", "192.168.77.51/24"],
+        &["reset", "akd-1", "--mode", "communication", "--yes"],
+    ] {
+        let refused = client(&lab, line);
+        assert_eq!(refused.code, Some(6), "{line:?}: {}", refused.err);
+        assert!(
+            refused.err.contains("controller \"profidrive\" is running it"),
+            "{}",
+            refused.err
+        );
+        assert!(refused.err.contains("--force"), "{}", refused.err);
+    }
+    assert!(owner.status().is_none(), "{}", owner.err());
+    client(&lab, &["name", "akd-1", "akd-2", "--force"]).ok();
+    let finished = owner.finish(SHORT);
+    assert_ne!(finished.code, Some(0), "its connection was cut: {}", finished.err);
+    client(&lab, &["read", "akd-2", "DRV.ACC"]).ok();
 }

@@ -48,6 +48,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-drive",
             "drive-client",
             "network",
+            "profidrive-cli",
         ],
     ),
     (

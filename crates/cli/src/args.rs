@@ -63,7 +63,7 @@ pub struct Global {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// List the stations that answer on the network
+    /// List the stations that answer on the network; exit code 4 when there is none
     Scan(OnNetwork<Scan>),
     /// Give a station its name; `blink` first shows which one it is
     Name(OnNetwork<Name>),

@@ -289,3 +289,19 @@ fn the_interface_is_asked_for_only_where_there_is_one() {
     assert_eq!(output.status.code(), Some(4));
     assert!(stderr(&output).contains("nosuch0"), "{}", stderr(&output));
 }
+
+#[test]
+fn an_interface_is_refused_where_no_network_is_used() {
+    for line in [
+        &["-i", "eth9", "decode", "--hex", "01 01 01 01 10 01 03 A2 00 00"][..],
+        &["-i", "eth9", "explain", "0x047F", "--as", "stw1"],
+        &["-i", "eth9", "completions", "bash"],
+    ] {
+        let output = profidrive(line);
+        assert_eq!(output.status.code(), Some(2), "{line:?}");
+        let verb = line[2];
+        let words = format!("`{verb}` does not use the network: -i eth9 has no meaning for it");
+        assert!(stderr(&output).contains(&words), "{}", stderr(&output));
+        assert_eq!(stdout(&output), "");
+    }
+}

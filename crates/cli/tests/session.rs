@@ -247,6 +247,42 @@ fn an_interrupt_stops_and_releases() {
     assert!(!drive_at(&session, ids[0]).drive().has_fault());
 }
 
+/// Opens the way to the records of a drive and is interrupted before the drive has answered.
+fn interrupted_connect() -> (Bench, StationId, Drive, Rc<Cell<bool>>) {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let drive = find(&mut session, "akd-1").expect("there");
+    let flag = Rc::new(Cell::new(false));
+    let seen = Rc::clone(&flag);
+    // the connect request leaves in the first step, its answer comes later
+    let mut steps = 0;
+    session.interrupt_with(move || {
+        steps += 1;
+        seen.get() && steps > 1
+    });
+    flag.set(true);
+    assert!(matches!(session.open(&drive), Err(Error::Interrupted)));
+    flag.set(false);
+    (session, ids[0], drive, flag)
+}
+
+#[test]
+fn an_interrupted_connect_is_taken_up_again() {
+    let (mut session, _, mut drive, _) = interrupted_connect();
+    session.open(&drive).expect("opens after all");
+    let acceleration = select(&drive, "DRV.ACC");
+    assert!(session.read(&mut drive, &[acceleration]).expect("read")[0].is_ok());
+}
+
+#[test]
+fn an_interrupted_connect_leaves_nothing_at_the_drive() {
+    let (mut session, id, _, flag) = interrupted_connect();
+    flag.set(true);
+    session.close().expect("closed");
+    flag.set(false);
+    session.pass(Duration::from_secs(1)).expect("passes");
+    assert_eq!(drive_at(&session, id).device().relations(), 0);
+}
+
 #[test]
 fn a_watcher_that_panics_does_not_keep_the_axis_from_stopping() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);

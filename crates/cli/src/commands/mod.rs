@@ -17,6 +17,13 @@ use crate::output::Output;
 
 /// Runs what was asked for.
 pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
+    if let (Some(name), Some(verb)) = (&cli.interface.interface, offline(&cli.command)) {
+        // an interface that is taken and not used would look like an answer from the network
+        return Err(Failure::usage(format!(
+            "`{verb}` does not use the network: -i {name} has no meaning for it"
+        ))
+        .hint("leave it out"));
+    }
     match &cli.command {
         Command::Scan(on) => scan::run(&on.args, interface(cli, &on.interface), output),
         Command::Name(on) => address::name(&on.args, interface(cli, &on.interface), output),
@@ -37,6 +44,17 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Simulate(on) => simulate::run(&on.args, interface(cli, &on.interface), output),
         Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),
+    }
+}
+
+/// The name of a command that works without a network.
+const fn offline(command: &Command) -> Option<&'static str> {
+    match command {
+        Command::Explain(_) => Some("explain"),
+        Command::Decode(_) => Some("decode"),
+        Command::Demo(_) => Some("demo"),
+        Command::Completions(_) => Some("completions"),
+        _ => None,
     }
 }
 

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::args::{Interface, Scan};
 use crate::connect::{self, Need};
-use crate::failure::Failure;
+use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
 use crate::render::table::Table;
@@ -23,18 +23,20 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     if output.json() {
         let list: Vec<Value> = stations.iter().map(json).collect();
         output.document("scan", fields! { "stations": list });
-        return Ok(());
-    }
-    if !stations.is_empty() {
+    } else if !stations.is_empty() {
         for line in table(&stations).lines() {
             output.line(&line);
         }
     }
-    for warning in warnings(&stations) {
-        output.warn(&warning);
-    }
     if stations.is_empty() {
-        output.say("no station answered; check cable, interface and power");
+        return Err(
+            Failure::new(Exit::Unreachable, "no station answered").hint("check cable, interface and power")
+        );
+    }
+    if !output.json() {
+        for warning in warnings(&stations) {
+            output.warn(&warning);
+        }
     }
     Ok(())
 }

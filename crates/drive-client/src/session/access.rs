@@ -72,7 +72,12 @@ where
         if let Some(known) = self.access.iter().find(|access| access.is_to(drive)).copied() {
             match self.client.connection(known.ar) {
                 Connection::Lost(_) | Connection::Released => self.drop_access(known.ar),
-                Connection::Opening | Connection::Open | Connection::Running => return Ok(known.ar),
+                // begun by a call that was interrupted
+                Connection::Opening => {
+                    self.connected(drive, known.ar)?;
+                    return Ok(known.ar);
+                }
+                Connection::Open | Connection::Running => return Ok(known.ar),
             }
         }
         if !drive.station.ip.is_set() {
@@ -83,8 +88,9 @@ where
             .client
             .controller()
             .connect_device_access(now, target(drive), Resolve::Trust)?;
-        self.connected(drive, ar)?;
+        // known before it is open: whoever interrupts the wait leaves nothing behind at the drive
         self.access.push(Access::of(drive, ar, false));
+        self.connected(drive, ar)?;
         Ok(ar)
     }
 
@@ -96,15 +102,18 @@ where
         })?;
         match end {
             Some(Connection::Lost(cause)) => {
-                self.client.forget(ar);
+                self.drop_access(ar);
                 Err(connect_error(drive, cause))
             }
             Some(_) => Ok(()),
-            None => Err(Error::Timeout {
-                drive: drive.label(),
-                what: "connecting",
-                limit: CONNECT_LIMIT,
-            }),
+            None => {
+                self.release(ar)?;
+                Err(Error::Timeout {
+                    drive: drive.label(),
+                    what: "connecting",
+                    limit: CONNECT_LIMIT,
+                })
+            }
         }
     }
 
@@ -124,6 +133,11 @@ where
     /// # Errors
     /// When the medium fails.
     pub fn close(&mut self) -> Result<(), Error> {
+        self.close_within(RELEASE_LIMIT)
+    }
+
+    /// Closes every connection for record access, waiting for each as long as given.
+    pub(super) fn close_within(&mut self, limit: Duration) -> Result<(), Error> {
         let open: Vec<ArId> = self
             .access
             .iter()
@@ -131,13 +145,17 @@ where
             .map(|access| access.ar)
             .collect();
         for ar in open {
-            self.release(ar)?;
+            self.release_within(ar, limit)?;
         }
         Ok(())
     }
 
     /// Releases a connection and waits for its end.
     pub(super) fn release(&mut self, ar: ArId) -> Result<(), Error> {
+        self.release_within(ar, RELEASE_LIMIT)
+    }
+
+    fn release_within(&mut self, ar: ArId, limit: Duration) -> Result<(), Error> {
         let open = matches!(
             self.client.connection(ar),
             Connection::Open | Connection::Running | Connection::Opening
@@ -145,7 +163,7 @@ where
         let now = self.now();
         if open && self.client.controller().release(now, ar).is_ok() {
             let stopping = std::mem::replace(&mut self.stopping, true);
-            let end = self.wait(RELEASE_LIMIT, |client| {
+            let end = self.wait(limit, |client| {
                 matches!(client.connection(ar), Connection::Released | Connection::Lost(_)).then_some(())
             });
             self.stopping = stopping;

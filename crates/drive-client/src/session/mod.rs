@@ -54,7 +54,12 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// assert!(matches!(session.find(&drive), Err(Error::NotFound { .. })));
 /// # Ok::<(), drive_client::DriveAddressError>(())
 /// ```
-pub struct Session<M: Medium> {
+///
+/// Leaving it by any way, an error or a wish to stop included, closes its connections at the drives.
+pub struct Session<M: Medium>
+where
+    M::Error: Send + Sync + 'static,
+{
     client: Client,
     medium: M,
     /// Says that the caller wants to stop.
@@ -66,7 +71,23 @@ pub struct Session<M: Medium> {
     discovery: bool,
 }
 
-impl<M: Medium> std::fmt::Debug for Session<M> {
+/// How long a session that is left may still wait for each drive.
+const FAREWELL: Duration = Duration::from_secs(1);
+
+impl<M: Medium> Drop for Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    fn drop(&mut self) {
+        // nobody is left to be told that the medium failed
+        let _ = self.close_within(FAREWELL);
+    }
+}
+
+impl<M: Medium> std::fmt::Debug for Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Session")
             .field("client", &self.client)

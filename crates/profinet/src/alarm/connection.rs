@@ -216,13 +216,17 @@ impl Alarms {
         self.side(alarm.priority).channel.send(block)
     }
 
-    /// True if this frame belongs to this connection: kind of frame, sender and LocalAlarmReference.
+    /// True if this frame belongs to this connection: kind of frame, sender and both alarm references. The peer's
+    /// reference tells its former connection from this one when our own is the same in both.
     #[must_use]
     pub fn is_for_us(&self, frame: &Frame<'_>) -> bool {
-        let reference = frame.payload.first_chunk::<2>().map(|b| u16::from_be_bytes(*b));
+        let references = frame
+            .payload
+            .first_chunk::<4>()
+            .map(|[a, b, c, d]| (u16::from_be_bytes([*a, *b]), u16::from_be_bytes([*c, *d])));
         matches!(frame.frame_id.kind(), FrameKind::AlarmHigh | FrameKind::AlarmLow)
             && frame.source == self.config.peer
-            && reference == Some(self.config.local_reference)
+            && references == Some((self.config.local_reference, self.config.peer_reference))
     }
 
     /// Takes a received frame; frames of others and malformed ones are ignored.
@@ -439,6 +443,25 @@ mod tests {
             0x00, 0x00, 0x00, 0x30, 0x00, 0x00, 0x01, 0x30, 0x00, 0x00, 0x00, 0x10, 0x01,
         ];
         assert_eq!(&buffer[..length], golden);
+    }
+
+    #[test]
+    fn the_last_word_of_a_former_connection_is_not_for_this_one() {
+        let (device, mut controller) = pair();
+        let former = AlarmConfig {
+            local_reference: 2,
+            ..*device.config()
+        };
+        let mut buffer = [0; 1518];
+        let cause = PnioStatus::aborted(abort::DATA_HOLD);
+        for (config, expected) in [
+            (former, None),
+            (*device.config(), Some(AlarmEvent::AbortedByPeer(cause))),
+        ] {
+            let length = emit_error(&mut buffer, &config, cause).unwrap();
+            let frame = Frame::parse(&buffer[..length]).unwrap();
+            assert_eq!(controller.handle_frame(at(0), &frame), expected);
+        }
     }
 
     #[test]

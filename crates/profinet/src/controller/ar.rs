@@ -85,6 +85,8 @@ pub(super) struct Ar {
     pub run: bool,
     early_ready: Option<Option<ModuleDiff>>,
     running: bool,
+    /// Writes wait until then: the outputs that end the start-up are on their way first.
+    pub writes_from: Option<Instant>,
     /// Waits in the queue of those that have a frame to send.
     pub queued: bool,
 }
@@ -121,6 +123,7 @@ impl Ar {
             run,
             early_ready: None,
             running: false,
+            writes_from: None,
             queued: false,
         }
     }
@@ -197,6 +200,8 @@ impl Ar {
             return;
         }
         shared.events.push_back(Event::Ready { ar: self.id, diff });
+        // a device refuses records (DF 80 B5 00) until it has valid outputs after ApplicationReady
+        self.writes_from = self.provider.as_ref().map(Provider::next_send);
         self.apply_run();
         let running = self
             .consumer
@@ -428,7 +433,12 @@ impl Ar {
             self.provider.as_ref().filter(|_| cyclic).map(Provider::next_send),
             self.consumer.as_ref().and_then(Consumer::deadline),
             self.alarms.as_ref().and_then(Alarms::poll_timeout),
-            self.jobs.front().filter(|_| idle).map(|job| job.due),
+            self.writes_from
+                .filter(|_| idle && !(self.ops.is_empty() && self.jobs.is_empty())),
+            self.jobs
+                .front()
+                .filter(|_| idle)
+                .map(|job| job.due.max(self.writes_from.unwrap_or(job.due))),
             self.keep_alive_due().filter(|_| idle),
         ]
         .into_iter()

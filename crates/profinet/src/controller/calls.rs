@@ -120,9 +120,15 @@ impl Ar {
             return;
         }
         let now = shared.now;
+        self.writes_from = self.writes_from.filter(|from| now < *from);
+        let held = self.writes_from.is_some();
+        // what was asked for later does not overtake
+        if held && matches!(self.ops.front(), Some(Op::Write { .. } | Op::WriteMany { .. })) {
+            return;
+        }
         let op = if let Some(op) = self.ops.pop_front() {
             op
-        } else if let Some(job) = self.jobs.front_mut().filter(|job| now >= job.due) {
+        } else if let Some(job) = self.jobs.front_mut().filter(|job| now >= job.due && !held) {
             job.begin(now);
             match job.step {
                 Step::Write => Op::JobWrite,

@@ -1,5 +1,6 @@
 //! Where each submodule's data and status lie in the process data of one direction.
 
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -198,6 +199,8 @@ impl Layout {
             return Err(IocrError::NumberOfApis);
         }
         let mut map = Occupied::new(data_length);
+        let expected = Expected::new(expected);
+        let (mut with_data, mut with_status) = (BTreeSet::new(), BTreeSet::new());
         let mut layout = Self {
             direction,
             data_length,
@@ -211,8 +214,7 @@ impl Layout {
                 subslot,
                 offset,
             } = *place;
-            let size = find(
-                expected,
+            let size = expected.find(
                 place,
                 IocrError::DataSlot(slot),
                 IocrError::DataSubslot(slot, subslot),
@@ -220,11 +222,7 @@ impl Layout {
             let length = size
                 .data_length(direction)
                 .ok_or(IocrError::DataSubslot(slot, subslot))?;
-            if layout
-                .data
-                .iter()
-                .any(|d| (d.api, d.slot, d.subslot) == (api, slot, subslot))
-            {
+            if !with_data.insert((api, slot, subslot)) {
                 return Err(IocrError::DataSubslot(slot, subslot));
             }
             let end = u32::from(length) + 1;
@@ -246,11 +244,8 @@ impl Layout {
                 offset,
             } = *place;
             let missing = IocrError::StatusSubslot(slot, subslot);
-            let size = find(expected, place, IocrError::StatusSlot(slot), missing)?;
-            let twice = layout
-                .status
-                .iter()
-                .any(|s| (s.api, s.slot, s.subslot) == (api, slot, subslot));
+            let size = expected.find(place, IocrError::StatusSlot(slot), missing)?;
+            let twice = !with_status.insert((api, slot, subslot));
             if twice || !size.has_status(direction) {
                 return Err(missing);
             }
@@ -305,24 +300,36 @@ impl Layout {
     }
 }
 
-fn find<'a>(
-    expected: &'a [SubmoduleSize],
-    place: &ObjectPlace,
-    no_slot: IocrError,
-    no_subslot: IocrError,
-) -> Result<&'a SubmoduleSize, IocrError> {
-    let mut why = IocrError::Api(place.api);
-    for size in expected.iter().filter(|s| s.api == place.api) {
-        if size.slot == place.slot {
-            if size.subslot == place.subslot {
-                return Ok(size);
-            }
-            why = no_subslot;
-        } else if why == IocrError::Api(place.api) {
-            why = no_slot;
+/// The expected submodules by API, slot and subslot: found without looking at all of them, whatever a peer asks for.
+struct Expected<'a>(BTreeMap<(u32, u16, u16), &'a SubmoduleSize>);
+
+impl<'a> Expected<'a> {
+    fn new(sizes: &'a [SubmoduleSize]) -> Self {
+        let mut map = BTreeMap::new();
+        for size in sizes {
+            map.entry((size.api, size.slot, size.subslot)).or_insert(size);
+        }
+        Self(map)
+    }
+
+    /// The submodule of a place, or the error for what of it is missing.
+    fn find(
+        &self,
+        place: &ObjectPlace,
+        no_slot: IocrError,
+        no_subslot: IocrError,
+    ) -> Result<&'a SubmoduleSize, IocrError> {
+        let ObjectPlace {
+            api, slot, subslot, ..
+        } = *place;
+        let any = |first, last| self.0.range(first..=last).next().is_some();
+        match self.0.get(&(api, slot, subslot)) {
+            Some(size) => Ok(*size),
+            None if any((api, slot, 0), (api, slot, u16::MAX)) => Err(no_subslot),
+            None if any((api, 0, 0), (api, u16::MAX, u16::MAX)) => Err(no_slot),
+            None => Err(IocrError::Api(api)),
         }
     }
-    Err(why)
 }
 
 /// Which octets of the process data are in use.

@@ -98,6 +98,18 @@ impl Activity {
     pub(super) fn is_over(&self, now: Instant) -> bool {
         self.deadline.is_some_and(|deadline| deadline <= now)
     }
+
+    /// How long nothing happened; `None` once stopped.
+    pub(super) fn idle(&self, now: Instant) -> Option<Duration> {
+        let left = self.deadline?.saturating_since(now);
+        Some(self.limit.saturating_sub(left))
+    }
+
+    /// True when more than half of the time went by without a sign of life: who wants to stay connected gives one well
+    /// before.
+    pub(super) fn is_half_over(&self, now: Instant) -> bool {
+        self.idle(now).is_some_and(|idle| idle * 2 > self.limit)
+    }
 }
 
 /// A relation with cyclic data.

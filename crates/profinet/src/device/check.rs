@@ -1,5 +1,6 @@
 //! What a connect request may ask for: every rule with the error it is refused with.
 
+use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
 use crate::cyclic::{Direction, IocrError, Layout, ObjectPlace, SubmoduleSize, Timing};
@@ -22,6 +23,20 @@ const ALARM_CR: u8 = 0x04;
 pub(super) const RPC: u8 = 0x40;
 /// ErrorCode2 of [`RPC`]: unknown blocks.
 pub(super) const UNKNOWN_BLOCKS: u8 = 1;
+/// ErrorCode2 of [`RPC`]: out of provider, consumer or alarm resources.
+const OUT_OF_RESOURCES: u8 = 7;
+/// ErrorCode2 of [`RPC`]: out of memory.
+const OUT_OF_MEMORY: u8 = 8;
+
+// What follows bounds the work a request can make, so that nobody's connect delays the cyclic data of the controller.
+/// Most blocks of a request; controllers send one per slot and a handful beside.
+const MAX_BLOCKS: usize = 512;
+/// Most submodules that may be expected, many times what a drive has. The octets of 1440 submodules fill a frame.
+const MAX_SUBMODULES: usize = 256;
+/// Octets of the longest block that expects so many: each in a module of its own, with data both ways.
+const MAX_EXPECTED: usize = 2 + MAX_SUBMODULES * (14 + 8 + 12);
+/// Most IOCR blocks that are looked at; two are served.
+const MAX_IOCRS: usize = 4;
 
 /// One direction of cyclic data as the controller wants it.
 #[derive(Debug)]
@@ -78,7 +93,12 @@ pub(super) fn check(mut reader: Reader<'_>, min_device_interval: u16) -> Result<
     let mut alarm_crs: Vec<AlarmCrRequest> = Vec::new();
     let mut expected: Vec<ExpectedModule> = Vec::new();
     let mut vendor = Vec::new();
+    let (mut blocks, mut submodules) = (0, 0);
     while !reader.is_empty() {
+        blocks += 1;
+        if blocks > MAX_BLOCKS {
+            return Err(refuse(RPC, OUT_OF_MEMORY));
+        }
         let announced = BlockType(
             reader
                 .peek_rest()
@@ -106,15 +126,28 @@ pub(super) fn check(mut reader: Reader<'_>, min_device_interval: u16) -> Result<
                 ar = Some(request);
             }
             BlockType::IOCR_REQUEST => {
+                if iocrs.len() >= MAX_IOCRS {
+                    return Err(refuse(RPC, OUT_OF_RESOURCES));
+                }
                 iocrs.push(IocrRequest::decode(block.body).map_err(|_| malformed)?);
             }
             BlockType::ALARM_CR_REQUEST => {
                 alarm_crs.push(AlarmCrRequest::decode(block.body).map_err(|_| malformed)?);
             }
+            BlockType::EXPECTED_SUBMODULE if block.body.peek_rest().len() > MAX_EXPECTED => {
+                return Err(refuse(RPC, OUT_OF_MEMORY));
+            }
             BlockType::EXPECTED_SUBMODULE => {
                 let modules = ExpectedModule::decode_block(block.body).map_err(|_| malformed)?;
                 if modules.is_empty() {
                     return Err(refuse(EXPECTED, 4));
+                }
+                submodules += modules
+                    .iter()
+                    .map(|module| module.submodules.len())
+                    .sum::<usize>();
+                if submodules.max(expected.len() + modules.len()) > MAX_SUBMODULES {
+                    return Err(refuse(RPC, OUT_OF_MEMORY));
                 }
                 expected.extend(modules);
             }
@@ -140,14 +173,13 @@ pub(super) fn check(mut reader: Reader<'_>, min_device_interval: u16) -> Result<
     }
     let sizes = check_expected(&expected)?;
     let iocrs = check_iocrs(&ar, iocrs, &sizes, min_device_interval)?;
-    for size in &sizes {
-        let (slot, subslot) = (size.slot, size.subslot);
-        let used = |iocr: &CheckedIocr| {
-            iocr.layout.data(slot, subslot).is_some() || iocr.layout.status(slot, subslot).is_some()
-        };
-        if !iocrs.iter().any(used) {
-            return Err(refuse(EXPECTED, 10));
-        }
+    let mut used = BTreeSet::new();
+    for CheckedIocr { layout, .. } in &iocrs {
+        used.extend(layout.data_objects().iter().map(|d| (d.slot, d.subslot)));
+        used.extend(layout.status_objects().iter().map(|s| (s.slot, s.subslot)));
+    }
+    if !sizes.iter().all(|size| used.contains(&(size.slot, size.subslot))) {
+        return Err(refuse(EXPECTED, 10));
     }
     let [alarm_cr] = alarm_crs[..] else {
         return Err(refuse(RPC, 3));
@@ -219,11 +251,9 @@ fn check_alarm_cr(alarm_cr: &AlarmCrRequest) -> Result<(), PnioStatus> {
 
 fn check_expected(modules: &[ExpectedModule]) -> Result<Vec<SubmoduleSize>, PnioStatus> {
     let mut sizes: Vec<SubmoduleSize> = Vec::new();
-    for (i, module) in modules.iter().enumerate() {
-        let twice = modules
-            .iter()
-            .take(i)
-            .any(|m| (m.api, m.slot) == (module.api, module.slot));
+    let (mut slots, mut subslots) = (BTreeSet::new(), BTreeSet::new());
+    for module in modules {
+        let twice = !slots.insert((module.api, module.slot));
         first_broken(
             EXPECTED,
             &[
@@ -235,9 +265,7 @@ fn check_expected(modules: &[ExpectedModule]) -> Result<Vec<SubmoduleSize>, Pnio
         )?;
         for submodule in &module.submodules {
             let subslot = submodule.subslot;
-            let twice = sizes
-                .iter()
-                .any(|s| (s.slot, s.subslot) == (module.slot, subslot));
+            let twice = !subslots.insert((module.slot, subslot));
             check_submodule(submodule, twice || (subslot >= 0x8000 && module.api != 0))?;
             let size = SubmoduleSize::new(
                 module.api,
@@ -337,8 +365,9 @@ fn check_iocrs(
         )?;
         let mut data = Vec::new();
         let mut status = Vec::new();
-        for (i, api) in request.apis.iter().enumerate() {
-            let twice = request.apis.iter().take(i).any(|a| a.api == api.api);
+        let mut apis = BTreeSet::new();
+        for api in &request.apis {
+            let twice = !apis.insert(api.api);
             first_broken(
                 IOCR,
                 &[

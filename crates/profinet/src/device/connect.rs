@@ -30,6 +30,8 @@ use crate::{Instant, MAX_FRAME, RPC_PORT};
 const MAX_ALARM_DATA: u16 = 200;
 /// FrameIDs offered for outputs when the controller leaves the choice: class 1 and class 2.
 const OUTPUT_FRAME_IDS: [u16; 2] = [0xC000, 0x8000];
+/// A relation for record access that was silent for so long gives way to a new one of its own initiator.
+const FORSAKEN: Duration = Duration::from_secs(2);
 /// Octets of blocks taken as answer to ApplicationReady.
 const READY_ARGS: u32 = 1024;
 
@@ -117,14 +119,17 @@ impl Device {
         ar: ArRequest,
         vendor: &[(u16, u32)],
     ) -> Result<Vec<u8>, PnioStatus> {
-        if self.tools.len() >= self.config.max_device_access {
-            return Err(PnioStatus::connect(RPC, 4));
-        }
-        let key = self.new_key();
         let mut out = Vec::new();
         self.ar_response(&ar).encode(&mut out);
         self.finish_response(&ar, vendor, &mut out);
         check_room(&out, room)?;
+        if self.tools.len() >= self.config.max_device_access {
+            let (forsaken, cause) = self
+                .forsaken(now, source, &ar)
+                .ok_or(PnioStatus::connect(RPC, 4))?;
+            self.abort(now, forsaken, cause);
+        }
+        let key = self.new_key();
         let station = text(&ar.station_name);
         self.event(Event::Connected {
             ar: key,
@@ -139,6 +144,33 @@ impl Device {
             activity,
         });
         Ok(out)
+    }
+
+    /// The relation for record access that makes room for another one when all are taken, and why it ends.
+    ///
+    /// The standard leaves the choice to the device. A tool that crashed keeps its relation until the activity time is
+    /// over, which may be 100 s; started again it must not be shut out by its former lives. So the relation that has been
+    /// silent for longest ends if it is the same initiator's (address, MAC address, object and station name) and was
+    /// silent for [`FORSAKEN`], else if it was silent for more than half of its activity time. A relation whose record
+    /// is being worked on stays in any case.
+    fn forsaken(&self, now: Instant, source: SocketAddrV4, ar: &ArRequest) -> Option<(ArKey, u8)> {
+        let silent = |tool: &&AccessAr| !self.has_job(tool.key);
+        let longest = |tool: &&AccessAr| tool.activity.idle(now);
+        let same = |tool: &&AccessAr| {
+            same_initiator(&tool.request, ar)
+                && tool.request.station_name == ar.station_name
+                && tool.host == *source.ip()
+                && tool.activity.idle(now).is_some_and(|idle| idle >= FORSAKEN)
+        };
+        let silent = || self.tools.iter().filter(silent);
+        let own = silent().filter(same).max_by_key(longest);
+        if let Some(own) = own {
+            return Some((own.key, abort::RERUN));
+        }
+        let others = silent().filter(|tool| tool.activity.is_half_over(now));
+        others
+            .max_by_key(longest)
+            .map(|tool| (tool.key, abort::ACTIVITY_TIMEOUT))
     }
 
     fn connect_controller(

@@ -354,6 +354,9 @@ impl Device {
             self.ip = IpSuite::NONE;
             self.name_permanent = true;
             self.ip_permanent = true;
+            // what a controller wrote about ports and interface belongs to the network it was in
+            self.interface_adjust.clear();
+            self.port_records.clear();
         }
         if mode.clears_im() {
             self.im = ImRecords::default();

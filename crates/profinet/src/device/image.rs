@@ -41,6 +41,12 @@ impl Device {
         self.controller.as_ref().map(|io| io.key)
     }
 
+    /// Relations that are open, with cyclic data or for record access.
+    #[must_use]
+    pub fn relations(&self) -> usize {
+        usize::from(self.controller.is_some()) + self.tools.len()
+    }
+
     /// True while data is exchanged: start-up is over.
     #[must_use]
     pub fn is_exchanging(&self) -> bool {

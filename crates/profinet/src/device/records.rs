@@ -324,6 +324,11 @@ impl Device {
         self.server.respond(now, call.key, stub);
     }
 
+    /// True while the application works on a record for this relation.
+    pub(super) fn has_job(&self, ar: ArKey) -> bool {
+        self.jobs.iter().any(|job| job.ar == Some(ar))
+    }
+
     fn take_job(&mut self, token: Token) -> Option<Job> {
         let index = self.jobs.iter().position(|job| job.token == token)?;
         Some(self.jobs.swap_remove(index))

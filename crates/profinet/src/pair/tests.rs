@@ -286,6 +286,32 @@ fn the_whole_way_at_every_interval_and_in_both_start_ups() {
 }
 
 #[test]
+fn a_record_written_at_once_after_the_start_up_is_taken() {
+    let mut p = pair();
+    let ar = p.a.connect(p.now, target(), config(512)).unwrap();
+    assert_eq!(event(&mut p, SECOND), Some(Event::Connected { ar, diff: None }));
+    assert_eq!(event(&mut p, SECOND), Some(Event::Ready { ar, diff: None }));
+    // the device waits for valid outputs for up to another half second
+    let write = p.a.write(p.now, ar, CHANNEL, b"record").unwrap();
+    let many =
+        p.a.write_multiple(p.now, ar, &[(CHANNEL, b"other".to_vec())])
+            .unwrap();
+    let job = p.a.parameter_job(p.now, ar, CHANNEL, b"job").unwrap();
+    let mut done = vec![];
+    p.until(2 * SECOND, |p| {
+        match p.a.poll_event()? {
+            Event::RecordDone { call, result } => done.push((call, result)),
+            Event::WritesDone { call, result } => {
+                assert_eq!((call, result), (many, Ok(vec![Some(PnioStatus::OK)])));
+            }
+            _ => {}
+        }
+        (done.len() == 2).then_some(())
+    });
+    assert_eq!(done, [(write, Ok(vec![])), (job, Ok(b"job".to_vec()))]);
+}
+
+#[test]
 fn a_new_device_gets_name_and_address_and_is_used() {
     let mut p = pair();
     p.b = Station::new("", IpSuite::NONE);

@@ -422,3 +422,21 @@ fn resets_answer_first_and_clear_what_their_mode_says() {
         }]
     );
 }
+
+#[test]
+fn a_reset_of_the_communication_forgets_what_was_written_about_the_interface() {
+    use crate::wire::record::index::INTERFACE_ADJUST;
+    let mut rig = Rig::new(config());
+    let wish = Wish::tool(1);
+    rig.connect(&wish).unwrap();
+    let adjust = [2, 0x50, 0, 8, 1, 0, 0, 0, 0, 0, 0, 1];
+    assert_eq!(
+        rig.write(wish.ar.ar_uuid, 0, (0, 0x8000, INTERFACE_ADJUST), &adjust),
+        PnioStatus::OK
+    );
+    let read = |rig: &mut Rig| rig.read(Uuid::NIL, 0, 0, 0x8000, INTERFACE_ADJUST);
+    assert_eq!(read(&mut rig), Ok(adjust.to_vec()));
+    let mode = Value::Empty(DcpOption::RESET_TO_FACTORY);
+    assert_eq!(set(&mut rig, Qualifier(0x0004), mode), BlockError::Ok);
+    assert_eq!(read(&mut rig), Ok(vec![]));
+}

@@ -297,6 +297,116 @@ fn headers_and_order_of_blocks_are_checked() {
     }
 }
 
+/// Requests near the longest that is taken, each of another shape that could cost much work.
+fn huge() -> Vec<(&'static str, Vec<u8>, PnioStatus)> {
+    let wish = Wish::controller(1);
+    let module = |slot: u16, submodules: Vec<ExpectedSubmodule>| ExpectedModule {
+        api: 0,
+        slot,
+        ident: 1,
+        properties: 0,
+        submodules,
+    };
+    let none = |subslot| ExpectedSubmodule::new(subslot, 1, 0, 0);
+    let memory = PnioStatus::connect(0x40, 8);
+    let with = |wish: Wish| wish.blocks();
+    let mut one_block = Wish {
+        modules: vec![],
+        ..wish.clone()
+    }
+    .blocks();
+    let modules: Vec<_> = (0..2_200).map(|slot| module(slot, vec![none(1)])).collect();
+    ExpectedModule::encode_block(&modules, &mut one_block);
+    let many_blocks = Wish {
+        modules: (0..1_800).map(|slot| module(slot, vec![none(1)])).collect(),
+        ..wish.clone()
+    };
+    let many_subslots = Wish {
+        modules: vec![module(0, (1..4_300).map(none).collect())],
+        ..wish.clone()
+    };
+    let mut many_apis = wish.clone();
+    let one = |api| IocrApi {
+        api,
+        data: vec![],
+        status: vec![FrameObject {
+            slot: 0,
+            subslot: 1,
+            offset: 0,
+        }],
+    };
+    many_apis.iocrs[0].apis = (0..4_500).map(one).collect();
+    let mut many_objects = wish.clone();
+    many_objects.iocrs[1].apis[0].status = (0..9_000)
+        .map(|slot| FrameObject {
+            slot,
+            subslot: 1,
+            offset: slot,
+        })
+        .collect();
+    let mut many_iocrs = wish.clone();
+    many_iocrs.iocrs = (0..700)
+        .map(|reference| IocrRequest {
+            reference,
+            ..wish.iocrs[0].clone()
+        })
+        .collect();
+    let mut many_vendors = wish.blocks();
+    for _ in 0..4_500 {
+        many_vendors.extend_from_slice(&[0x01, 0x08, 0, 8, 1, 0, 0, 0, 0, 0, 0, 0]);
+    }
+    vec![
+        ("modules in one block", one_block, memory),
+        ("modules in many blocks", with(many_blocks), memory),
+        ("submodules of one module", with(many_subslots), memory),
+        ("APIs of an IOCR", with(many_apis), PnioStatus::connect(2, 27)),
+        (
+            "objects of an IOCR",
+            with(many_objects),
+            PnioStatus::connect(2, 26),
+        ),
+        ("IOCRs", with(many_iocrs), PnioStatus::connect(0x40, 7)),
+        ("vendor blocks", many_vendors, memory),
+    ]
+}
+
+#[test]
+fn a_connect_that_asks_for_much_is_refused_before_it_costs_much() {
+    for (what, blocks, expected) in huge() {
+        assert!(
+            (30_000..66_000).contains(&blocks.len()),
+            "{what}: {}",
+            blocks.len()
+        );
+        let found = check::check(Reader::new(&blocks), 32).map(|_| ());
+        assert_eq!(found, Err(expected), "{what}");
+    }
+}
+
+#[test]
+fn as_many_submodules_as_may_be_expected_are_checked() {
+    let submodule = |subslot| ExpectedSubmodule::new(subslot, 1, 0, 0);
+    let largest = |count: u16| {
+        let modules = vec![ExpectedModule {
+            api: 0,
+            slot: 0,
+            ident: 1,
+            properties: 0,
+            submodules: (1..=count).map(submodule).collect(),
+        }];
+        let (input, output) = pack(&sizes(&modules)).unwrap();
+        let mut wish = Wish::controller(1);
+        for (iocr, layout) in wish.iocrs.iter_mut().zip([&input, &output]) {
+            (iocr.apis, iocr.data_length) = (apis(layout), layout.data_length());
+        }
+        wish.modules = modules;
+        wish
+    };
+    let check = |wish: Wish| check::check(Reader::new(&wish.blocks()), 32).map(|_| ());
+    assert_eq!(check(largest(256)), Ok(()));
+    assert_eq!(check(largest(257)), Err(PnioStatus::connect(0x40, 8)));
+}
+
 #[test]
 fn an_ndr_header_that_lies_is_refused_in_every_service() {
     let codes = [0xDB, 0xDC, 0xDE, 0xDF, 0xDD, 0xDE];

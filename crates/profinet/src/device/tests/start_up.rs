@@ -365,6 +365,76 @@ fn tools_come_beside_the_controller_up_to_the_limit() {
 }
 
 #[test]
+fn a_tool_that_crashed_does_not_keep_its_next_life_out() {
+    let mut rig = Rig::new(config());
+    let from = |station: &str, uuid| {
+        let mut wish = Wish::tool(uuid);
+        wish.ar.station_name = station.as_bytes().to_vec();
+        wish.ar.station_name_length = station.len() as u16;
+        wish
+    };
+    for uuid in 10..14 {
+        rig.connect(&from("tool", uuid)).unwrap();
+        rig.pass(500);
+    }
+    // 500 ms ago the youngest was made, 2 s ago the oldest
+    rig.events();
+    assert!(rig.connect(&from("tool", 14)).is_ok());
+    assert_eq!(
+        disconnected(&rig.events()),
+        Some(PnioStatus::aborted(abort::RERUN))
+    );
+    assert_eq!(rig.read(Uuid([10; 16]), 0, 0, 0, 0xFBFF), Err(UNKNOWN_AR));
+    for uuid in 11..15 {
+        assert_eq!(rig.read(Uuid([uuid; 16]), 0, 0, 0, 0xFBFF), Ok(vec![]));
+    }
+    // all of them gave a sign of life just now
+    assert_eq!(rig.connect(&from("tool", 15)), Err(PnioStatus::connect(0x40, 4)));
+}
+
+#[test]
+fn a_tool_that_was_silent_for_half_its_time_makes_room_for_another_one() {
+    let mut rig = Rig::new(config());
+    for uuid in 10..14 {
+        rig.connect(&Wish::tool(uuid)).unwrap();
+    }
+    let mut other = Wish::tool(20);
+    other.ar.initiator_mac = MacAddress([2, 0, 0, 0, 0, 99]);
+    // the activity time is 10 s; three of four keep themselves alive
+    rig.pass(4_900);
+    assert_eq!(rig.connect(&other), Err(PnioStatus::connect(0x40, 4)));
+    for uuid in [10, 11, 13] {
+        assert_eq!(rig.read(Uuid([uuid; 16]), 0, 0, 0, 0xFBFF), Ok(vec![]));
+    }
+    rig.pass(200);
+    rig.events();
+    assert!(rig.connect(&other).is_ok());
+    assert_eq!(
+        disconnected(&rig.events()),
+        Some(PnioStatus::aborted(abort::ACTIVITY_TIMEOUT))
+    );
+    assert_eq!(rig.read(Uuid([12; 16]), 0, 0, 0, 0xFBFF), Err(UNKNOWN_AR));
+    other.ar.ar_uuid = Uuid([21; 16]);
+    assert_eq!(rig.connect(&other), Err(PnioStatus::connect(0x40, 4)));
+}
+
+#[test]
+fn a_tool_whose_record_is_worked_on_is_not_pushed_out() {
+    let mut config = config();
+    config.max_device_access = 1;
+    let mut rig = Rig::new(config);
+    let wish = Wish::tool(1);
+    rig.connect(&wish).unwrap();
+    let pdu = rig.write_pdu(wish.ar.ar_uuid, DRIVE_API, (1, 1, 0xB02E), b"0123456789");
+    rig.send(&pdu);
+    rig.pass(6_000);
+    assert_eq!(rig.connect(&Wish::tool(2)), Err(PnioStatus::connect(0x40, 4)));
+}
+
+/// DE 81 40 05.
+const UNKNOWN_AR: PnioStatus = PnioStatus::new(0xDE, 0x81, 0x40, 5);
+
+#[test]
 fn the_controllers_error_ends_the_relation_without_an_answer() {
     let mut rig = Rig::new(config());
     let wish = Wish::controller(1);
