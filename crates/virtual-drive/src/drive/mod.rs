@@ -1,6 +1,9 @@
 //! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
 
+mod faults;
+mod injection;
 mod motion;
+mod outside;
 mod parameters;
 mod reading;
 mod settings;
@@ -12,16 +15,18 @@ mod writing;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use profidrive::fault::{Fault, FaultBuffer};
 use profidrive::state::{FaultReaction, Machine, SetpointChannel, Stw1};
 use profinet::Instant;
 
+pub use injection::{Injection, InjectionError, Key as InjectionKey};
 pub use profidrive::state::State;
 pub use settings::Mode;
 
 use crate::axis::Axis;
 use crate::model::{Live, Model};
 use crate::store::{Image, ImageError, Values};
+use faults::{Faults, Keeper};
+use outside::Outside;
 use settings::Settings;
 use signals::Process;
 use telegrams::FreeTelegram;
@@ -31,9 +36,6 @@ const ALONE: Duration = Duration::from_millis(4);
 
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 64;
-
-/// Fault numbers whose cause lasts, at most.
-const MOST_CAUSES: usize = 8;
 
 /// Something that happened in the drive and that its owner may want to know or must do.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,6 +54,13 @@ pub enum Event {
     },
     /// The faults were acknowledged.
     Acknowledged,
+    /// A warning came or went.
+    Warning {
+        /// Its number, as in DRV.WARNING1.
+        number: u16,
+        /// True when it came.
+        active: bool,
+    },
     /// Store this text so that the drive can be started with it (`store::save`).
     Save {
         /// The image of all saved parameters.
@@ -86,8 +95,12 @@ enum Service {
 enum Link {
     /// No cyclic connection.
     None,
-    /// A cyclic connection; `running` when its data is valid.
-    Cyclic { watchdog: Duration, running: bool },
+    /// A cyclic connection; `running` when its data is valid, `exchanging` once start-up is over.
+    Cyclic {
+        watchdog: Duration,
+        running: bool,
+        exchanging: bool,
+    },
 }
 
 impl Link {
@@ -100,6 +113,10 @@ impl Link {
             Self::None => Duration::ZERO,
             Self::Cyclic { watchdog, .. } => watchdog,
         }
+    }
+
+    const fn is_exchanging(self) -> bool {
+        matches!(self, Self::Cyclic { exchanging: true, .. })
     }
 }
 
@@ -135,8 +152,8 @@ pub struct Drive {
     channel: SetpointChannel,
     /// Reaction to the faults that came since the last step of the machine.
     reaction: Option<FaultReaction>,
-    faults: FaultBuffer,
-    causes: [u16; MOST_CAUSES],
+    faults: Faults,
+    outside: Outside,
     axis: Axis,
     /// Speed that the axis has when the ramp is done, rpm.
     target: f64,
@@ -148,6 +165,8 @@ pub struct Drive {
     service: Service,
     clear_requested: bool,
     disable_requested: bool,
+    /// When it was requested.
+    disable_since: Instant,
     stop_requested: bool,
     last: Instant,
     events: VecDeque<Event>,
@@ -169,8 +188,8 @@ impl Drive {
             machine: Machine::new(),
             channel: SetpointChannel::default(),
             reaction: None,
-            faults: FaultBuffer::new(),
-            causes: [0; MOST_CAUSES],
+            faults: Faults::new(),
+            outside: Outside::default(),
             axis: Axis::new(model.plant),
             target: 0.0,
             held_current: 0.0,
@@ -180,6 +199,7 @@ impl Drive {
             service: Service::Off,
             clear_requested: false,
             disable_requested: false,
+            disable_since: Instant::ZERO,
             stop_requested: false,
             last: Instant::ZERO,
             events: VecDeque::with_capacity(MOST_EVENTS),
@@ -200,7 +220,7 @@ impl Drive {
 
     /// Puts everything that can be saved back to the values as delivered and saves it; stops the axis first.
     pub fn reset_to_delivery(&mut self) {
-        self.disable_requested = self.is_enabled();
+        self.request_disable();
         self.values.reset();
         self.reset_telegrams();
         self.apply();
@@ -235,21 +255,28 @@ impl Drive {
         if !self.choose_telegram(telegram) {
             return Err(UnknownTelegram(telegram));
         }
+        self.keep(self.model.connection_lost_fault, Keeper::Action, false);
         self.link = Link::Cyclic {
             watchdog,
             running: false,
+            exchanging: false,
         };
         Ok(())
     }
 
-    /// The connection is gone. A lost one always raises the fault of the model (702); a released one only when the
-    /// power stage was on, and then it stops too.
-    pub fn disconnect(&mut self, cause: Disconnect) {
-        if !self.link.is_cyclic() {
-            return;
+    /// Start-up is over: data goes to and fro. Valid outputs in [`tick`](Self::tick) say the same.
+    pub const fn data_exchange(&mut self) {
+        if let Link::Cyclic { exchanging, .. } = &mut self.link {
+            *exchanging = true;
         }
+    }
+
+    /// The connection is gone. A lost one raises the fault of the model (702) once data was exchanged, a start-up that
+    /// breaks off before that does not; a released one only when the power stage was on, and then it stops too.
+    pub fn disconnect(&mut self, cause: Disconnect) {
+        let exchanging = self.link.is_exchanging();
         self.link = Link::None;
-        if cause == Disconnect::Lost || self.is_enabled() {
+        if exchanging && (cause == Disconnect::Lost || self.is_enabled()) {
             self.raise(self.model.connection_lost_fault);
         }
     }
@@ -261,13 +288,18 @@ impl Drive {
         let passed = now - self.last;
         self.last = now;
         self.take_outputs(outputs);
-        let status = self.decide();
+        let was_enabled = self.is_enabled();
+        let mut status = self.decide();
+        if self.is_enabled() && !was_enabled {
+            // What forbids it counts before the first current flows.
+            status = self.look_after(status);
+        }
         if self.is_enabled() || !self.axis.is_at_rest() {
             let command = self.command();
             self.axis
                 .step(passed.as_secs_f64(), command, &self.settings.tuning);
-            self.supervise();
         }
+        status = self.look_after(status);
         self.process.status = status | self.application_status();
         self.give_inputs(inputs);
     }
@@ -302,47 +334,29 @@ impl Drive {
         self.axis.set_load(torque);
     }
 
-    /// Makes a fault happen, as if the drive had found it. A lasting one cannot be acknowledged before
-    /// [`remove_cause`](Self::remove_cause) ends its cause.
-    pub fn inject_fault(&mut self, number: u16, lasting: bool) {
-        if lasting
-            && !self.causes.contains(&number)
-            && let Some(free) = self.causes.iter_mut().find(|cause| **cause == 0)
-        {
-            *free = number;
-        }
-        self.raise(number);
-    }
-
-    /// Ends the cause of a lasting fault; it can be acknowledged then.
-    pub fn remove_cause(&mut self, number: u16) {
-        for cause in &mut self.causes {
-            if *cause == number {
-                *cause = 0;
-            }
-        }
-    }
-
     /// True while the power stage is on (DRV.ACTIVE).
     #[must_use]
     pub fn is_enabled(&self) -> bool {
         self.state().pulses()
     }
 
-    /// True while there is a fault that is not acknowledged.
-    #[must_use]
-    pub fn has_fault(&self) -> bool {
-        !self.faults.active().is_empty()
-    }
-
-    /// Entry of the fault buffer (PNU 947): situation times 8 plus place, 0 where nothing is.
-    #[must_use]
-    pub fn fault_number(&self, index: u16) -> u16 {
-        self.faults.element(index).map_or(0, |fault| fault.number)
+    /// Finds faults and warnings; a new fault has its effect on the status word at once.
+    fn look_after(&mut self, status: u16) -> u16 {
+        self.supervise();
+        if self.reaction.is_some() {
+            self.decide()
+        } else {
+            status
+        }
     }
 
     const fn is_quick_stopping(&self) -> bool {
         matches!(self.state(), State::S5Quick)
+    }
+
+    fn request_disable(&mut self) {
+        self.disable_requested = self.is_enabled();
+        self.disable_since = self.last;
     }
 
     /// Bit 10 of the control word: the controller has control.
@@ -351,40 +365,9 @@ impl Drive {
             && self.process.control.has(Stw1::CONTROL_BY_PLC)
     }
 
-    /// Puts a fault that is not there already into the buffer and starts its reaction.
-    fn raise(&mut self, number: u16) {
-        let fault = Fault {
-            number,
-            ..Fault::default()
-        };
-        if self.faults.is_active(number) || !self.faults.raise(fault) {
-            return;
-        }
-        if self.reaction != Some(FaultReaction::Coast) {
-            let stops = self.model.stopping_faults.contains(&number);
-            self.reaction = Some(if stops {
-                FaultReaction::QuickStop
-            } else {
-                FaultReaction::Coast
-            });
-        }
-        self.emit(Event::Fault { number });
-    }
-
     /// Takes changed parameters over.
     fn apply(&mut self) {
         self.settings = Settings::new(self.model, &self.values);
-    }
-
-    /// Finds faults in what the axis does.
-    fn supervise(&mut self) {
-        let limit = self.settings.overspeed;
-        if limit > 0.0
-            && self.axis.speed().abs() > limit
-            && !self.faults.is_active(self.model.overspeed_fault)
-        {
-            self.raise(self.model.overspeed_fault);
-        }
     }
 }
 
@@ -395,6 +378,8 @@ pub struct UnknownTelegram(pub u16);
 
 #[cfg(test)]
 mod conformance;
+#[cfg(test)]
+mod fault_tests;
 #[cfg(test)]
 mod table_tests;
 #[cfg(test)]

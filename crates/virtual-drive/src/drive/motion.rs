@@ -1,6 +1,6 @@
 //! From the state machine to what the power stage does, and back into the status word.
 
-use profidrive::state::{Inputs, Motion, State, Stw1};
+use profidrive::state::{Inputs, Motion, State, Stw1, Zsw1};
 
 use super::velocity::on_ramp;
 use super::{Drive, Event, Mode, Service};
@@ -15,7 +15,9 @@ impl Drive {
             local: self.local_word(),
             standstill: self.axis.is_standing(self.settings.standstill),
             fault: self.reaction.take(),
-            cause_present: self.causes.iter().any(|cause| *cause != 0),
+            cause_present: self.a_cause_lasts(),
+            coast_stop: self.outside.hardware_disable,
+            quick_stop: self.outside.controlled_stop,
             acknowledge: core::mem::take(&mut self.clear_requested),
             ..Inputs::default()
         };
@@ -41,8 +43,7 @@ impl Drive {
         }
         let output = self.machine.step(&inputs);
         if output.acknowledged {
-            self.faults.acknowledge();
-            self.emit(Event::Acknowledged);
+            self.acknowledged();
         }
         if output.state != before {
             self.emit(Event::State {
@@ -103,9 +104,10 @@ impl Drive {
 
     /// The bits of the status word that depend on the axis.
     pub(super) fn application_status(&self) -> u16 {
+        let warning = if self.has_warning() { Zsw1::WARNING.0 } else { 0 };
         if self.state() != State::S4 {
-            return 0;
+            return warning;
         }
-        self.velocity_status().0
+        self.velocity_status().0 | warning
     }
 }

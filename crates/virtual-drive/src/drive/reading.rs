@@ -77,16 +77,11 @@ impl Drive {
             },
             Live::Profile => i64::from(self.model.profile),
             Live::FaultCounter => i64::from(self.faults.counter()),
-            Live::Fault(number) => i64::from(self.fault_number(u16::from(number))),
+            Live::Fault(number) => i64::from(self.faults.active(usize::from(number))),
+            Live::Warning(number) => i64::from(self.faults.warning(usize::from(number))),
             Live::Watchdog => i64::try_from(self.link.watchdog().as_millis()).unwrap_or(i64::MAX),
             Live::Active => i64::from(self.is_enabled()),
-            Live::DisableSources => {
-                if self.is_enabled() {
-                    0
-                } else {
-                    1 | i64::from(self.has_fault()) << 1
-                }
-            }
+            Live::DisableSources => self.disable_sources(),
             Live::MotionStatus => {
                 let quick = if self.is_quick_stopping() {
                     MOTION_QUICK_STOP

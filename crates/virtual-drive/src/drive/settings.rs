@@ -2,6 +2,7 @@
 
 use profidrive::catalogue::Scaling;
 
+use super::faults::Watching;
 use crate::axis::{Ramps, Tuning};
 use crate::model::Model;
 use crate::store::Values;
@@ -27,7 +28,7 @@ pub(super) struct Settings {
     pub standstill: f64,
     pub jog_speed: [f64; 2],
     pub jog_ramps: Ramps,
-    pub overspeed: f64,
+    pub watching: Watching,
     pub mode: Mode,
     pub commanded_by_bus: bool,
     pub service_speed: f64,
@@ -70,6 +71,11 @@ impl Settings {
             roles.current_limit.map(|pnu| value(pnu, peak).abs().min(peak));
         let [speed_positive, speed_negative] = roles.speed_limit.map(|pnu| value(pnu, 3000.0).abs());
         let [up, down] = roles.jog_ramp;
+        let mode = match raw(roles.mode) {
+            Some(0) => Mode::Current,
+            Some(2) => Mode::Position,
+            _ => Mode::Speed,
+        };
         Self {
             scaling,
             tuning: Tuning {
@@ -88,12 +94,8 @@ impl Settings {
                 acceleration: value(up, ramps.acceleration),
                 deceleration: value(down, ramps.deceleration),
             },
-            overspeed: value(roles.overspeed, 0.0),
-            mode: match raw(roles.mode) {
-                Some(0) => Mode::Current,
-                Some(2) => Mode::Position,
-                _ => Mode::Speed,
-            },
+            watching: Watching::new(model, mode == Mode::Current, |pnu| value(Some(pnu), 0.0)),
+            mode,
             commanded_by_bus: raw(roles.command_source) != Some(0),
             service_speed: value(roles.service_speed, 0.0),
             service_current: value(roles.service_current, 0.0),

@@ -155,7 +155,10 @@ impl Drive {
 
     /// Takes the outputs of the controller over. Setpoints beside a control word without control by PLC are ignored.
     pub(super) fn take_outputs(&mut self, outputs: Option<&[u8]>) {
-        let Link::Cyclic { running, .. } = &mut self.link else {
+        let Link::Cyclic {
+            running, exchanging, ..
+        } = &mut self.link
+        else {
             return;
         };
         let Some(outputs) = outputs else {
@@ -166,6 +169,7 @@ impl Drive {
             return;
         };
         *running = true;
+        *exchanging = true;
         if let Some(control) = self.process.setpoint.get(outputs, signal::STW1) {
             self.process.control = Stw1(control as u16);
             self.process.set_signal(signal::STW1, control);

@@ -118,19 +118,14 @@ impl Drive {
                 }
                 self.service = Service::Starting;
             }
-            Action::Disable => {
-                self.disable_requested = self.is_enabled();
-            }
+            Action::Disable => self.request_disable(),
             Action::Stop => {
                 self.stop_requested = self.is_enabled();
                 if let Some(pnu) = self.model.roles.service_speed {
                     self.values.set(pnu, 0);
                 }
             }
-            Action::ClearFaults => {
-                self.clear_requested = true;
-                self.decide();
-            }
+            Action::ClearFaults => self.clear_faults(),
             Action::Save => {
                 let text = self.values.image().encode();
                 self.saved = Some(text.clone());

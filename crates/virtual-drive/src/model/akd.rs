@@ -5,6 +5,7 @@
 use profidrive::catalogue;
 use profidrive::parameter::Dialect;
 
+use super::akd_conditions::{ACTIONS, CONDITIONS};
 use super::live::{Action, Bit, Live, Quantity, Sensor, Table};
 use super::{Model, Roles};
 use crate::axis::Plant;
@@ -24,9 +25,9 @@ pub static AKD: Model = Model {
         cogging_periods: 30.0,
     },
     dialect: &Dialect::AKD,
-    stopping_faults: &[702],
+    conditions: CONDITIONS,
+    fault_actions: ACTIONS,
     connection_lost_fault: 702,
-    overspeed_fault: 302,
     profile: 0x0329,
 };
 
@@ -40,7 +41,6 @@ const ROLES: Roles = Roles {
     peak_current: Some(2132),                // DRV.IPEAK
     current_limit: [Some(2231), Some(2230)], // IL.LIMITP, IL.LIMITN
     speed_limit: [Some(2439), Some(2438)],   // VL.LIMITP_32, VL.LIMITN_32
-    overspeed: Some(2444),                   // VL.THRESH_32
     gain: Some(2436),                        // VL.KP
     integral: Some(2434),                    // VL.KI
     velocity_scaling: Some(3064),            // PN.VELSCALING
@@ -150,6 +150,9 @@ const LIVE: &[(u16, Live)] = &[
     (2486, Live::Fault(9)),
     (2784, Live::Do(Action::Blink)),
     (2788, Live::Do(Action::Load)),
+    (2791, Live::Warning(0)),
+    (2792, Live::Warning(1)),
+    (2793, Live::Warning(2)),
     (2805, Live::Measured(Quantity::Counts)),
     (2845, Live::Measured(Quantity::Speed)),
     (2874, Live::Measured(Quantity::Temperature(Sensor::Control))),

@@ -27,8 +27,10 @@ pub enum Live {
     Profile,
     /// Number of changes of the fault buffer.
     FaultCounter,
-    /// The n-th fault of the present fault situation, 0 when there are fewer.
+    /// The n-th fault that is not acknowledged, 0 when there are fewer.
     Fault(u8),
+    /// The n-th warning, 0 when there are fewer.
+    Warning(u8),
     /// Time in milliseconds after which the controller counts as lost.
     Watchdog,
     /// 1 while the power stage is on.

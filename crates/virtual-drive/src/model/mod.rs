@@ -5,15 +5,21 @@
 //! same for all models and lives in [`crate::drive`].
 
 mod akd;
+mod akd_conditions;
+mod condition;
 mod live;
 
 pub use akd::AKD;
+pub use condition::{Cause, Condition, Delay, Limit, When};
 pub use live::{Action, Bit, Live, Quantity, Sensor, Table};
 
 use profidrive::catalogue::Catalogue;
 use profidrive::parameter::Dialect;
 
 use crate::axis::Plant;
+
+/// Most conditions a model can have.
+pub const MOST_CONDITIONS: usize = 32;
 
 /// A drive model.
 #[derive(Debug)]
@@ -28,12 +34,12 @@ pub struct Model {
     pub plant: Plant,
     /// How its parameter manager answers.
     pub dialect: &'static Dialect,
-    /// Faults that stop the axis before the power stage goes off; all others switch it off at once.
-    pub stopping_faults: &'static [u16],
+    /// What it watches, and the numbers that come of it; at most [`MOST_CONDITIONS`].
+    pub conditions: &'static [Condition],
+    /// Faults with a parameter that says what becomes of them (0 fault, 1 nothing, 4 warning), ascending by fault.
+    pub fault_actions: &'static [(u16, u16)],
     /// Fault raised when the controller is lost.
     pub connection_lost_fault: u16,
-    /// Fault raised when the speed exceeds the limit of [`Roles::overspeed`].
-    pub overspeed_fault: u16,
     /// Value of PNU 965: profile 3, version 41.
     pub profile: u16,
 }
@@ -59,8 +65,6 @@ pub struct Roles {
     pub current_limit: [Option<u16>; 2],
     /// Limits of the speed, positive and negative, rpm.
     pub speed_limit: [Option<u16>; 2],
-    /// Speed above which the overspeed fault is raised, rpm; 0 switches it off.
-    pub overspeed: Option<u16>,
     /// Proportional gain of the velocity loop, A/(rad/s).
     pub gain: Option<u16>,
     /// Corner frequency of the integral part, Hz.

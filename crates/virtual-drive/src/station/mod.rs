@@ -111,6 +111,13 @@ pub enum StationEvent {
     },
     /// The faults were acknowledged.
     Acknowledged,
+    /// A warning came or went.
+    Warning {
+        /// Its number.
+        number: u16,
+        /// True when it came.
+        active: bool,
+    },
 }
 
 /// A virtual drive with its field bus.
@@ -224,6 +231,7 @@ impl Station {
                 DriveEvent::State { from, to } => StationEvent::State { from, to },
                 DriveEvent::Fault { number } => StationEvent::Fault { number },
                 DriveEvent::Acknowledged => StationEvent::Acknowledged,
+                DriveEvent::Warning { number, active } => StationEvent::Warning { number, active },
                 DriveEvent::Save { text } => StationEvent::PersistParameters { text },
                 DriveEvent::Blink => StationEvent::Blink,
             });
@@ -255,6 +263,7 @@ impl Station {
             }
             DeviceEvent::ParameterEnd { ar } => self.parameter_end(now, ar),
             DeviceEvent::DataExchange { .. } => {
+                self.drive.data_exchange();
                 let telegram = self.telegram().map_or(0, |module| module.telegram);
                 self.emit(StationEvent::Exchanging { telegram });
             }

@@ -223,6 +223,13 @@ fn words(event: &StationEvent) -> String {
             format!("fault F{number} {meaning}")
         }
         StationEvent::Acknowledged => "faults acknowledged".into(),
+        StationEvent::Warning { number, active } => {
+            let meaning = profidrive::catalogue::AKD
+                .fault(*number, true)
+                .map_or("", |warning| warning.meaning);
+            let end = if *active { "" } else { " is gone" };
+            format!("warning n{number} {meaning}{end}")
+        }
         StationEvent::PersistNetwork(_)
         | StationEvent::PersistParameters { .. }
         | StationEvent::ParametersIgnored(_) => String::new(),

@@ -1,0 +1,478 @@
+//! Faults and warnings: what has come, what its cause is, and when it may go.
+//!
+//! Faults come from three sides: from the conditions of the model ([`Condition`](crate::model::Condition), walked here in
+//! every tick), from other parts of the drive (a lost controller, a motion task that cannot run), and from outside
+//! ([`Injection`](super::Injection)). Source: AKD PROFINET manual 5.14.
+
+use profidrive::catalogue::Cleared;
+use profidrive::fault::{Fault, FaultBuffer};
+use profidrive::state::FaultReaction;
+use profinet::Instant;
+
+use super::{Drive, Event};
+use crate::model::{Cause, Limit, MOST_CONDITIONS, Model, When};
+
+/// Faults shown by DRV.FAULT1 and following; a situation of the buffer holds eight of them.
+const MOST_ACTIVE: usize = 10;
+
+/// Fault numbers whose cause was put there from outside and lasts.
+const MOST_LASTING: usize = 8;
+
+/// Warnings at one time.
+const MOST_WARNINGS: usize = 16;
+
+/// Value of FAULTn.ACTION: the fault is ignored.
+const IGNORE: i64 = 1;
+
+/// Value of FAULTn.ACTION: a warning instead.
+const WARN: i64 = 4;
+
+/// A few numbers in the order in which they came; 0 is no number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Numbers<const N: usize>([u16; N]);
+
+impl<const N: usize> Numbers<N> {
+    const NONE: Self = Self([0; N]);
+
+    fn iter(&self) -> impl Iterator<Item = u16> + '_ {
+        self.0.iter().copied().take_while(|number| *number != 0)
+    }
+
+    fn contains(&self, number: u16) -> bool {
+        self.iter().any(|known| known == number)
+    }
+
+    fn at(&self, place: usize) -> u16 {
+        self.0.get(place).copied().unwrap_or(0)
+    }
+
+    /// Adds a number that is not there yet; false when it is, or when there is no place.
+    fn push(&mut self, number: u16) -> bool {
+        if self.contains(number) {
+            return false;
+        }
+        match self.0.iter_mut().find(|place| **place == 0) {
+            Some(place) => {
+                *place = number;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Takes a number out; the later ones move up.
+    fn remove(&mut self, number: u16) -> bool {
+        let Some(place) = self.0.iter().position(|known| *known == number && number != 0) else {
+            return false;
+        };
+        if let Some(rest) = self.0.get_mut(place..) {
+            rest.rotate_left(1);
+        }
+        if let Some(last) = self.0.last_mut() {
+            *last = 0;
+        }
+        true
+    }
+}
+
+/// Who keeps a warning up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Keeper {
+    /// A condition of the model.
+    Condition = 1,
+    /// Motion: tasks, homing, software limits.
+    Motion = 2,
+    /// Put there from outside.
+    Outside = 4,
+    /// A fault that its FAULTn.ACTION made a warning.
+    Action = 8,
+}
+
+/// The faults and warnings of one drive.
+#[derive(Debug, Clone)]
+pub(super) struct Faults {
+    buffer: FaultBuffer,
+    active: Numbers<MOST_ACTIVE>,
+    lasting: Numbers<MOST_LASTING>,
+    warnings: Numbers<MOST_WARNINGS>,
+    /// Who keeps the warning in the same place up, bits of [`Keeper`].
+    keepers: [u8; MOST_WARNINGS],
+    /// Conditions whose cause is there, by place in the table of the model; and those that count.
+    present: u32,
+    counting: u32,
+    /// Since when a delayed condition has its cause.
+    since: [Option<Instant>; MOST_CONDITIONS],
+}
+
+impl Faults {
+    pub const fn new() -> Self {
+        Self {
+            buffer: FaultBuffer::new(),
+            active: Numbers::NONE,
+            lasting: Numbers::NONE,
+            warnings: Numbers::NONE,
+            keepers: [0; MOST_WARNINGS],
+            present: 0,
+            counting: 0,
+            since: [None; MOST_CONDITIONS],
+        }
+    }
+
+    /// PNU 944.
+    pub const fn counter(&self) -> u16 {
+        self.buffer.counter()
+    }
+
+    /// PNU 947.
+    pub fn number(&self, index: u16) -> u16 {
+        self.buffer.element(index).map_or(0, |fault| fault.number)
+    }
+
+    /// DRV.FAULT1 and following, from 0.
+    pub fn active(&self, place: usize) -> u16 {
+        self.active.at(place)
+    }
+
+    pub fn is_active(&self, number: u16) -> bool {
+        self.active.contains(number)
+    }
+
+    /// True while a fault is not acknowledged.
+    pub fn any(&self) -> bool {
+        self.active.at(0) != 0
+    }
+
+    /// DRV.WARNING1 and following, from 0.
+    pub fn warning(&self, place: usize) -> u16 {
+        self.warnings.at(place)
+    }
+
+    /// Sets or takes away one keeper of a warning; tells if the warning came or went by that.
+    fn keep(&mut self, number: u16, keeper: Keeper, active: bool) -> bool {
+        if number == 0 {
+            return false;
+        }
+        let came = active && self.warnings.push(number);
+        let Some(place) = self.warnings.0.iter().position(|known| *known == number) else {
+            return false;
+        };
+        let Some(bits) = self.keepers.get_mut(place) else {
+            return false;
+        };
+        if active {
+            *bits |= keeper as u8;
+            return came;
+        }
+        *bits &= !(keeper as u8);
+        if *bits != 0 {
+            return false;
+        }
+        self.warnings.remove(number);
+        if let Some(rest) = self.keepers.get_mut(place..) {
+            rest.rotate_left(1);
+        }
+        true
+    }
+}
+
+/// Limits of the conditions and when they count, out of the parameters once after each change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Watching {
+    /// In the direction "above": negated for a cause that must be below. Not a number where supervision is off.
+    limits: [f64; MOST_CONDITIONS],
+    /// Bit by place in the table: counts while enabled, while disabled.
+    enabled: u32,
+    disabled: u32,
+    /// Must last for its delay.
+    delayed: u32,
+}
+
+impl Watching {
+    /// `value` gives the engineering value of a parameter.
+    pub fn new(model: &Model, is_current: bool, value: impl Fn(u16) -> f64) -> Self {
+        let mut watching = Self {
+            limits: [f64::NAN; MOST_CONDITIONS],
+            enabled: 0,
+            disabled: 0,
+            delayed: 0,
+        };
+        for ((place, condition), limit) in model.conditions.iter().enumerate().zip(&mut watching.limits) {
+            let bit = 1_u32 << place;
+            *limit = match condition.limit {
+                Limit::Parameter(pnu) => match value(pnu) {
+                    0.0 => f64::NAN,
+                    value => value,
+                },
+                Limit::Fixed(value) => value,
+                Limit::Present => 0.5,
+            };
+            if condition.cause.is_below() {
+                *limit = -*limit;
+            }
+            let (enabled, disabled) = match condition.when {
+                When::Always => (true, true),
+                When::Enabled => (true, false),
+                When::Disabled => (false, true),
+                When::NotCurrent => (!is_current, !is_current),
+                When::ByMode(pnu) => (true, value(pnu) == 0.0),
+            };
+            watching.enabled |= if enabled { bit } else { 0 };
+            watching.disabled |= if disabled { bit } else { 0 };
+            if condition.delay.is_some_and(|delay| value(delay.mode) != 0.0) {
+                watching.delayed |= bit;
+            }
+        }
+        watching
+    }
+}
+
+impl Drive {
+    /// True while there is a fault that is not acknowledged.
+    #[must_use]
+    pub fn has_fault(&self) -> bool {
+        self.faults.any()
+    }
+
+    /// True while there is a warning (ZSW1 bit 7).
+    #[must_use]
+    pub fn has_warning(&self) -> bool {
+        self.faults.warning(0) != 0
+    }
+
+    /// Entry of the fault buffer (PNU 947): situation times 8 plus place, 0 where nothing is.
+    #[must_use]
+    pub fn fault_number(&self, index: u16) -> u16 {
+        self.faults.number(index)
+    }
+
+    /// The n-th warning, from 0; 0 where there is none.
+    #[must_use]
+    pub fn warning_number(&self, place: usize) -> u16 {
+        self.faults.warning(place)
+    }
+
+    /// Puts a fault that is not there already into the buffer and starts its reaction. Its FAULTn.ACTION can make a
+    /// warning or nothing of it.
+    pub(super) fn raise(&mut self, number: u16) {
+        match self.action(number) {
+            Some(IGNORE) => return,
+            Some(WARN) => return self.keep(number, Keeper::Action, true),
+            _ => {}
+        }
+        if !self.faults.active.push(number) {
+            return;
+        }
+        // More than eight faults in one situation: DRV.FAULT9 and 10 know them, the buffer does not.
+        self.faults.buffer.raise(Fault {
+            number,
+            ..Fault::default()
+        });
+        let known = self.model.catalogue.fault(number, false);
+        if known.is_some_and(|fault| fault.cleared == Cleared::Restart) {
+            self.faults.lasting.push(number);
+        }
+        let reaction = known
+            .and_then(|fault| fault.reaction.of_machine())
+            .unwrap_or(FaultReaction::Coast);
+        self.reaction = Some(
+            self.reaction
+                .map_or(reaction, |before| stronger(before, reaction)),
+        );
+        self.emit(Event::Fault { number });
+    }
+
+    /// A warning of motion is there, or is gone: motion tasks, homing, software limits.
+    pub fn warn(&mut self, number: u16, active: bool) {
+        self.keep(number, Keeper::Motion, active);
+    }
+
+    pub(super) fn keep(&mut self, number: u16, keeper: Keeper, active: bool) {
+        if self.faults.keep(number, keeper, active) {
+            self.emit(Event::Warning { number, active });
+        }
+    }
+
+    /// FAULTn.ACTION of a fault, where there is one.
+    fn action(&self, number: u16) -> Option<i64> {
+        let actions = self.model.fault_actions;
+        let place = actions.binary_search_by_key(&number, |(fault, _)| *fault).ok()?;
+        actions.get(place).map(|(_, pnu)| self.values.get(*pnu))
+    }
+
+    /// True while the cause of a fault that has come is there: it cannot be acknowledged.
+    pub(super) fn a_cause_lasts(&self) -> bool {
+        let faults = &self.faults;
+        faults.lasting.at(0) != 0 || self.lasting_conditions().next().is_some()
+    }
+
+    /// Faults that have come and whose condition still has its cause.
+    fn lasting_conditions(&self) -> impl Iterator<Item = u16> + '_ {
+        let conditions = self.model.conditions.iter().enumerate();
+        conditions
+            .filter(|(place, condition)| !condition.warning && self.faults.present & (1 << place) != 0)
+            .map(|(_, condition)| condition.number)
+            .filter(|number| self.faults.active.contains(*number))
+    }
+
+    /// The state machine has taken the acknowledge: the situation moves on.
+    pub(super) fn acknowledged(&mut self) {
+        self.faults.buffer.acknowledge();
+        self.faults.active = Numbers::NONE;
+        self.end_actions();
+        self.emit(Event::Acknowledged);
+    }
+
+    /// Takes back the warnings that came in the place of a fault.
+    fn end_actions(&mut self) {
+        while let Some(number) = self.kept_by_action() {
+            self.keep(number, Keeper::Action, false);
+        }
+    }
+
+    fn kept_by_action(&self) -> Option<u16> {
+        let kept = self.faults.warnings.iter().zip(self.faults.keepers);
+        kept.filter(|(_, keepers)| keepers & Keeper::Action as u8 != 0)
+            .map(|(number, _)| number)
+            .next()
+    }
+
+    /// DRV.CLRFAULTS: as the acknowledge of the control word, but faults whose cause is gone are cleared even if others
+    /// last; those come straight back, as a new situation. Source: AKD Parameter Guide 12/2009.
+    pub(super) fn clear_faults(&mut self) {
+        self.end_actions();
+        if !self.faults.any() || !self.a_cause_lasts() {
+            self.clear_requested = true;
+            self.decide();
+            return;
+        }
+        let mut back = Numbers::<MOST_ACTIVE>::NONE;
+        for number in self.faults.active.iter() {
+            let lasts = self.faults.lasting.contains(number)
+                || self.lasting_conditions().any(|lasting| lasting == number);
+            if lasts {
+                back.push(number);
+            }
+        }
+        if back == self.faults.active {
+            return;
+        }
+        self.acknowledged();
+        for number in back.iter() {
+            self.raise(number);
+        }
+    }
+
+    /// Looks at all conditions of the model with the values of now. Allocates nothing.
+    pub(super) fn supervise(&mut self) {
+        let values = self.watched();
+        let watching = &self.settings.watching;
+        let now = self.last;
+        let mut present = 0_u32;
+        let conditions = self.model.conditions.iter().zip(&watching.limits);
+        for (place, (condition, limit)) in conditions.enumerate() {
+            let value = values.get(condition.cause as usize).copied().unwrap_or(0.0);
+            let value = if condition.cause.is_below() { -value } else { value };
+            present |= u32::from(value > *limit) << place;
+        }
+        let delayed = present & watching.delayed;
+        let situation = if self.is_enabled() {
+            watching.enabled
+        } else {
+            watching.disabled
+        };
+        let mut counting = present & situation;
+        if watching.delayed != 0 {
+            counting &= !self.waiting(delayed & counting, now);
+        }
+        self.faults.present = present;
+        let changed = counting ^ self.faults.counting;
+        self.faults.counting = counting;
+        if changed == 0 && counting == 0 {
+            return;
+        }
+        let model = self.model;
+        for (place, condition) in model.conditions.iter().enumerate() {
+            let holds = counting & (1 << place) != 0;
+            if condition.warning {
+                if changed & (1 << place) != 0 {
+                    self.keep(condition.number, Keeper::Condition, holds);
+                }
+            } else if holds && !self.faults.is_active(condition.number) {
+                self.raise(condition.number);
+            }
+        }
+    }
+
+    /// Of the delayed conditions that have their cause, those that do not have it for long enough yet.
+    fn waiting(&mut self, delayed: u32, now: Instant) -> u32 {
+        let mut waiting = 0;
+        let conditions = self.model.conditions.iter().enumerate();
+        for ((place, condition), since) in conditions.zip(&mut self.faults.since) {
+            let bit = 1 << place;
+            if delayed & bit == 0 {
+                *since = None;
+                continue;
+            }
+            let begin = *since.get_or_insert(now);
+            let needed = condition.delay.map_or(0, |delay| u128::from(delay.milliseconds));
+            if (now - begin).as_millis() < needed {
+                waiting |= bit;
+            }
+        }
+        waiting
+    }
+
+    /// A number is wrong from outside: as if the drive had found it.
+    pub(super) fn raise_from_outside(&mut self, number: u16, lasting: bool) {
+        if lasting {
+            self.faults.lasting.push(number);
+        }
+        self.raise(number);
+    }
+
+    /// The cause of a lasting fault from outside is gone, and a warning from outside with the same number too.
+    pub(super) fn end_cause(&mut self, number: u16) {
+        self.faults.lasting.remove(number);
+        self.keep(number, Keeper::Outside, false);
+        self.keep(number, Keeper::Action, false);
+    }
+
+    /// The values that conditions look at, by number of the cause.
+    fn watched(&self) -> [f64; Cause::COUNT] {
+        let mut values = [0.0; Cause::COUNT];
+        let mut put = |cause: Cause, value: f64| {
+            if let Some(place) = values.get_mut(cause as usize) {
+                *place = value;
+            }
+        };
+        let axis = &self.axis;
+        put(Cause::Overspeed, axis.speed().abs());
+        put(Cause::BusHigh, axis.electrical().bus_voltage());
+        put(Cause::BusLow, axis.electrical().bus_voltage());
+        put(Cause::DriveFoldback, f64::INFINITY);
+        put(Cause::MotorFoldback, f64::INFINITY);
+        put(Cause::PowerStage, axis.electrical().power_stage_temperature());
+        put(Cause::SlowDisable, self.disabling_for());
+        values
+    }
+}
+
+impl Drive {
+    /// How long a disable on the ramp takes already, ms.
+    fn disabling_for(&self) -> f64 {
+        if self.disable_requested {
+            (self.last - self.disable_since).as_secs_f64() * 1000.0
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The reaction that takes the power away sooner.
+const fn stronger(one: FaultReaction, other: FaultReaction) -> FaultReaction {
+    match (one, other) {
+        (FaultReaction::Coast, _) | (_, FaultReaction::Coast) => FaultReaction::Coast,
+        (FaultReaction::QuickStop, _) | (_, FaultReaction::QuickStop) => FaultReaction::QuickStop,
+        _ => FaultReaction::RampStop,
+    }
+}
