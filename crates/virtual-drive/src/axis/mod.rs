@@ -1,20 +1,38 @@
-//! The mechanics and the loops: a servo motor with a load, its current limit, velocity loop and ramp generator.
+//! The mechanics and the loops: a servo motor with a load, its current limit, velocity and position loop, ramp generator
+//! and trajectory, and what stands along its way.
 //!
 //! Deterministic: the same steps give the same numbers on every machine of the same kind. No allocation.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `command` | what the axis is told |
+//! | `plant` | motor, load, friction, brake, hard stops |
+//! | `inputs` | limit switches, home switch, index pulse |
+//! | `electrical` | DC bus, temperatures, current foldback |
+//! | `loops` | position and velocity loop |
+//! | `ramp` | ramp generator of the velocity mode |
+//! | `trajectory`, `profile` | reference of the position loop |
 
+mod command;
+mod electrical;
+mod inputs;
+mod loops;
 mod plant;
+mod profile;
 mod ramp;
+mod trajectory;
 
-pub use plant::{Electrical, Plant};
+pub use command::{Command, Ramps, Tuning};
+pub use electrical::{Electrical, Endurance};
+pub use inputs::{Inputs, Latch};
+pub use plant::{Plant, Travel};
 pub use ramp::Ramp;
 
 use core::f64::consts::TAU;
 
-/// Rotations per minute of one radian per second.
-const RPM: f64 = 60.0 / TAU;
-
-/// Position counts of one revolution inside the axis.
-const REVOLUTION: f64 = 4_294_967_296.0;
+use inputs::Sensors;
+use loops::{Feedback, Gains, Loops, RPM};
+use plant::Mechanics;
 
 /// Longest step of the integration; longer times are cut into equal steps not longer than this.
 const LONGEST_STEP: f64 = 0.001;
@@ -22,80 +40,40 @@ const LONGEST_STEP: f64 = 0.001;
 /// Most steps done in one call: half a second, the longest update time of PROFINET. More time than that is skipped.
 const MOST_STEPS: usize = 512;
 
-/// What the power stage does.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Command {
-    /// Pulses off: the axis coasts.
-    Off,
-    /// Velocity loop closed, target through the ramp generator.
-    Speed {
-        /// Wanted speed in rpm.
-        target: f64,
-        /// Ramps in rpm/s, or none: the target applies at once, as fast as the current limit allows.
-        ramp: Option<Ramps>,
-        /// The ramp generator keeps its present output.
-        hold: bool,
-    },
-    /// Current loop only.
-    Current {
-        /// Wanted current in ampere.
-        target: f64,
-    },
-}
-
-/// Slopes of the ramp generator.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ramps {
-    /// Away from standstill, rpm/s.
-    pub acceleration: f64,
-    /// Towards standstill, rpm/s.
-    pub deceleration: f64,
-}
-
-/// Limits and gains that come from parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// Highest current in positive direction, A.
-    pub current_positive: f64,
-    /// Highest current in negative direction as a positive number, A.
-    pub current_negative: f64,
-    /// Highest speed, rpm.
-    pub speed_positive: f64,
-    /// Highest speed in negative direction as a positive number, rpm.
-    pub speed_negative: f64,
-    /// Proportional gain of the velocity loop, A/(rad/s).
-    pub gain: f64,
-    /// Corner frequency of its integral part, Hz.
-    pub integral: f64,
-}
-
 /// A motor with its load under control.
 ///
 /// ```
 /// use virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
 /// let mut axis = Axis::new(Plant::default());
-/// let ramp = Some(Ramps { acceleration: 3000.0, deceleration: 3000.0 });
+/// let ramps = Ramps { acceleration: 3000.0, deceleration: 3000.0 };
 /// for _ in 0..100 {
-///     axis.step(0.004, Command::Speed { target: 60.0, ramp, hold: false }, &Tuning::default());
+///     axis.step(0.004, Command::Speed { target: 60.0, ramp: Some(ramps), hold: false }, &Tuning::default());
 /// }
 /// assert!((axis.speed() - 60.0).abs() < 0.5);
+///
+/// let target = axis.position() + (10 << 32); // ten revolutions on
+/// let command = Command::Position { target, speed: 1000.0, ramps, smooth: false, end_speed: 0.0 };
+/// while !axis.trajectory_done() {
+///     axis.step(0.004, command, &Tuning::default());
+/// }
+/// assert_eq!(axis.position_command(), target);
 /// ```
 #[derive(Debug, Clone)]
 pub struct Axis {
-    plant: Plant,
+    mechanics: Mechanics,
     electrical: Electrical,
-    ramp: Ramp,
-    /// rad/s
-    omega: f64,
-    /// Position in 2^-32 revolutions, and what is lost below one count.
-    position: i64,
-    remainder: f64,
-    /// Integral part of the velocity loop, A.
-    integral: f64,
+    sensors: Sensors,
+    loops: Loops,
+    /// What is added to the feedback to get the position.
+    shift: i64,
+    /// What the feedback gives, without the shift.
+    seen: Feedback,
+    /// Bits of the position that the feedback does not resolve.
+    unresolved: i64,
+    sto: bool,
+    feedback_lost: bool,
     /// Current that flows, A.
     current: f64,
-    /// Torque of the load against positive rotation, Nm.
-    load: f64,
     /// Speed through a 10 Hz filter, rpm.
     filtered: f64,
     /// Speed as the drive measures it, rpm.
@@ -108,15 +86,19 @@ impl Axis {
     #[must_use]
     pub fn new(plant: Plant) -> Self {
         Self {
-            plant,
+            mechanics: Mechanics::new(plant),
             electrical: Electrical::new(),
-            ramp: Ramp::default(),
-            omega: 0.0,
-            position: 0,
-            remainder: 0.0,
-            integral: 0.0,
+            sensors: Sensors::new(&plant),
+            loops: Loops::new(),
+            shift: 0,
+            seen: Feedback {
+                position: 0,
+                omega: 0.0,
+            },
+            unresolved: unresolved(&plant),
+            sto: false,
+            feedback_lost: false,
             current: 0.0,
-            load: 0.0,
             filtered: 0.0,
             measured: 0.0,
             noise: 0x2545_F491,
@@ -130,71 +112,66 @@ impl Axis {
         }
         let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);
         let dt = (seconds / steps as f64).min(LONGEST_STEP);
+        let gains = Gains::new(dt, tuning, self.mechanics.authority());
+        let command = if self.sto { Command::Off } else { command };
+        self.loops.aim(&command, tuning);
         for _ in 0..steps {
-            self.substep(dt, command, tuning);
+            self.substep(dt, &command, tuning, &gains);
         }
     }
 
-    fn substep(&mut self, dt: f64, command: Command, tuning: &Tuning) {
-        let wanted = match command {
-            Command::Off => {
-                self.integral = 0.0;
-                self.ramp.follow(self.speed());
-                0.0
-            }
-            Command::Current { target } => {
-                self.integral = 0.0;
-                self.ramp.follow(self.speed());
-                target
-            }
-            Command::Speed { target, ramp, hold } => {
-                let target = target.clamp(-tuning.speed_negative, tuning.speed_positive);
-                let reference = self.ramp.step(dt, target, ramp, hold) / RPM;
-                let error = reference - self.omega;
-                // The gain never makes one step overshoot, whatever a parameter says.
-                let gain = tuning.gain.clamp(
-                    0.0,
-                    0.5 * self.plant.inertia() / (self.plant.torque_constant * dt),
-                );
-                let forward = self.ramp.slope() / RPM * self.plant.inertia() / self.plant.torque_constant;
-                let wanted = gain * error + self.integral + forward;
-                let limited = wanted.clamp(-tuning.current_negative, tuning.current_positive);
-                // The integral part stands still while the current is limited in its direction.
-                if wanted == limited || (wanted > limited) != (error > 0.0) {
-                    self.integral += gain * error * (tuning.integral * TAU).min(0.1 / dt) * dt;
-                }
-                wanted
-            }
+    fn substep(&mut self, dt: f64, command: &Command, tuning: &Tuning, gains: &Gains) {
+        let mut gains = *gains;
+        let limit = self.electrical.foldback_limit();
+        gains.negative_current = gains.negative_current.min(limit);
+        gains.positive_current = gains.positive_current.min(limit);
+        let seen = Feedback {
+            position: self.seen.position.wrapping_add(self.shift),
+            ..self.seen
         };
-        self.current = match command {
-            Command::Off => 0.0,
-            _ => wanted.clamp(-tuning.current_negative, tuning.current_positive),
-        };
-        let angle = (self.position as u64 & 0xFFFF_FFFF) as f64 / REVOLUTION;
-        let drive = self.current * self.plant.torque_constant - self.load;
-        let power = self.current * self.plant.torque_constant * self.omega;
-        self.omega = self.plant.next_speed(self.omega, drive, angle, dt);
-        let counts = self.omega / TAU * dt * REVOLUTION + self.remainder;
-        let whole = counts as i64;
-        self.remainder = counts - whole as f64;
-        self.position = self.position.wrapping_add(whole);
-        self.electrical.step(dt, power, self.current);
-        self.measure(dt);
+        let wanted = self.loops.step(command, &gains, seen);
+        self.current = if self.electrical.can_drive() { wanted } else { 0.0 };
+        let before = self.mechanics.position;
+        let power = self.current * self.mechanics.plant().torque_constant * self.mechanics.omega;
+        self.mechanics.step(dt, self.current);
+        self.sensors.pass(before, self.mechanics.position);
+        self.electrical.step(
+            dt,
+            power,
+            self.current,
+            &tuning.drive_endurance,
+            &tuning.motor_endurance,
+        );
+        if !self.feedback_lost {
+            self.measure(dt);
+        }
+    }
+
+    /// A time of any length in which the axis stands without command: heat goes, the bus settles.
+    pub fn rest(&mut self, seconds: f64, tuning: &Tuning) {
+        if seconds > 0.0 {
+            self.electrical
+                .rest(seconds, &tuning.drive_endurance, &tuning.motor_endurance);
+        }
     }
 
     /// The measured speed has a little noise while the axis turns: the last digits of an encoder.
     fn measure(&mut self, dt: f64) {
+        self.seen = Feedback {
+            position: self.mechanics.position & !self.unresolved,
+            omega: self.mechanics.omega,
+        };
         self.noise ^= self.noise << 13;
         self.noise ^= self.noise >> 17;
         self.noise ^= self.noise << 5;
-        let noise = if self.omega == 0.0 {
+        let noise = if self.mechanics.omega == 0.0 {
             0.0
         } else {
             f64::from(self.noise as i32) / 2_147_483_648.0
         };
         self.measured = self.speed() + 0.06 * noise;
         self.filtered += (self.measured - self.filtered) * (dt * 10.0 * TAU).min(1.0);
-        if self.omega == 0.0 && self.filtered.abs() < 0.001 {
+        if self.mechanics.omega == 0.0 && self.filtered.abs() < 0.001 {
             self.filtered = 0.0;
         }
     }
@@ -202,7 +179,7 @@ impl Axis {
     /// True speed in rpm.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        self.omega * RPM
+        self.mechanics.omega * RPM
     }
 
     /// Speed as the drive measures it, rpm (VL.FB).
@@ -217,10 +194,10 @@ impl Axis {
         self.filtered
     }
 
-    /// Output of the ramp generator, rpm (VL.CMD).
+    /// What the velocity loop is told, rpm (VL.CMD): output of the ramp generator or of the position loop.
     #[must_use]
     pub const fn speed_command(&self) -> f64 {
-        self.ramp.output()
+        self.loops.speed_command()
     }
 
     /// Torque-producing current, A (IL.FB).
@@ -229,27 +206,174 @@ impl Axis {
         self.current
     }
 
-    /// Position in 2^-32 revolutions since the start.
+    /// Position in 2^-32 revolutions as the drive knows it (PL.FB): feedback plus the shift of the homing. Wraps.
     #[must_use]
     pub const fn position(&self) -> i64 {
-        self.position
+        self.seen.position.wrapping_add(self.shift)
     }
 
-    /// Bus voltage and temperatures.
+    /// What the feedback itself gives in 2^-32 revolutions (FB1.P): not moved by homing; its low half is the angle.
+    #[must_use]
+    pub const fn feedback(&self) -> i64 {
+        self.seen.position
+    }
+
+    /// Where the position loop wants the axis now, 2^-32 rev (PL.CMD); the position itself while that loop is open.
+    #[must_use]
+    pub const fn position_command(&self) -> i64 {
+        if self.loops.holds_position() {
+            self.loops.trajectory.position()
+        } else {
+            self.position()
+        }
+    }
+
+    /// Command minus position, 2^-32 rev (PL.ERR); 0 while the position loop is open.
+    #[must_use]
+    pub const fn following_error(&self) -> i64 {
+        self.position_command().wrapping_sub(self.position())
+    }
+
+    /// The reference has arrived: at the target of [`Command::Position`] (or past it, when it has an end speed), or at
+    /// the speed of [`Command::Travel`]. Not when it stopped elsewhere. False while the position loop is open.
+    #[must_use]
+    pub const fn trajectory_done(&self) -> bool {
+        self.loops.holds_position() && self.loops.trajectory.is_done()
+    }
+
+    /// Speed of the reference, rpm; 0 while the position loop is open.
+    #[must_use]
+    pub const fn trajectory_speed(&self) -> f64 {
+        if self.loops.holds_position() {
+            self.loops.trajectory.speed()
+        } else {
+            0.0
+        }
+    }
+
+    /// Acceleration of the reference, rpm/s; 0 while the position loop is open.
+    #[must_use]
+    pub const fn trajectory_acceleration(&self) -> f64 {
+        if self.loops.holds_position() {
+            self.loops.trajectory.acceleration()
+        } else {
+            0.0
+        }
+    }
+
+    /// Gives the place where the axis stands another number. Nothing moves: the reference and a target that is already
+    /// set keep their place, too.
+    pub const fn set_position(&mut self, position: i64) {
+        self.shift_position(position.wrapping_sub(self.position()));
+    }
+
+    /// Adds to the number of every place, as [`set_position`](Self::set_position) does. To give the place of a latch a
+    /// number, shift by the number minus [`Latch::position`].
+    pub const fn shift_position(&mut self, by: i64) {
+        self.shift = self.shift.wrapping_add(by);
+        self.loops.trajectory.shift(by);
+    }
+
+    /// Switches, latches and what else the drive reads from outside.
+    #[must_use]
+    pub fn inputs(&self) -> Inputs {
+        Inputs {
+            sto: self.sto,
+            feedback_lost: self.feedback_lost,
+            brake: self.mechanics.is_braked(),
+            ..self.sensors.read(self.mechanics.position, self.shift)
+        }
+    }
+
+    /// Bus voltage, temperatures and foldback.
     #[must_use]
     pub const fn electrical(&self) -> &Electrical {
         &self.electrical
     }
 
-    /// Torque that works against positive rotation, in Nm; takes effect with the next step.
-    pub const fn set_load(&mut self, torque: f64) {
-        self.load = torque;
+    /// Motor, load and way.
+    #[must_use]
+    pub const fn plant(&self) -> &Plant {
+        self.mechanics.plant()
     }
 
-    /// True when nothing will change without a command or a load.
+    /// Puts the axis, where it is and as it turns, on another motor, load and way.
+    pub fn set_plant(&mut self, plant: Plant) {
+        self.mechanics.set_plant(plant);
+        self.sensors.set_plant(&plant);
+        self.unresolved = unresolved(&plant);
+    }
+
+    /// Torque that works against positive rotation, in Nm; takes effect with the next step.
+    pub const fn set_load(&mut self, torque: f64) {
+        self.mechanics.set_load(torque);
+    }
+
+    /// Holds the shaft fast, or lets it go.
+    pub const fn set_blocked(&mut self, blocked: bool) {
+        self.mechanics.set_blocked(blocked);
+    }
+
+    /// True while something holds the shaft fast.
+    #[must_use]
+    pub const fn is_blocked(&self) -> bool {
+        self.mechanics.is_blocked()
+    }
+
+    /// Applies or releases the holding brake; a motor without one has it released.
+    pub const fn set_brake(&mut self, applied: bool) {
+        self.mechanics.set_brake(applied);
+    }
+
+    /// Safe torque off: no current, whatever the command.
+    pub const fn set_sto(&mut self, active: bool) {
+        self.sto = active;
+    }
+
+    /// Takes the feedback away (the drive keeps reading what it read last) or brings it back.
+    pub const fn set_feedback_lost(&mut self, lost: bool) {
+        self.feedback_lost = lost;
+    }
+
+    /// Makes a limit switch read on or off wherever the axis is; `None` lets it read the way again.
+    pub fn set_limit_switch(&mut self, positive: bool, on: Option<bool>) {
+        self.sensors.force_limit(positive, on, self.mechanics.position);
+    }
+
+    /// Makes the home switch read on or off wherever the axis is; `None` lets it read the way again.
+    pub fn set_home_switch(&mut self, on: Option<bool>) {
+        self.sensors.force_home(on, self.mechanics.position);
+    }
+
+    /// Mains voltage, V: 0 is off, `None` is nominal. The bus follows.
+    pub fn set_mains(&mut self, voltage: Option<f64>) {
+        self.electrical.set_mains(voltage);
+    }
+
+    /// Connects or disconnects the brake resistor: without it braking lifts the bus without limit.
+    pub const fn set_regen(&mut self, connected: bool) {
+        self.electrical.set_regen(connected);
+    }
+
+    /// Makes the drive measure this bus voltage, V; `None` lets it measure the real one.
+    pub fn set_bus_voltage(&mut self, voltage: Option<f64>) {
+        self.electrical.override_bus(voltage);
+    }
+
+    /// Makes the drive measure this motor temperature, degC; `None` lets it measure the real one.
+    pub fn set_motor_temperature(&mut self, temperature: Option<f64>) {
+        self.electrical.override_motor(temperature);
+    }
+
+    /// Makes the drive measure this temperature of the power stage, degC; `None` lets it measure the real one.
+    pub fn set_power_stage_temperature(&mut self, temperature: Option<f64>) {
+        self.electrical.override_power_stage(temperature);
+    }
+
+    /// True when nothing will turn without a command, a load or the release of what holds it.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        self.omega == 0.0 && self.load.abs() <= self.plant.coulomb_friction
+        self.mechanics.is_at_rest()
     }
 
     /// True when the speed is below `threshold` rpm.
@@ -259,18 +383,20 @@ impl Axis {
     }
 }
 
-impl Default for Tuning {
-    fn default() -> Self {
-        Self {
-            current_positive: 9.0,
-            current_negative: 9.0,
-            speed_positive: 3000.0,
-            speed_negative: 3000.0,
-            gain: 0.2,
-            integral: 8.0,
-        }
+/// The nearest number in a range; what is no number is the lowest.
+fn within(value: f64, lowest: f64, highest: f64) -> f64 {
+    value.max(lowest).min(highest)
+}
+
+/// Bits of a position below the resolution of the feedback.
+const fn unresolved(plant: &Plant) -> i64 {
+    match plant.feedback_bits {
+        bits @ 0..32 => (1 << (32 - bits as u32)) - 1,
+        _ => 0,
     }
 }
 
+#[cfg(test)]
+mod position_tests;
 #[cfg(test)]
 mod tests;

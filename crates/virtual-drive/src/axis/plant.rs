@@ -1,6 +1,9 @@
-//! The motor with its load, and the power stage around it.
+//! The motor with its load: what turns, and what stands in its way.
 
 use core::f64::consts::TAU;
+
+/// Position counts of one revolution inside the axis.
+pub(super) const REVOLUTION: f64 = 4_294_967_296.0;
 
 /// Motor and load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,109 +21,226 @@ pub struct Plant {
     /// Amplitude of the cogging torque, Nm.
     pub cogging: f64,
     /// Cogging periods per revolution.
-    pub cogging_periods: f64,
+    pub cogging_periods: u32,
+    /// Torque that the holding brake adds to the friction, Nm.
+    pub brake_torque: f64,
+    /// Bits in which the feedback resolves one revolution, at most 32.
+    pub feedback_bits: u8,
+    /// Angle of the index pulse, 2^-32 rev.
+    pub index: u32,
+    /// What limits the way; none: it turns without end.
+    pub travel: Option<Travel>,
+}
+
+/// The places along the way, in 2^-32 rev from where the axis stands when the drive is made. Homing does not move them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Travel {
+    /// Nothing gets below.
+    pub negative_stop: i64,
+    /// Nothing gets above.
+    pub positive_stop: i64,
+    /// The negative limit switch is on at this place and below.
+    pub negative_switch: i64,
+    /// The positive limit switch is on at this place and above.
+    pub positive_switch: i64,
+    /// The home switch is on from the first to the second place.
+    pub home_switch: Option<(i64, i64)>,
+}
+
+impl Travel {
+    /// No stop and no switch: what a travel starts with that has only some of them.
+    pub const FREE: Self = Self {
+        negative_stop: i64::MIN,
+        positive_stop: i64::MAX,
+        negative_switch: i64::MIN,
+        positive_switch: i64::MAX,
+        home_switch: None,
+    };
+}
+
+impl Default for Travel {
+    fn default() -> Self {
+        Self::FREE
+    }
 }
 
 impl Default for Plant {
-    /// A small servo motor (MOTOR.INERTIA 1.2 kgcm^2, MOTOR.KT 0.85 Nm/A) with a disc of twice its inertia.
     fn default() -> Self {
-        Self {
-            motor_inertia: 1.2e-4,
-            load_inertia: 2.4e-4,
-            torque_constant: 0.85,
-            viscous_friction: 1.0e-4,
-            coulomb_friction: 0.05,
-            cogging: 0.003,
-            cogging_periods: 30.0,
-        }
+        Self::SERVO
     }
 }
 
 impl Plant {
-    /// Inertia of rotor and load, kg m^2.
+    /// A small servo motor (MOTOR.INERTIA 1.2 kgcm^2, MOTOR.KT 0.85 Nm/A) with a disc of twice its inertia.
+    pub const SERVO: Self = Self {
+        motor_inertia: 1.2e-4,
+        load_inertia: 2.4e-4,
+        torque_constant: 0.85,
+        viscous_friction: 1.0e-4,
+        coulomb_friction: 0.05,
+        cogging: 0.003,
+        cogging_periods: 30,
+        brake_torque: 5.0,
+        feedback_bits: 24,
+        index: 0,
+        travel: None,
+    };
+
+    /// Inertia of rotor and load, kg m^2; never nothing.
     #[must_use]
     pub fn inertia(&self) -> f64 {
-        self.motor_inertia + self.load_inertia
+        positive(self.motor_inertia + self.load_inertia, 1.0e-9)
+    }
+}
+
+/// The number, or what is taken when it is none or too small to divide by.
+fn positive(value: f64, smallest: f64) -> f64 {
+    if value.is_finite() {
+        value.max(smallest)
+    } else {
+        smallest
+    }
+}
+
+/// The plant in motion.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Mechanics {
+    plant: Plant,
+    travel: Travel,
+    /// 1 / inertia, and rad/s^2 per ampere.
+    mobility: f64,
+    authority: f64,
+    /// rad/s
+    pub omega: f64,
+    /// True position in 2^-32 rev, and what is lost below one count.
+    pub position: i64,
+    remainder: f64,
+    /// Torque of the load against positive rotation, Nm.
+    load: f64,
+    blocked: bool,
+    braked: bool,
+}
+
+impl Mechanics {
+    pub fn new(plant: Plant) -> Self {
+        let mut mechanics = Self {
+            plant,
+            travel: Travel::FREE,
+            mobility: 0.0,
+            authority: 0.0,
+            omega: 0.0,
+            position: 0,
+            remainder: 0.0,
+            load: 0.0,
+            blocked: false,
+            braked: false,
+        };
+        mechanics.set_plant(plant);
+        mechanics
     }
 
-    /// Speed in rad/s after `dt` seconds with `torque` Nm from motor and load, at `angle` revolutions.
-    pub(super) fn next_speed(&self, omega: f64, torque: f64, angle: f64, dt: f64) -> f64 {
-        let inertia = self.inertia();
-        let cogging = self.cogging * (angle * self.cogging_periods * TAU).sin();
-        if omega == 0.0 {
+    pub const fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    pub fn set_plant(&mut self, plant: Plant) {
+        self.mobility = 1.0 / plant.inertia();
+        self.authority = positive(plant.torque_constant, 1.0e-6) * self.mobility;
+        self.travel = plant.travel.unwrap_or_default();
+        self.plant = plant;
+    }
+
+    /// Acceleration per current, rad/s^2/A.
+    pub const fn authority(&self) -> f64 {
+        self.authority
+    }
+
+    pub const fn set_load(&mut self, torque: f64) {
+        self.load = if torque.is_finite() { torque } else { 0.0 };
+    }
+
+    pub const fn set_blocked(&mut self, blocked: bool) {
+        self.blocked = blocked;
+    }
+
+    pub const fn is_blocked(&self) -> bool {
+        self.blocked
+    }
+
+    pub const fn set_brake(&mut self, applied: bool) {
+        self.braked = applied;
+    }
+
+    pub const fn is_braked(&self) -> bool {
+        self.braked
+    }
+
+    /// Friction that does not depend on the speed, Nm.
+    fn dry_friction(&self) -> f64 {
+        if self.braked {
+            self.plant.coulomb_friction + self.plant.brake_torque
+        } else {
+            self.plant.coulomb_friction
+        }
+    }
+
+    /// Nothing moves it while there is no torque from the motor.
+    pub fn is_at_rest(&self) -> bool {
+        self.omega == 0.0
+            && (self.load.abs() <= self.dry_friction()
+                || self.blocked
+                || (self.load < 0.0 && self.position >= self.travel.positive_stop)
+                || (self.load > 0.0 && self.position <= self.travel.negative_stop))
+    }
+
+    /// One step with this current, A.
+    pub fn step(&mut self, dt: f64, current: f64) {
+        if self.blocked {
+            self.omega = 0.0;
+            return;
+        }
+        let torque = current * self.plant.torque_constant - self.load;
+        self.omega = self.next_speed(torque, dt);
+        let counts = self.omega * (dt * (REVOLUTION / TAU)) + self.remainder;
+        let whole = counts as i64;
+        self.remainder = counts - whole as f64;
+        let next = self.position.wrapping_add(whole);
+        // A hard stop takes all speed.
+        let stop = if self.omega > 0.0 {
+            (next > self.travel.positive_stop).then(|| self.travel.positive_stop.max(self.position))
+        } else {
+            (next < self.travel.negative_stop).then(|| self.travel.negative_stop.min(self.position))
+        };
+        self.position = next;
+        if let Some(stop) = stop {
+            self.position = stop;
+            self.remainder = 0.0;
+            self.omega = 0.0;
+        }
+    }
+
+    /// Speed in rad/s after `dt` seconds with `torque` Nm from motor and load.
+    fn next_speed(&self, torque: f64, dt: f64) -> f64 {
+        let dry = self.dry_friction();
+        if self.omega == 0.0 {
             // Friction holds the axis until something is stronger.
-            if torque.abs() <= self.coulomb_friction {
+            if torque.abs() <= dry {
                 return 0.0;
             }
-            return (torque - self.coulomb_friction.copysign(torque)) / inertia * dt;
+            return (torque - dry.copysign(torque)) * self.mobility * dt;
         }
-        let friction = self.coulomb_friction.copysign(omega) + self.viscous_friction * omega;
-        let next = omega + (torque + cogging - friction) / inertia * dt;
+        let torque = torque + self.plant.cogging * self.cogging();
+        let friction = dry.copysign(self.omega) + self.plant.viscous_friction * self.omega;
+        let next = self.omega + (torque - friction) * self.mobility * dt;
         // Friction can stop the axis, not turn it round.
-        let stops = next * omega <= 0.0 && (torque + cogging).abs() <= self.coulomb_friction;
+        let stops = next * self.omega <= 0.0 && torque.abs() <= dry;
         if stops { 0.0 } else { next }
     }
-}
 
-/// DC bus and temperatures, first order each.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Electrical {
-    bus: f64,
-    power_stage: f64,
-    motor: f64,
-}
-
-/// Rectified 230 V, V.
-const BUS: f64 = 325.0;
-/// The brake resistor keeps the bus below this, V.
-const REGEN: f64 = 400.0;
-/// Capacitance of the bus, F.
-const CAPACITANCE: f64 = 560e-6;
-/// Time in which the mains brings the bus back, s.
-const BUS_TIME: f64 = 0.02;
-/// Air around the drive, degC.
-const AMBIENT: f64 = 25.0;
-
-impl Electrical {
-    pub(super) const fn new() -> Self {
-        Self {
-            bus: BUS,
-            power_stage: AMBIENT + 8.0,
-            motor: AMBIENT,
-        }
-    }
-
-    /// `power` W flow from the bus into the shaft, `current` A through the motor.
-    pub(super) fn step(&mut self, dt: f64, power: f64, current: f64) {
-        let losses = 2.0 * current * current;
-        let flow = (BUS - self.bus) / BUS_TIME - (power + losses) / (CAPACITANCE * self.bus);
-        self.bus = (self.bus + flow * dt).clamp(0.5 * BUS, REGEN);
-        let heat = current * current;
-        self.power_stage += (AMBIENT + 8.0 + 0.9 * heat - self.power_stage) * (dt / 120.0);
-        self.motor += (AMBIENT + 6.0 * heat - self.motor) * (dt / 900.0);
-    }
-
-    /// Voltage of the DC bus, V (VBUS.VALUE).
-    #[must_use]
-    pub const fn bus_voltage(&self) -> f64 {
-        self.bus
-    }
-
-    /// Temperature of the power stage, degC (TEMP.POWER).
-    #[must_use]
-    pub const fn power_stage_temperature(&self) -> f64 {
-        self.power_stage
-    }
-
-    /// Temperature of the motor winding, degC (MOTOR.TEMPC).
-    #[must_use]
-    pub const fn motor_temperature(&self) -> f64 {
-        self.motor
-    }
-
-    /// Temperature of the control board, degC (TEMP.CONTROL).
-    #[must_use]
-    pub const fn control_temperature(&self) -> f64 {
-        AMBIENT + 12.0
+    /// A wave of amplitude 1 that repeats `cogging_periods` times in a revolution: two parabolas, as good as a sine here.
+    fn cogging(&self) -> f64 {
+        let phase = (self.position as u32).wrapping_mul(self.plant.cogging_periods) as i32;
+        let phase = f64::from(phase) * (1.0 / 2_147_483_648.0);
+        4.0 * phase * (1.0 - phase.abs())
     }
 }

@@ -1,5 +1,6 @@
 //! Physics that a servo engineer would check with a scope.
 
+use super::plant::REVOLUTION;
 use super::*;
 
 const RAMPS: Option<Ramps> = Some(Ramps {

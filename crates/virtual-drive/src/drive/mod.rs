@@ -22,7 +22,7 @@ pub use injection::{Injection, InjectionError, Key as InjectionKey};
 pub use profidrive::state::State;
 pub use settings::Mode;
 
-use crate::axis::Axis;
+use crate::axis::{Axis, Plant};
 use crate::model::{Live, Model};
 use crate::store::{Image, ImageError, Values};
 use faults::{Faults, Keeper};
@@ -298,6 +298,8 @@ impl Drive {
             let command = self.command();
             self.axis
                 .step(passed.as_secs_f64(), command, &self.settings.tuning);
+        } else {
+            self.axis.rest(passed.as_secs_f64(), &self.settings.tuning);
         }
         status = self.look_after(status);
         self.process.status = status | self.application_status();
@@ -332,6 +334,11 @@ impl Drive {
     /// Torque in Nm that the load puts on the shaft against positive rotation.
     pub const fn set_load(&mut self, torque: f64) {
         self.axis.set_load(torque);
+    }
+
+    /// Puts the drive, where it is, on another motor, load and way.
+    pub fn set_plant(&mut self, plant: Plant) {
+        self.axis.set_plant(plant);
     }
 
     /// True while the power stage is on (DRV.ACTIVE).

@@ -3,7 +3,7 @@
 use profidrive::catalogue::Scaling;
 
 use super::faults::Watching;
-use crate::axis::{Ramps, Tuning};
+use crate::axis::{Endurance, Ramps, Tuning};
 use crate::model::Model;
 use crate::store::Values;
 
@@ -76,6 +76,8 @@ impl Settings {
             Some(2) => Mode::Position,
             _ => Mode::Speed,
         };
+        let [drive_continuous, motor_continuous] = roles.continuous_current;
+        let milliampere = |pnu: Option<u16>, otherwise: f64| value(pnu, 1000.0 * otherwise) / 1000.0;
         Self {
             scaling,
             tuning: Tuning {
@@ -85,6 +87,19 @@ impl Settings {
                 speed_negative,
                 gain: value(roles.gain, tuning.gain),
                 integral: value(roles.integral, tuning.integral),
+                position_gain: value(roles.position_gain, tuning.position_gain),
+                speed_forward: value(roles.speed_forward, tuning.speed_forward),
+                drive_endurance: Endurance {
+                    continuous: value(drive_continuous, tuning.drive_endurance.continuous),
+                    peak,
+                    ..tuning.drive_endurance
+                },
+                motor_endurance: Endurance {
+                    continuous: milliampere(motor_continuous, tuning.motor_endurance.continuous),
+                    peak: milliampere(roles.motor_peak_current, tuning.motor_endurance.peak),
+                    time: value(roles.motor_peak_time, tuning.motor_endurance.time),
+                },
+                ..tuning
             },
             ramps,
             quick_stop: value(roles.quick_stop, 10.0 * ramps.deceleration),
@@ -129,6 +144,7 @@ mod tests {
         assert_eq!(settings.tuning.current_positive, 9.0);
         assert_eq!(settings.tuning.current_negative, 9.0);
         assert_eq!(settings.tuning.speed_negative, 3000.0);
+        assert_eq!(settings.tuning, Tuning::default());
         assert_eq!(settings.mode, Mode::Speed);
         assert_eq!(settings.jog_ramps.acceleration, 3052.0);
         assert!((settings.jog_speed[1] + 60.04).abs() < 0.01);

@@ -15,15 +15,7 @@ pub static AKD: Model = Model {
     catalogue: &catalogue::AKD,
     live: LIVE,
     roles: ROLES,
-    plant: Plant {
-        motor_inertia: 1.2e-4,
-        load_inertia: 2.4e-4,
-        torque_constant: 0.85,
-        viscous_friction: 1.0e-4,
-        coulomb_friction: 0.05,
-        cogging: 0.003,
-        cogging_periods: 30.0,
-    },
+    plant: Plant::SERVO,
     dialect: &Dialect::AKD,
     conditions: CONDITIONS,
     fault_actions: ACTIONS,
@@ -38,14 +30,19 @@ const ROLES: Roles = Roles {
     standstill: None,         // CS.VTHRESH_32 is 120 rpm as delivered, too much for the profile's standstill
     jog_speed: [Some(1004), Some(1005)],
     jog_ramp: [Some(1006), Some(1007)],
-    peak_current: Some(2132),                // DRV.IPEAK
-    current_limit: [Some(2231), Some(2230)], // IL.LIMITP, IL.LIMITN
-    speed_limit: [Some(2439), Some(2438)],   // VL.LIMITP_32, VL.LIMITN_32
-    gain: Some(2436),                        // VL.KP
-    integral: Some(2434),                    // VL.KI
-    velocity_scaling: Some(3064),            // PN.VELSCALING
-    acceleration_scaling: Some(3065),        // PN.ACCSCALING
-    position_scaling: Some(3014),            // PN.POSSCALE
+    peak_current: Some(2132),                     // DRV.IPEAK
+    current_limit: [Some(2231), Some(2230)],      // IL.LIMITP, IL.LIMITN
+    speed_limit: [Some(2439), Some(2438)],        // VL.LIMITP_32, VL.LIMITN_32
+    gain: Some(2436),                             // VL.KP
+    integral: Some(2434),                         // VL.KI
+    position_gain: Some(2302),                    // PL.KP
+    speed_forward: Some(2437),                    // VL.KVFF
+    continuous_current: [Some(2131), Some(2244)], // DRV.ICONT, MOTOR.ICONT
+    motor_peak_current: Some(2247),               // MOTOR.IPEAK
+    motor_peak_time: Some(2232),                  // IL.MFOLDD
+    velocity_scaling: Some(3064),                 // PN.VELSCALING
+    acceleration_scaling: Some(3065),             // PN.ACCSCALING
+    position_scaling: Some(3014),                 // PN.POSSCALE
     singleturn_bits: Some(1002),
     mode: Some(2135),            // DRV.OPMODE
     command_source: Some(2113),  // DRV.CMDSOURCE

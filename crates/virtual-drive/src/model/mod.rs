@@ -69,6 +69,16 @@ pub struct Roles {
     pub gain: Option<u16>,
     /// Corner frequency of the integral part, Hz.
     pub integral: Option<u16>,
+    /// Proportional gain of the position loop, (rev/s)/rev.
+    pub position_gain: Option<u16>,
+    /// Part of the reference speed that goes past the position loop.
+    pub speed_forward: Option<u16>,
+    /// Continuous currents of drive and motor, A and mA.
+    pub continuous_current: [Option<u16>; 2],
+    /// Peak current of the motor, mA.
+    pub motor_peak_current: Option<u16>,
+    /// Longest time at the peak current of the motor, s.
+    pub motor_peak_time: Option<u16>,
     /// Steps of speed signals.
     pub velocity_scaling: Option<u16>,
     /// Steps of acceleration signals, rpm/s.

@@ -1,0 +1,277 @@
+//! The power stage: DC bus, temperatures and what the current does to them over time.
+
+use super::within;
+
+/// Rectified voltage of a mains voltage.
+const RECTIFIED: f64 = core::f64::consts::SQRT_2;
+/// Mains as delivered, V.
+const MAINS: f64 = 230.0;
+/// The brake resistor is switched on above this bus voltage, V.
+const REGEN: f64 = 380.0;
+/// Its resistance, ohm.
+const RESISTOR: f64 = 33.0;
+/// Capacitance of the bus, F.
+const CAPACITANCE: f64 = 560e-6;
+/// Time in which the mains fills the bus, s.
+const BUS_TIME: f64 = 0.02;
+/// Power that the drive itself takes from the bus, W.
+const OWN_POWER: f64 = 15.0;
+/// Bus voltage below which no current can be made, V.
+const DEAD: f64 = 40.0;
+/// Voltage at which the model ends, V: whatever happens, no more.
+const MOST: f64 = 1000.0;
+/// Winding and power stage, ohm: losses per square of current.
+const LOSS: f64 = 2.0;
+/// Air around the drive, degC.
+const AMBIENT: f64 = 25.0;
+/// Temperature of the idle power stage above the air, K.
+const IDLE_HEAT: f64 = 8.0;
+/// Heat of power stage and motor, K per A^2, and their time constants, s.
+const STAGE_HEAT: f64 = 0.9;
+const STAGE_TIME: f64 = 120.0;
+const MOTOR_HEAT: f64 = 6.0;
+const MOTOR_TIME: f64 = 900.0;
+/// From this part of the foldback reserve on the current limit comes down.
+const NEARLY: f64 = 0.95;
+
+/// How long a part takes more than its continuous current.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Endurance {
+    /// Current for ever, A.
+    pub continuous: f64,
+    /// Highest current, A.
+    pub peak: f64,
+    /// Time for which it takes the peak when it comes from no current, s.
+    pub time: f64,
+}
+
+impl Endurance {
+    /// Squared ampere times seconds above the continuous current; 0 or less: no foldback.
+    fn reserve(&self) -> f64 {
+        (self.peak * self.peak - self.continuous * self.continuous) * self.time
+    }
+}
+
+/// One foldback: what of the reserve is used up, A^2 s.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Foldback {
+    used: f64,
+    reserve: f64,
+    limit: f64,
+}
+
+impl Foldback {
+    /// `square` is that of the current.
+    fn step(&mut self, dt: f64, square: f64, endurance: &Endurance) {
+        let reserve = endurance.reserve();
+        self.reserve = reserve;
+        self.limit = endurance.peak;
+        if reserve.is_nan() || reserve <= 0.0 {
+            self.used = 0.0;
+            return;
+        }
+        let over = square - endurance.continuous * endurance.continuous;
+        self.used = (self.used + over * dt).max(0.0).min(reserve);
+        if self.used > NEARLY * reserve {
+            let left = (1.0 - self.used / reserve) / (1.0 - NEARLY);
+            self.limit = endurance.continuous + (endurance.peak - endurance.continuous) * left;
+        }
+    }
+
+    fn load(&self) -> f64 {
+        if self.reserve > 0.0 {
+            self.used / self.reserve
+        } else {
+            0.0
+        }
+    }
+}
+
+/// DC bus, temperatures and foldback.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Electrical {
+    /// Square of the bus voltage: twice the energy per capacitance.
+    square: f64,
+    /// Square of the rectified mains voltage.
+    mains: f64,
+    resistor: bool,
+    /// Power in the brake resistor, W.
+    burnt: f64,
+    power_stage: f64,
+    motor: f64,
+    drive_foldback: Foldback,
+    motor_foldback: Foldback,
+    bus_override: Option<f64>,
+    power_stage_override: Option<f64>,
+    motor_override: Option<f64>,
+}
+
+impl Electrical {
+    pub(super) const fn new() -> Self {
+        let mains = RECTIFIED * MAINS * RECTIFIED * MAINS;
+        let foldback = Foldback {
+            used: 0.0,
+            reserve: 0.0,
+            limit: f64::MAX,
+        };
+        Self {
+            square: mains,
+            mains,
+            resistor: true,
+            burnt: 0.0,
+            power_stage: AMBIENT + IDLE_HEAT,
+            motor: AMBIENT,
+            drive_foldback: foldback,
+            motor_foldback: foldback,
+            bus_override: None,
+            power_stage_override: None,
+            motor_override: None,
+        }
+    }
+
+    /// `power` W flow from the bus into the shaft, `current` A through the motor.
+    pub(super) fn step(&mut self, dt: f64, power: f64, current: f64, drive: &Endurance, motor: &Endurance) {
+        let heat = current * current;
+        let mut flow = -(power + LOSS * heat + OWN_POWER) * (2.0 / CAPACITANCE);
+        if self.square < self.mains {
+            flow += (self.mains - self.square) / BUS_TIME;
+        }
+        let chopper = self.resistor && self.square > REGEN * REGEN;
+        self.burnt = 0.0;
+        if chopper {
+            self.burnt = self.square * (1.0 / RESISTOR);
+            flow -= self.burnt * (2.0 / CAPACITANCE);
+        }
+        self.square = (self.square + flow * dt).clamp(0.0, MOST * MOST);
+        self.power_stage += (AMBIENT + IDLE_HEAT + STAGE_HEAT * heat - self.power_stage) * (dt / STAGE_TIME);
+        self.motor += (AMBIENT + MOTOR_HEAT * heat - self.motor) * (dt / MOTOR_TIME);
+        self.drive_foldback.step(dt, heat, drive);
+        self.motor_foldback.step(dt, heat, motor);
+    }
+
+    /// A time of any length without current.
+    pub(super) fn rest(&mut self, seconds: f64, drive: &Endurance, motor: &Endurance) {
+        let filling = if self.square < self.mains {
+            (self.mains - self.square) * (seconds / BUS_TIME).min(1.0)
+        } else {
+            0.0
+        };
+        let own = OWN_POWER * (2.0 / CAPACITANCE) * seconds;
+        let lowest = if self.mains > 0.0 {
+            self.mains.min(self.square + filling)
+        } else {
+            0.0
+        };
+        self.square = (self.square + filling - own).max(lowest);
+        self.burnt = 0.0;
+        self.power_stage += (AMBIENT + IDLE_HEAT - self.power_stage) * (seconds / STAGE_TIME).min(1.0);
+        self.motor += (AMBIENT - self.motor) * (seconds / MOTOR_TIME).min(1.0);
+        self.drive_foldback.step(seconds, 0.0, drive);
+        self.motor_foldback.step(seconds, 0.0, motor);
+    }
+
+    /// Highest current that the foldback allows, A (IL.IFOLD).
+    #[must_use]
+    pub fn foldback_limit(&self) -> f64 {
+        self.drive_foldback.limit.min(self.motor_foldback.limit)
+    }
+
+    /// Limit of the drive's own foldback, A (IL.DIFOLD).
+    #[must_use]
+    pub const fn drive_foldback_limit(&self) -> f64 {
+        self.drive_foldback.limit
+    }
+
+    /// Limit of the motor's foldback, A (IL.MIFOLD).
+    #[must_use]
+    pub const fn motor_foldback_limit(&self) -> f64 {
+        self.motor_foldback.limit
+    }
+
+    /// How much of the drive's reserve above its continuous current is used up, 0 to 1.
+    #[must_use]
+    pub fn drive_load(&self) -> f64 {
+        self.drive_foldback.load()
+    }
+
+    /// How much of the motor's reserve above its continuous current is used up, 0 to 1 (IL.MI2T).
+    #[must_use]
+    pub fn motor_load(&self) -> f64 {
+        self.motor_foldback.load()
+    }
+
+    /// True while a foldback takes current away.
+    #[must_use]
+    pub fn is_folding_back(&self) -> bool {
+        self.drive_load() > NEARLY || self.motor_load() > NEARLY
+    }
+
+    /// Voltage of the DC bus, V (VBUS.VALUE).
+    #[must_use]
+    pub fn bus_voltage(&self) -> f64 {
+        self.bus_override.unwrap_or_else(|| self.square.sqrt())
+    }
+
+    /// Power in the brake resistor, W (REGEN.POWER).
+    #[must_use]
+    pub const fn regen_power(&self) -> f64 {
+        self.burnt
+    }
+
+    /// Temperature of the power stage, degC (TEMP.POWER).
+    #[must_use]
+    pub fn power_stage_temperature(&self) -> f64 {
+        self.power_stage_override.unwrap_or(self.power_stage)
+    }
+
+    /// Temperature of the motor winding, degC (MOTOR.TEMPC).
+    #[must_use]
+    pub fn motor_temperature(&self) -> f64 {
+        self.motor_override.unwrap_or(self.motor)
+    }
+
+    /// Temperature of the control board, degC (TEMP.CONTROL).
+    #[must_use]
+    pub const fn control_temperature(&self) -> f64 {
+        AMBIENT + 12.0
+    }
+
+    /// False when the bus is too low to make current.
+    pub(super) fn can_drive(&self) -> bool {
+        match self.bus_override {
+            None => self.square > DEAD * DEAD,
+            Some(voltage) => voltage > DEAD,
+        }
+    }
+
+    /// Mains voltage, V; 0 is off.
+    pub(super) fn set_mains(&mut self, voltage: Option<f64>) {
+        let peak = RECTIFIED * sane(voltage.unwrap_or(MAINS));
+        self.mains = (peak * peak).min(MOST * MOST);
+    }
+
+    /// Takes the brake resistor away or puts it back.
+    pub(super) const fn set_regen(&mut self, present: bool) {
+        self.resistor = present;
+    }
+
+    /// Voltage that the drive shall measure instead.
+    pub(super) fn override_bus(&mut self, voltage: Option<f64>) {
+        self.bus_override = voltage.map(sane);
+    }
+
+    /// Temperature of the motor that the drive shall measure instead, degC.
+    pub(super) fn override_motor(&mut self, temperature: Option<f64>) {
+        self.motor_override = temperature.filter(|value| value.is_finite());
+    }
+
+    /// Temperature of the power stage that the drive shall measure instead, degC.
+    pub(super) fn override_power_stage(&mut self, temperature: Option<f64>) {
+        self.power_stage_override = temperature.filter(|value| value.is_finite());
+    }
+}
+
+/// A voltage that can be: neither negative nor not a number.
+fn sane(voltage: f64) -> f64 {
+    within(voltage, 0.0, MOST)
+}

@@ -1,0 +1,222 @@
+//! Position and velocity loop: from a command to the current that is wanted.
+
+use core::f64::consts::TAU;
+
+use super::command::{Command, Tuning};
+use super::plant::REVOLUTION;
+use super::ramp::Ramp;
+use super::trajectory::{Goal, Manner, Trajectory};
+use super::within;
+
+/// Rotations per minute of one radian per second.
+pub(super) const RPM: f64 = 60.0 / TAU;
+
+/// Radian of one position count.
+const RADIAN: f64 = TAU / REVOLUTION;
+
+/// What the loops read from the feedback.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Feedback {
+    /// 2^-32 rev
+    pub position: i64,
+    /// rad/s
+    pub omega: f64,
+}
+
+/// Gains and limits in the units of the loops, made once for each call.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gains {
+    dt: f64,
+    /// A/(rad/s)
+    speed: f64,
+    /// Part of the error that the integral takes in one step.
+    speed_integral: f64,
+    /// 1/s
+    position: f64,
+    /// 1/s
+    position_integral: f64,
+    forward: f64,
+    /// A/(rad/s^2)
+    inertia: f64,
+    /// A and rad/s, as positive numbers.
+    pub negative_current: f64,
+    pub positive_current: f64,
+    negative_speed: f64,
+    positive_speed: f64,
+}
+
+impl Gains {
+    /// `authority` is the acceleration of the axis per current.
+    pub fn new(dt: f64, tuning: &Tuning, authority: f64) -> Self {
+        // The gain never makes one step overshoot, whatever a parameter says.
+        let speed = within(tuning.gain, 0.0, 0.5 / (authority * dt));
+        let position = within(tuning.position_gain, 0.0, speed * authority * (1.0 / 3.0));
+        Self {
+            dt,
+            speed,
+            speed_integral: within(tuning.integral * TAU, 0.0, 0.1 / dt) * dt,
+            position,
+            position_integral: within(tuning.position_integral * TAU, 0.0, 0.1 * position),
+            forward: within(tuning.speed_forward, 0.0, 2.0),
+            inertia: 1.0 / authority,
+            negative_current: tuning.current_negative.max(0.0),
+            positive_current: tuning.current_positive.max(0.0),
+            negative_speed: tuning.speed_negative.max(0.0) / RPM,
+            positive_speed: tuning.speed_positive.max(0.0) / RPM,
+        }
+    }
+
+    fn limit_current(&self, current: f64) -> f64 {
+        within(current, -self.negative_current, self.positive_current)
+    }
+
+    fn limit_speed(&self, speed: f64) -> f64 {
+        within(speed, -self.negative_speed, self.positive_speed)
+    }
+}
+
+/// The loops with their memory.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Loops {
+    pub ramp: Ramp,
+    pub trajectory: Trajectory,
+    /// Integral part of the velocity loop, A.
+    integral: f64,
+    /// Integral part of the position loop, rad/s.
+    position_integral: f64,
+    /// Reference speed of the step before, 2^-32 rev/s; none while the position loop is open.
+    before: Option<f64>,
+    /// What the velocity loop is told, rpm.
+    speed_command: f64,
+    /// The current was limited.
+    limited: bool,
+}
+
+impl Loops {
+    pub fn new() -> Self {
+        Self {
+            ramp: Ramp::default(),
+            trajectory: Trajectory::new(0),
+            integral: 0.0,
+            position_integral: 0.0,
+            before: None,
+            speed_command: 0.0,
+            limited: false,
+        }
+    }
+
+    /// True while the position loop is closed.
+    pub const fn holds_position(&self) -> bool {
+        self.before.is_some()
+    }
+
+    /// What the velocity loop is told, rpm.
+    pub const fn speed_command(&self) -> f64 {
+        self.speed_command
+    }
+
+    /// Sets the goal of the trajectory, where the command has one.
+    pub fn aim(&mut self, command: &Command, tuning: &Tuning) {
+        let (goal, ramps, smooth) = match *command {
+            Command::Position {
+                target,
+                speed,
+                ramps,
+                smooth,
+                end_speed,
+            } => {
+                let goal = Goal::To {
+                    target,
+                    speed,
+                    end_speed,
+                };
+                (goal, ramps, smooth)
+            }
+            Command::Travel { speed, ramps, smooth } => (Goal::At { speed }, ramps, smooth),
+            _ => return,
+        };
+        let manner = Manner {
+            ramps,
+            smoothing: smooth.then_some(tuning.smoothing),
+            limits: [tuning.speed_negative, tuning.speed_positive],
+        };
+        self.trajectory.aim(goal, manner);
+    }
+
+    /// One step: the current that is wanted, A.
+    pub fn step(&mut self, command: &Command, gains: &Gains, seen: Feedback) -> f64 {
+        match *command {
+            Command::Off => {
+                self.follow(seen);
+                0.0
+            }
+            Command::Current { target } => {
+                self.follow(seen);
+                gains.limit_current(or_nothing(target))
+            }
+            Command::Speed { target, ramp, hold } => {
+                let target = gains.limit_speed(or_nothing(target) / RPM) * RPM;
+                let reference = self.ramp.step(gains.dt, target, ramp, hold);
+                self.before = None;
+                self.trajectory.place(seen.position, reference);
+                self.speed_command = reference;
+                let reference = reference / RPM;
+                let slope = self.ramp.slope() / RPM;
+                self.velocity(gains, reference - seen.omega, slope)
+            }
+            Command::Position { .. } | Command::Travel { .. } => self.position(gains, seen),
+        }
+    }
+
+    /// The loops are open: all references follow the axis.
+    fn follow(&mut self, seen: Feedback) {
+        let speed = seen.omega * RPM;
+        self.integral = 0.0;
+        self.before = None;
+        self.ramp.follow(speed);
+        self.trajectory.place(seen.position, speed);
+        self.speed_command = speed;
+    }
+
+    fn position(&mut self, gains: &Gains, seen: Feedback) -> f64 {
+        let error = self.trajectory.position().wrapping_sub(seen.position) as f64 * RADIAN;
+        let before = match self.before {
+            Some(before) => before,
+            None => {
+                self.position_integral = 0.0;
+                self.trajectory.speed() / RPM / RADIAN
+            }
+        };
+        let reference = self.trajectory.step(gains.dt);
+        self.before = Some(reference);
+        let forward = gains.forward * RADIAN;
+        let slope = (reference - before) * forward / gains.dt;
+        let correction = gains.position * error;
+        let wanted = before * forward + correction + self.position_integral;
+        let command = gains.limit_speed(wanted);
+        if gains.position_integral > 0.0 && command == wanted && !self.limited {
+            self.position_integral =
+                gains.limit_speed(self.position_integral + correction * gains.position_integral * gains.dt);
+        }
+        self.ramp.follow(self.trajectory.speed());
+        self.speed_command = command * RPM;
+        self.velocity(gains, command - seen.omega, slope)
+    }
+
+    /// Velocity loop with feed forward of the slope, rad/s^2.
+    fn velocity(&mut self, gains: &Gains, error: f64, slope: f64) -> f64 {
+        let wanted = gains.speed * error + self.integral + slope * gains.inertia;
+        let current = gains.limit_current(wanted);
+        self.limited = wanted != current;
+        // The integral part stands still while the current is limited in its direction.
+        if !self.limited || (wanted > current) != (error > 0.0) {
+            self.integral += gains.speed * error * gains.speed_integral;
+        }
+        current
+    }
+}
+
+/// What is no number is nothing.
+const fn or_nothing(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value }
+}
