@@ -142,6 +142,30 @@ pub enum Error {
         /// Device.
         device_id: u16,
     },
+    /// Nothing is written while the axis may move.
+    #[error("{drive}: {what}, nothing is written")]
+    NotAtRest {
+        /// The drive.
+        drive: String,
+        /// What was found.
+        what: &'static str,
+    },
+    /// What was done could not be noted, so nothing more was done.
+    #[error("{drive}: stopped: {source}")]
+    Journal {
+        /// The drive.
+        drive: String,
+        /// Why not.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The fault buffer changed during every attempt to read it.
+    #[error("{drive}: the fault buffer changed while it was read, {attempts} times")]
+    Changing {
+        /// The drive.
+        drive: String,
+        /// How often it was read.
+        attempts: u8,
+    },
     /// Nothing came back in time.
     #[error("{drive}: {what}: nothing within {} ms", .limit.as_millis())]
     Timeout {
@@ -260,6 +284,10 @@ impl Error {
                 Trouble::NoInputs => "the module of telegram 1 is not usable in this drive: `profidrive info DRIVE`",
             }
             .into(),
+            Self::Changing { .. } => "read it again; faults that come and go have a cause that comes and goes".into(),
+            Self::NotAtRest { .. } => {
+                "switch it off first (OFF1, or stop its controller); `profidrive status DRIVE` says why it is on".into()
+            }
             Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),
             Self::ConnectionLost { .. } => {
                 "the drive stops by itself (AKD: F702); `profidrive ack DRIVE` once it is reachable again".into()

@@ -9,11 +9,13 @@
 //! | find, name, address, blink, reset | [`Session::scan`], [`Session::find`], [`Session::set_name`], [`Session::set_ip`], .. |
 //! | know | [`Session::info`], [`Session::faults`], [`Session::snapshot`] |
 //! | read and write | [`Session::read`], [`Session::write`] with [`parameter`] |
+//! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::restore`] |
 //! | move | [`Session::take_axis`], which gives an [`Axis`] that stops when it goes |
 #![forbid(unsafe_code)]
 
 mod address;
 pub mod axis;
+pub mod backup;
 mod client;
 mod drive;
 mod error;
@@ -27,6 +29,6 @@ pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use mapper::Registered;
 pub use session::{
-    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, Identity, Info, PlannedChange, Session,
-    Snapshot, WriteMode,
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, FaultReport, Identity, Info, PlannedChange, Session,
+    Snapshot, WarningEntry, WriteMode,
 };

@@ -112,6 +112,26 @@ where
         Ok(info)
     }
 
+    /// What a drive says about itself in I&M0; `None` when it has no such record.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn identity(&mut self, drive: &Drive) -> Result<Option<Identity>, Error> {
+        let at = RecordAddress {
+            api: 0,
+            slot: 0,
+            subslot: 1,
+            index: IM0,
+        };
+        let mut identity = None;
+        match self.read_record(drive, at) {
+            // a record that cannot be understood tells nothing
+            Ok(data) => Ok(take_im(&mut identity, 0, &data).ok().and(identity)),
+            Err(Error::Record { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
     /// Name of the controller that has the cyclic connection of a drive: `Some(None)` when nobody has it, `None` when
     /// the device does not tell.
     ///

@@ -2,6 +2,8 @@
 
 mod access;
 mod axis;
+mod backup;
+mod faults;
 mod find;
 mod info;
 mod monitor;
@@ -16,7 +18,9 @@ use crate::{Client, Error};
 
 pub use axis::{Axis, AxisSettings, AxisStatus};
 pub use info::{Identity, Info};
-pub use monitor::{FaultEntry, Snapshot};
+pub use faults::{FaultEntry, FaultReport, WarningEntry};
+pub use monitor::Snapshot;
+pub(crate) use parameters::take_scale;
 pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};
 
 /// How often a caller's wish to stop is looked at while nothing happens.
@@ -161,11 +165,17 @@ where
         Ok(())
     }
 
-    /// Lets one thing happen, at most until `until`.
-    fn step(&mut self, until: Instant) -> Result<(), Error> {
+    /// Says whether the caller wants to stop, before something is begun that should not be interrupted.
+    fn glance(&mut self) -> Result<(), Error> {
         if !self.stopping && (self.interrupted)() {
             return Err(Error::Interrupted);
         }
+        Ok(())
+    }
+
+    /// Lets one thing happen, at most until `until`.
+    fn step(&mut self, until: Instant) -> Result<(), Error> {
+        self.glance()?;
         let until = until.min(self.now() + GLANCE);
         self.medium
             .step(&mut self.client, until)

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use profidrive::catalogue::{Parameter, Scale, Size};
+use profidrive::catalogue::{Parameter, Scale, Scaling, Size};
 use profidrive::notation::Shown;
 use profidrive::parameter::{
-    Answer, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change, encode_read,
+    Answer, Description, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change, encode_read,
     plan_changes, plan_reads, split_array,
 };
 use profinet::Medium;
@@ -61,6 +61,16 @@ impl ChangeOutcome {
             Content::Text(_) | Content::Octets => true,
         }
     }
+}
+
+/// One value on its way to a drive.
+#[derive(Debug, Clone)]
+pub struct Outgoing {
+    pub selection: Selection,
+    pub format: Format,
+    /// Number of values; of octets for a string.
+    pub count: u8,
+    pub octets: Vec<u8>,
 }
 
 /// One address of a read, and which selection it belongs to.
@@ -276,50 +286,87 @@ where
     fn write_outcomes(&mut self, drive: &Drive, outcomes: &mut [ChangeOutcome]) -> Result<(), Error> {
         let mut encoded = Vec::new();
         for outcome in outcomes.iter() {
-            encoded.push(encode(outcome)?);
+            let (format, octets) = encode(outcome)?;
+            encoded.push(Outgoing {
+                selection: outcome.change.selection,
+                format,
+                count: 1,
+                octets,
+            });
         }
-        let sizes: Vec<usize> = encoded.iter().map(|(_, octets)| octets.len()).collect();
-        let dialect = drive.model.dialect;
-        for group in plan_changes(&sizes, dialect) {
-            let values: Vec<NewValue<'_>> = group
-                .clone()
-                .filter_map(|at| {
-                    let (format, octets) = encoded.get(at)?;
-                    let selection = outcomes.get(at)?.change.selection;
-                    let address = ParameterAddress::value(selection.pnu, selection.first);
-                    Some(NewValue {
-                        address,
-                        format: *format,
-                        count: 1,
-                        data: octets,
-                    })
-                })
-                .collect();
-            let addresses: Vec<ParameterAddress> = values.iter().map(|value| value.address).collect();
-            let mut buffer = [0; MAX_REQUEST];
-            let reference = self.next_reference();
-            let length = encode_change(reference, dialect, &values, &mut buffer)
-                .map_err(|error| malformed(drive, &error))?;
-            let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
-            let response = Response::parse(&answer, RequestId::Change, reference, &addresses, dialect)
-                .map_err(|error| malformed(drive, &error))?;
-            for (at, answer) in group.zip(response.answers()) {
-                let Some(outcome) = outcomes.get_mut(at) else {
-                    continue;
-                };
-                outcome.written = Some(match answer {
-                    Answer::Error(error) => Err(refusal(
-                        &outcome.change.selection,
-                        0,
-                        true,
-                        error.number,
-                        error.info,
-                    )),
-                    Answer::Written | Answer::Values(_) => Ok(()),
-                });
+        let sizes: Vec<usize> = encoded.iter().map(|value| value.octets.len()).collect();
+        for group in plan_changes(&sizes, drive.model.dialect) {
+            let answers = self.change(drive, encoded.get(group.clone()).unwrap_or_default())?;
+            for (at, answer) in group.zip(answers) {
+                if let Some(outcome) = outcomes.get_mut(at) {
+                    outcome.written = Some(answer);
+                }
             }
         }
         Ok(())
+    }
+
+    /// Writes values with one request; they must fit into one ([`plan_changes`]). One answer for each.
+    pub(super) fn change(
+        &mut self,
+        drive: &Drive,
+        outgoing: &[Outgoing],
+    ) -> Result<Vec<Result<(), Refusal>>, Error> {
+        let dialect = drive.model.dialect;
+        let values: Vec<NewValue<'_>> = outgoing
+            .iter()
+            .map(|value| NewValue {
+                address: ParameterAddress::value(value.selection.pnu, value.selection.first),
+                format: value.format,
+                count: value.count,
+                data: &value.octets,
+            })
+            .collect();
+        let addresses: Vec<ParameterAddress> = values.iter().map(|value| value.address).collect();
+        let mut buffer = [0; MAX_REQUEST];
+        let reference = self.next_reference();
+        let length = encode_change(reference, dialect, &values, &mut buffer)
+            .map_err(|error| malformed(drive, &error))?;
+        let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        let response = Response::parse(&answer, RequestId::Change, reference, &addresses, dialect)
+            .map_err(|error| malformed(drive, &error))?;
+        let answers = outgoing.iter().zip(response.answers());
+        Ok(answers
+            .map(|(value, answer)| match answer {
+                Answer::Error(error) => Err(refusal(&value.selection, 0, true, error.number, error.info)),
+                Answer::Written | Answer::Values(_) => Ok(()),
+            })
+            .collect())
+    }
+
+    /// Descriptions of parameters (attribute 0x20), `None` where the drive has none.
+    pub(super) fn descriptions(
+        &mut self,
+        drive: &Drive,
+        pnus: &[u16],
+    ) -> Result<Vec<Option<Description>>, Error> {
+        let planned: Vec<_> = pnus
+            .iter()
+            .map(|&pnu| (ParameterAddress::description(pnu), None))
+            .collect();
+        let dialect = drive.model.dialect;
+        let mut descriptions = Vec::new();
+        for group in plan_reads(&planned, dialect) {
+            let part = planned.get(group).unwrap_or_default();
+            let addresses: Vec<ParameterAddress> = part.iter().map(|(address, _)| *address).collect();
+            let mut buffer = [0; MAX_REQUEST];
+            let reference = self.next_reference();
+            let length = encode_read(reference, dialect, &addresses, &mut buffer)
+                .map_err(|error| malformed(drive, &error))?;
+            let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+            let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
+                .map_err(|error| malformed(drive, &error))?;
+            descriptions.extend(response.answers().map(|answer| match answer {
+                Answer::Values(block) => Description::decode(block.data),
+                Answer::Error(_) | Answer::Written => None,
+            }));
+        }
+        Ok(descriptions)
     }
 
     /// Reads the values of the drive that scale other values, once.
@@ -345,20 +392,7 @@ where
             let Some(number) = reading.number().filter(|number| *number > 0.0) else {
                 continue;
             };
-            let scaling = &mut drive.parameters.scaling;
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "saturates"
-            )]
-            match reading.pnu {
-                VELOCITY => scaling.velocity = number as u16,
-                ACCELERATION => scaling.acceleration = number as u16,
-                POSITION => scaling.position = number as u32,
-                PEAK_CURRENT => scaling.peak_current = number,
-                SINGLETURN => scaling.singleturn_bits = number as u16,
-                _ => {}
-            }
+            take_scale(&mut drive.parameters.scaling, reading.pnu, number);
         }
         drive.scaled = true;
         Ok(())
@@ -377,6 +411,23 @@ const POSITION: u16 = 3014;
 const PEAK_CURRENT: u16 = 2132;
 const SINGLETURN: u16 = 1002;
 const SCALING: [u16; 5] = [VELOCITY, ACCELERATION, POSITION, PEAK_CURRENT, SINGLETURN];
+
+/// Takes over the value of a parameter that scales others; nothing happens for any other one.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "saturates"
+)]
+pub fn take_scale(scaling: &mut Scaling, pnu: u16, number: f64) {
+    match pnu {
+        VELOCITY => scaling.velocity = number as u16,
+        ACCELERATION => scaling.acceleration = number as u16,
+        POSITION => scaling.position = number as u32,
+        PEAK_CURRENT => scaling.peak_current = number,
+        SINGLETURN => scaling.singleturn_bits = number as u16,
+        _ => {}
+    }
+}
 
 fn is_scaling(parameter: &Parameter) -> bool {
     SCALING.contains(&parameter.pnu) || matches!(parameter.pnu, 1008 | 1009)

@@ -1,0 +1,173 @@
+//! Whose settings a backup holds.
+
+use profidrive::catalogue::Scaling;
+
+use crate::{Drive, Identity, Model};
+
+/// Whose settings they are. No date: the same settings give the same text.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Header {
+    /// Name of the model.
+    pub model: String,
+    /// PROFINET vendor number.
+    pub vendor_id: u16,
+    /// PROFINET device number.
+    pub device_id: u16,
+    /// Name of station.
+    pub station: String,
+    /// Order number, empty where the drive does not tell.
+    pub order_id: String,
+    /// Serial number.
+    pub serial_number: String,
+    /// Software revision, for example `V1.17.0`.
+    pub software: String,
+}
+
+impl Header {
+    /// Of a drive and what it says in I&M0.
+    #[must_use]
+    pub fn of(drive: &Drive, identity: Option<&Identity>) -> Self {
+        let text = |take: fn(&Identity) -> &String| identity.map(|one| line(take(one))).unwrap_or_default();
+        Self {
+            model: drive.model.name.to_owned(),
+            vendor_id: drive.station.vendor_id,
+            device_id: drive.station.device_id,
+            station: line(&drive.station.name),
+            order_id: text(|identity| &identity.order_id),
+            serial_number: text(|identity| &identity.serial_number),
+            software: text(|identity| &identity.software_revision),
+        }
+    }
+
+    /// What is known about the kind of drive.
+    #[must_use]
+    pub const fn known(&self) -> Model {
+        Model::of(self.vendor_id, self.device_id)
+    }
+
+    /// Why the settings are of another kind of drive; `None` when they fit.
+    #[must_use]
+    pub fn misfit(&self, drive: &Drive) -> Option<String> {
+        let station = &drive.station;
+        let same = (self.vendor_id, self.device_id) == (station.vendor_id, station.device_id);
+        (!same).then(|| {
+            format!(
+                "the settings are of a {} (vendor 0x{:04X}, device 0x{:04X}), {} is a {} (vendor 0x{:04X}, device 0x{:04X})",
+                self.model,
+                self.vendor_id,
+                self.device_id,
+                drive.label(),
+                drive.model.name,
+                station.vendor_id,
+                station.device_id
+            )
+        })
+    }
+
+    /// Differences between two drives of a kind that a person should know before one gets the settings of the other.
+    #[must_use]
+    pub fn remarks(&self, other: &Self) -> Vec<String> {
+        [
+            ("order number", &self.order_id, &other.order_id),
+            ("software", &self.software, &other.software),
+        ]
+        .iter()
+        .filter(|(_, a, b)| a != b && !a.is_empty() && !b.is_empty())
+        .map(|(what, a, b)| format!("{what}: {a} in the settings, {b} in the drive"))
+        .collect()
+    }
+
+    /// The lines of the text.
+    pub(super) fn lines(&self, scaling: Option<&Scaling>) -> Vec<String> {
+        let mut lines = vec![
+            format!("model: {}", line(&self.model)),
+            format!("vendor: 0x{:04X}", self.vendor_id),
+            format!("device: 0x{:04X}", self.device_id),
+        ];
+        for (key, value) in [
+            ("station", &self.station),
+            ("order number", &self.order_id),
+            ("serial number", &self.serial_number),
+            ("software", &self.software),
+        ] {
+            if !value.is_empty() {
+                lines.push(format!("{key}: {}", line(value)));
+            }
+        }
+        if let Some(scaling) = scaling {
+            lines.push(format!(
+                "scaling: velocity {}, acceleration {}, position {}, singleturn {}, peak current {}",
+                scaling.velocity,
+                scaling.acceleration,
+                scaling.position,
+                scaling.singleturn_bits,
+                scaling.peak_current
+            ));
+        }
+        lines
+    }
+
+    /// Takes one line `key: value`; the scaling goes into `scaling`.
+    pub(super) fn take(
+        &mut self,
+        key: &str,
+        value: &str,
+        scaling: &mut Option<Scaling>,
+    ) -> Result<(), String> {
+        match key {
+            "model" => value.clone_into(&mut self.model),
+            "vendor" => self.vendor_id = number(value)?,
+            "device" => self.device_id = number(value)?,
+            "station" => value.clone_into(&mut self.station),
+            "order number" => value.clone_into(&mut self.order_id),
+            "serial number" => value.clone_into(&mut self.serial_number),
+            "software" => value.clone_into(&mut self.software),
+            "scaling" => *scaling = Some(read_scaling(value)?),
+            _ => return Err(format!("`{key}:` is no line of the head of a backup")),
+        }
+        Ok(())
+    }
+}
+
+/// One line that is no comment and no more than a line.
+fn line(text: &str) -> String {
+    let clean: String = text
+        .chars()
+        .map(|c| if c.is_control() || c == '#' { '.' } else { c })
+        .collect();
+    clean.trim().to_owned()
+}
+
+fn number(text: &str) -> Result<u16, String> {
+    text.strip_prefix("0x")
+        .and_then(|digits| u16::from_str_radix(digits, 16).ok())
+        .ok_or_else(|| format!("`{text}` is no number of four hexadecimal digits such as 0x0105"))
+}
+
+fn read_scaling(text: &str) -> Result<Scaling, String> {
+    let mut scaling = Scaling::default();
+    for part in text.split(',') {
+        let (what, value) = part
+            .trim()
+            .rsplit_once(' ')
+            .ok_or_else(|| format!("`{}`: write what is scaled and a number", part.trim()))?;
+        let wrong = || format!("`{value}` is no scaling of {what}");
+        let whole = || value.parse::<u16>().ok().filter(|number| *number > 0).ok_or_else(wrong);
+        match what {
+            "velocity" => scaling.velocity = whole()?,
+            "acceleration" => scaling.acceleration = whole()?,
+            "singleturn" => scaling.singleturn_bits = whole()?,
+            "position" => {
+                scaling.position = value.parse().ok().filter(|number| *number > 0).ok_or_else(wrong)?;
+            }
+            "peak current" => {
+                let amperes: f64 = value.parse().map_err(|_| wrong())?;
+                scaling.peak_current = Some(amperes)
+                    .filter(|amperes| amperes.is_finite() && *amperes > 0.0)
+                    .ok_or_else(wrong)?;
+            }
+            _ => return Err(format!("nothing is scaled by `{what}`")),
+        }
+    }
+    Ok(scaling)
+}

@@ -1,0 +1,327 @@
+//! What restoring would do: which values, from what to what, in which order, and what is left out and why.
+
+use profidrive::catalogue::{Parameter, Phase, Role, Scaling};
+use profidrive::notation::Shown;
+use profidrive::parameter::{CodeSpace, Format};
+
+use super::{Backup, Header, Pattern, rule, selection};
+use crate::Refusal;
+use crate::parameter::{Content, Interpretation, Parameters, Reading, Selection};
+use crate::session::take_scale;
+
+/// What a person wants to have restored.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Choice {
+    /// Only what one of these means; everything when there is none.
+    pub only: Vec<Pattern>,
+    /// Also what belongs to the connection: telegram, way to get an address.
+    pub network: bool,
+    /// Only what the drive keeps when it is switched off.
+    pub saved_only: bool,
+    /// Also values outside the limits of the tables: the drive then decides.
+    pub beyond_limits: bool,
+}
+
+/// One value that is to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// The value of the drive now.
+    pub old: Reading,
+    /// The value it shall have.
+    pub new: Reading,
+    /// Lowest and highest value in the unit, where there are tables.
+    pub limits: Option<(f64, f64)>,
+    /// Whether the drive keeps it when it is switched off, where known.
+    pub saved: Option<bool>,
+    /// When it is written.
+    pub phase: Phase,
+}
+
+impl Change {
+    /// Name and number: `DRV.ACC (p2108)`.
+    #[must_use]
+    pub fn label(&self) -> String {
+        label(&self.new)
+    }
+}
+
+/// Why a value of the file is not written.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Skip {
+    /// The drive has this value.
+    Same,
+    /// It cannot be written.
+    ReadOnly,
+    /// The drive does not know it, or does not tell its value.
+    Unreadable(Refusal),
+    /// The drive's value has another size.
+    Size {
+        /// Octets in the drive.
+        drive: usize,
+        /// Octets in the file.
+        file: usize,
+    },
+    /// Outside the limits.
+    Limits {
+        /// Lowest value.
+        minimum: f64,
+        /// Highest value.
+        maximum: f64,
+        /// Their unit.
+        unit: &'static str,
+    },
+    /// The drive forgets it when it is switched off.
+    NotSaved,
+    /// Belongs to the connection.
+    Network(&'static str),
+    /// A setpoint or an output.
+    Setpoint(&'static str),
+    /// Writing it does something.
+    Action(&'static str),
+    /// Shows one row of a table.
+    Window,
+    /// Written by the drive itself.
+    State,
+    /// The same as another parameter.
+    Alias(&'static str),
+}
+
+impl std::fmt::Display for Skip {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let because = |f: &mut std::fmt::Formatter<'_>, what: &str, why: &str| {
+            f.write_str(what)?;
+            if why.is_empty() {
+                Ok(())
+            } else {
+                write!(f, ": {why}")
+            }
+        };
+        match self {
+            Self::Same => f.write_str("same value"),
+            Self::ReadOnly => f.write_str("read-only"),
+            Self::Unreadable(refusal) => write!(f, "the drive does not tell it: {}", refusal.number),
+            Self::Size { drive, file } => write!(f, "{file} octets in the file, {drive} in the drive"),
+            Self::Limits {
+                minimum,
+                maximum,
+                unit,
+            } => {
+                write!(f, "outside {minimum} to {maximum}")?;
+                if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
+            }
+            Self::NotSaved => f.write_str("the drive forgets it when it is switched off"),
+            Self::Network(why) => because(f, "belongs to the connection", why),
+            Self::Setpoint(why) => because(f, "a setpoint", why),
+            Self::Action(why) => because(f, "writing it does something", why),
+            Self::Window => f.write_str("shows one row of a table of the drive"),
+            Self::State => f.write_str("the drive itself writes it"),
+            Self::Alias(name) => write!(f, "the same as {name}"),
+        }
+    }
+}
+
+/// A value of the file that is not written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Skipped {
+    /// The value of the file.
+    pub reading: Reading,
+    /// Why.
+    pub why: Skip,
+}
+
+/// What restoring will do, in this order.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What is written, in the order of writing.
+    pub changes: Vec<Change>,
+    /// What is not, by number.
+    pub skipped: Vec<Skipped>,
+    /// Tables and scaling of the drive as they are now.
+    pub(crate) parameters: Parameters,
+    /// The drive now.
+    pub(crate) header: Header,
+}
+
+impl Plan {
+    /// What has to be written to bring a drive from `present` to `wanted`. `present` holds the drive's answer for each
+    /// value of `wanted`.
+    #[must_use]
+    pub fn new(wanted: &Backup, present: &Backup, choice: &Choice) -> Self {
+        let mut plan = Self {
+            changes: Vec::new(),
+            skipped: Vec::new(),
+            parameters: *present.parameters(),
+            header: present.header.clone(),
+        };
+        let chosen: Vec<&Reading> = wanted
+            .readings()
+            .iter()
+            .filter(|reading| choice.only.is_empty() || choice.only.iter().any(|one| one.means(reading)))
+            .collect();
+        // the scalings first: they decide what the other numbers of the file will be
+        let mut scaling = present.parameters().scaling;
+        for first in [true, false] {
+            for reading in &chosen {
+                let is_first = rule(&plan.parameters, reading.pnu).phase == Phase::Scaling;
+                if is_first != first {
+                    continue;
+                }
+                match decide(wanted, present, reading, choice, &scaling) {
+                    Ok(change) => {
+                        if let Some(number) = change.new.number() {
+                            take_scale(&mut scaling, change.new.pnu, number);
+                        }
+                        plan.changes.push(change);
+                    }
+                    Err(why) => plan.skipped.push(Skipped {
+                        reading: (*reading).clone(),
+                        why,
+                    }),
+                }
+            }
+        }
+        plan.changes
+            .sort_by_key(|change| (change.phase, change.new.pnu, change.new.index));
+        plan.skipped
+            .sort_by_key(|skipped| (skipped.reading.pnu, skipped.reading.index));
+        plan
+    }
+
+    /// The values that the plan will change, as they are now: restoring this undoes it.
+    #[must_use]
+    pub fn way_back(&self) -> Backup {
+        let old = self.changes.iter().map(|change| Ok(change.old.clone()));
+        Backup::new(self.header.clone(), self.parameters, old)
+    }
+
+    /// How many values are left out for a reason other than that they are the same.
+    #[must_use]
+    pub fn left_out(&self) -> usize {
+        self.skipped
+            .iter()
+            .filter(|skipped| skipped.why != Skip::Same)
+            .count()
+    }
+}
+
+fn decide(
+    wanted: &Backup,
+    present: &Backup,
+    reading: &Reading,
+    choice: &Choice,
+    scaling: &Scaling,
+) -> Result<Change, Skip> {
+    let now = present.parameters();
+    let rule = rule(now, reading.pnu);
+    match rule.role {
+        Role::Setting => {}
+        Role::Network if choice.network => {}
+        Role::Network => return Err(Skip::Network(rule.why)),
+        Role::Setpoint => return Err(Skip::Setpoint(rule.why)),
+        Role::Action | Role::Save | Role::ClearFaults => return Err(Skip::Action(rule.why)),
+        Role::Window => return Err(Skip::Window),
+        Role::State => return Err(Skip::State),
+        Role::Alias { of } => {
+            let other = now.catalogue.and_then(|tables| tables.by_pnu(of));
+            return Err(Skip::Alias(other.map_or("another", |other| other.name)));
+        }
+        Role::Active => return Err(Skip::ReadOnly),
+    }
+    let selection = selection(now, reading);
+    if selection.writable() == Some(false) {
+        return Err(Skip::ReadOnly);
+    }
+    let Some(old) = present.reading(reading.pnu, reading.index) else {
+        let refused = present.refused().iter().find(|refusal| {
+            refusal.shown.pnu == reading.pnu
+                && (refusal.shown.index == reading.index || refusal.shown.index.is_none())
+        });
+        return Err(refused.map_or(Skip::ReadOnly, |refusal| Skip::Unreadable(*refusal)));
+    };
+    let new = match (selection.parameter, &reading.content) {
+        (Some(parameter), Content::Number { raw, engineering }) => {
+            let step = |scaling: &Scaling| scaling.linear(parameter.scale);
+            let file = &wanted.parameters().scaling;
+            let target = if step(file) == step(scaling) {
+                *raw
+            } else {
+                parameter.raw(*engineering, scaling)
+            };
+            let here = Parameters {
+                scaling: *scaling,
+                ..*now
+            };
+            // a value that is scaled anew is written again, whatever number it has now
+            if old.raw() == Some(target) && step(&now.scaling) == step(scaling) {
+                return Err(Skip::Same);
+            }
+            within(parameter, target, choice, &here)?;
+            number(&here, &selection, old, target)?
+        }
+        _ if old.octets == reading.octets => return Err(Skip::Same),
+        _ if old.octets.len() != reading.octets.len() => {
+            return Err(Skip::Size {
+                drive: old.octets.len(),
+                file: reading.octets.len(),
+            });
+        }
+        // the drive says what kind of value it is
+        _ => now.reading(
+            &selection,
+            0,
+            old.format,
+            Interpretation::of(Format(old.format), CodeSpace::V4),
+            &reading.octets,
+        ),
+    };
+    let saved = selection.parameter.map(|parameter| parameter.saved);
+    if choice.saved_only && saved == Some(false) {
+        return Err(Skip::NotSaved);
+    }
+    Ok(Change {
+        old: old.clone(),
+        new,
+        limits: selection.parameter.map(|parameter| now.limits(parameter)),
+        saved,
+        phase: rule.phase,
+    })
+}
+
+fn within(parameter: &Parameter, raw: i64, choice: &Choice, here: &Parameters) -> Result<(), Skip> {
+    let (low, high) = parameter.raw_limits(&here.scaling);
+    if choice.beyond_limits || (low..=high).contains(&raw) {
+        return Ok(());
+    }
+    let (minimum, maximum) = here.limits(parameter);
+    Err(Skip::Limits {
+        minimum,
+        maximum,
+        unit: parameter.unit,
+    })
+}
+
+/// The number in the size and format in which the drive has it.
+fn number(here: &Parameters, selection: &Selection, old: &Reading, raw: i64) -> Result<Reading, Skip> {
+    let width = old.octets.len();
+    let size = selection.parameter.map_or(width, |parameter| parameter.size.octets());
+    let bits = 8 * u32::try_from(width).unwrap_or(8);
+    let fits = bits >= 64 || (bits > 0 && (-(1_i64 << (bits - 1)) <= raw && raw < 1_i64 << bits));
+    if !fits || width > 8 {
+        return Err(Skip::Size {
+            drive: width,
+            file: size,
+        });
+    }
+    let octets = raw.to_be_bytes();
+    let octets = octets.get(octets.len() - width..).unwrap_or_default();
+    let interpretation = Interpretation::of(Format(old.format), CodeSpace::V4);
+    Ok(here.reading(selection, 0, old.format, interpretation, octets))
+}
+
+fn label(reading: &Reading) -> String {
+    let shown: Shown = reading.shown();
+    match reading.name {
+        Some(name) => format!("{name} ({shown})"),
+        None => shown.to_string(),
+    }
+}

@@ -1,0 +1,163 @@
+//! A backup as text: one parameter a line, by number, the same settings always the same text.
+
+use std::fmt::{self, Write as _};
+
+use profidrive::catalogue::{Parameter, Scaling};
+use profidrive::parameter::{CodeSpace, Format};
+
+use super::{Backup, selection};
+use crate::parameter::{Content, Reading};
+
+/// Version of the form, the number in the first line.
+pub const FORM: u32 = 1;
+/// First words of the first line.
+pub const MAGIC: &str = "profidrive backup";
+/// Where comments begin, if the value is not longer.
+const COMMENT: usize = 40;
+/// Longest decimal text that is printed where a shorter one and the raw number would do.
+const SHORT: usize = 10;
+
+impl fmt::Display for Backup {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(f, &[], &|reading| comment(self, reading))
+    }
+}
+
+impl Backup {
+    /// The text, with remarks under the head and a comment behind each value.
+    pub(super) fn write(
+        &self,
+        out: &mut dyn fmt::Write,
+        remarks: &[String],
+        comment: &dyn Fn(&Reading) -> String,
+    ) -> fmt::Result {
+        writeln!(out, "{MAGIC} {FORM}")?;
+        let scaling = self.parameters.catalogue.map(|_| &self.parameters.scaling);
+        for line in self.header.lines(scaling) {
+            writeln!(out, "{line}")?;
+        }
+        for remark in remarks {
+            writeln!(out, "# {}", one_line(remark))?;
+        }
+        writeln!(out)?;
+        for reading in &self.readings {
+            let mut line = assignment(self, reading);
+            let words = one_line(&comment(reading));
+            if !words.is_empty() {
+                let space = COMMENT.saturating_sub(line.chars().count()).max(2);
+                let _ = write!(line, "{:space$}# {words}", "");
+            }
+            writeln!(out, "{line}")?;
+        }
+        for refusal in &self.refused {
+            writeln!(out, "# {}", one_line(&refusal.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+/// `p2108 DRV.ACC = 3000 rpm/s`
+fn assignment(backup: &Backup, reading: &Reading) -> String {
+    let shown = selection(&backup.parameters, reading).shown(0);
+    let name = reading.name.map(|name| format!(" {name}")).unwrap_or_default();
+    format!("{shown}{name} = {}", value(backup, reading))
+}
+
+fn value(backup: &Backup, reading: &Reading) -> String {
+    let parameter = backup
+        .parameters
+        .catalogue
+        .and_then(|tables| tables.by_pnu(reading.pnu));
+    match (&reading.content, parameter) {
+        (Content::Number { raw, .. }, Some(parameter)) => {
+            number(parameter, *raw, &reading.octets, &backup.parameters.scaling)
+        }
+        _ => hex(&reading.octets),
+    }
+}
+
+/// A number in its unit; the raw number too where the text does not say it exactly.
+fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> String {
+    if !parameter.bits.is_empty() {
+        return hex(octets);
+    }
+    let exact = parameter.engineering(raw, scaling);
+    let text = decimal(exact, parameter.decimals());
+    let unit = unit(parameter);
+    if text.parse() == Ok(exact) {
+        return format!("{text}{unit}");
+    }
+    let whole = format!("{exact}");
+    let back = |text: &str| text.parse().is_ok_and(|value| parameter.raw(value, scaling) == raw);
+    if whole.len() <= SHORT || !back(&text) {
+        return format!("{whole}{unit}");
+    }
+    format!("{text}{unit} (raw {})", hex(octets))
+}
+
+/// The unit behind a value; one that starts with a number would be read as a part of it.
+fn unit(parameter: &Parameter) -> String {
+    match parameter.unit.chars().next() {
+        Some(first) if !first.is_ascii_digit() => format!(" {}", parameter.unit),
+        _ => String::new(),
+    }
+}
+
+fn decimal(value: f64, decimals: u8) -> String {
+    let text = format!("{value:.*}", usize::from(decimals));
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+fn hex(octets: &[u8]) -> String {
+    let mut text = String::from("0x");
+    for octet in octets {
+        let _ = write!(text, "{octet:02X}");
+    }
+    text
+}
+
+/// What a person wants to know behind the value.
+fn comment(backup: &Backup, reading: &Reading) -> String {
+    let parameter = backup
+        .parameters
+        .catalogue
+        .and_then(|tables| tables.by_pnu(reading.pnu));
+    let Some(parameter) = parameter else {
+        let format = Format(reading.format);
+        let kind = format.info(CodeSpace::V4).map_or("", |info| info.name);
+        return match &reading.content {
+            Content::Number { raw, .. } => format!("{raw} {kind}"),
+            Content::Float(value) => format!("{value} {kind}"),
+            Content::Text(text) => format!("\"{text}\" {kind}"),
+            Content::Octets => kind.to_owned(),
+        };
+    };
+    let meaning = match reading.choice {
+        Some(choice) => choice.to_owned(),
+        None if !reading.bits.is_empty() => reading.bits.join(", "),
+        None => String::new(),
+    };
+    let steps = if unit(parameter).is_empty() && !parameter.unit.is_empty() {
+        format!("in steps of {}", parameter.unit)
+    } else {
+        String::new()
+    };
+    let kept = if parameter.saved { "" } else { "not saved by the drive" };
+    let parts = [
+        meaning.as_str(),
+        parameter.description,
+        steps.as_str(),
+        kept,
+    ];
+    let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    parts.join("; ")
+}
+
+/// A comment ends with its line.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
