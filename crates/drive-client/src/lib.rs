@@ -29,6 +29,6 @@ pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use mapper::Registered;
 pub use session::{
-    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, FaultReport, Identity, Info, PlannedChange, Session,
-    Snapshot, WarningEntry, WriteMode,
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, FaultReport, Identity, Info, PlannedChange,
+    Session, Snapshot, WarningEntry, WriteMode,
 };

@@ -152,13 +152,23 @@ fn read_scaling(text: &str) -> Result<Scaling, String> {
             .rsplit_once(' ')
             .ok_or_else(|| format!("`{}`: write what is scaled and a number", part.trim()))?;
         let wrong = || format!("`{value}` is no scaling of {what}");
-        let whole = || value.parse::<u16>().ok().filter(|number| *number > 0).ok_or_else(wrong);
+        let whole = || {
+            value
+                .parse::<u16>()
+                .ok()
+                .filter(|number| *number > 0)
+                .ok_or_else(wrong)
+        };
         match what {
             "velocity" => scaling.velocity = whole()?,
             "acceleration" => scaling.acceleration = whole()?,
             "singleturn" => scaling.singleturn_bits = whole()?,
             "position" => {
-                scaling.position = value.parse().ok().filter(|number| *number > 0).ok_or_else(wrong)?;
+                scaling.position = value
+                    .parse()
+                    .ok()
+                    .filter(|number| *number > 0)
+                    .ok_or_else(wrong)?;
             }
             "peak current" => {
                 let amperes: f64 = value.parse().map_err(|_| wrong())?;

@@ -128,8 +128,14 @@ impl Journal {
             self.steps.len()
         )];
         for (count, what) in [
-            (self.count(|step| *step == Step::Written), "written, not read back"),
-            (self.count(|step| *step == Step::Differs), "read back another value"),
+            (
+                self.count(|step| *step == Step::Written),
+                "written, not read back",
+            ),
+            (
+                self.count(|step| *step == Step::Differs),
+                "read back another value",
+            ),
             (self.count(|step| matches!(step, Step::Refused(_))), "refused"),
             (self.count(|step| *step == Step::InDoubt), "in doubt"),
             (self.count(|step| *step == Step::NotWritten), "not written"),
@@ -168,8 +174,12 @@ impl Journal {
         remarks.extend(self.ended.as_ref().map(|why| format!("ended early: {why}")));
         remarks.push(match self.saved {
             Saved::Yes => "saved: the drive keeps the new values when it is switched off".to_owned(),
-            Saved::No => "not saved: switched off, the drive forgets the new values".to_owned(),
-            Saved::InDoubt => "in doubt whether the new values were saved: asked for, not answered".to_owned(),
+            Saved::No => {
+                "not saved by this restore: switched off, the drive forgets what nobody saved".to_owned()
+            }
+            Saved::InDoubt => {
+                "in doubt whether the new values were saved: asked for, not answered".to_owned()
+            }
             Saved::Refused(number) => format!("not saved, the drive refused: {number}"),
         });
         remarks

@@ -152,9 +152,7 @@ fn selection(parameters: &Parameters, reading: &Reading) -> Selection {
         first: reading.index.unwrap_or(0),
         count: 1,
         indexed: reading.index.is_some(),
-        parameter: parameters
-            .catalogue
-            .and_then(|tables| tables.by_pnu(reading.pnu)),
+        parameter: parameters.catalogue.and_then(|tables| tables.by_pnu(reading.pnu)),
     }
 }
 

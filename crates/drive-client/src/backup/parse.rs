@@ -80,7 +80,10 @@ impl Backup {
     /// Every line that is wrong, with its number. A backup with a mistake in it is not used at all.
     pub fn parse(text: &str) -> Result<Self, BackupError> {
         if text.len() > MAX_TEXT {
-            return Err(BackupError::one(1, format!("longer than {MAX_TEXT} octets, this is no backup")));
+            return Err(BackupError::one(
+                1,
+                format!("longer than {MAX_TEXT} octets, this is no backup"),
+            ));
         }
         let mut numbered = (1..).zip(text.lines());
         first_line(numbered.next().map_or("", |(_, line)| line))?;
@@ -100,7 +103,10 @@ impl Backup {
                 let taken = header.take(key.trim(), value.trim(), &mut scaling);
                 problems.extend(taken.err().map(|what| Problem { line: number, what }));
             } else {
-                let what = format!("`{}` is neither PARAM = VALUE nor a line of the head", shorten(line));
+                let what = format!(
+                    "`{}` is neither PARAM = VALUE nor a line of the head",
+                    shorten(line)
+                );
                 problems.push(Problem { line: number, what });
             }
             if problems.len() >= MOST_PROBLEMS {
@@ -127,11 +133,17 @@ fn first_line(line: &str) -> Result<(), BackupError> {
         Some(version) if version == FORM.to_string() => Ok(()),
         Some(version) => Err(BackupError::one(
             1,
-            format!("a backup of form {}, this program reads form {FORM}", shorten(version)),
+            format!(
+                "a backup of form {}, this program reads form {FORM}",
+                shorten(version)
+            ),
         )),
         None => Err(BackupError::one(
             1,
-            format!("this is no backup: the first line is `{MAGIC} {FORM}`, not `{}`", shorten(line)),
+            format!(
+                "this is no backup: the first line is `{MAGIC} {FORM}`, not `{}`",
+                shorten(line)
+            ),
         )),
     }
 }
@@ -177,7 +189,12 @@ fn read_line(line: &Line<'_>, parameters: &Parameters, scaled: bool) -> Result<R
     let width = parameter.size.octets();
     let octets = raw.to_be_bytes();
     let octets = octets.get(octets.len() - width..).unwrap_or_default().to_vec();
-    Ok(reading(parameters, &selection, Format(parameter.size.format_code()), octets))
+    Ok(reading(
+        parameters,
+        &selection,
+        Format(parameter.size.format_code()),
+        octets,
+    ))
 }
 
 fn reading(parameters: &Parameters, selection: &Selection, format: Format, octets: Vec<u8>) -> Reading {
@@ -196,7 +213,9 @@ fn select(text: &str, parameters: &Parameters) -> Result<Selection, String> {
         Some(reference) => (reference, rest.trim()),
         None => (named(text)?, ""),
     };
-    let mut selection = parameters.select(&reference).map_err(|problem| explained(&problem))?;
+    let mut selection = parameters
+        .select(&reference)
+        .map_err(|problem| explained(&problem))?;
     if selection.count != 1 || (selection.indexed && reference.elements.is_none()) {
         return Err(format!("{}: one element in each line", selection.label()));
     }
@@ -254,7 +273,10 @@ fn number(
 ) -> Result<i64, String> {
     let told = |problem: &dyn fmt::Display| format!("{label}: {problem}");
     let (text, raw) = match text.strip_suffix(')').and_then(|text| text.rsplit_once("(raw ")) {
-        Some((text, raw)) => (text.trim(), Some(raw_number(raw.trim(), parameter).map_err(|e| told(&e))?)),
+        Some((text, raw)) => (
+            text.trim(),
+            Some(raw_number(raw.trim(), parameter).map_err(|e| told(&e))?),
+        ),
         None => (text, None),
     };
     if text.starts_with("0x") || text.starts_with("0X") {
@@ -276,7 +298,8 @@ fn number(
     }
 }
 
-fn nearest(value: f64, parameter: &Parameter, scaling: &Scaling) -> Result<i64, String> {
+/// The number on the wire for a value in its unit; an error when it is a fraction where there are none, or does not fit.
+pub(super) fn nearest(value: f64, parameter: &Parameter, scaling: &Scaling) -> Result<i64, String> {
     if parameter.scale == Scale::Raw && value.fract() != 0.0 {
         return Err(format!("takes whole numbers, not {value}"));
     }
@@ -320,7 +343,8 @@ fn hex_octets(text: &str) -> Result<Vec<u8>, String> {
         )
     };
     let digits = text.strip_prefix("0x").ok_or_else(form)?;
-    if digits.len() % 2 != 0 || digits.len() / 2 > MAX_VALUE || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+    if digits.len() % 2 != 0 || digits.len() / 2 > MAX_VALUE || !digits.bytes().all(|b| b.is_ascii_hexdigit())
+    {
         return Err(form());
     }
     let octet = |pair: &[u8]| {
@@ -328,7 +352,11 @@ fn hex_octets(text: &str) -> Result<Vec<u8>, String> {
             .ok()
             .and_then(|pair| u8::from_str_radix(pair, 16).ok())
     };
-    digits.as_bytes().chunks(2).map(|pair| octet(pair).ok_or_else(form)).collect()
+    digits
+        .as_bytes()
+        .chunks(2)
+        .map(|pair| octet(pair).ok_or_else(form))
+        .collect()
 }
 
 /// Byte, word, double word or octets: what the drive says counts when it is written.

@@ -127,7 +127,11 @@ mod tests {
             ("DRV.AC", "DRV.ACC", false),
             ("*", "", true),
         ] {
-            assert_eq!(pattern.parse::<Pattern>().unwrap().names(name), fit, "{pattern} {name}");
+            assert_eq!(
+                pattern.parse::<Pattern>().unwrap().names(name),
+                fit,
+                "{pattern} {name}"
+            );
         }
         assert!("".parse::<Pattern>().is_err());
         assert!("0".parse::<Pattern>().is_err());

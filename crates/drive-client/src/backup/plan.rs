@@ -107,7 +107,11 @@ impl std::fmt::Display for Skip {
                 unit,
             } => {
                 write!(f, "outside {minimum} to {maximum}")?;
-                if unit.is_empty() { Ok(()) } else { write!(f, " {unit}") }
+                if unit.is_empty() {
+                    Ok(())
+                } else {
+                    write!(f, " {unit}")
+                }
             }
             Self::NotSaved => f.write_str("the drive forgets it when it is switched off"),
             Self::Network(why) => because(f, "belongs to the connection", why),
@@ -303,7 +307,9 @@ fn within(parameter: &Parameter, raw: i64, choice: &Choice, here: &Parameters) -
 /// The number in the size and format in which the drive has it.
 fn number(here: &Parameters, selection: &Selection, old: &Reading, raw: i64) -> Result<Reading, Skip> {
     let width = old.octets.len();
-    let size = selection.parameter.map_or(width, |parameter| parameter.size.octets());
+    let size = selection
+        .parameter
+        .map_or(width, |parameter| parameter.size.octets());
     let bits = 8 * u32::try_from(width).unwrap_or(8);
     let fits = bits >= 64 || (bits > 0 && (-(1_i64 << (bits - 1)) <= raw && raw < 1_i64 << bits));
     if !fits || width > 8 {

@@ -5,6 +5,7 @@ use std::fmt::{self, Write as _};
 use profidrive::catalogue::{Parameter, Scaling};
 use profidrive::parameter::{CodeSpace, Format};
 
+use super::parse::nearest;
 use super::{Backup, selection};
 use crate::parameter::{Content, Reading};
 
@@ -88,7 +89,10 @@ fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> 
         return format!("{text}{unit}");
     }
     let whole = format!("{exact}");
-    let back = |text: &str| text.parse().is_ok_and(|value| parameter.raw(value, scaling) == raw);
+    let back = |text: &str| {
+        text.parse()
+            .is_ok_and(|value| nearest(value, parameter, scaling) == Ok(raw))
+    };
     if whole.len() <= SHORT || !back(&text) {
         return format!("{whole}{unit}");
     }
@@ -146,18 +150,19 @@ fn comment(backup: &Backup, reading: &Reading) -> String {
     } else {
         String::new()
     };
-    let kept = if parameter.saved { "" } else { "not saved by the drive" };
-    let parts = [
-        meaning.as_str(),
-        parameter.description,
-        steps.as_str(),
-        kept,
-    ];
+    let kept = if parameter.saved {
+        ""
+    } else {
+        "not saved by the drive"
+    };
+    let parts = [meaning.as_str(), parameter.description, steps.as_str(), kept];
     let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     parts.join("; ")
 }
 
 /// A comment ends with its line.
 fn one_line(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+    text.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect()
 }

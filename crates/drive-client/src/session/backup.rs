@@ -40,7 +40,10 @@ where
         for list in LISTS {
             let reference = ParameterReference {
                 target: Target::Number(list),
-                elements: Some(Elements { first: 0, count: LIST }),
+                elements: Some(Elements {
+                    first: 0,
+                    count: LIST,
+                }),
                 prefix: None,
             };
             let selection = drive.parameters.select(&reference)?;
@@ -140,10 +143,17 @@ where
             .selections()
             .into_iter()
             .map(|selection| Selection {
-                parameter: drive.model.catalogue.and_then(|tables| tables.by_pnu(selection.pnu)),
+                parameter: drive
+                    .model
+                    .catalogue
+                    .and_then(|tables| tables.by_pnu(selection.pnu)),
                 ..selection
             })
-            .filter(|selection| selection.parameter.is_none_or(|one| one.access != Access::WriteOnly))
+            .filter(|selection| {
+                selection
+                    .parameter
+                    .is_none_or(|one| one.access != Access::WriteOnly)
+            })
             .collect();
         let present = self.backup_of(drive, &selections, &mut |_, _| {})?;
         Ok(Plan::new(wanted, &present, choice))
@@ -330,7 +340,10 @@ where
             selection,
             format: Format(command.size.format_code()),
             count: 1,
-            octets: vec![0; command.size.octets() - 1].into_iter().chain([1]).collect(),
+            octets: vec![0; command.size.octets() - 1]
+                .into_iter()
+                .chain([1])
+                .collect(),
         };
         journal.set_saved(Saved::InDoubt);
         kept(drive, journal, keep)?;
@@ -381,7 +394,10 @@ fn groups(changes: &[Change], due: &[usize], drive: &Drive) -> Vec<Vec<usize>> {
 
 fn places(journal: &Journal, which: impl Fn(&Step) -> bool) -> Vec<usize> {
     let numbered = journal.steps().iter().enumerate();
-    numbered.filter(|(_, step)| which(step)).map(|(at, _)| at).collect()
+    numbered
+        .filter(|(_, step)| which(step))
+        .map(|(at, _)| at)
+        .collect()
 }
 
 fn selection(drive: &Drive, change: &Change) -> Selection {

@@ -102,7 +102,10 @@ where
         let numbers = warning_parameters(drive);
         selections.extend(&numbers);
         let mut readings = self.read(drive, &selections)?.into_iter();
-        let zsw1 = readings.next().and_then(Result::ok).and_then(|reading| reading.raw());
+        let zsw1 = readings
+            .next()
+            .and_then(Result::ok)
+            .and_then(|reading| reading.raw());
         let known = drive.model.catalogue;
         let warnings: Vec<WarningEntry> = readings
             .flatten()
@@ -194,7 +197,10 @@ where
             let Some(place) = shape.place(at).filter(|_| number != 0) else {
                 continue;
             };
-            let row = drive.model.catalogue.and_then(|tables| tables.fault(number, false));
+            let row = drive
+                .model
+                .catalogue
+                .and_then(|tables| tables.fault(number, false));
             faults.push(FaultEntry {
                 situation: place.situation,
                 position: place.position,

@@ -17,8 +17,8 @@ use profinet::{Instant, Medium};
 use crate::{Client, Error};
 
 pub use axis::{Axis, AxisSettings, AxisStatus};
-pub use info::{Identity, Info};
 pub use faults::{FaultEntry, FaultReport, WarningEntry};
+pub use info::{Identity, Info};
 pub use monitor::Snapshot;
 pub(crate) use parameters::take_scale;
 pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};

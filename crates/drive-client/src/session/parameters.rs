@@ -5,8 +5,8 @@ use std::ops::Range;
 use profidrive::catalogue::{Parameter, Scale, Scaling, Size};
 use profidrive::notation::Shown;
 use profidrive::parameter::{
-    Answer, Description, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change, encode_read,
-    plan_changes, plan_reads, split_array,
+    Answer, Description, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change,
+    encode_read, plan_changes, plan_reads, split_array,
 };
 use profinet::Medium;
 
