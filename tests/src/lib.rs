@@ -5,6 +5,7 @@
 //! dies with them. No real interface is ever touched.
 #![forbid(unsafe_code)]
 
+pub mod bus;
 pub mod compare;
 pub mod fuzz_targets;
 pub mod judge;
