@@ -32,6 +32,35 @@ fn costs(criterion: &mut Criterion) {
             );
         });
     });
+    for (name, smooth) in [
+        ("axis, one step of 1 ms, positioning", false),
+        ("axis, one step of 1 ms, positioning with limited jerk", true),
+    ] {
+        let mut axis = Axis::new(Plant::default());
+        let mut target: i64 = 10 << 32;
+        criterion.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                // To and fro for ever, 10 revolutions each.
+                if axis.trajectory_done() {
+                    target = (10 << 32) - target;
+                }
+                axis.step(
+                    0.001,
+                    Command::Position {
+                        target: black_box(target),
+                        speed: 600.0,
+                        ramps: Ramps {
+                            acceleration: 3000.0,
+                            deceleration: 3000.0,
+                        },
+                        smooth,
+                        end_speed: 0.0,
+                    },
+                    &Tuning::default(),
+                );
+            });
+        });
+    }
     for (name, cycle) in [("tick of 1 ms", 1), ("tick of 16 ms", 16)] {
         let mut drive = Drive::new(&model::AKD);
         let mut inputs = [0; 4];

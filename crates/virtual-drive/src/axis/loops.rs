@@ -11,6 +11,9 @@ use super::within;
 /// Rotations per minute of one radian per second.
 pub(super) const RPM: f64 = 60.0 / TAU;
 
+/// Radian per second of one rpm.
+const RADIANS: f64 = TAU / 60.0;
+
 /// Radian of one position count.
 const RADIAN: f64 = TAU / REVOLUTION;
 
@@ -27,6 +30,8 @@ pub(super) struct Feedback {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gains {
     dt: f64,
+    /// Steps in a second.
+    rate: f64,
     /// A/(rad/s)
     speed: f64,
     /// Part of the error that the integral takes in one step.
@@ -46,23 +51,25 @@ pub(super) struct Gains {
 }
 
 impl Gains {
-    /// `authority` is the acceleration of the axis per current.
-    pub fn new(dt: f64, tuning: &Tuning, authority: f64) -> Self {
+    /// `authority` is the acceleration of the axis per current, `reluctance` the current per acceleration.
+    pub fn new(dt: f64, tuning: &Tuning, authority: f64, reluctance: f64) -> Self {
         // The gain never makes one step overshoot, whatever a parameter says.
-        let speed = within(tuning.gain, 0.0, 0.5 / (authority * dt));
+        let rate = 1.0 / dt;
+        let speed = within(tuning.gain, 0.0, 0.5 * reluctance * rate);
         let position = within(tuning.position_gain, 0.0, speed * authority * (1.0 / 3.0));
         Self {
             dt,
+            rate,
             speed,
-            speed_integral: within(tuning.integral * TAU, 0.0, 0.1 / dt) * dt,
+            speed_integral: within(tuning.integral * TAU, 0.0, 0.1 * rate) * dt,
             position,
             position_integral: within(tuning.position_integral * TAU, 0.0, 0.1 * position),
             forward: within(tuning.speed_forward, 0.0, 2.0),
-            inertia: 1.0 / authority,
+            inertia: reluctance,
             negative_current: tuning.current_negative.max(0.0),
             positive_current: tuning.current_positive.max(0.0),
-            negative_speed: tuning.speed_negative.max(0.0) / RPM,
-            positive_speed: tuning.speed_positive.max(0.0) / RPM,
+            negative_speed: tuning.speed_negative.max(0.0) * RADIANS,
+            positive_speed: tuning.speed_positive.max(0.0) * RADIANS,
         }
     }
 
@@ -190,7 +197,7 @@ impl Loops {
         let reference = self.trajectory.step(gains.dt);
         self.before = Some(reference);
         let forward = gains.forward * RADIAN;
-        let slope = (reference - before) * forward / gains.dt;
+        let slope = (reference - before) * forward * gains.rate;
         let correction = gains.position * error;
         let wanted = before * forward + correction + self.position_integral;
         let command = gains.limit_speed(wanted);

@@ -107,17 +107,46 @@ impl Axis {
 
     /// Moves on by `seconds`, in equal steps of at most 1 ms.
     pub fn step(&mut self, seconds: f64, command: Command, tuning: &Tuning) {
+        self.advance(seconds, &command, tuning, |_| false);
+    }
+
+    /// Moves on like [`step`](Self::step), but only until the trajectory is done, at least 1 ms; the time in seconds that
+    /// is left then, for the next command. So one movement follows the other without waiting for the end of a long cycle.
+    pub fn step_until_done(&mut self, seconds: f64, command: Command, tuning: &Tuning) -> f64 {
+        self.advance(seconds, &command, tuning, Self::trajectory_done)
+    }
+
+    fn advance(
+        &mut self,
+        seconds: f64,
+        command: &Command,
+        tuning: &Tuning,
+        enough: impl Fn(&Self) -> bool,
+    ) -> f64 {
         if seconds.is_nan() || seconds <= 0.0 {
-            return;
+            return 0.0;
         }
-        let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);
-        let dt = (seconds / steps as f64).min(LONGEST_STEP);
-        let gains = Gains::new(dt, tuning, self.mechanics.authority());
-        let command = if self.sto { Command::Off } else { command };
-        self.loops.aim(&command, tuning);
-        for _ in 0..steps {
-            self.substep(dt, &command, tuning, &gains);
+        let (steps, dt) = if seconds <= LONGEST_STEP {
+            (1, seconds)
+        } else {
+            let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);
+            (steps, (seconds / steps as f64).min(LONGEST_STEP))
+        };
+        let gains = Gains::new(
+            dt,
+            tuning,
+            self.mechanics.authority(),
+            self.mechanics.reluctance(),
+        );
+        let command = if self.sto { &Command::Off } else { command };
+        self.loops.aim(command, tuning);
+        for left in (0..steps).rev() {
+            self.substep(dt, command, tuning, &gains);
+            if enough(self) {
+                return left as f64 * dt;
+            }
         }
+        0.0
     }
 
     fn substep(&mut self, dt: f64, command: &Command, tuning: &Tuning, gains: &Gains) {

@@ -107,9 +107,10 @@ fn positive(value: f64, smallest: f64) -> f64 {
 pub(super) struct Mechanics {
     plant: Plant,
     travel: Travel,
-    /// 1 / inertia, and rad/s^2 per ampere.
+    /// 1 / inertia; rad/s^2 per ampere, and the other way round.
     mobility: f64,
     authority: f64,
+    reluctance: f64,
     /// rad/s
     pub omega: f64,
     /// True position in 2^-32 rev, and what is lost below one count.
@@ -128,6 +129,7 @@ impl Mechanics {
             travel: Travel::FREE,
             mobility: 0.0,
             authority: 0.0,
+            reluctance: 0.0,
             omega: 0.0,
             position: 0,
             remainder: 0.0,
@@ -146,6 +148,7 @@ impl Mechanics {
     pub fn set_plant(&mut self, plant: Plant) {
         self.mobility = 1.0 / plant.inertia();
         self.authority = positive(plant.torque_constant, 1.0e-6) * self.mobility;
+        self.reluctance = 1.0 / self.authority;
         self.travel = plant.travel.unwrap_or_default();
         self.plant = plant;
     }
@@ -153,6 +156,11 @@ impl Mechanics {
     /// Acceleration per current, rad/s^2/A.
     pub const fn authority(&self) -> f64 {
         self.authority
+    }
+
+    /// Current per acceleration, A/(rad/s^2).
+    pub const fn reluctance(&self) -> f64 {
+        self.reluctance
     }
 
     pub const fn set_load(&mut self, torque: f64) {

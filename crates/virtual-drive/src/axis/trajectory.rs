@@ -9,6 +9,8 @@ use super::{Ramps, within};
 /// 2^-32 revolutions per second of one rpm.
 pub(super) const COUNTS: f64 = 4_294_967_296.0 / 60.0;
 
+const RPM_OF_COUNTS: f64 = 1.0 / COUNTS;
+
 /// Highest speed, rpm, and range of the slopes, rpm/s: what is outside is taken as the nearest.
 const FASTEST: f64 = 1.0e6;
 const FLATTEST: f64 = 1.0e-3;
@@ -73,7 +75,7 @@ impl Manner {
 /// The reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Trajectory {
-    /// Whole part of the reference, 2^-32 rev, and what is left below one.
+    /// Whole part of the reference, 2^-32 rev, and what is left below one, towards zero of the plan.
     position: i64,
     fraction: f64,
     /// 2^-32 rev/s and 2^-32 rev/s^2.
@@ -259,9 +261,9 @@ impl Trajectory {
         let state = self.profile.follow(&mut self.piece, &mut self.time);
         self.speed = state.speed;
         self.acceleration = state.acceleration;
-        let whole = state.position.floor();
-        self.position = self.origin.wrapping_add(whole as i64);
-        self.fraction = state.position - whole;
+        let whole = state.position as i64;
+        self.position = self.origin.wrapping_add(whole);
+        self.fraction = state.position - whole as f64;
         self.judge();
         if self.time > FRESH && self.profile.is_steady(self.piece) {
             self.restart();
@@ -297,12 +299,12 @@ impl Trajectory {
 
     /// How fast it is, rpm.
     pub const fn speed(&self) -> f64 {
-        self.speed / COUNTS
+        self.speed * RPM_OF_COUNTS
     }
 
     /// How fast it changes its speed, rpm/s.
     pub const fn acceleration(&self) -> f64 {
-        self.acceleration / COUNTS
+        self.acceleration * RPM_OF_COUNTS
     }
 
     /// The target is reached or passed, or the speed; or it stands as it shall.
