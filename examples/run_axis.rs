@@ -13,18 +13,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut session = common::session();
     let mut drive = session.find(&DriveAddress::Name("akd-1".into()))?;
     let mut axis = session.take_axis(&mut drive, AxisSettings::default())?;
-    axis.run(60.0)?;
+    let mut enabled = axis.enable()?;
+    enabled.run(60.0)?;
     for _ in 0..5 {
-        axis.hold(Duration::from_millis(500))?;
-        if let Some(status) = axis.status() {
-            println!(
-                "{:5} ms  {:6.2} rpm",
-                status.time.as_millis(),
-                status.speed_actual
-            );
+        enabled.hold(Duration::from_millis(500))?;
+        if let Some(status) = enabled.status() {
+            let speed = status.speed_actual.unwrap_or_default();
+            println!("{:5} ms  {speed:6.2} rpm", status.time.as_millis());
         }
     }
-    axis.stop()?;
+    enabled.disable()?;
     println!("stopped: {:?}", axis.status().map(|status| status.speed_actual));
     axis.release()?;
     Ok(())

@@ -10,6 +10,8 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use profidrive::notation::Quantity;
 
+use crate::commands::{Home, Jog, Move, Run, Status, Stop, Task};
+
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]
 #[command(
@@ -87,6 +89,16 @@ pub enum Command {
     Run(OnNetwork<Run>),
     /// Turn the motor at a jog speed for a time, then stop it (moves the axis)
     Jog(OnNetwork<Jog>),
+    /// Move the axis to a position or by a distance, then stop it (moves the axis)
+    Move(OnNetwork<Move>),
+    /// Carry out a motion task of the drive's own table, then stop the axis (moves the axis)
+    Task(OnNetwork<Task>),
+    /// Set the home position by the procedure the drive is set up for (moves the axis)
+    Home(OnNetwork<Home>),
+    /// Stop a drive that somebody else commands: DRV.STOP, or DRV.DIS with --disable
+    Stop(OnNetwork<Stop>),
+    /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
+    Status(OnNetwork<Status>),
     /// Acknowledge the fault of a drive (sends STW1 0x04FE)
     Ack(OnNetwork<Ack>),
     /// Watch a drive beside its controller; reads only
@@ -242,43 +254,6 @@ pub struct Cyclic {
     /// Update times without data after which both sides stop
     #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=255))]
     pub watchdog: u16,
-}
-
-#[derive(Debug, Args)]
-pub struct Run {
-    /// Station name, IP address or MAC address
-    pub drive: String,
-    /// Speed: 60rpm, -1rps; a bare number is in rpm
-    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
-    pub velocity: Quantity,
-    /// How long to run at the speed; until Ctrl-C when left out
-    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
-    pub time: Option<Duration>,
-    /// Refuse any speed above this
-    #[arg(long, value_name = "SPEED", default_value = "3000rpm")]
-    pub limit: Quantity,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
-}
-
-#[derive(Debug, Args)]
-pub struct Jog {
-    /// Station name, IP address or MAC address
-    pub drive: String,
-    /// Which jog setpoint of the drive: 1 (STW1 bit 8, PNU 1004) or 2 (bit 9, PNU 1005)
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
-    pub jog: u8,
-    /// Set the jog speed first; the drive's own value when left out
-    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
-    pub velocity: Option<Quantity>,
-    /// How long to jog
-    #[arg(long = "for", value_name = "TIME", default_value = "2s", value_parser = duration)]
-    pub time: Duration,
-    /// Refuse any speed above this
-    #[arg(long, value_name = "SPEED", default_value = "3000rpm")]
-    pub limit: Quantity,
-    #[command(flatten)]
-    pub cyclic: Cyclic,
 }
 
 #[derive(Debug, Args)]
@@ -453,7 +428,7 @@ impl std::str::FromStr for Network {
 }
 
 /// A time with its unit (`5s`, `16ms`, `2min`); a bare number is in seconds.
-fn duration(text: &str) -> Result<Duration, String> {
+pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;
     let seconds = quantity.in_unit("s").map_err(|error| error.to_string())?;
     Duration::try_from_secs_f64(seconds).map_err(|_| format!("`{text}` is no time"))
@@ -499,6 +474,12 @@ mod tests {
             "profidrive read akd-1 DRV.ACC p930 r947[0..7] --json",
             "profidrive write akd-1 DRV.ACC=5000rpm/s --dry-run",
             "profidrive run akd-1 --velocity -60rpm --for 5s --cycle 16ms",
+            "profidrive move akd-1 --to -10rev --velocity 300rpm --acceleration 3000rpm/s",
+            "profidrive move akd-1 --to 655360 --relative --velocity 300 --dry-run --set-mode --timeout 5s",
+            "profidrive home akd-1 --timeout 2min",
+            "profidrive task akd-1 128 --cycle 4ms",
+            "profidrive stop akd-1 --disable",
+            "profidrive status akd-1 --short --json",
             "profidrive explain 0x047F --as stw1",
             "profidrive decode trace.pcapng",
             "profidrive simulate --model akd --name akd-1 -i v0 --count 4 --ip 10.0.0.2/24 --mac host",
@@ -507,6 +488,10 @@ mod tests {
             assert!(Cli::try_parse_from(line.split(' ')).is_ok(), "{line}");
         }
         assert!(Cli::try_parse_from(["profidrive", "decode"]).is_err());
+        for line in ["task akd-1 0", "task akd-1 129", "move akd-1 --to 5rev"] {
+            let line = format!("profidrive {line}");
+            assert!(Cli::try_parse_from(line.split(' ')).is_err(), "{line}");
+        }
         assert!(Cli::try_parse_from("profidrive -i eth0 scan".split(' ')).is_ok());
         for line in ["decode f", "explain 1 --as stw1", "demo", "completions bash"] {
             let line = format!("profidrive {line} -i eth0");

@@ -144,7 +144,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::Record { .. }
         | Error::Timeout { .. } => Exit::Unreachable,
         Error::Parameter(_) | Error::Misuse(_) => Exit::Usage,
-        Error::SpeedLimit { .. } => Exit::Safety,
+        Error::SpeedLimit { .. } | Error::Objections { .. } | Error::WrongMode { .. } => Exit::Safety,
         _ => Exit::Failed,
     }
 }

@@ -214,11 +214,13 @@ fn leaving_the_scope_stops_and_releases() {
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
             .expect("connected");
+        let mut axis = axis.enable().expect("enabled");
         axis.run(100.0).expect("runs");
         axis.hold(Duration::from_secs(1)).expect("keeps running");
         assert!(
             axis.status()
-                .is_some_and(|status| (status.speed_actual - 100.0).abs() < 3.0)
+                .and_then(|status| status.speed_actual)
+                .is_some_and(|speed| (speed - 100.0).abs() < 3.0)
         );
     }
     assert!(is_at_rest(&session, ids[0]));
@@ -235,13 +237,15 @@ fn an_interrupt_stops_and_releases() {
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
-    axis.run(100.0).expect("runs");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(100.0).expect("runs");
     let pulled = Rc::clone(&flag);
-    axis.watch(move |status| pulled.set(status.time > Duration::from_secs(2)));
+    enabled.watch(move |status| pulled.set(status.time > Duration::from_secs(2)));
     assert!(matches!(
-        axis.hold(Duration::from_secs(60)),
+        enabled.hold(Duration::from_secs(60)),
         Err(Error::Interrupted)
     ));
+    drop(enabled);
     axis.release().expect("released");
     assert!(is_at_rest(&session, ids[0]));
     assert!(!drive_at(&session, ids[0]).drive().has_fault());
@@ -291,6 +295,7 @@ fn a_watcher_that_panics_does_not_keep_the_axis_from_stopping() {
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
             .expect("connected");
+        let mut axis = axis.enable().expect("enabled");
         axis.run(100.0).expect("runs");
         axis.watch(|_| panic!("the terminal is gone"));
         axis.hold(Duration::from_secs(1))
@@ -366,7 +371,7 @@ fn muddled() -> (Bench, StationId, Rc<Cell<bool>>) {
     (Session::new(medium, config), id, bad)
 }
 
-fn enabled(session: &Bench, id: StationId) -> bool {
+fn is_enabled(session: &Bench, id: StationId) -> bool {
     let host = session.medium().segment().station::<Host<Muddled>>(id);
     host.expect("the drive").endpoint().station.drive().is_enabled()
 }
@@ -390,9 +395,9 @@ fn inputs_that_are_never_valid_end_in_an_error() {
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
     assert!(NO_INPUTS(&axis.ready()));
-    assert!(NO_INPUTS(&axis.run(100.0)));
+    assert!(NO_INPUTS(&axis.enable().map(|_| ())));
     drop(axis);
-    assert!(!enabled(&session, id));
+    assert!(!is_enabled(&session, id));
 }
 
 #[test]
@@ -402,22 +407,27 @@ fn inputs_that_become_bad_stop_the_axis() {
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
-    axis.run(100.0).expect("runs");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(100.0).expect("runs");
     bad.set(true);
-    assert!(NO_INPUTS(&axis.hold(Duration::from_secs(1))));
+    assert!(NO_INPUTS(&enabled.hold(Duration::from_secs(1))));
+    assert!(NO_INPUTS(&enabled.run(50.0)), "this operation is over");
+    drop(enabled);
     axis.session()
         .0
         .pass(Duration::from_secs(1))
         .expect("time passes");
-    assert!(!enabled(axis.session().0, id));
+    assert!(!is_enabled(axis.session().0, id));
     bad.set(false);
     axis.session()
         .0
         .pass(Duration::from_secs(1))
         .expect("time passes");
-    axis.run(100.0).expect("the caller knows and wants it again");
+    let mut enabled = axis.enable().expect("the caller knows and wants it again");
+    enabled.run(100.0).expect("runs");
+    drop(enabled);
     axis.release().expect("released");
-    assert!(!enabled(&session, id));
+    assert!(!is_enabled(&session, id));
 }
 
 #[test]
@@ -427,6 +437,7 @@ fn an_axis_that_stopped_by_itself_is_not_started_again_before_the_caller_knows()
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
+    let mut axis = axis.enable().expect("enabled");
     axis.run(100.0).expect("runs");
     // while the caller is busy with something else
     bad.set(true);
@@ -440,7 +451,7 @@ fn an_axis_that_stopped_by_itself_is_not_started_again_before_the_caller_knows()
         .pass(Duration::from_secs(1))
         .expect("time passes");
     assert!(NO_INPUTS(&axis.run(200.0)));
-    assert!(!enabled(axis.session().0, id));
+    assert!(!is_enabled(axis.session().0, id));
 }
 
 #[test]
@@ -451,6 +462,7 @@ fn a_broken_link_ends_on_both_sides_and_both_recover() {
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
             .expect("connected");
+        let mut axis = axis.enable().expect("enabled");
         axis.run(100.0).expect("runs");
         axis.session().0.medium_mut().segment_mut().cut(ids[0]);
         assert!(matches!(
@@ -468,14 +480,16 @@ fn a_broken_link_ends_on_both_sides_and_both_recover() {
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
     assert!(matches!(
-        axis.run(100.0),
+        axis.enable(),
         Err(Error::Axis {
             trouble: Trouble::Fault,
             ..
         })
     ));
     axis.acknowledge().expect("acknowledged");
-    axis.run(100.0).expect("runs");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(100.0).expect("runs");
+    drop(enabled);
     axis.release().expect("released");
 }
 
@@ -488,13 +502,22 @@ fn limits_are_kept_before_anything_moves() {
         ..AxisSettings::default()
     };
     let mut axis = session.take_axis(&mut drive, settings).expect("connected");
+    assert_eq!(axis.status().map(|status| status.view.goal), Some(Goal::Released));
+    let mut enabled = axis.enable().expect("enabled");
     for wrong in [50.5, -50.5, f64::NAN, f64::INFINITY] {
         assert!(
-            matches!(axis.run(wrong), Err(Error::SpeedLimit { .. })),
+            matches!(enabled.run(wrong), Err(Error::SpeedLimit { .. })),
             "{wrong}"
         );
     }
-    assert_eq!(axis.status().map(|status| status.view.goal), Some(Goal::Released));
+    assert_eq!(
+        enabled.status().map(|status| status.view.goal),
+        Some(Goal::Enabled)
+    );
+    // told to stop, it is over: nothing moves on an old permission
+    enabled.stop().expect("stopped");
+    assert!(matches!(enabled.run(10.0), Err(Error::NotEnabled { .. })));
+    drop(enabled);
     drop(axis);
     assert!(is_at_rest(&session, ids[0]));
 }

@@ -3,14 +3,14 @@
 use std::collections::{HashMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
 
-use profidrive::state::{State, Zsw1};
+use profidrive::state::{Mode, State};
 use profinet::controller::{
     ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError,
     Station,
 };
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
-use crate::axis::{AxisControl, Command, Goal, Limits, Progress, Seen};
+use crate::axis::{AxisControl, Command, Goal, Progress, Seen, Wiring};
 use crate::mapper::{Mapper, Registered};
 
 /// Most results that are kept for nobody.
@@ -72,6 +72,7 @@ struct AxisLink {
     ar: ArId,
     slot: u16,
     subslot: u16,
+    wiring: Wiring,
     control: AxisControl,
     seen: Option<Seen>,
     sent: Option<Command>,
@@ -90,6 +91,10 @@ pub struct AxisView {
     pub seen: Option<Seen>,
     /// True when the axis stands with the pulses off.
     pub at_rest: bool,
+    /// True once the drive has accepted the task, or has begun to home.
+    pub accepted: bool,
+    /// What the drive is for, as the control was told.
+    pub mode: Mode,
 }
 
 impl AxisView {
@@ -179,14 +184,15 @@ impl Client {
         self.axes.retain(|axis| axis.ar != ar);
     }
 
-    /// Keeps the telegram 1 of `slot`/`subslot` of a cyclic connection from now on; control is not taken yet.
-    pub fn attach_axis(&mut self, ar: ArId, slot: u16, subslot: u16, limits: Limits) {
+    /// Keeps the telegram of `slot`/`subslot` of a cyclic connection from now on; control is not taken yet. `control`
+    /// knows the mode of the drive, `wiring` where its signals are.
+    pub fn attach_axis(&mut self, ar: ArId, slot: u16, subslot: u16, wiring: Wiring, control: AxisControl) {
         self.axes.retain(|axis| axis.ar != ar);
-        let control = AxisControl::new(limits);
         self.axes.push(AxisLink {
             ar,
             slot,
             subslot,
+            wiring,
             control,
             seen: None,
             sent: None,
@@ -211,6 +217,8 @@ impl Client {
             command: axis.control.command(),
             seen: axis.seen,
             at_rest: axis.control.is_at_rest(),
+            accepted: axis.control.is_accepted(),
+            mode: axis.control.mode(),
         })
     }
 
@@ -222,25 +230,20 @@ impl Client {
         for axis in &mut self.axes {
             let input = self.controller.input(axis.ar, axis.slot, axis.subslot);
             let Some((data, provider)) = input else { continue };
-            let command = match *data {
-                [z1, z0, n1, n0, ..] if provider.is_good() => {
-                    let seen = Seen {
-                        zsw1: Zsw1(u16::from_be_bytes([z1, z0])),
-                        nist_a: i16::from_be_bytes([n1, n0]),
-                    };
+            let seen = axis.wiring.decode(data).filter(|_| provider.is_good());
+            let command = match seen {
+                Some(seen) => {
                     axis.seen = Some(seen);
                     axis.control.step(now, seen)
                 }
                 // nothing is switched on on the word of a drive that says nothing valid
-                _ => axis.control.step_blind(now),
+                None => axis.control.step_blind(now),
             };
             if axis.sent != Some(command) {
-                let [s1, s0] = command.stw1.0.to_be_bytes();
-                let [n1, n0] = command.nsoll_a.to_be_bytes();
-                let data = [s1, s0, n1, n0];
+                let data = axis.wiring.encode(&command);
                 if self
                     .controller
-                    .set_output(axis.ar, axis.slot, axis.subslot, &data)
+                    .set_output(axis.ar, axis.slot, axis.subslot, data)
                     .is_ok()
                 {
                     axis.sent = Some(command);

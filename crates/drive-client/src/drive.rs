@@ -114,6 +114,12 @@ impl Drive {
         }
     }
 
+    /// Increments in one turn of MDI_TARPOS and XIST_A, as far as the scaling was read.
+    #[must_use]
+    pub fn counts_per_turn(&self) -> f64 {
+        2_f64.powi(i32::from(self.parameters.scaling.singleturn_bits.min(32)))
+    }
+
     /// Name for people: the station name, else its address.
     #[must_use]
     pub fn label(&self) -> String {

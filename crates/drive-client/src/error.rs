@@ -10,7 +10,9 @@ use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 use profinet::wire::PnioStatus;
 
 use crate::DriveAddress;
-use crate::axis::Trouble;
+use profidrive::state::Mode;
+
+use crate::axis::{NoTelegram, Objection, Trouble};
 use crate::parameter::ParameterProblem;
 
 /// Why something did not come about.
@@ -122,6 +124,48 @@ pub enum Error {
         /// What happened.
         trouble: Trouble,
     },
+    /// The drive is in another mode than this needs. It is not changed without being told to.
+    #[error("{drive} is in {present}, this needs {}", mode_words(*needed))]
+    WrongMode {
+        /// The drive.
+        drive: String,
+        /// The mode needed.
+        needed: Mode,
+        /// The mode it is in, in words.
+        present: String,
+    },
+    /// No telegram of the drive carries what is needed.
+    #[error("{drive}: {problem}")]
+    Telegram {
+        /// The drive.
+        drive: String,
+        /// What is missing.
+        problem: NoTelegram,
+    },
+    /// The axis is not enabled any more; nothing was sent.
+    #[error("{drive}: the axis is not enabled any more")]
+    NotEnabled {
+        /// The drive.
+        drive: String,
+    },
+    /// Something speaks against a move; nothing was sent.
+    #[error("{drive}: {}", objections_text(.objections))]
+    Objections {
+        /// The drive.
+        drive: String,
+        /// What, at least one.
+        objections: Vec<Objection>,
+    },
+    /// A motion took longer than it may; the axis is being stopped.
+    #[error("{drive}: {what} took longer than {:.1} s", .limit.as_secs_f64())]
+    NotInTime {
+        /// The drive.
+        drive: String,
+        /// What was waited for.
+        what: &'static str,
+        /// How long.
+        limit: Duration,
+    },
     /// A speed that the caller did not allow.
     #[error("{wanted} rpm is above the limit of {limit} rpm")]
     SpeedLimit {
@@ -209,6 +253,19 @@ impl fmt::Display for Refusal {
     }
 }
 
+/// PNU 930 in words.
+pub(crate) const fn mode_words(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Velocity => "velocity mode (PNU 930 = 1)",
+        Mode::Position => "position mode (PNU 930 = 2)",
+    }
+}
+
+fn objections_text(objections: &[Objection]) -> String {
+    let texts: Vec<String> = objections.iter().map(ToString::to_string).collect();
+    texts.join("; ")
+}
+
 fn others(stations: &[Station]) -> String {
     if stations.is_empty() {
         return "; nobody else answered either".into();
@@ -281,13 +338,31 @@ impl Error {
                 }
                 Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
                 Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
-                Trouble::NoInputs => "the module of telegram 1 is not usable in this drive: `profidrive info DRIVE`",
+                Trouble::NoInputs => "the telegram module is not usable in this drive: `profidrive info DRIVE`",
+                Trouble::OtherMode { .. } => "`profidrive read DRIVE p930` shows the mode",
+                Trouble::NotAccepted { homed: false } => "`profidrive home DRIVE` sets the home position",
+                Trouble::NotAccepted { homed: true } | Trouble::AcceptanceStays | Trouble::TargetNotReached => {
+                    "`profidrive status DRIVE` tells why: faults, warnings, limits, the task itself"
+                }
+                Trouble::HomingNotStarted | Trouble::HomingFailed => {
+                    "check HOME.MODE, HOME.V and the switches: `profidrive list DRIVE --filter HOME. --values`"
+                }
             }
             .into(),
             Self::Changing { .. } => "read it again; faults that come and go have a cause that comes and goes".into(),
             Self::NotAtRest { .. } => {
                 "switch it off first (OFF1, or stop its controller); `profidrive status DRIVE` says why it is on".into()
             }
+            Self::WrongMode { drive, needed, .. } => {
+                let number = match needed {
+                    Mode::Velocity => 1,
+                    Mode::Position => 2,
+                };
+                format!("`profidrive write {drive} 930={number}` changes it, --set-mode does for this one command")
+            }
+            Self::NotEnabled { .. } => "enable it again".into(),
+            Self::Objections { objections, .. } => objections.first()?.hint().into(),
+            Self::NotInTime { .. } => "--timeout gives it more time; `profidrive status DRIVE` tells what holds it".into(),
             Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),
             Self::ConnectionLost { .. } => {
                 "the drive stops by itself (AKD: F702); `profidrive ack DRIVE` once it is reachable again".into()

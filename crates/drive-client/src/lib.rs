@@ -7,10 +7,10 @@
 //! | to | use |
 //! |---|---|
 //! | find, name, address, blink, reset | [`Session::scan`], [`Session::find`], [`Session::set_name`], [`Session::set_ip`], .. |
-//! | know | [`Session::info`], [`Session::faults`], [`Session::snapshot`] |
+//! | know | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
 //! | read and write | [`Session::read`], [`Session::write`] with [`parameter`] |
 //! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::restore`] |
-//! | move | [`Session::take_axis`], which gives an [`Axis`] that stops when it goes |
+//! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
 #![forbid(unsafe_code)]
 
 mod address;
@@ -22,6 +22,7 @@ mod error;
 mod mapper;
 pub mod parameter;
 mod session;
+pub mod status;
 
 pub use address::{DriveAddress, DriveAddressError};
 pub use client::{AxisView, Client, Connection};
@@ -29,6 +30,6 @@ pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use mapper::Registered;
 pub use session::{
-    Axis, AxisSettings, AxisStatus, ChangeOutcome, FaultEntry, FaultReport, Identity, Info, PlannedChange,
-    Session, Snapshot, WarningEntry, WriteMode,
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info,
+    PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WriteMode,
 };

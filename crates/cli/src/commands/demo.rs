@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use drive_client::axis::{Jog, Trouble};
 use drive_client::parameter::{Assignment, Reading, Selection};
-use drive_client::{Axis, AxisSettings, Drive, DriveAddress, Error, Session, WriteMode, describe};
+use drive_client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, WriteMode, describe};
 use network::host::{Host, StationId};
 use network::linux::Stop;
 use network::pcap::Writer;
@@ -52,7 +52,7 @@ const TOLERANCE: f64 = 3.0;
 /// Following error: a fault that every servo drive has.
 const FAULT: u16 = 439;
 
-type Demonstrated<'s> = Axis<'s, SegmentMedium>;
+type Demonstrated<'a, 's> = Enabled<'a, 's, SegmentMedium>;
 
 /// One thing the demo promises.
 #[derive(Debug)]
@@ -193,12 +193,13 @@ fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Sho
     });
     show.next();
     axis.ready()?;
-    axis.run(0.0)?;
+    let mut enabled = axis.enable()?;
     show.done(seen_states.borrow().join(", "));
-    turn(&mut axis, show)?;
-    accelerate(&mut axis, show)?;
-    jog(&mut axis, show)?;
-    fault(&mut axis, station, show)?;
+    turn(&mut enabled, show)?;
+    accelerate(&mut enabled, show)?;
+    jog(&mut enabled, show)?;
+    fault(&mut enabled, station, show)?;
+    drop(enabled);
     stop(&mut axis, show)?;
     show.next();
     axis.release()?;
@@ -282,7 +283,7 @@ fn near(actual: f64, wanted: f64) -> bool {
 }
 
 /// Keeps the axis going for a while, with its position beside the speeds.
-fn hold(axis: &mut Demonstrated<'_>, time: Duration, show: &Show) -> Result<f64, Error> {
+fn hold(axis: &mut Demonstrated<'_, '_>, time: Duration, show: &Show) -> Result<f64, Error> {
     const PART: Duration = Duration::from_millis(250);
     let mut left = time;
     while !left.is_zero() {
@@ -297,10 +298,13 @@ fn hold(axis: &mut Demonstrated<'_>, time: Duration, show: &Show) -> Result<f64,
         )?;
         show.position.set(session.read_one(drive, &selection)?.number());
     }
-    Ok(axis.status().map_or(0.0, |status| status.speed_actual))
+    Ok(axis
+        .status()
+        .and_then(|status| status.speed_actual)
+        .unwrap_or(0.0))
 }
 
-fn turn(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+fn turn(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
     show.next();
     axis.run(RUN)?;
     let before = show.position.get();
@@ -317,7 +321,7 @@ fn turn(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
     )
 }
 
-fn accelerate(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+fn accelerate(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
     show.next();
     let (session, drive) = axis.session();
     let assignment: Assignment = "DRV.ACC=1000rpm/s".parse()?;
@@ -344,7 +348,7 @@ fn accelerate(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error>
     )
 }
 
-fn jog(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+fn jog(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
     show.next();
     let (session, drive) = axis.session();
     let assignment: Assignment = format!("1004={JOG}rpm").parse()?;
@@ -358,7 +362,7 @@ fn jog(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
     )
 }
 
-fn fault(axis: &mut Demonstrated<'_>, station: StationId, show: &mut Show) -> Result<(), Error> {
+fn fault(axis: &mut Demonstrated<'_, '_>, station: StationId, show: &mut Show) -> Result<(), Error> {
     show.next();
     axis.run(RUN)?;
     hold(axis, Duration::from_millis(500), show)?;
@@ -401,16 +405,17 @@ fn fault(axis: &mut Demonstrated<'_>, station: StationId, show: &mut Show) -> Re
     )
 }
 
-fn stop(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
+fn stop(axis: &mut Axis<'_, SegmentMedium>, show: &mut Show) -> Result<(), Error> {
     show.next();
-    axis.run(RUN)?;
-    hold(axis, Duration::from_millis(750), show)?;
-    axis.stop()?;
+    let mut enabled = axis.enable()?;
+    enabled.run(RUN)?;
+    hold(&mut enabled, Duration::from_millis(750), show)?;
+    enabled.disable()?;
     let status = axis.status();
     let state = status
         .and_then(|status| status.view.state())
         .map_or_else(|| "not ready".into(), |state| state.to_string());
-    let speed = status.map_or(f64::MAX, |status| status.speed_actual);
+    let speed = status.and_then(|status| status.speed_actual).unwrap_or(f64::MAX);
     show.check(
         near(speed, 0.0),
         format!("{state}, {speed:.2} rpm"),

@@ -1,15 +1,31 @@
 //! One file per verb, or per family of verbs that share their words.
 
 mod address;
+mod axis;
 mod completions;
 mod decode;
 mod demo;
 mod explain;
+mod home;
 mod info;
+mod jog;
 mod motion;
+mod r#move;
 mod parameters;
+mod run;
 mod scan;
 mod simulate;
+mod status;
+mod stop;
+mod task;
+
+pub use home::Home;
+pub use jog::Jog;
+pub use r#move::Move;
+pub use run::Run;
+pub use status::Status;
+pub use stop::Stop;
+pub use task::Task;
 
 use crate::args::{Cli, Command, Interface};
 use crate::failure::Failure;
@@ -35,8 +51,13 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Write(on) => parameters::write(&on.args, interface(cli, &on.interface), output),
         Command::List(on) => parameters::list(&on.args, interface(cli, &on.interface), output),
         Command::Describe(on) => parameters::describe(&on.args, interface(cli, &on.interface), output),
-        Command::Run(on) => motion::run(&on.args, interface(cli, &on.interface), output),
-        Command::Jog(on) => motion::jog(&on.args, interface(cli, &on.interface), output),
+        Command::Run(on) => run::run(&on.args, interface(cli, &on.interface), output),
+        Command::Jog(on) => jog::run(&on.args, interface(cli, &on.interface), output),
+        Command::Move(on) => r#move::run(&on.args, interface(cli, &on.interface), output),
+        Command::Task(on) => task::run(&on.args, interface(cli, &on.interface), output),
+        Command::Home(on) => home::run(&on.args, interface(cli, &on.interface), output),
+        Command::Stop(on) => stop::run(&on.args, interface(cli, &on.interface), output),
+        Command::Status(on) => status::run(&on.args, interface(cli, &on.interface), output),
         Command::Ack(on) => motion::ack(&on.args, interface(cli, &on.interface), output),
         Command::Monitor(on) => motion::monitor(&on.args, interface(cli, &on.interface), output),
         Command::Explain(args) => explain::run(args, output),

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use drive_client::AxisStatus;
+use profidrive::state::{Mode, bits};
 
 use super::{hex16, nibbles, words};
 use crate::fields;
@@ -16,6 +17,8 @@ const LINE: Duration = Duration::from_millis(1000);
 /// What a view shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisView {
+    /// What the drive is for: decides over the words.
+    pub mode: Mode,
     /// Since control was taken.
     pub time: Duration,
     /// Control word being sent.
@@ -23,23 +26,33 @@ pub struct AxisView {
     /// Status word, once there is one.
     pub zsw1: Option<u16>,
     /// Speed asked for, rpm.
-    pub speed_set: f64,
+    pub speed_set: Option<f64>,
     /// Speed of the motor, rpm.
-    pub speed_actual: f64,
+    pub speed_actual: Option<f64>,
     /// Position in the drive's unit, where somebody reads it.
     pub position: Option<f64>,
+    /// Where a move leads, in turns.
+    pub target: Option<f64>,
+    /// Where the axis is, in turns.
+    pub turns: Option<f64>,
+    /// Position command minus position, in turns.
+    pub following_error: Option<f64>,
 }
 
 impl AxisView {
     /// Out of what the client says about an axis.
     pub fn of(status: &AxisStatus) -> Self {
         Self {
+            mode: status.view.mode,
             time: status.time,
             stw1: status.view.command.stw1.0,
             zsw1: status.view.seen.map(|seen| seen.zsw1.0),
             speed_set: status.speed_set,
             speed_actual: status.speed_actual,
             position: None,
+            target: status.target,
+            turns: status.position,
+            following_error: status.following_error,
         }
     }
 
@@ -108,7 +121,8 @@ impl LiveView {
         let fields = fields! {
             "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.stw1,
             "zsw1": view.zsw1, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
-            "position": view.position,
+            "position": view.position, "target": view.target, "turns": view.turns,
+            "following_error": view.following_error,
         };
         self.output.document(self.command, fields);
     }
@@ -135,17 +149,28 @@ impl LiveView {
 /// One line for a log.
 pub fn line(view: &AxisView) -> String {
     let zsw1 = view.zsw1.map_or_else(|| "-".into(), hex16);
-    let position = view
-        .position
-        .map_or_else(String::new, |position| format!("  position {position:.0}"));
-    format!(
-        "{:>7.2} s  {:<46}  STW1 {}  ZSW1 {zsw1}  set {:>8.2} rpm  actual {:>8.2} rpm{position}",
+    let mut text = format!(
+        "{:>7.2} s  {:<46}  STW1 {}  ZSW1 {zsw1}",
         view.time.as_secs_f64(),
         view.state(),
         hex16(view.stw1),
-        view.speed_set,
-        view.speed_actual,
-    )
+    );
+    for (name, value, unit) in [
+        ("set", view.speed_set, "rpm"),
+        ("actual", view.speed_actual, "rpm"),
+        ("target", view.target, "rev"),
+        ("at", view.turns, "rev"),
+        ("error", view.following_error, "rev"),
+    ] {
+        if let Some(value) = value {
+            let digits = if unit == "rpm" { 2 } else { 3 };
+            text.push_str(&format!("  {name} {value:>8.digits$} {unit}"));
+        }
+    }
+    if let Some(position) = view.position {
+        text.push_str(&format!("  position {position:.0}"));
+    }
+    text
 }
 
 fn picture(view: &AxisView, output: &Output) -> Vec<String> {
@@ -156,7 +181,11 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
         _ if view.state_number() == Some("S4") => ("»", Colour::Normal),
         _ => ("·", Colour::Faint),
     };
-    let speed = |name: &str, rpm: f64| format!("  {name} {rpm:>9.2} rpm  {}", scale(rpm, view.speed_set));
+    let speed = |name: &str, rpm: f64| {
+        let reference = view.speed_set.unwrap_or(0.0);
+        format!("  {name} {rpm:>9.2} rpm  {}", scale(rpm, reference))
+    };
+    let (stw1_bits, zsw1_bits) = (bits::stw1(view.mode), bits::zsw1(view.mode));
     let mut lines = vec![
         output.paint(
             colour,
@@ -166,8 +195,8 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
             "  STW1 {}  {}  {} [{}]",
             hex16(view.stw1),
             nibbles(view.stw1),
-            words::stw1_meaning(view.stw1),
-            words::set_names(words::stw1_bits(), view.stw1)
+            words::stw1_meaning_in(view.mode, view.stw1),
+            words::set_names(stw1_bits, view.stw1)
         ),
         view.zsw1.map_or_else(
             || "  ZSW1 -".into(),
@@ -176,13 +205,20 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
                     "  ZSW1 {}  {}  [{}]",
                     hex16(zsw1),
                     nibbles(zsw1),
-                    words::set_names(words::zsw1_bits(), zsw1)
+                    words::set_names(zsw1_bits, zsw1)
                 )
             },
         ),
-        speed("set   ", view.speed_set),
-        speed("actual", view.speed_actual),
     ];
+    lines.extend(view.speed_set.map(|rpm| speed("set   ", rpm)));
+    lines.extend(view.speed_actual.map(|rpm| speed("actual", rpm)));
+    for (name, turns) in [
+        ("target", view.target),
+        ("actual", view.turns),
+        ("error ", view.following_error),
+    ] {
+        lines.extend(turns.map(|turns| format!("  {name} {turns:>9.3} rev")));
+    }
     if let Some(position) = view.position {
         lines.push(format!("  position {position:>12.0}"));
     }
@@ -208,12 +244,16 @@ mod tests {
     use super::*;
 
     const VIEW: AxisView = AxisView {
+        mode: Mode::Velocity,
         time: Duration::from_millis(1234),
         stw1: 0x047F,
         zsw1: Some(0x0337),
-        speed_set: 60.06,
-        speed_actual: 59.7,
+        speed_set: Some(60.06),
+        speed_actual: Some(59.7),
         position: None,
+        target: None,
+        turns: None,
+        following_error: None,
     };
 
     #[test]
@@ -223,6 +263,30 @@ mod tests {
             "   1.23 s  S4 operation                                    STW1 0x047F  ZSW1 0x0337  set    60.06 rpm  actual    59.70 rpm"
         );
         assert!(line(&AxisView { zsw1: None, ..VIEW }).contains("no data yet"));
+    }
+
+    #[test]
+    fn a_move_shows_target_and_position() {
+        let view = AxisView {
+            mode: Mode::Position,
+            stw1: 0x043F,
+            zsw1: Some(0x4F37),
+            speed_set: None,
+            speed_actual: None,
+            target: Some(10.0),
+            turns: Some(1.2345),
+            ..VIEW
+        };
+        let text = line(&view);
+        assert!(
+            text.ends_with("ZSW1 0x4F37  target   10.000 rev  at    1.234 rev")
+                || text.ends_with("ZSW1 0x4F37  target   10.000 rev  at    1.235 rev"),
+            "{text}"
+        );
+        let text = picture(&view, &Output::new(false, false)).join("\n");
+        assert!(text.contains("operation, a traversing task may run"), "{text}");
+        assert!(text.contains("TASK_ACTIVE"), "{text}");
+        assert!(text.contains("  target    10.000 rev"), "{text}");
     }
 
     #[test]

@@ -39,8 +39,13 @@ pub fn inverse_meanings(table: &[Bit; 16], word: u16) -> String {
         .join(", ")
 }
 
-/// What the whole control word does.
+/// What the whole control word does in speed control mode.
 pub fn stw1_meaning(word: u16) -> &'static str {
+    stw1_meaning_in(Mode::Velocity, word)
+}
+
+/// What the whole control word does in this mode.
+pub fn stw1_meaning_in(mode: Mode, word: u16) -> &'static str {
     let stw1 = Stw1(word);
     if !stw1.has(Stw1::CONTROL_BY_PLC) {
         "no control by the PLC: the drive ignores the word"
@@ -57,11 +62,29 @@ pub fn stw1_meaning(word: u16) -> &'static str {
     } else {
         let channel = Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT;
         match stw1 & channel {
-            all if all == channel => "run: follows the setpoint",
             Stw1(0) if (stw1 & (Stw1::JOG_1 | Stw1::JOG_2)).0 != 0 => "jog",
+            _ if mode == Mode::Position => task_meaning(stw1),
+            all if all == channel => "run: follows the setpoint",
             Stw1(0) => "operation with the setpoint channel closed (jog permitted)",
             _ => "operation with the setpoint held or at 0",
         }
+    }
+}
+
+/// Bits 4, 5, 6 and 11 to 13 in operation, position mode.
+fn task_meaning(stw1: Stw1) -> &'static str {
+    if stw1.has(Stw1::START_HOMING) {
+        "homing"
+    } else if !stw1.has(Stw1::NO_REJECT) {
+        "rejects the traversing task (jog permitted)"
+    } else if !stw1.has(Stw1::NO_INTERMEDIATE_STOP) {
+        "intermediate stop"
+    } else if stw1.has(Stw1::REAL_TIME_JOG) {
+        "real-time jog"
+    } else if stw1.has(Stw1::ACTIVATE_TASK) {
+        "starts the traversing task"
+    } else {
+        "operation, a traversing task may run"
     }
 }
 
@@ -170,6 +193,18 @@ mod tests {
             (0x0000, "no control by the PLC: the drive ignores the word"),
         ] {
             assert_eq!(stw1_meaning(word), means, "{word:#06x}");
+        }
+        for (word, means) in [
+            (0x043E, "ready: OFF, ramp stop if turning (OFF1)"),
+            (0x043F, "operation, a traversing task may run"),
+            (0x047F, "starts the traversing task"),
+            (0x041F, "intermediate stop"),
+            (0x040F, "rejects the traversing task (jog permitted)"),
+            (0x0C3F, "homing"),
+            (0x143F, "real-time jog"),
+            (0x050F, "jog"),
+        ] {
+            assert_eq!(stw1_meaning_in(Mode::Position, word), means, "{word:#06x}");
         }
         assert_eq!(
             set_names(stw1_bits(), 0x047F),

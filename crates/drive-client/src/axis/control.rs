@@ -1,11 +1,16 @@
 //! Which control word to send next: the steps of a person at the drive, as a machine without time of its own.
 
+mod position;
+
 use core::time::Duration;
 
-use profidrive::state::{State, Stw1};
+use profidrive::state::{Mode, State, Stw1};
 use profinet::Instant;
 
-use super::seen::{Seen, state_words};
+use super::command::{Command, Traverse};
+use super::goal::{Goal, Jog, Limits, Progress, Trouble};
+use super::seen::Seen;
+use position::Phase;
 
 /// Quick stop (OFF3) with OFF: once it is over, nothing switches on again.
 const QUICK_STOP: Stw1 = Stw1::READY.without(Stw1::NO_QUICK_STOP);
@@ -13,136 +18,10 @@ const QUICK_STOP: Stw1 = Stw1::READY.without(Stw1::NO_QUICK_STOP);
 const INPUT_ZERO: Stw1 = Stw1::RUN.without(Stw1::ENABLE_SETPOINT);
 /// Operation with the setpoint channel closed: jogging is permitted.
 const JOG_READY: Stw1 = INPUT_ZERO.without(Stw1::ENABLE_RAMP).without(Stw1::UNFREEZE_RAMP);
+/// Bits 4 to 6, which only count in operation.
+const SETPOINT_CHANNEL: Stw1 = Stw1(0x0070);
 /// No control by PLC: the drive ignores everything else.
 const RELEASED: Stw1 = Stw1(0);
-
-/// One of the two jog setpoints of a drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Jog {
-    /// STW1 bit 8.
-    One,
-    /// STW1 bit 9.
-    Two,
-}
-
-impl Jog {
-    /// The bit of STW1 that starts it.
-    #[must_use]
-    pub const fn bit(self) -> Stw1 {
-        match self {
-            Self::One => Stw1::JOG_1,
-            Self::Two => Stw1::JOG_2,
-        }
-    }
-}
-
-/// What is wanted of the axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Goal {
-    /// Nothing: control is not taken.
-    Released,
-    /// Control taken, standing, ready for switching on (S2).
-    Ready,
-    /// Operation (S4) at this NSOLL_A.
-    Run {
-        /// Speed setpoint as it travels (N2).
-        setpoint: i16,
-    },
-    /// Operation (S4) at a jog setpoint of the drive.
-    Jog(Jog),
-    /// The fault acknowledged, then as [`Goal::Ready`].
-    Acknowledge,
-    /// Ramp stop (OFF1) until the pulses are off.
-    Stop,
-}
-
-impl Goal {
-    /// True when the axis may turn while this is pursued.
-    #[must_use]
-    pub const fn moves(self) -> bool {
-        matches!(self, Self::Run { .. } | Self::Jog(_))
-    }
-}
-
-/// How far the axis is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress {
-    /// On the way.
-    Pursuing,
-    /// Reached, and kept.
-    Reached,
-    /// Given up; the axis is being stopped or stands.
-    Failed(Trouble),
-}
-
-/// Why a goal was given up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Trouble {
-    /// ZSW1 bit 3 came.
-    #[error("the drive reports a fault (ZSW1 bit 3)")]
-    Fault,
-    /// ZSW1 bit 3 stayed after the acknowledge edge.
-    #[error("the fault stays after acknowledging (ZSW1 bit 3): its cause is still there")]
-    FaultStays,
-    /// ZSW1 bit 9 stayed 0.
-    #[error("the drive does not ask for control by the PLC (ZSW1 bit 9 is 0): it is in local operation")]
-    LocalOperation,
-    /// The drive did not reach the state in time.
-    #[error("the drive stays in {}", state_words(*state))]
-    StuckIn {
-        /// Where it is, `None` in a self test.
-        state: Option<State>,
-    },
-    /// The drive left S4 though nobody here told it to. It is not switched on again by itself.
-    #[error("the drive left operation by itself, it is in {} now", state_words(*state))]
-    LeftOperation {
-        /// Where it is, `None` in a self test.
-        state: Option<State>,
-    },
-    /// The ramp stop took too long, the quick stop was used.
-    #[error("the ramp stop did not end in time, a quick stop (OFF3) was commanded")]
-    QuickStopUsed,
-    /// Neither ramp stop nor quick stop ended in time.
-    #[error("the axis did not come to a standstill")]
-    NotStopped,
-    /// The connection lives, but the inputs are marked bad (IOPS).
-    #[error("the drive marks its data as not valid (IOPS bad)")]
-    NoInputs,
-}
-
-/// Times and thresholds of the control.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limits {
-    /// How long a control word must stand so that the drive sees it: some cycles.
-    pub dwell: Duration,
-    /// How long switching on, or acknowledging, may take.
-    pub step: Duration,
-    /// How long the ramp stop may take before the quick stop is used, and the quick stop before giving up.
-    pub stop: Duration,
-    /// Speed (as NIST_A) below which the axis stands.
-    pub standstill: u16,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            dwell: Duration::from_millis(64),
-            step: Duration::from_secs(5),
-            stop: Duration::from_secs(10),
-            standstill: 14,
-        }
-    }
-}
-
-/// What to put into telegram 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Command {
-    /// Control word 1.
-    pub stw1: Stw1,
-    /// Speed setpoint A.
-    pub nsoll_a: i16,
-}
 
 /// Steps a drive towards a goal, one control word at a time.
 ///
@@ -154,14 +33,15 @@ pub struct Command {
 /// use profinet::Instant;
 /// let mut axis = AxisControl::new(Limits::default());
 /// axis.pursue(Instant::ZERO, Goal::Run { setpoint: 0xA3 });
-/// let ready_for_switching_on = Seen { zsw1: Zsw1(0x0231), nist_a: 0 };
+/// let ready_for_switching_on = Seen { zsw1: Zsw1(0x0231), ..Seen::default() };
 /// assert_eq!(axis.step(Instant::ZERO, ready_for_switching_on).stw1, Stw1::RUN);
-/// let operation = Seen { zsw1: Zsw1(0x0237), nist_a: 0 };
+/// let operation = Seen { zsw1: Zsw1(0x0237), ..Seen::default() };
 /// assert_eq!(axis.step(Instant::from_millis(16), operation).nsoll_a, 0xA3);
 /// ```
 #[derive(Debug, Clone)]
 pub struct AxisControl {
     limits: Limits,
+    mode: Mode,
     goal: Goal,
     progress: Progress,
     /// Start of the present goal, or of its last step.
@@ -175,14 +55,32 @@ pub struct AxisControl {
     may_turn: bool,
     /// First trouble since the last goal set by the caller.
     trouble: Option<Trouble>,
+    /// Step of a goal of position mode, and since when.
+    phase: Phase,
+    phase_since: Instant,
+    /// The task that an intermediate stop holds.
+    paused: Option<Traverse>,
+    /// Something may be under way that has to be stopped and discarded first.
+    braking: bool,
+    /// The home position was set when homing was started.
+    homed_before: bool,
+    /// Since when the axis stands where it should not stay.
+    astray: Option<Instant>,
 }
 
 impl AxisControl {
-    /// Without control.
+    /// Without control, for a drive in velocity mode.
     #[must_use]
     pub fn new(limits: Limits) -> Self {
+        Self::in_mode(limits, Mode::Velocity)
+    }
+
+    /// Without control, for a drive in this mode.
+    #[must_use]
+    pub fn in_mode(limits: Limits, mode: Mode) -> Self {
         Self {
             limits,
+            mode,
             goal: Goal::Released,
             progress: Progress::Reached,
             since: Instant::ZERO,
@@ -192,6 +90,12 @@ impl AxisControl {
             quick: false,
             may_turn: false,
             trouble: None,
+            phase: Phase::Begin,
+            phase_since: Instant::ZERO,
+            paused: None,
+            braking: false,
+            homed_before: false,
+            astray: None,
         }
     }
 
@@ -201,13 +105,16 @@ impl AxisControl {
         let same_motion = matches!((self.goal, goal), (Goal::Run { .. }, Goal::Run { .. }));
         // a quick stop under way is not taken back
         let same_stop = self.quick && (self.goal, goal) == (Goal::Stop, Goal::Stop);
+        let goes_on = self.goal.operates() && goal.operates();
+        self.keep_task(now, goal);
         self.goal = goal;
         self.trouble = None;
         if same_motion {
             return;
         }
         self.progress = Progress::Pursuing;
-        self.was_in_operation = false;
+        // an axis that was in operation and is not any more is not switched on by the next wish
+        self.was_in_operation &= goes_on;
         if !same_stop {
             self.since = now;
             self.quick = false;
@@ -236,6 +143,18 @@ impl AxisControl {
         ) && self.progress == Progress::Reached
     }
 
+    /// What the drive is for.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// True once the drive has accepted the task, or has begun to home.
+    #[must_use]
+    pub const fn is_accepted(&self) -> bool {
+        matches!(self.phase, Phase::UnderWay | Phase::Done)
+    }
+
     /// What is being sent.
     #[must_use]
     pub const fn command(&self) -> Command {
@@ -246,7 +165,11 @@ impl AxisControl {
     pub fn step(&mut self, now: Instant, seen: Seen) -> Command {
         let off = seen.pulses_off() && !self.command.stw1.has(Stw1::ON) && self.stood(now);
         self.may_turn &= !off;
-        let next = self.choose(now, seen);
+        let mut next = self.choose(now, seen);
+        if next.traverse == Traverse::default() {
+            // preset to where the axis is, so that no edge could ever take it elsewhere
+            next.traverse.target = seen.xist_a.unwrap_or(0);
+        }
         self.send(now, next)
     }
 
@@ -257,7 +180,11 @@ impl AxisControl {
         self.send(now, next)
     }
 
-    fn send(&mut self, now: Instant, next: Command) -> Command {
+    fn send(&mut self, now: Instant, mut next: Command) -> Command {
+        if self.mode == Mode::Position && self.phase != Phase::Edge {
+            // in position mode bit 6 starts a task
+            next.stw1 = next.stw1.without(Stw1::ACTIVATE_TASK);
+        }
         if next.stw1 != self.command.stw1 {
             self.word_since = now;
         }
@@ -274,7 +201,7 @@ impl AxisControl {
                 word(RELEASED)
             }
             Goal::Stop => self.stop_blind(now),
-            goal if goal.moves() && (self.may_turn || too_long) => {
+            goal if goal.operates() && (self.may_turn || too_long) => {
                 self.give_up(now, Trouble::NoInputs);
                 self.stop_blind(now)
             }
@@ -301,6 +228,8 @@ impl AxisControl {
     fn give_up(&mut self, now: Instant, trouble: Trouble) {
         self.trouble.get_or_insert(trouble);
         self.goal = Goal::Stop;
+        self.phase = Phase::Begin;
+        self.braking = false;
         self.progress = Progress::Pursuing;
         self.since = now;
         self.quick = false;
@@ -310,12 +239,19 @@ impl AxisControl {
         if self.goal != Goal::Released && !seen.control_requested() && self.took(now) > self.limits.step {
             self.trouble.get_or_insert(Trouble::LocalOperation);
         }
+        if let Some(needed) = self.goal.mode().filter(|&needed| needed != self.mode) {
+            self.give_up(now, Trouble::OtherMode { needed });
+        }
         match self.goal {
             Goal::Released => {
                 self.progress = Progress::Reached;
                 word(RELEASED)
             }
             Goal::Ready => self.make_ready(now, seen),
+            Goal::Enabled => self.enabled(now, seen),
+            Goal::Traverse(task) => self.traverse(now, seen, task),
+            Goal::Pause => self.pause(now, seen),
+            Goal::Home { on_the_spot } => self.home(now, seen, on_the_spot),
             Goal::Run { setpoint } => self.run(now, seen, setpoint),
             Goal::Jog(jog) => self.jog(now, seen, jog),
             Goal::Acknowledge => self.acknowledge(now, seen),
@@ -341,10 +277,18 @@ impl AxisControl {
             None => {
                 self.progress = Progress::Reached;
                 Command {
-                    stw1: Stw1::RUN,
                     nsoll_a: setpoint,
+                    ..word(Stw1::RUN)
                 }
             }
+        }
+    }
+
+    /// In operation, standing.
+    fn enabled(&mut self, now: Instant, seen: Seen) -> Command {
+        match self.mode {
+            Mode::Velocity => self.run(now, seen, 0),
+            Mode::Position => self.halt(now, seen),
         }
     }
 
@@ -362,11 +306,12 @@ impl AxisControl {
                 self.progress = Progress::Reached;
                 word(jogging)
             }
-            // after a run: along the ramp to standstill before the setpoint channel is closed
-            Stw1::RUN | INPUT_ZERO if !seen.stands(self.limits.standstill) => word(INPUT_ZERO),
-            JOG_READY if self.stood(now) && seen.stands(self.limits.standstill) => {
-                word(JOG_READY | jog.bit())
-            }
+            // along the ramp to standstill before the setpoint channel is closed, or the task is discarded
+            running if running.0 & SETPOINT_CHANNEL.0 != 0 && !self.stands(seen) => match self.mode {
+                Mode::Velocity => word(INPUT_ZERO),
+                Mode::Position => word(position::PAUSED),
+            },
+            JOG_READY if self.stood(now) && self.stands(seen) => word(JOG_READY | jog.bit()),
             _ => word(JOG_READY),
         }
     }
@@ -407,7 +352,8 @@ impl AxisControl {
     }
 
     fn acknowledge(&mut self, now: Instant, seen: Seen) -> Command {
-        match self.command.stw1 {
+        // bit 6 does not count here, position mode sends it as 0
+        match self.command.stw1.with(Stw1::ACTIVATE_TASK) {
             Stw1::ACKNOWLEDGE => {
                 let cleared = !seen.fault();
                 if !(cleared && self.stood(now)) && self.word_age(now) <= self.limits.step {
@@ -463,6 +409,14 @@ impl AxisControl {
         }
     }
 
+    /// The axis stands, by what the telegram of its mode tells best.
+    const fn stands(&self, seen: Seen) -> bool {
+        match self.mode {
+            Mode::Velocity => seen.stands(self.limits.standstill),
+            Mode::Position => seen.stopped(),
+        }
+    }
+
     fn took(&self, now: Instant) -> Duration {
         now - self.since
     }
@@ -478,7 +432,11 @@ impl AxisControl {
 }
 
 const fn word(stw1: Stw1) -> Command {
-    Command { stw1, nsoll_a: 0 }
+    Command {
+        stw1,
+        nsoll_a: 0,
+        traverse: Traverse::task(0),
+    }
 }
 
 #[cfg(test)]

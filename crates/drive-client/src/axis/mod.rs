@@ -1,9 +1,19 @@
-//! Moving an axis: control words chosen from what the drive says.
+//! Moving an axis: control words chosen from what the drive says, telegrams chosen by what it is.
 
+mod choose;
+mod command;
 mod control;
+mod goal;
 #[cfg(test)]
 mod model;
+mod order;
 mod seen;
+mod wiring;
 
-pub use control::{AxisControl, Command, Goal, Jog, Limits, Progress, Trouble};
+pub use choose::{Choice, NoTelegram, Purpose, ReportedTelegram, choose_telegram};
+pub use command::{Command, Traverse};
+pub use control::AxisControl;
+pub use goal::{Goal, Jog, Limits, Progress, Trouble};
+pub use order::{MotionFacts, Move, MovePlan, Objection, plan_move};
 pub use seen::Seen;
+pub use wiring::{Wiring, WiringError};

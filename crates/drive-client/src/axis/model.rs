@@ -1,12 +1,14 @@
 //! A bench for the control's tests: the general state machine in miniature, with one cycle of delay each way.
 
+mod positioner;
+
 use std::time::Duration;
 
-use profidrive::state::{State, Stw1, Zsw1};
+use profidrive::state::{Mode, State, Stw1, Zsw1};
 use profinet::Instant;
 
-use super::control::{AxisControl, Command, Goal, Limits, Progress};
-use super::seen::Seen;
+use super::{AxisControl, Command, Goal, Limits, Progress, Seen};
+pub use positioner::Positioner;
 
 pub struct Bench {
     axis: AxisControl,
@@ -22,12 +24,31 @@ pub struct Bench {
     last_ack: bool,
     in_flight: Command,
     words: Vec<Stw1>,
+    /// What a drive in position mode has besides.
+    pub positioner: Option<Positioner>,
 }
 
 impl Bench {
     pub fn new() -> Self {
+        Self::with(AxisControl::new(Limits::default()), None)
+    }
+
+    /// A drive in position mode, homed.
+    pub fn positioning() -> Self {
+        let limits = Limits {
+            task_active: Zsw1::TASK_ACTIVE,
+            ..Limits::default()
+        };
+        Self::with(
+            AxisControl::in_mode(limits, Mode::Position),
+            Some(Positioner::new()),
+        )
+    }
+
+    fn with(axis: AxisControl, positioner: Option<Positioner>) -> Self {
         Self {
-            axis: AxisControl::new(Limits::default()),
+            axis,
+            positioner,
             now: Instant::ZERO,
             state: State::S1,
             fault: false,
@@ -122,9 +143,17 @@ impl Bench {
             State::S5Quick => 0x0013,
         };
         let zsw1 = state | u16::from(self.fault) << 3 | u16::from(!self.local) << 9;
+        if let Some(positioner) = &self.positioner {
+            return Seen {
+                zsw1: Zsw1(zsw1 | positioner.bits()),
+                xist_a: Some(positioner.position),
+                ..Seen::default()
+            };
+        }
         Seen {
             zsw1: Zsw1(zsw1),
-            nist_a: self.speed,
+            nist_a: Some(self.speed),
+            ..Seen::default()
         }
     }
 
@@ -144,11 +173,16 @@ impl Bench {
         self.speed
     }
 
+    pub fn is_accepted(&self) -> bool {
+        self.axis.is_accepted()
+    }
+
     pub fn words(&self) -> &[Stw1] {
         &self.words
     }
 
-    fn drive(&mut self, Command { stw1, nsoll_a }: Command) {
+    fn drive(&mut self, command: Command) {
+        let Command { stw1, nsoll_a, .. } = command;
         let has = |bits| stw1.has(bits);
         if self.local || !has(Stw1::CONTROL_BY_PLC) {
             return;
@@ -172,6 +206,11 @@ impl Bench {
         };
         if self.state == State::S5Ramp && !has(Stw1::NO_QUICK_STOP) {
             self.state = State::S5Quick;
+        }
+        if let Some(positioner) = &mut self.positioner {
+            positioner.step(&command, self.state == State::S4);
+            self.speed = 0;
+            return;
         }
         let channel = stw1 & (Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT);
         let target = match self.state {

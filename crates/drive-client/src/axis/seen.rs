@@ -1,14 +1,20 @@
-//! What the drive says about its state, read from telegram 1.
+//! What the drive says about its state, read from its telegram.
 
 use profidrive::state::{State, Stw1, Zsw1};
 
-/// Input data of telegram 1.
+/// Input data of an axis; what its telegram does not carry is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Seen {
     /// Status word 1.
     pub zsw1: Zsw1,
     /// Speed actual value A (N2).
-    pub nist_a: i16,
+    pub nist_a: Option<i16>,
+    /// Position actual value A in increments.
+    pub xist_a: Option<i32>,
+    /// AKTSATZ: the traversing task under way.
+    pub aktsatz: Option<u16>,
+    /// Position error in increments (AKD signal 104).
+    pub xist_error: Option<i32>,
 }
 
 /// A state for a sentence; `None` is a drive that is not ready, in its self test for example.
@@ -47,10 +53,37 @@ impl Seen {
         !self.zsw1.has(Zsw1::READY_TO_OPERATE)
     }
 
-    /// The speed is at most `threshold` (as NIST_A).
+    /// The speed is at most `threshold` (as NIST_A); a telegram without speed does not say so.
     #[must_use]
     pub const fn stands(self, threshold: u16) -> bool {
-        self.nist_a.unsigned_abs() <= threshold
+        match self.nist_a {
+            Some(speed) => speed.unsigned_abs() <= threshold,
+            None => false,
+        }
+    }
+
+    /// ZSW1 bit 13, position mode: the axis stands.
+    #[must_use]
+    pub const fn stopped(self) -> bool {
+        self.zsw1.has(Zsw1::STOPPED)
+    }
+
+    /// ZSW1 bit 11, position mode: the home position is set.
+    #[must_use]
+    pub const fn homed(self) -> bool {
+        self.zsw1.has(Zsw1::HOMED)
+    }
+
+    /// ZSW1 bit 12, position mode: the traversing task is accepted.
+    #[must_use]
+    pub const fn task_acknowledged(self) -> bool {
+        self.zsw1.has(Zsw1::TASK_ACKNOWLEDGED)
+    }
+
+    /// ZSW1 bit 10: target position or comparison speed reached.
+    #[must_use]
+    pub const fn reached(self) -> bool {
+        self.zsw1.has(Zsw1::REACHED)
     }
 }
 
@@ -62,7 +95,8 @@ mod tests {
     fn states_faults_and_standstill() {
         let seen = |zsw1, nist_a| Seen {
             zsw1: Zsw1(zsw1),
-            nist_a,
+            nist_a: Some(nist_a),
+            ..Seen::default()
         };
         for (zsw1, sent, state) in [
             (0x0240, Stw1::READY, Some(State::S1)),
@@ -79,6 +113,7 @@ mod tests {
             assert_eq!(seen(zsw1, 0).state(sent), state, "{zsw1:#06x}");
         }
         assert!(seen(0x0278, 0).fault() && !seen(0x0278, 0).warning());
+        assert!(!Seen::default().stands(3), "no speed, no standstill");
         assert!(seen(0x0231, -3).stands(3) && !seen(0x0231, -4).stands(3));
         assert!(seen(0x0231, 0).pulses_off() && !seen(0x0233, 0).pulses_off());
         assert!(seen(0x0231, 0).control_requested() && !seen(0x0031, 0).control_requested());

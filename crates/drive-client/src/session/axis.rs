@@ -3,27 +3,32 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::Device;
+use profidrive::catalogue::{Device, TelegramModule};
+use profidrive::state::{Mode, Zsw1};
+use profidrive::telegram::signal;
 use profinet::Medium;
 use profinet::controller::{ArId, ConnectConfig, ModuleConfig, Resolve, SubmoduleConfig, Target};
 use profinet::cyclic::{CyclicStatistics, Timing};
 
 use super::Session;
-use crate::axis::{Goal, Jog, Limits, Progress, Trouble};
+use super::enabled::Enabled;
+use crate::axis::{AxisControl, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Trouble};
 use crate::client::AxisView;
 use crate::drive::PROFIDRIVE_API;
 use crate::{Connection, Drive, Error};
 
-/// The telegram an axis is run with.
-const TELEGRAM: u16 = 1;
 /// PNU of the speed setpoint: carries its scale.
-const NSOLL_A: u16 = 5;
+const NSOLL_A: u16 = signal::NSOLL_A;
 /// One unit of MinDeviceInterval and of the send clock.
 const TICK: Duration = Duration::from_nanos(31_250);
+/// Shortest time a drive has for accepting a task.
+const ACCEPT: Duration = Duration::from_secs(2);
 
 /// How to run an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisSettings {
+    /// What the axis is wanted for: decides over the telegram, and which mode the drive must be in.
+    pub purpose: Purpose,
     /// Update time; the fastest the drive's tables allow when `None`.
     pub cycle: Option<Duration>,
     /// Update times without data until both sides stop.
@@ -37,6 +42,7 @@ pub struct AxisSettings {
 impl Default for AxisSettings {
     fn default() -> Self {
         Self {
+            purpose: Purpose::Speed,
             cycle: None,
             watchdog: 3,
             speed_limit: 3000.0,
@@ -45,15 +51,37 @@ impl Default for AxisSettings {
     }
 }
 
-/// An axis at a glance, in engineering units.
+impl AxisSettings {
+    /// The usual settings for a purpose.
+    ///
+    /// ```
+    /// use drive_client::{AxisSettings, axis::Purpose};
+    /// assert_eq!(AxisSettings::for_purpose(Purpose::Move).speed_limit, 3000.0);
+    /// ```
+    #[must_use]
+    pub fn for_purpose(purpose: Purpose) -> Self {
+        Self {
+            purpose,
+            ..Self::default()
+        }
+    }
+}
+
+/// An axis at a glance, in engineering units. What its telegram does not carry is `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisStatus {
     /// Goal, progress, words.
     pub view: AxisView,
     /// Speed asked for, in rpm.
-    pub speed_set: f64,
+    pub speed_set: Option<f64>,
     /// Speed of the motor, in rpm.
-    pub speed_actual: f64,
+    pub speed_actual: Option<f64>,
+    /// Where the task under way leads, in turns, as far as it is known here.
+    pub target: Option<f64>,
+    /// Where the axis is, in turns.
+    pub position: Option<f64>,
+    /// Position command minus position, in turns.
+    pub following_error: Option<f64>,
     /// Time since control was taken.
     pub time: Duration,
 }
@@ -63,18 +91,49 @@ pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
 
 /// An axis under control.
 ///
-/// Dropping it, for whatever reason, ends in a ramp stop and a release.
+/// Dropping it, for whatever reason, ends in a ramp stop and a release. It cannot be moved before it is enabled: only
+/// [`enable`](Self::enable) gives the [`Enabled`] that has motions.
+///
+/// ```
+/// use drive_client::{Axis, Error};
+/// use profinet::Medium;
+/// fn turn<M: Medium>(axis: &mut Axis<'_, M>) -> Result<(), Error>
+/// where
+///     M::Error: Send + Sync + 'static,
+/// {
+///     let mut enabled = axis.enable()?;
+///     enabled.run(60.0)?;
+///     enabled.hold(std::time::Duration::from_secs(1))?;
+///     enabled.disable() // dropping it stops too
+/// }
+/// ```
+///
+/// Without it there is nothing to call:
+///
+/// ```compile_fail,E0599
+/// use drive_client::{Axis, Error};
+/// use profinet::Medium;
+/// fn turn<M: Medium>(axis: &mut Axis<'_, M>) -> Result<(), Error>
+/// where
+///     M::Error: Send + Sync + 'static,
+/// {
+///     axis.run(60.0)
+/// }
+/// ```
 pub struct Axis<'s, M: Medium>
 where
     M::Error: Send + Sync + 'static,
 {
-    session: &'s mut Session<M>,
-    drive: Drive,
+    pub(super) session: &'s mut Session<M>,
+    pub(super) drive: Drive,
     ar: ArId,
-    settings: AxisSettings,
+    pub(super) settings: AxisSettings,
     cycle: Duration,
+    telegram: u16,
+    /// Where the move under way leads, in turns.
+    pub(super) target: Option<f64>,
     taken: profinet::Instant,
-    watcher: Option<Watcher<'s>>,
+    pub(super) watcher: Option<Watcher<'s>>,
     /// The trouble there is was returned to the caller.
     told: bool,
     finished: bool,
@@ -96,29 +155,31 @@ impl<M: Medium> Session<M>
 where
     M::Error: Send + Sync + 'static,
 {
-    /// Opens the cyclic connection of an axis with telegram 1. Nothing moves: control is taken with the first goal.
+    /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
+    /// moves: control is taken with the first goal.
     ///
     /// # Errors
-    /// When the model is not known, the drive cannot be reached or another controller owns it.
+    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, or another
+    /// controller owns it.
     pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
-        let unknown = |what| Error::UnknownModel {
-            drive: drive.label(),
-            what,
-            vendor_id: drive.station.vendor_id,
-            device_id: drive.station.device_id,
-        };
-        let device = drive
-            .model
-            .catalogue
-            .map(|tables| tables.device)
-            .ok_or_else(|| unknown("the telegram module"))?;
-        let modules = modules(&device).ok_or_else(|| unknown("telegram 1"))?;
+        let device =
+            drive
+                .model
+                .catalogue
+                .map(|tables| tables.device)
+                .ok_or_else(|| Error::UnknownModel {
+                    drive: drive.label(),
+                    what: "the telegram module",
+                    vendor_id: drive.station.vendor_id,
+                    device_id: drive.station.device_id,
+                })?;
         self.read_scaling(drive)?;
+        let (mode, choice) = self.prepare(drive, &device, settings.purpose)?;
         let cycle = settings
             .cycle
             .unwrap_or(TICK * u32::from(device.min_device_interval));
         let timing = Timing::for_interval(cycle).ok_or(profinet::controller::Misuse::Range("cycle"))?;
-        let mut config = ConnectConfig::new(modules, timing);
+        let mut config = ConnectConfig::new(modules(&device, &choice.module), timing);
         config.watchdog_factor = settings.watchdog;
         config.data_hold_factor = settings.watchdog;
         config.resolve = if drive.station.name.is_empty() {
@@ -135,15 +196,22 @@ where
             dwell: (timing.interval() * 4).max(Duration::from_millis(8)),
             stop: settings.stop,
             standstill: standstill(drive),
+            accept: ACCEPT.max(timing.interval() * 16),
+            // a bit of the AKD, which is the only model whose telegrams are known
+            task_active: Zsw1::TASK_ACTIVE,
             ..Limits::default()
         };
+        let telegram = choice.wiring.telegram();
+        let control = AxisControl::in_mode(limits, mode);
         // from here on the object below sees to the end of the connection
-        self.client.attach_axis(ar, 1, 1, limits);
+        self.client.attach_axis(ar, 1, 1, choice.wiring, control);
         let mut axis = Axis {
             drive: drive.clone(),
             ar,
             settings,
             cycle: timing.interval(),
+            telegram,
+            target: None,
             taken: now,
             watcher: None,
             told: false,
@@ -158,9 +226,8 @@ where
     }
 }
 
-/// The modules of a drive that has telegram 1 in slot 1.
-fn modules(device: &Device) -> Option<Vec<ModuleConfig>> {
-    let telegram = device.telegram(TELEGRAM)?;
+/// The modules of a drive with this telegram in slot 1.
+fn modules(device: &Device, telegram: &TelegramModule) -> Vec<ModuleConfig> {
     let plain = |subslot, ident| SubmoduleConfig {
         subslot,
         ident,
@@ -188,7 +255,7 @@ fn modules(device: &Device) -> Option<Vec<ModuleConfig>> {
             output_length: telegram.outputs,
         }],
     };
-    Some(vec![access_point, drive])
+    vec![access_point, drive]
 }
 
 /// 5 rpm as NIST_A: below this the axis stands.
@@ -197,12 +264,12 @@ fn standstill(drive: &Drive) -> u16 {
     raw.unsigned_abs().max(1)
 }
 
-fn speed_raw(drive: &Drive, rpm: f64) -> Option<i16> {
+pub(super) fn speed_raw(drive: &Drive, rpm: f64) -> Option<i16> {
     let parameter = drive.model.catalogue?.by_pnu(NSOLL_A)?;
     i16::try_from(parameter.raw(rpm, &drive.parameters.scaling)).ok()
 }
 
-fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
+pub(super) fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
     let parameter = drive.model.catalogue.and_then(|tables| tables.by_pnu(NSOLL_A));
     parameter.map_or(f64::from(raw), |parameter| {
         parameter.engineering(raw.into(), &drive.parameters.scaling)
@@ -224,6 +291,12 @@ where
         &self.drive
     }
 
+    /// Number of the telegram in use.
+    #[must_use]
+    pub const fn telegram(&self) -> u16 {
+        self.telegram
+    }
+
     /// The update time in use.
     #[must_use]
     pub const fn cycle(&self) -> Duration {
@@ -241,8 +314,15 @@ where
         let view = self.session.client.axis(self.ar)?;
         Some(AxisStatus {
             view,
-            speed_set: speed_rpm(&self.drive, view.command.nsoll_a),
-            speed_actual: view.seen.map_or(0.0, |seen| speed_rpm(&self.drive, seen.nist_a)),
+            speed_set: (view.mode == Mode::Velocity).then(|| speed_rpm(&self.drive, view.command.nsoll_a)),
+            speed_actual: view
+                .seen
+                .and_then(|seen| Some(speed_rpm(&self.drive, seen.nist_a?))),
+            target: self
+                .target
+                .filter(|_| matches!(view.goal, Goal::Traverse(_) | Goal::Pause)),
+            position: view.seen.and_then(|seen| Some(self.turns(seen.xist_a?))),
+            following_error: view.seen.and_then(|seen| Some(self.turns(seen.xist_error?))),
             time: self.session.now() - self.taken,
         })
     }
@@ -273,35 +353,43 @@ where
             .map(|_| ())
     }
 
-    /// Switches on and follows `rpm`; returns once operation (S4) is reached.
+    /// Switches on and stands (S4): the axis can be moved as long as what this returns lives, and stops when it goes.
+    ///
+    /// Setpoints are preset first: speed 0, target of a move where the axis is.
     ///
     /// # Errors
-    /// A speed above the limit, trouble with the motion before that nobody was told of yet, and as
-    /// [`ready`](Self::ready).
-    pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
-        if rpm.is_nan() || rpm.abs() > self.settings.speed_limit {
-            return Err(Error::SpeedLimit {
-                wanted: rpm,
-                limit: self.settings.speed_limit,
-            });
-        }
-        let setpoint = speed_raw(&self.drive, rpm)
-            .filter(|&raw| (speed_rpm(&self.drive, raw) - rpm).abs() <= 1.0)
-            .ok_or_else(|| Error::SpeedLimit {
-                wanted: rpm,
-                limit: speed_rpm(&self.drive, i16::MAX),
-            })?;
+    /// Trouble with the motion before that nobody was told of yet, and as [`ready`](Self::ready).
+    pub fn enable(&mut self) -> Result<Enabled<'_, 's, M>, Error> {
         self.untold()?;
-        self.reach(Goal::Run { setpoint })
+        self.target = None;
+        self.reach(Goal::Enabled)?;
+        Ok(Enabled::new(self))
     }
 
-    /// Jogs at one of the drive's jog setpoints.
+    /// What a move would be, and everything that speaks against it. Reads only.
     ///
     /// # Errors
-    /// As [`run`](Self::run).
-    pub fn jog(&mut self, jog: Jog) -> Result<(), Error> {
-        self.untold()?;
-        self.reach(Goal::Jog(jog))
+    /// When the drive cannot be reached.
+    pub fn plan(&mut self, order: &Move) -> Result<MovePlan, Error> {
+        let limit = self.settings.speed_limit;
+        let seen = self
+            .status()
+            .and_then(|status| Some((status.view.seen?, status.position)));
+        let mut drive = self.drive.clone();
+        let facts = self.session.motion_facts(&mut drive)?;
+        let facts = MotionFacts {
+            // the telegram is newer
+            position: seen.and_then(|(_, position)| position).or(facts.position),
+            homed: seen.map(|(seen, _)| seen.homed()).or(facts.homed),
+            fault: seen.map(|(seen, _)| seen.fault()).or(facts.fault),
+            ..facts
+        };
+        self.session.plan_with(&drive, order, &facts, limit)
+    }
+
+    /// Increments in turns.
+    fn turns(&self, counts: i32) -> f64 {
+        f64::from(counts) / self.drive.counts_per_turn()
     }
 
     /// Acknowledges a fault.
@@ -361,7 +449,7 @@ where
         self.shut_down()
     }
 
-    fn pursue(&mut self, goal: Goal) {
+    pub(super) fn pursue(&mut self, goal: Goal) {
         let now = self.session.now();
         self.told = false;
         self.session.client.pursue(now, self.ar, goal);
@@ -377,10 +465,28 @@ where
 
     fn reach(&mut self, goal: Goal) -> Result<(), Error> {
         self.pursue(goal);
+        self.arrive(None, "", |status| status.view.progress == Progress::Reached)
+    }
+
+    /// Waits until `enough`, for no longer than `limit`.
+    pub(super) fn arrive(
+        &mut self,
+        limit: Option<Duration>,
+        what: &'static str,
+        mut enough: impl FnMut(&AxisStatus) -> bool,
+    ) -> Result<(), Error> {
+        let begin = self.session.now();
         loop {
             let status = self.look()?;
-            if status.view.progress == Progress::Reached {
+            if enough(&status) {
                 return Ok(());
+            }
+            if let Some(limit) = limit.filter(|&limit| self.session.now() - begin >= limit) {
+                return Err(Error::NotInTime {
+                    drive: self.drive.label(),
+                    what,
+                    limit,
+                });
             }
             // the control has its own limits and fails; this one only wakes it
             let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));
@@ -389,7 +495,7 @@ where
     }
 
     /// Shows the axis, and tells what went wrong.
-    fn look(&mut self) -> Result<AxisStatus, Error> {
+    pub(super) fn look(&mut self) -> Result<AxisStatus, Error> {
         let status = self.status();
         if let (Some(watcher), Some(status)) = (&mut self.watcher, &status) {
             watcher(status);
@@ -441,6 +547,19 @@ where
             self.session.step(end)?;
         }
         stopped
+    }
+
+    /// What became of the connection.
+    pub(super) fn connection(&self) -> Connection {
+        self.session.client.connection(self.ar)
+    }
+
+    /// As [`ramp_down`](Self::ramp_down), not to be interrupted.
+    pub(super) fn come_to_rest(&mut self) -> Result<(), Error> {
+        let stopping = std::mem::replace(&mut self.session.stopping, true);
+        let result = self.ramp_down();
+        self.session.stopping = stopping;
+        result
     }
 
     /// OFF1, and whatever it takes until the pulses are off or the control gives up.

@@ -23,7 +23,7 @@ const WARNING: &str = "DRV.WARNING";
 const ATTEMPTS: u8 = 3;
 
 /// One fault of the buffer.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct FaultEntry {
     /// Situation 0 is not acknowledged yet, 1 the last acknowledged.
     pub situation: u8,

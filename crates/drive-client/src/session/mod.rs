@@ -3,11 +3,15 @@
 mod access;
 mod axis;
 mod backup;
+mod enabled;
 mod faults;
 mod find;
 mod info;
 mod monitor;
 mod parameters;
+mod prepare;
+mod status;
+mod stop;
 
 use std::time::Duration;
 
@@ -17,11 +21,13 @@ use profinet::{Instant, Medium};
 use crate::{Client, Error};
 
 pub use axis::{Axis, AxisSettings, AxisStatus};
+pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, WarningEntry};
 pub use info::{Identity, Info};
 pub use monitor::Snapshot;
 pub(crate) use parameters::take_scale;
 pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};
+pub use stop::{StopOutcome, StopWay};
 
 /// How often a caller's wish to stop is looked at while nothing happens.
 const GLANCE: Duration = Duration::from_millis(50);
@@ -163,6 +169,14 @@ where
             self.step(end)?;
         }
         Ok(())
+    }
+
+    /// Does something that a caller's wish to stop must not interrupt: putting back what was changed.
+    pub fn uninterrupted<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let stopping = std::mem::replace(&mut self.stopping, true);
+        let result = work(self);
+        self.stopping = stopping;
+        result
     }
 
     /// Says whether the caller wants to stop, before something is begun that should not be interrupted.

@@ -3,6 +3,8 @@
 use super::*;
 use crate::axis::model::Bench;
 
+mod positioning;
+
 #[test]
 fn runs_and_stops() {
     let mut bench = Bench::new();
@@ -12,7 +14,8 @@ fn runs_and_stops() {
         bench.command(),
         Command {
             stw1: Stw1::RUN,
-            nsoll_a: 100
+            nsoll_a: 100,
+            ..Command::default()
         }
     );
     bench.cycles(60);

@@ -1,0 +1,230 @@
+//! What all commands that move an axis share: how it begins, how it is shown, how it ends.
+
+use std::time::Duration;
+
+use clap::Args;
+use drive_client::axis::Purpose;
+use drive_client::status::{Verdict, diagnose};
+use drive_client::{AxisSettings, Drive, Error, FaultEntry, WarningEntry};
+use profidrive::notation::Quantity;
+use profidrive::state::Mode;
+use profinet::cyclic::Timing;
+use serde_json::{Map, Value};
+
+use crate::args::Cyclic;
+use crate::connect::{AnyMedium, Live};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::render::live::{AxisView, LiveView};
+
+pub type Axis<'s> = drive_client::Axis<'s, AnyMedium>;
+
+/// Longest wait of a motion that ends with Ctrl-C only.
+pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
+
+/// Options of commands that need the drive in one mode.
+#[derive(Debug, Args)]
+pub struct SetMode {
+    /// Put the drive into the mode this needs (PNU 930) and back afterwards; without it the drive is left as it is and
+    /// the command refuses
+    #[arg(long)]
+    pub set_mode: bool,
+}
+
+pub fn rpm(quantity: &Quantity, what: &str) -> Result<f64, Failure> {
+    in_unit(quantity, "rpm", what)
+}
+
+pub fn in_unit(quantity: &Quantity, unit: &str, what: &str) -> Result<f64, Failure> {
+    quantity
+        .in_unit(unit)
+        .map_err(|error| Failure::usage(format!("{what}: {error}")))
+}
+
+/// An update time that no connection can have is told before anything is opened.
+pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
+    match cyclic.cycle {
+        Some(cycle) if Timing::for_interval(cycle).is_none() => Err(Failure::usage(format!(
+            "--cycle: an update time of {} ms does not exist",
+            cycle.as_secs_f64() * 1000.0
+        ))
+        .hint("use 1, 2, 4, 8 .. 512 ms; left out it is the fastest the drive is known for")),
+        _ => Ok(()),
+    }
+}
+
+pub fn settings(cyclic: &Cyclic, purpose: Purpose, limit: f64) -> AxisSettings {
+    AxisSettings {
+        purpose,
+        cycle: cyclic.cycle,
+        watchdog: cyclic.watchdog,
+        speed_limit: limit,
+        ..AxisSettings::default()
+    }
+}
+
+/// Above the limit nothing is sent at all.
+pub fn within(speed: f64, limit: f64) -> Result<(), Failure> {
+    if speed.abs() > limit {
+        return Err(Error::SpeedLimit { wanted: speed, limit }.into());
+    }
+    Ok(())
+}
+
+/// Puts the drive into the mode that is needed, if that was asked for; the mode to go back to.
+pub fn enter_mode(
+    session: &mut Live,
+    drive: &mut Drive,
+    needed: Mode,
+    wanted: &SetMode,
+    output: &Output,
+) -> Result<Option<Mode>, Failure> {
+    if !wanted.set_mode {
+        return Ok(None);
+    }
+    let present = session.operating_mode(drive)?;
+    if present == Some(needed) {
+        return Ok(None);
+    }
+    session.set_operating_mode(drive, needed)?;
+    output.say(&match present {
+        Some(present) => format!(
+            "PNU 930: {} -> {} for this command",
+            mode_number(present),
+            mode_number(needed)
+        ),
+        None => format!(
+            "PNU 930 is {} now; what it was is none of 1 and 2 and is not put back",
+            mode_number(needed)
+        ),
+    });
+    Ok(present)
+}
+
+/// Puts the mode back that was there before, whatever happened in between.
+pub fn leave_mode(session: &mut Live, drive: &mut Drive, before: Option<Mode>, output: &Output) {
+    let Some(mode) = before else { return };
+    match session.uninterrupted(|session| session.set_operating_mode(drive, mode)) {
+        Ok(()) => output.say(&format!("PNU 930 is {} again", mode_number(mode))),
+        Err(error) => output.warn(&format!(
+            "PNU 930 was not put back to {}: {error}",
+            mode_number(mode)
+        )),
+    }
+}
+
+const fn mode_number(mode: Mode) -> u8 {
+    match mode {
+        Mode::Velocity => 1,
+        Mode::Position => 2,
+    }
+}
+
+pub fn watch(axis: &mut Axis<'_>, command: &'static str, output: &Output) {
+    let mut view = LiveView::new(output.clone(), command);
+    axis.watch(move |status| view.show(&AxisView::of(status)));
+}
+
+/// How a motion ends by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// With Ctrl-C: that is how it was meant.
+    Open,
+    /// When its time is over.
+    Time,
+    /// At its target: Ctrl-C before is a failure.
+    Target(&'static str),
+}
+
+/// Stops and releases whatever happened, then tells what did.
+pub fn finish(
+    axis: Axis<'_>,
+    result: Result<(), Error>,
+    end: End,
+    command: &str,
+    more: Map<String, Value>,
+    output: &Output,
+) -> Result<(), Error> {
+    let statistics = axis.statistics();
+    let released = axis.release();
+    let interrupted = matches!(result, Err(Error::Interrupted));
+    if interrupted && end != End::Open {
+        output.say("stopped by Ctrl-C before the end");
+    }
+    let result = match (result, end) {
+        (Err(Error::Interrupted), End::Open | End::Time) => Ok(()),
+        (other, _) => other,
+    };
+    let stopped = released.is_ok() && (result.is_ok() || interrupted);
+    if let Some(statistics) = statistics {
+        output.say(&format!(
+            "{} cyclic frames taken, {} missed, longest gap {:.1} ms",
+            statistics.received,
+            statistics.missed,
+            statistics.longest_gap.as_secs_f64() * 1000.0
+        ));
+    }
+    if stopped {
+        output.say("axis at rest, control released");
+    }
+    if output.json() && stopped {
+        let counts = statistics.map_or_else(Default::default, |counts| {
+            fields! { "received": counts.received, "missed": counts.missed }
+        });
+        let mut document = fields! { "end": true, "released": true, "frames": counts };
+        document.extend(more);
+        output.document(command, document);
+    }
+    result.and(released)
+}
+
+/// A failed motion is told with what the drive says about itself: fault by number and text, warnings, and the reason
+/// why it does not run.
+pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) -> Failure {
+    if let (Error::Interrupted, End::Target(what)) = (&error, end) {
+        return Failure::new(
+            Exit::Failed,
+            format!("{}: stopped by Ctrl-C, {what}", drive.label()),
+        );
+    }
+    let asked = matches!(error, Error::Axis { .. } | Error::NotInTime { .. });
+    let mut failure = Failure::from(error);
+    if !asked {
+        return failure;
+    }
+    let Ok(status) = session.uninterrupted(|session| session.status(drive)) else {
+        return failure;
+    };
+    for fault in &status.faults {
+        failure.message = format!("{}; {}", failure.message, told(fault));
+    }
+    for warning in &status.warnings {
+        failure.message = format!("{}; warning {}", failure.message, warned(warning));
+    }
+    let diagnosis = diagnose(&status);
+    // the axis is released by now: that nobody commands it is no news
+    if diagnosis.verdict == Verdict::Held && status.faults.is_empty() {
+        failure.message = format!("{}; {}", failure.message, diagnosis.sentence);
+        failure.hint = diagnosis.next.or(failure.hint);
+    }
+    failure
+}
+
+/// `F702 Fieldbus communication lost`
+pub fn told(fault: &FaultEntry) -> String {
+    format!(
+        "F{} {}",
+        fault.number,
+        fault.meaning.unwrap_or("not in the tables")
+    )
+}
+
+/// `n107 Positive software limit reached`
+pub fn warned(warning: &WarningEntry) -> String {
+    format!(
+        "n{} {}",
+        warning.number,
+        warning.meaning.unwrap_or("not in the tables")
+    )
+}

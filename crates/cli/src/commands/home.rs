@@ -1,0 +1,88 @@
+//! `profidrive home`
+
+use std::time::Duration;
+
+use clap::Args;
+use drive_client::axis::Purpose;
+use drive_client::{Drive, Error};
+use profidrive::state::Mode;
+
+use super::axis::{self, End, SetMode};
+use crate::args::{Cyclic, Interface, duration};
+use crate::connect::{self, Live, Need};
+use crate::failure::Failure;
+use crate::fields;
+use crate::output::Output;
+use crate::render::value;
+
+/// What decides over the procedure.
+const SETTINGS: [&str; 4] = ["HOME.MODE", "HOME.DIR", "HOME.V", "HOME.ACC"];
+
+#[derive(Debug, Args)]
+pub struct Home {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Stop if homing takes longer
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
+    pub timeout: Duration,
+    #[command(flatten)]
+    pub mode: SetMode,
+    #[command(flatten)]
+    pub cyclic: Cyclic,
+}
+
+pub fn run(args: &Home, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    axis::checked(&args.cyclic)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
+    let before = axis::enter_mode(&mut session, &mut drive, Mode::Position, &args.mode, output)?;
+    let result = go(args, &mut session, &mut drive, output);
+    axis::leave_mode(&mut session, &mut drive, before, output);
+    result?;
+    Ok(session.close()?)
+}
+
+fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
+    const END: End = End::Target("the axis is not homed");
+    let procedure = procedure(session, drive)?;
+    let settings = axis::settings(&args.cyclic, Purpose::Home, f64::INFINITY);
+    let mut taken = session.take_axis(drive, settings)?;
+    output.say(&format!(
+        "this moves the axis: {} homes{procedure}, telegram {}; Ctrl-C stops it",
+        drive.label(),
+        taken.telegram()
+    ));
+    axis::watch(&mut taken, "home", output);
+    let result = taken
+        .enable()
+        .and_then(|mut enabled| enabled.home(Some(args.timeout)));
+    let position = taken.status().and_then(|status| status.position);
+    if result.is_ok() {
+        let at = position.map_or_else(String::new, |position| {
+            format!(", the axis is at {position:.3} rev")
+        });
+        output.say(&format!("homed (ZSW1 bit 11){at}"));
+    }
+    let more = fields! { "homed": result.is_ok(), "position": position };
+    axis::finish(taken, result, END, "home", more, output)
+        .map_err(|error| axis::explained(error, END, session, drive))
+}
+
+/// ` by HOME.MODE 1 (To a limit switch), HOME.DIR 1, HOME.V 60 rpm`, as far as the drive tells.
+fn procedure(session: &mut Live, drive: &mut Drive) -> Result<String, Error> {
+    let mut parts = Vec::new();
+    for name in SETTINGS {
+        let Ok(selection) = drive.select(name) else {
+            continue;
+        };
+        match session.read_one(drive, &selection) {
+            Ok(reading) => parts.push(format!("{name} {}", value::full(&reading))),
+            Err(Error::Refused { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(if parts.is_empty() {
+        String::new()
+    } else {
+        format!(" by {}", parts.join(", "))
+    })
+}

@@ -1,0 +1,90 @@
+//! `profidrive jog`
+
+use std::time::Duration;
+
+use clap::Args;
+use drive_client::axis::{Jog as JogSetpoint, Purpose};
+use drive_client::{Error, WriteMode};
+use profidrive::notation::{ParameterReference, Quantity};
+
+use super::axis::{self, End};
+use crate::args::{Cyclic, Interface, duration};
+use crate::connect::{self, Need};
+use crate::failure::Failure;
+use crate::output::Output;
+use crate::render::value;
+
+/// PNUs of the two jog speeds.
+const JOG_SPEED: [u16; 2] = [1004, 1005];
+
+#[derive(Debug, Args)]
+pub struct Jog {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Which jog setpoint of the drive: 1 (STW1 bit 8, PNU 1004) or 2 (bit 9, PNU 1005)
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub jog: u8,
+    /// Set the jog speed first; the drive's own value when left out
+    #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
+    pub velocity: Option<Quantity>,
+    /// How long to jog
+    #[arg(long = "for", value_name = "TIME", default_value = "2s", value_parser = duration)]
+    pub time: Duration,
+    /// Refuse any speed above this
+    #[arg(long, value_name = "SPEED", default_value = "3000rpm")]
+    pub limit: Quantity,
+    #[command(flatten)]
+    pub cyclic: Cyclic,
+}
+
+pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let limit = axis::rpm(&args.limit, "--limit")?.abs();
+    let wanted = args
+        .velocity
+        .as_ref()
+        .map(|quantity| axis::rpm(quantity, "--velocity"))
+        .transpose()?;
+    if let Some(speed) = wanted {
+        axis::within(speed, limit)?;
+    }
+    axis::checked(&args.cyclic)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
+    let (jog, pnu) = match args.jog {
+        2 => (JogSetpoint::Two, JOG_SPEED[1]),
+        _ => (JogSetpoint::One, JOG_SPEED[0]),
+    };
+    let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
+    if let Some(speed) = &args.velocity {
+        let reference = ParameterReference::number(pnu);
+        let assignment = drive_client::parameter::Assignment {
+            reference,
+            quantity: speed.clone(),
+        };
+        let outcomes = session.write(&mut drive, &[assignment], WriteMode::Write)?;
+        if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
+            return Err(Error::Refused {
+                drive: drive.label(),
+                refusal,
+            }
+            .into());
+        }
+    }
+    let speed = session.read_one(&mut drive, &selection)?;
+    axis::within(speed.number().unwrap_or(0.0), limit)?;
+    output.say(&format!(
+        "this moves the axis: {} jogs at {} for {} s; Ctrl-C stops it",
+        drive.label(),
+        value::full(&speed),
+        args.time.as_secs_f64()
+    ));
+    let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
+    let mut taken = session.take_axis(&mut drive, settings)?;
+    axis::watch(&mut taken, "jog", output);
+    let result = taken.enable().and_then(|mut enabled| {
+        enabled.jog(jog)?;
+        enabled.hold(args.time)
+    });
+    axis::finish(taken, result, End::Time, "jog", serde_json::Map::new(), output)
+        .map_err(|error| axis::explained(error, End::Time, &mut session, &mut drive))?;
+    Ok(session.close()?)
+}

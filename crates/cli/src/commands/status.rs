@@ -1,0 +1,264 @@
+//! `profidrive status`
+
+use clap::Args;
+use drive_client::status::{Diagnosis, DriveStatus, Verdict, diagnose};
+use profidrive::state::Mode;
+use profidrive::state::bits;
+use serde_json::{Map, Value};
+
+use super::axis::{told, warned};
+use crate::args::Interface;
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::{Colour, Output};
+use crate::render::table::clean;
+use crate::render::{hex16, number, words};
+
+#[derive(Debug, Args)]
+pub struct Status {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Only the sentence
+    #[arg(long)]
+    pub short: bool,
+}
+
+pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let status = session.status(&mut drive)?;
+    session.close()?;
+    let diagnosis = diagnose(&status);
+    if output.json() {
+        output.document("status", json(&status, &diagnosis));
+    } else {
+        let colour = match diagnosis.verdict {
+            Verdict::Runs => Colour::Normal,
+            Verdict::Waits => Colour::Action,
+            Verdict::Held => Colour::Fault,
+        };
+        let sentence = format!("{}: {}", drive.label(), clean(&diagnosis.sentence));
+        output.line(&output.paint(colour, &sentence));
+        if let Some(next) = &diagnosis.next {
+            output.line(&format!("  next: {}", clean(next)));
+        }
+        if !args.short {
+            for line in lines(&status) {
+                output.line(&line);
+            }
+        }
+    }
+    match diagnosis.verdict {
+        Verdict::Runs | Verdict::Waits => Ok(()),
+        // the sentence stands on stdout already
+        Verdict::Held => Err(Failure::new(
+            Exit::Difference,
+            format!(
+                "{} is kept from running ({})",
+                drive.label(),
+                diagnosis.cause.id()
+            ),
+        )),
+    }
+}
+
+/// The facts, one a line.
+fn lines(status: &DriveStatus) -> Vec<String> {
+    let mode = status.word_mode();
+    let mut lines = Vec::new();
+    let mut line = |name: &str, text: Option<String>| {
+        if let Some(text) = text {
+            lines.push(format!("{name:<12} {}", clean(&text)));
+        }
+    };
+    line("state", status.state().map(|state| state.to_string()));
+    line(
+        "STW1",
+        status.stw1.map(|word| {
+            format!(
+                "{} [{}]",
+                hex16(word.0),
+                words::set_names(bits::stw1(mode), word.0)
+            )
+        }),
+    );
+    line(
+        "ZSW1",
+        status.zsw1.map(|word| {
+            format!(
+                "{} [{}]",
+                hex16(word.0),
+                words::set_names(bits::zsw1(mode), word.0)
+            )
+        }),
+    );
+    line("control", status.controller.as_ref().map(owner));
+    line("telegram", status.telegram.map(|number| number.to_string()));
+    line("mode", status.mode.map(mode_text));
+    line(
+        "setpoints",
+        status.command_source.map(|source| {
+            let text = status.command_source_text.unwrap_or("not in the tables");
+            format!("from {source}, {text} (DRV.CMDSOURCE)")
+        }),
+    );
+    line("STO", status.torque_allowed.map(allowed));
+    line(
+        "disabled by",
+        status.disable_sources.filter(|&sources| sources != 0).map(hex16),
+    );
+    line(
+        "motion held",
+        status
+            .motion_disable_sources
+            .filter(|&sources| sources != 0)
+            .map(hex16),
+    );
+    line("limits", limits(status));
+    if mode == Mode::Position {
+        line("homed", status.zsw1.map(homed));
+    }
+    let rpm = |speed: Option<f64>| speed.map(|speed| format!("{speed:.2} rpm"));
+    line("speed set", rpm(status.speed_set));
+    line("speed", rpm(status.speed_actual));
+    line("position", status.position.map(|turns| format!("{turns:.3} rev")));
+    line(
+        "following",
+        status
+            .following_error
+            .map(|error| format!("{} counts (PL.ERR)", number(error))),
+    );
+    for fault in &status.faults {
+        line("fault", Some(told(fault)));
+    }
+    for warning in &status.warnings {
+        line("warning", Some(warned(warning)));
+    }
+    lines
+}
+
+fn owner(controller: &Option<String>) -> String {
+    controller.as_ref().map_or_else(
+        || "nobody: no controller is connected".into(),
+        |name| format!("controller \"{name}\""),
+    )
+}
+
+fn mode_text(mode: u16) -> String {
+    match mode {
+        1 => "1, speed control (PNU 930)".into(),
+        2 => "2, positioning (PNU 930)".into(),
+        other => format!("{}, of the maker (PNU 930)", hex16(other)),
+    }
+}
+
+fn allowed(allowed: bool) -> String {
+    if allowed {
+        "torque allowed".into()
+    } else {
+        "safe torque off".into()
+    }
+}
+
+fn homed(zsw1: profidrive::state::Zsw1) -> String {
+    if zsw1.has(profidrive::state::Zsw1::HOMED) {
+        "yes (ZSW1 bit 11)".into()
+    } else {
+        "no (ZSW1 bit 11)".into()
+    }
+}
+
+fn limits(status: &DriveStatus) -> Option<String> {
+    let mut hit = Vec::new();
+    for (switch, name) in [
+        (status.negative_switch, "negative switch"),
+        (status.positive_switch, "positive switch"),
+    ] {
+        if switch == Some(true) {
+            hit.push(name.to_owned());
+        }
+    }
+    if let Some(limits) = status.software_limits.filter(|&limits| limits != 0) {
+        hit.push(format!("software limits (SWLS.STATE {limits})"));
+    }
+    (!hit.is_empty()).then(|| hit.join(", "))
+}
+
+fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
+    let mode = status.word_mode();
+    let faults: Vec<Value> = status
+        .faults
+        .iter()
+        .map(|fault| entry(fault.number.into(), fault.meaning, fault.remedy))
+        .collect();
+    let warnings: Vec<Value> = status
+        .warnings
+        .iter()
+        .map(|warning| entry(warning.number, warning.meaning, warning.remedy))
+        .collect();
+    let mut fields = fields! {
+        "drive": status.drive.as_str(), "verdict": diagnosis.verdict.to_string(), "cause": diagnosis.cause.id(),
+        "sentence": diagnosis.sentence.as_str(), "next": diagnosis.next.as_deref(),
+        "state": status.zsw1.map(|zsw1| words::state_number(zsw1.0, status.stw1.map(|stw1| stw1.0))),
+        "telegram": status.telegram, "mode": status.mode, "command_source": status.command_source,
+        "disable_sources": status.disable_sources, "motion_disable_sources": status.motion_disable_sources,
+        "motion_status": status.motion, "torque_allowed": status.torque_allowed,
+        "negative_switch": status.negative_switch, "positive_switch": status.positive_switch,
+        "software_limits": status.software_limits, "speed_set": status.speed_set,
+        "speed_actual": status.speed_actual, "position": status.position,
+        "following_error": status.following_error,
+        "faults": faults, "warnings": warnings,
+    };
+    if let Some(controller) = &status.controller {
+        fields.insert("controller".into(), controller.as_deref().into());
+    }
+    if let Some(word) = status.stw1 {
+        fields.insert("stw1".into(), words::word_json(bits::stw1(mode), word.0));
+    }
+    if let Some(word) = status.zsw1 {
+        fields.insert("zsw1".into(), words::word_json(bits::zsw1(mode), word.0));
+    }
+    fields
+}
+
+fn entry(number: u32, meaning: Option<&str>, remedy: Option<&str>) -> Value {
+    Value::Object(fields! { "number": number, "meaning": meaning, "remedy": remedy })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::state::{Stw1, Zsw1};
+
+    #[test]
+    fn facts_of_a_position_drive() {
+        let status = DriveStatus {
+            drive: "akd-1".into(),
+            controller: Some(Some("plc\u{1b}[2J".into())),
+            stw1: Some(Stw1(0x043F)),
+            zsw1: Some(Zsw1(0x2337)),
+            telegram: Some(9),
+            mode: Some(2),
+            positive_switch: Some(true),
+            software_limits: Some(1),
+            position: Some(1.25),
+            ..DriveStatus::default()
+        };
+        let text = lines(&status).join("\n");
+        for part in [
+            "state        S4 operation",
+            "ZSW1         0x2337 [READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ, STOPPED]",
+            "control      controller \"plc.[2J\"",
+            "mode         2, positioning (PNU 930)",
+            "limits       positive switch, software limits (SWLS.STATE 1)",
+            "homed        no (ZSW1 bit 11)",
+            "position     1.250 rev",
+        ] {
+            assert!(text.contains(part), "{part} in\n{text}");
+        }
+        assert!(!text.contains("speed"), "{text}");
+        let fields = json(&status, &diagnose(&status));
+        assert_eq!(fields["cause"], "limit-switch");
+        assert_eq!(fields["verdict"], "held");
+    }
+}

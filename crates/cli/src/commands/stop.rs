@@ -1,0 +1,134 @@
+//! `profidrive stop`
+
+use std::time::Duration;
+
+use clap::Args;
+use drive_client::{StopOutcome, StopWay};
+
+use crate::args::{Interface, duration};
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::render::table::clean;
+
+#[derive(Debug, Args)]
+pub struct Stop {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Switch the power stage off too (DRV.DIS); its controller needs OFF and ON afterwards
+    #[arg(long)]
+    pub disable: bool,
+    /// How long the axis may take to come to rest
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = duration)]
+    pub timeout: Duration,
+}
+
+pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let way = if args.disable {
+        StopWay::Disable
+    } else {
+        StopWay::Stop
+    };
+    // the command first: everything else can be asked while it slows down
+    let outcome = session.stop_drive(&mut drive, way, args.timeout)?;
+    let owner = session.owner(&drive)?;
+    session.close()?;
+    let label = drive.label();
+    if output.json() {
+        output.document(
+            "stop",
+            fields! {
+                "drive": label.as_str(), "command": outcome.sent.then(|| way.command()),
+                "speed_before": outcome.speed_before, "speed": outcome.speed, "enabled": outcome.enabled,
+                "at_rest": outcome.at_rest, "controller": owner.clone().flatten(),
+            },
+        );
+    } else {
+        output.line(&told(&label, way, &outcome));
+    }
+    let owned = owner.flatten().filter(|_| outcome.sent);
+    if let Some(name) = &owned {
+        output.warn(&format!(
+            "controller \"{}\" goes on commanding {label}: what it sends next may move the axis again",
+            clean(name)
+        ));
+    }
+    if outcome.at_rest {
+        return Ok(());
+    }
+    Err(Failure::new(
+        Exit::Failed,
+        format!(
+            "{label} is not at rest {} s after {}",
+            args.timeout.as_secs_f64(),
+            way.command()
+        ),
+    )
+    .hint(if args.disable {
+        "stop it at its controller or with its safety circuit; this command is no emergency stop"
+    } else {
+        "--disable switches the power stage off; this command is no emergency stop"
+    }))
+}
+
+/// What was done, in one line.
+fn told(drive: &str, way: StopWay, outcome: &StopOutcome) -> String {
+    let speed =
+        |rpm: Option<f64>| rpm.map_or_else(|| "an unknown speed".into(), |rpm| format!("{rpm:.1} rpm"));
+    let stage = match outcome.enabled {
+        Some(true) => "the power stage is still on",
+        Some(false) => "the power stage is off",
+        None => "the drive does not tell whether its power stage is on",
+    };
+    if !outcome.sent {
+        return format!("{drive} is at rest, {stage}: nothing was sent");
+    }
+    let end = if outcome.at_rest {
+        "it stands"
+    } else {
+        "it still turns or is still on"
+    };
+    format!(
+        "{} sent to {drive} at {}: {end} ({}), {stage}",
+        way.command(),
+        speed(outcome.speed_before),
+        speed(outcome.speed)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_done_is_said() {
+        let outcome = StopOutcome {
+            sent: true,
+            speed_before: Some(60.02),
+            speed: Some(0.0),
+            enabled: Some(true),
+            at_rest: true,
+        };
+        assert_eq!(
+            told("akd-1", StopWay::Stop, &outcome),
+            "DRV.STOP sent to akd-1 at 60.0 rpm: it stands (0.0 rpm), the power stage is still on"
+        );
+        let nothing = StopOutcome {
+            sent: false,
+            enabled: Some(false),
+            ..outcome
+        };
+        assert_eq!(
+            told("akd-1", StopWay::Stop, &nothing),
+            "akd-1 is at rest, the power stage is off: nothing was sent"
+        );
+        let turning = StopOutcome {
+            speed: None,
+            at_rest: false,
+            ..outcome
+        };
+        assert!(told("akd-1", StopWay::Disable, &turning).starts_with("DRV.DIS sent to akd-1"));
+    }
+}

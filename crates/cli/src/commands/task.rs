@@ -1,0 +1,69 @@
+//! `profidrive task`
+
+use std::time::Duration;
+
+use clap::Args;
+use drive_client::Drive;
+use drive_client::axis::Purpose;
+use profidrive::state::Mode;
+
+use super::axis::{self, End, SetMode};
+use crate::args::{Cyclic, Interface, duration};
+use crate::connect::{self, Live, Need};
+use crate::failure::Failure;
+use crate::fields;
+use crate::output::Output;
+
+#[derive(Debug, Args)]
+pub struct Task {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Number of the motion task in the table of the drive
+    #[arg(value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=128))]
+    pub number: u16,
+    /// Stop if the task, or the last one of its chain, is not at its target in this time
+    #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]
+    pub timeout: Duration,
+    #[command(flatten)]
+    pub mode: SetMode,
+    #[command(flatten)]
+    pub cyclic: Cyclic,
+}
+
+pub fn run(args: &Task, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    axis::checked(&args.cyclic)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
+    let before = axis::enter_mode(&mut session, &mut drive, Mode::Position, &args.mode, output)?;
+    let result = go(args, &mut session, &mut drive, output);
+    axis::leave_mode(&mut session, &mut drive, before, output);
+    result?;
+    Ok(session.close()?)
+}
+
+fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
+    const END: End = End::Target("the task was not finished");
+    let settings = axis::settings(&args.cyclic, Purpose::Task, f64::INFINITY);
+    let mut taken = session.take_axis(drive, settings)?;
+    output.say(&format!(
+        "this moves the axis: {} carries out its motion task {}, telegram {}; Ctrl-C stops it",
+        drive.label(),
+        args.number,
+        taken.telegram()
+    ));
+    axis::watch(&mut taken, "task", output);
+    let result = taken.enable().and_then(|mut enabled| {
+        enabled.start_task(args.number)?;
+        enabled.wait(Some(args.timeout))
+    });
+    let status = taken.status();
+    let running = status.and_then(|status| status.view.seen?.aktsatz);
+    if result.is_ok() {
+        output.say(&format!("task {} at its target (ZSW1 bit 10)", args.number));
+    }
+    let more = fields! {
+        "task": args.number, "aktsatz": running, "reached": result.is_ok(),
+        "position": status.and_then(|status| status.position),
+    };
+    axis::finish(taken, result, END, "task", more, output)
+        .map_err(|error| axis::explained(error, END, session, drive))
+}

@@ -1,0 +1,245 @@
+//! An axis in operation: the only thing here that has motions.
+
+use std::ops::{Deref, DerefMut};
+use std::time::Duration;
+
+use profinet::Medium;
+
+use super::Axis;
+use super::axis::{speed_raw, speed_rpm};
+use crate::axis::{Goal, Jog, Move, MovePlan, Progress, Traverse};
+use crate::{Connection, Error};
+
+/// How much longer than reckoned a move may take: this many times, and this much more.
+const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
+/// HOME.MODE: set the position where the axis stands, take that of the feedback.
+const ON_THE_SPOT: [i64; 2] = [0, 13];
+/// PNU of HOME.MODE.
+const HOME_MODE: u16 = 2203;
+
+/// An enabled axis (S4). Dropping it, for whatever reason, ends in a ramp stop.
+///
+/// It stands for operation that was reached. When the drive leaves it, by a fault for example, every motion returns
+/// what happened and nothing is sent: the axis has to be enabled again.
+pub struct Enabled<'a, 's, M: Medium>
+where
+    M::Error: Send + Sync + 'static,
+{
+    axis: &'a mut Axis<'s, M>,
+}
+
+impl<M: Medium> std::fmt::Debug for Enabled<'_, '_, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Enabled").field(&self.axis).finish()
+    }
+}
+
+impl<'s, M: Medium> Deref for Enabled<'_, 's, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    type Target = Axis<'s, M>;
+
+    fn deref(&self) -> &Self::Target {
+        self.axis
+    }
+}
+
+impl<M: Medium> DerefMut for Enabled<'_, '_, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        self.axis
+    }
+}
+
+impl<'a, 's, M: Medium> Enabled<'a, 's, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    pub(super) const fn new(axis: &'a mut Axis<'s, M>) -> Self {
+        Self { axis }
+    }
+
+    /// Follows this speed from now on, in rpm.
+    ///
+    /// # Errors
+    /// A speed above the limit, a drive in position mode, and when the axis is not enabled any more.
+    pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
+        let limit = self.axis.settings.speed_limit;
+        if rpm.is_nan() || rpm.abs() > limit {
+            return Err(Error::SpeedLimit { wanted: rpm, limit });
+        }
+        let drive = &self.axis.drive;
+        let setpoint = speed_raw(drive, rpm)
+            .filter(|&raw| (speed_rpm(drive, raw) - rpm).abs() <= 1.0)
+            .ok_or_else(|| Error::SpeedLimit {
+                wanted: rpm,
+                limit: speed_rpm(drive, i16::MAX),
+            })?;
+        self.reach(Goal::Run { setpoint }, None, "")
+    }
+
+    /// Jogs at one of the drive's jog setpoints.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill first, or is not enabled any more.
+    pub fn jog(&mut self, jog: Jog) -> Result<(), Error> {
+        self.reach(Goal::Jog(jog), None, "")
+    }
+
+    /// Starts a move; returns once the drive has accepted it. A move under way is replaced on the fly.
+    ///
+    /// # Errors
+    /// When something speaks against it, the drive does not accept it, or the axis is not enabled any more.
+    pub fn start(&mut self, plan: &MovePlan) -> Result<(), Error> {
+        if !plan.objections.is_empty() {
+            return Err(Error::Objections {
+                drive: self.axis.drive.label(),
+                objections: plan.objections.clone(),
+            });
+        }
+        self.begin(plan.traverse, plan.target)
+    }
+
+    /// Starts a task of the drive's table; returns once the drive has accepted it.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_task(&mut self, number: u16) -> Result<(), Error> {
+        self.begin(Traverse::task(number), None)
+    }
+
+    /// Plans a move, starts it and waits until the target is reached.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start), and when the target is not reached.
+    pub fn move_to(&mut self, order: &Move) -> Result<(), Error> {
+        let plan = self.axis.plan(order)?;
+        self.start(&plan)?;
+        let limit = plan
+            .duration
+            .map(|seconds| Duration::from_secs_f64(seconds) * PATIENCE.0 + PATIENCE.1);
+        self.wait(limit)
+    }
+
+    /// Waits until the task under way is at its target, or homing has ended.
+    ///
+    /// # Errors
+    /// When it takes longer than `limit`, the axis stops elsewhere, the drive leaves operation, the connection is lost
+    /// or the caller wants to stop. The motion is still under way then until this object goes.
+    pub fn wait(&mut self, limit: Option<Duration>) -> Result<(), Error> {
+        self.axis.arrive(limit, "reaching the target", |status| {
+            status.view.progress == Progress::Reached
+        })
+    }
+
+    /// Homes the axis as the drive is set up (HOME.MODE) and waits for the end.
+    ///
+    /// # Errors
+    /// When homing does not begin, fails or takes longer than `limit`, and as [`start`](Self::start).
+    pub fn home(&mut self, limit: Option<Duration>) -> Result<(), Error> {
+        let on_the_spot = self.homes_on_the_spot()?;
+        self.reach(Goal::Home { on_the_spot }, limit, "homing")
+    }
+
+    /// Intermediate stop: the task stays, [`resume`](Self::resume) goes on with it. Returns at standstill.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill, or is not enabled any more.
+    pub fn pause(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Pause, None, "")
+    }
+
+    /// Goes on with the task that a pause holds.
+    ///
+    /// # Errors
+    /// When no task is held, or the axis is not enabled any more.
+    pub fn resume(&mut self) -> Result<(), Error> {
+        let status = self.axis.look()?;
+        let held = status.view.command.traverse;
+        if status.view.goal != Goal::Pause || held == Traverse::default() {
+            return Err(profinet::controller::Misuse::Range("resume without a paused task").into());
+        }
+        self.pursue_enabled(Goal::Traverse(held))
+    }
+
+    /// Stops along the ramp and stays enabled; a task is discarded. Returns at standstill.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill, or is not enabled any more.
+    pub fn halt(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Enabled, None, "")
+    }
+
+    /// Ramp stop (OFF1) and the end of operation.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill or the connection is lost.
+    pub fn disable(self) -> Result<(), Error> {
+        self.axis.stop()
+    }
+
+    fn begin(&mut self, traverse: Traverse, target: Option<f64>) -> Result<(), Error> {
+        self.pursue_enabled(Goal::Traverse(traverse))?;
+        self.axis.target = target;
+        // the control has its own limit for the handshake
+        self.axis.arrive(None, "", |status| status.view.accepted)
+    }
+
+    fn reach(&mut self, goal: Goal, limit: Option<Duration>, what: &'static str) -> Result<(), Error> {
+        self.pursue_enabled(goal)?;
+        self.axis
+            .arrive(limit, what, |status| status.view.progress == Progress::Reached)
+    }
+
+    /// Nothing is pursued any more once the axis has been told to stop, or stopped by itself.
+    fn pursue_enabled(&mut self, goal: Goal) -> Result<(), Error> {
+        let status = self.axis.look()?;
+        if !status.view.goal.operates() {
+            return Err(Error::NotEnabled {
+                drive: self.axis.drive.label(),
+            });
+        }
+        if let Some(needed) = goal.mode().filter(|&needed| needed != status.view.mode) {
+            return Err(Error::WrongMode {
+                drive: self.axis.drive.label(),
+                needed,
+                present: crate::error::mode_words(status.view.mode).into(),
+            });
+        }
+        self.axis.pursue(goal);
+        Ok(())
+    }
+
+    fn homes_on_the_spot(&mut self) -> Result<bool, Error> {
+        let mut drive = self.axis.drive.clone();
+        let readings = self.axis.session.read_numbers(&mut drive, &[HOME_MODE])?;
+        let mode = readings.first().and_then(|reading| reading.raw());
+        Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
+    }
+}
+
+impl<M: Medium> Drop for Enabled<'_, '_, M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            // a watcher that panics once more would end the process before the axis stands
+            self.axis.watcher = None;
+        }
+        let operates = self
+            .axis
+            .status()
+            .is_some_and(|status| status.view.goal.operates());
+        if operates && self.axis.connection() == Connection::Running {
+            // nobody is left to tell
+            let _ = self.axis.come_to_rest();
+        }
+    }
+}

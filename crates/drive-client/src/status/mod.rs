@@ -1,0 +1,163 @@
+//! How a drive is, and in one sentence why it does not run.
+
+mod rules;
+
+use std::fmt;
+
+use profidrive::state::{Mode, State, Stw1, Zsw1};
+
+use crate::{FaultEntry, WarningEntry};
+
+pub use rules::Cause;
+
+/// Everything that decides whether an axis runs; `None` where the drive does not tell.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DriveStatus {
+    /// The drive, for the commands in the advice.
+    pub drive: String,
+    /// Name of the controller that has the cyclic connection: `Some(None)` when nobody has it.
+    pub controller: Option<Option<String>>,
+    /// Control word the drive was sent last.
+    pub stw1: Option<Stw1>,
+    /// Status word.
+    pub zsw1: Option<Zsw1>,
+    /// PNU 922.
+    pub telegram: Option<u16>,
+    /// True when the telegram carries a speed setpoint.
+    pub carries_speed: Option<bool>,
+    /// True when the telegram carries traversing tasks.
+    pub carries_tasks: Option<bool>,
+    /// PNU 930: 1 speed control, 2 positioning.
+    pub mode: Option<u16>,
+    /// DRV.CMDSOURCE: 1 is the field bus.
+    pub command_source: Option<u16>,
+    /// What DRV.CMDSOURCE is called.
+    pub command_source_text: Option<&'static str>,
+    /// DRV.DISSOURCES.
+    pub disable_sources: Option<u16>,
+    /// DRV.MOTIONDISSOURCES.
+    pub motion_disable_sources: Option<u16>,
+    /// DRV.MOTIONSTAT.
+    pub motion: Option<u32>,
+    /// Torque is allowed (STO.STATE is 1).
+    pub torque_allowed: Option<bool>,
+    /// The limit switch at the negative end is hit.
+    pub negative_switch: Option<bool>,
+    /// The limit switch at the positive end is hit.
+    pub positive_switch: Option<bool>,
+    /// SWLS.STATE: bits 0 and 1 for the two software limits.
+    pub software_limits: Option<u16>,
+    /// Faults that wait to be acknowledged, first one first.
+    pub faults: Vec<FaultEntry>,
+    /// Warnings that are present.
+    pub warnings: Vec<WarningEntry>,
+    /// Speed setpoint in rpm.
+    pub speed_set: Option<f64>,
+    /// Speed in rpm.
+    pub speed_actual: Option<f64>,
+    /// Position in turns.
+    pub position: Option<f64>,
+    /// Following error in the drive's position unit.
+    pub following_error: Option<f64>,
+}
+
+/// What kind of answer a diagnosis is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It runs, or stands because it was told to.
+    Runs,
+    /// Nothing is wrong, nobody has asked it to run.
+    Waits,
+    /// Something keeps it from running.
+    Held,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Runs => "runs",
+            Self::Waits => "waits",
+            Self::Held => "held",
+        })
+    }
+}
+
+/// Why a drive does not run, or that it does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Diagnosis {
+    /// What it comes down to.
+    pub cause: Cause,
+    /// What kind of answer it is.
+    pub verdict: Verdict,
+    /// One sentence, with the bit or parameter that says so.
+    pub sentence: String,
+    /// What to do next, where something is to be done.
+    pub next: Option<String>,
+}
+
+/// The one cause that matters most.
+///
+/// ```
+/// use drive_client::status::{Cause, DriveStatus, diagnose};
+/// use profidrive::state::{Stw1, Zsw1};
+/// let status = DriveStatus {
+///     drive: "akd-1".into(),
+///     controller: Some(Some("plc".into())),
+///     stw1: Some(Stw1(0x047E)),
+///     zsw1: Some(Zsw1(0x0231)),
+///     ..DriveStatus::default()
+/// };
+/// let found = diagnose(&status);
+/// assert_eq!(found.cause, Cause::Off);
+/// assert_eq!(
+///     found.sentence,
+///     "ready for switching on (S2), but controller \"plc\" does not send ON (STW1 bit 0 is 0)"
+/// );
+/// ```
+#[must_use]
+pub fn diagnose(status: &DriveStatus) -> Diagnosis {
+    rules::first(status)
+}
+
+impl DriveStatus {
+    /// State of the drive, read with the control word it was sent.
+    #[must_use]
+    pub fn state(&self) -> Option<State> {
+        self.zsw1?.state(self.stw1.unwrap_or_default())
+    }
+
+    /// PNU 930 as the mode of the words; velocity where the drive does not tell.
+    #[must_use]
+    pub fn word_mode(&self) -> Mode {
+        if self.mode == Some(2) {
+            Mode::Position
+        } else {
+            Mode::Velocity
+        }
+    }
+
+    /// `controller "plc"`, or `nobody`, or `the controller`.
+    fn owner(&self) -> String {
+        match &self.controller {
+            Some(Some(name)) if !name.is_empty() => format!("controller \"{name}\""),
+            Some(None) => "nobody".into(),
+            _ => "the controller".into(),
+        }
+    }
+
+    fn has(&self, bit: Zsw1) -> bool {
+        self.zsw1.is_some_and(|word| word.has(bit))
+    }
+
+    /// True when a bit of the control word is known to be 0.
+    fn lacks(&self, bit: Stw1) -> bool {
+        self.stw1.is_some_and(|word| !word.has(bit))
+    }
+
+    fn sent(&self, bit: Stw1) -> bool {
+        self.stw1.is_some_and(|word| word.has(bit))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,369 @@
+//! The causes, the most important first: a table that is walked.
+
+use profidrive::state::{State, Stw1, Zsw1};
+
+use super::{Diagnosis, DriveStatus, Verdict};
+
+/// Speed below which an axis counts as standing, rpm.
+const STANDS: f64 = 1.0;
+/// Bits of DRV.DISSOURCES that stand for the hardware; bit 0 is the software, bit 1 the fault.
+const HARDWARE_DISABLE: u16 = 1 << 2;
+const CONTROLLED_STOP: u16 = 1 << 5;
+const OTHER_SOURCES: u16 = !(1 | 1 << 1 | HARDWARE_DISABLE | CONTROLLED_STOP);
+/// DRV.MOTIONSTAT: homing runs, homing failed, a task could not be started.
+const HOMING: u32 = 1 << 3;
+const HOMING_ERROR: u32 = 1 << 4;
+const NOT_STARTED: u32 = 1 << 10;
+
+macro_rules! causes {
+    ($($(#[$doc:meta])* $name:ident = $id:literal, $verdict:ident, $applies:expr, $sentence:expr, $next:expr;)*) => {
+        /// What keeps a drive from running, or that nothing does. In the order of their weight.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Cause {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Cause {
+            /// Every cause, the most important first.
+            pub const ALL: &'static [Self] = &[$(Self::$name,)*];
+
+            /// Stable name for programs.
+            #[must_use]
+            pub const fn id(self) -> &'static str {
+                match self {
+                    $(Self::$name => $id,)*
+                }
+            }
+        }
+
+        const RULES: &[Rule] = &[$(Rule {
+            cause: Cause::$name,
+            verdict: Verdict::$verdict,
+            applies: $applies,
+            sentence: $sentence,
+            next: $next,
+        },)*];
+    };
+}
+
+struct Rule {
+    cause: Cause,
+    verdict: Verdict,
+    applies: fn(&DriveStatus) -> bool,
+    sentence: fn(&DriveStatus) -> String,
+    /// What to do; `DRIVE` stands for the drive, empty where nothing is to be done.
+    next: &'static str,
+}
+
+causes! {
+    /// The status word cannot be read.
+    Silent = "silent", Held,
+        |s| s.zsw1.is_none(),
+        |_| "the drive does not tell its status word (PNU 2)".into(),
+        "`profidrive info DRIVE` shows what it tells";
+    /// ZSW1 bit 3.
+    Fault = "fault", Held,
+        |s| s.has(Zsw1::FAULT) || !s.faults.is_empty(),
+        fault,
+        "remove the cause, then `profidrive ack DRIVE`, or acknowledge from its controller (STW1 bit 7)";
+    /// Safe torque off.
+    Sto = "sto", Held,
+        |s| s.torque_allowed == Some(false),
+        |_| "safe torque off: the STO input is open (STO.STATE is 0)".into(),
+        "close the safety circuit";
+    /// The hardware enable is missing.
+    HardwareDisable = "hardware-disable", Held,
+        |s| sources(s) & HARDWARE_DISABLE != 0,
+        |_| "the hardware enable input is open (DRV.DISSOURCES bit 2)".into(),
+        "close the enable input";
+    /// A digital input commands a stop.
+    ControlledStop = "controlled-stop", Held,
+        |s| sources(s) & CONTROLLED_STOP != 0,
+        |_| "a digital input commands a controlled stop (DRV.DISSOURCES bit 5)".into(),
+        "release that input: `profidrive list DRIVE --filter DIN --values` shows which";
+    /// Something else of the drive keeps the power stage off.
+    DisableSource = "disable-source", Held,
+        |s| sources(s) & OTHER_SOURCES != 0,
+        |s| format!("the drive keeps its power stage off (DRV.DISSOURCES is 0x{:04X})", sources(s)),
+        "`profidrive read DRIVE DRV.DISSOURCES` names the bits";
+    /// DRV.CMDSOURCE is not the field bus.
+    CommandSource = "command-source", Held,
+        |s| s.command_source.is_some_and(|source| source != 1),
+        |s| format!(
+            "the drive does not take its setpoints from the field bus (DRV.CMDSOURCE is {}{})",
+            s.command_source.unwrap_or_default(),
+            s.command_source_text.map_or_else(String::new, |text| format!(", {text}")),
+        ),
+        "`profidrive write DRIVE DRV.CMDSOURCE=1` while it is disabled";
+    /// ZSW1 bit 9.
+    LocalOperation = "local-operation", Held,
+        |s| !s.has(Zsw1::CONTROL_REQUESTED),
+        |_| "local operation: the drive does not ask for control by the field bus (ZSW1 bit 9 is 0)".into(),
+        "hand control over to the field bus at the drive or in its software";
+    /// PNU 930 is neither 1 nor 2.
+    OtherMode = "other-mode", Held,
+        |s| s.mode.is_some_and(|mode| !matches!(mode, 1 | 2)),
+        |s| format!(
+            "the drive is in a mode of its maker (PNU 930 is 0x{:04X}): neither speed nor position control",
+            s.mode.unwrap_or_default()
+        ),
+        "`profidrive write DRIVE 930=1` (speed) or `930=2` (position) while it is disabled";
+    /// Nobody is connected.
+    NoController = "no-controller", Waits,
+        |s| s.controller == Some(None) && !turns(s),
+        |s| format!("nobody commands it: no controller is connected{}", stands_in(s)),
+        "start the controller, or take the axis with `profidrive run`, `move` or `jog`";
+    /// Nobody is connected, and it turns.
+    TurnsAlone = "turns-alone", Held,
+        |s| s.controller == Some(None),
+        |s| format!(
+            "it turns at {:.1} rpm though no controller is connected: its service channel moves it, or the load",
+            s.speed_actual.unwrap_or_default()
+        ),
+        "`profidrive stop DRIVE`";
+    /// STW1 bit 10.
+    NoControl = "no-control", Waits,
+        |s| s.lacks(Stw1::CONTROL_BY_PLC),
+        |s| format!("{} does not take control (STW1 bit 10 is 0): its program is stopped, or does not want to", s.owner()),
+        "in the controller: set STW1 bit 10, its program must run";
+    /// STW1 bit 1.
+    CoastStop = "coast-stop", Held,
+        |s| s.lacks(Stw1::NO_COAST_STOP),
+        |s| format!("{} commands a coast stop (OFF2: STW1 bit 1 is 0)", s.owner()),
+        "in the controller: set STW1 bit 1";
+    /// STW1 bit 2.
+    QuickStop = "quick-stop", Held,
+        |s| s.lacks(Stw1::NO_QUICK_STOP),
+        |s| format!("{} commands a quick stop (OFF3: STW1 bit 2 is 0)", s.owner()),
+        "in the controller: set STW1 bit 2";
+    /// S5.
+    Stopping = "stopping", Waits,
+        |s| matches!(s.state(), Some(State::S5Ramp | State::S5Quick)),
+        |s| format!("it is being stopped ({})", s.state().map_or_else(String::new, |state| state.to_string())),
+        "";
+    /// S1 with ON still set.
+    Inhibited = "inhibited", Held,
+        |s| s.state() == Some(State::S1) && s.sent(Stw1::ON),
+        |s| format!(
+            "switching on is inhibited (S1) because {} still sends ON (STW1 bit 0) from before",
+            s.owner()
+        ),
+        "in the controller: OFF first (STW1 0x047E), then ON (0x047F)";
+    /// S1 otherwise.
+    NotReady = "not-ready", Held,
+        |s| s.state() == Some(State::S1),
+        |_| "switching on is inhibited (S1) though OFF is sent: the drive is not ready for it".into(),
+        "`profidrive read DRIVE DRV.DISSOURCES` may tell more";
+    /// A status word without a state.
+    SelfTest = "self-test", Waits,
+        |s| s.state().is_none(),
+        |s| format!("the drive is not ready yet (ZSW1 is 0x{:04X})", s.zsw1.unwrap_or_default().0),
+        "";
+    /// S2: ON is missing.
+    Off = "off", Waits,
+        |s| s.state() == Some(State::S2) && !s.sent(Stw1::ON),
+        |s| format!("ready for switching on (S2), but {} does not send ON (STW1 bit 0 is 0)", s.owner()),
+        "in the controller: ON (STW1 0x047F)";
+    /// S3: operation is not enabled.
+    OperationDisabled = "operation-disabled", Waits,
+        |s| matches!(s.state(), Some(State::S2 | State::S3)) && !s.sent(Stw1::ENABLE_OPERATION),
+        |s| format!(
+            "switched on, but {} does not enable operation (STW1 bit 3 is 0)",
+            s.owner()
+        ),
+        "in the controller: set STW1 bit 3";
+    /// ON is sent, S4 is not there yet.
+    SwitchingOn = "switching-on", Waits,
+        |s| matches!(s.state(), Some(State::S2 | State::S3)),
+        |s| format!("it is switching on ({})", s.state().map_or_else(String::new, |state| state.to_string())),
+        "";
+    /// DRV.MOTIONDISSOURCES.
+    MotionHeld = "motion-held", Held,
+        |s| s.motion_disable_sources.is_some_and(|sources| sources != 0),
+        |s| format!(
+            "enabled (S4), but the drive holds motion off (DRV.MOTIONDISSOURCES is 0x{:04X})",
+            s.motion_disable_sources.unwrap_or_default()
+        ),
+        "`profidrive read DRIVE DRV.MOTIONDISSOURCES`";
+    /// A speed telegram in position mode.
+    SpeedTelegram = "speed-telegram", Held,
+        |s| positioning(s) && s.carries_tasks == Some(false) && !s.sent(Stw1::START_HOMING) && !moves(s),
+        |s| format!(
+            "enabled in position mode (PNU 930 is 2), but {} carries no traversing tasks",
+            telegram(s)
+        ),
+        "plug telegram 7 or 9 in the controller, or `profidrive write DRIVE 930=1` for speed control";
+    /// A position telegram in velocity mode.
+    TaskTelegram = "task-telegram", Held,
+        |s| s.mode == Some(1) && s.carries_speed == Some(false),
+        |s| format!("enabled in velocity mode (PNU 930 is 1), but {} carries no speed setpoint", telegram(s)),
+        "plug telegram 1 in the controller, or `profidrive write DRIVE 930=2` for positioning";
+    /// It turns.
+    Moves = "moves", Runs,
+        moves,
+        |s| match s.speed_actual {
+            Some(speed) if turns(s) => format!("it runs: operation (S4), {speed:.1} rpm"),
+            _ => "it runs: operation (S4), the axis moves (ZSW1 bit 13 is 0)".into(),
+        },
+        "";
+    /// A limit switch is hit.
+    LimitSwitch = "limit-switch", Held,
+        |s| s.negative_switch == Some(true) || s.positive_switch == Some(true),
+        |s| format!(
+            "enabled (S4), but the {} limit switch is hit",
+            if s.positive_switch == Some(true) { "positive" } else { "negative" }
+        ),
+        "move away from it: only the other direction is free";
+    /// A software limit is reached.
+    SoftwareLimit = "software-limit", Held,
+        |s| s.software_limits.is_some_and(|limits| limits != 0),
+        |s| format!(
+            "enabled (S4), but a software limit is reached (SWLS.STATE is {})",
+            s.software_limits.unwrap_or_default()
+        ),
+        "move back inside: `profidrive read DRIVE SWLS.LIMIT0 SWLS.LIMIT1` shows the limits";
+    /// Homing runs.
+    Homing = "homing", Runs,
+        |s| positioning(s) && motion(s) & HOMING != 0,
+        |_| "it is homing (DRV.MOTIONSTAT bit 3)".into(),
+        "";
+    /// Homing has failed.
+    HomingFailed = "homing-failed", Held,
+        |s| positioning(s) && !s.has(Zsw1::HOMED) && motion(s) & HOMING_ERROR != 0,
+        |_| "enabled (S4), but homing has failed (DRV.MOTIONSTAT bit 4)".into(),
+        "check HOME.MODE and the switches, then `profidrive home DRIVE`";
+    /// No home position.
+    NotHomed = "not-homed", Held,
+        |s| positioning(s) && !s.has(Zsw1::HOMED),
+        |_| "enabled (S4), but the axis is not homed (ZSW1 bit 11 is 0): it accepts no task".into(),
+        "home it: STW1 bit 11 in the controller, or `profidrive home DRIVE`";
+    /// STW1 bit 4, position mode.
+    Rejected = "rejected", Waits,
+        |s| positioning(s) && s.lacks(Stw1::NO_REJECT),
+        |s| format!("enabled (S4), but {} rejects traversing tasks (STW1 bit 4 is 0)", s.owner()),
+        "in the controller: set STW1 bit 4, then a new edge of bit 6";
+    /// STW1 bit 5, position mode.
+    IntermediateStop = "intermediate-stop", Waits,
+        |s| positioning(s) && s.lacks(Stw1::NO_INTERMEDIATE_STOP),
+        |s| format!("enabled (S4), but {} commands an intermediate stop (STW1 bit 5 is 0)", s.owner()),
+        "in the controller: set STW1 bit 5, the task goes on";
+    /// The drive could not start the task.
+    TaskRefused = "task-refused", Held,
+        |s| positioning(s)
+            && (motion(s) & NOT_STARTED != 0
+                || (s.sent(Stw1::ACTIVATE_TASK) && !s.has(Zsw1::TASK_ACKNOWLEDGED) && !s.has(Zsw1::REACHED))),
+        |_| "enabled (S4), but the drive did not accept the traversing task (ZSW1 bit 12 is 0)".into(),
+        "look at warnings and at the task: target, speed and ramps within the limits?";
+    /// At the target.
+    AtTarget = "at-target", Waits,
+        |s| positioning(s) && s.has(Zsw1::REACHED),
+        |_| "enabled (S4), at the target of its task (ZSW1 bit 10): it waits for the next".into(),
+        "";
+    /// No task.
+    NoTask = "no-task", Waits,
+        positioning,
+        |s| format!("enabled (S4), but {} starts no traversing task (edge of STW1 bit 6)", s.owner()),
+        "in the controller: task or MDI values, then STW1 bit 6 from 0 to 1";
+    /// STW1 bit 4, velocity mode.
+    RampOff = "ramp-off", Waits,
+        |s| s.lacks(Stw1::ENABLE_RAMP),
+        |s| format!("enabled (S4), but {} holds the ramp generator at 0 (STW1 bit 4 is 0)", s.owner()),
+        "in the controller: set STW1 bits 4, 5 and 6";
+    /// STW1 bit 6, velocity mode.
+    SetpointOff = "setpoint-off", Waits,
+        |s| s.lacks(Stw1::ENABLE_SETPOINT),
+        |s| format!("enabled (S4), but {} does not enable the setpoint (STW1 bit 6 is 0)", s.owner()),
+        "in the controller: set STW1 bit 6";
+    /// STW1 bit 5, velocity mode.
+    RampFrozen = "ramp-frozen", Waits,
+        |s| s.lacks(Stw1::UNFREEZE_RAMP),
+        |s| format!("enabled (S4), but {} freezes the ramp generator (STW1 bit 5 is 0)", s.owner()),
+        "in the controller: set STW1 bit 5";
+    /// The speed setpoint is 0.
+    ZeroSetpoint = "zero-setpoint", Waits,
+        |s| s.speed_set.is_some_and(|speed| speed.abs() < STANDS),
+        |s| format!("enabled (S4), but {} sends a speed setpoint of 0 (NSOLL_A)", s.owner()),
+        "in the controller: give a speed";
+    /// A setpoint, but no motion.
+    DoesNotTurn = "does-not-turn", Held,
+        |s| s.speed_set.is_some() && s.speed_actual.is_some(),
+        |s| format!(
+            "enabled (S4) with a setpoint of {:.1} rpm, but the motor does not turn: brake, load, or a limit of current or speed",
+            s.speed_set.unwrap_or_default()
+        ),
+        "`profidrive read DRIVE IL.FB IL.LIMITP VL.LIMITP VL.LIMITN`";
+    /// In operation, and nothing else is known.
+    Operation = "operation", Runs,
+        |_| true,
+        |_| "it is in operation (S4)".into(),
+        "";
+}
+
+pub(super) fn first(status: &DriveStatus) -> Diagnosis {
+    let found = RULES.iter().find(|rule| (rule.applies)(status));
+    let Some(rule) = found else {
+        // the last rule applies to everything
+        return Diagnosis {
+            cause: Cause::Operation,
+            verdict: Verdict::Runs,
+            sentence: String::new(),
+            next: None,
+        };
+    };
+    let next = rule.next.replace("DRIVE", &status.drive);
+    Diagnosis {
+        cause: rule.cause,
+        verdict: rule.verdict,
+        sentence: (rule.sentence)(status),
+        next: (!next.is_empty()).then_some(next),
+    }
+}
+
+fn fault(status: &DriveStatus) -> String {
+    match status.faults.as_slice() {
+        [] => "a fault is present (ZSW1 bit 3), the drive does not tell its number".into(),
+        [fault, more @ ..] => {
+            let text = fault.meaning.unwrap_or("not in the tables");
+            let others = match more {
+                [] => String::new(),
+                [other] => format!(", then F{}", other.number),
+                _ => format!(", then {} more", more.len()),
+            };
+            format!("fault F{} is present: {text}{others}", fault.number)
+        }
+    }
+}
+
+fn sources(status: &DriveStatus) -> u16 {
+    status.disable_sources.unwrap_or(0)
+}
+
+fn motion(status: &DriveStatus) -> u32 {
+    status.motion.unwrap_or(0)
+}
+
+fn positioning(status: &DriveStatus) -> bool {
+    status.mode == Some(2)
+}
+
+fn turns(status: &DriveStatus) -> bool {
+    status.speed_actual.is_some_and(|speed| speed.abs() >= STANDS)
+}
+
+/// In operation and turning; in position mode the drive says so itself.
+fn moves(status: &DriveStatus) -> bool {
+    turns(status) || (positioning(status) && !status.has(Zsw1::STOPPED))
+}
+
+fn stands_in(status: &DriveStatus) -> String {
+    status
+        .state()
+        .map_or_else(String::new, |state| format!(" (the drive is in {state})"))
+}
+
+fn telegram(status: &DriveStatus) -> String {
+    status
+        .telegram
+        .map_or_else(|| "its telegram".into(), |number| format!("telegram {number}"))
+}

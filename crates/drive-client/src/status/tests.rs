@@ -1,0 +1,400 @@
+//! Every cause once, and which one wins.
+
+use super::*;
+
+fn running() -> DriveStatus {
+    DriveStatus {
+        drive: "akd-1".into(),
+        controller: Some(Some("plc".into())),
+        stw1: Some(Stw1(0x047F)),
+        zsw1: Some(Zsw1(0x0337)),
+        telegram: Some(1),
+        carries_speed: Some(true),
+        carries_tasks: Some(false),
+        mode: Some(1),
+        command_source: Some(1),
+        disable_sources: Some(0),
+        motion_disable_sources: Some(0),
+        motion: Some(0),
+        torque_allowed: Some(true),
+        negative_switch: Some(false),
+        positive_switch: Some(false),
+        software_limits: Some(0),
+        speed_set: Some(60.0),
+        speed_actual: Some(59.7),
+        ..DriveStatus::default()
+    }
+}
+
+/// In position mode, homed, standing at its target.
+fn positioned() -> DriveStatus {
+    DriveStatus {
+        stw1: Some(Stw1(0x043F)),
+        zsw1: Some(Zsw1(0x2F37)),
+        telegram: Some(9),
+        carries_speed: Some(false),
+        carries_tasks: Some(true),
+        mode: Some(2),
+        speed_set: None,
+        speed_actual: Some(0.0),
+        ..running()
+    }
+}
+
+fn fault(number: u16, meaning: Option<&'static str>) -> FaultEntry {
+    FaultEntry {
+        meaning,
+        number,
+        ..FaultEntry::default()
+    }
+}
+
+fn words(status: &mut DriveStatus, stw1: u16, zsw1: u16) {
+    (status.stw1, status.zsw1) = (Some(Stw1(stw1)), Some(Zsw1(zsw1)));
+}
+
+type Change = fn(&mut DriveStatus);
+
+const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
+    (Cause::Silent, Verdict::Held, |s| s.zsw1 = None, "(PNU 2)"),
+    (
+        Cause::Fault,
+        Verdict::Held,
+        |s| {
+            words(s, 0x047F, 0x0278);
+            s.faults = vec![fault(439, Some("Following error")), fault(702, None)];
+        },
+        "fault F439 is present: Following error, then F702",
+    ),
+    (
+        Cause::Fault,
+        Verdict::Held,
+        |s| words(s, 0x047E, 0x0278),
+        "(ZSW1 bit 3), the drive does not tell its number",
+    ),
+    (
+        Cause::Sto,
+        Verdict::Held,
+        |s| s.torque_allowed = Some(false),
+        "STO.STATE is 0",
+    ),
+    (
+        Cause::HardwareDisable,
+        Verdict::Held,
+        |s| s.disable_sources = Some(4),
+        "bit 2",
+    ),
+    (
+        Cause::ControlledStop,
+        Verdict::Held,
+        |s| s.disable_sources = Some(0x21),
+        "bit 5",
+    ),
+    (
+        Cause::DisableSource,
+        Verdict::Held,
+        |s| s.disable_sources = Some(0x11),
+        "0x0011",
+    ),
+    (
+        Cause::CommandSource,
+        Verdict::Held,
+        |s| (s.command_source, s.command_source_text) = (Some(3), Some("Analog")),
+        "DRV.CMDSOURCE is 3, Analog",
+    ),
+    (
+        Cause::LocalOperation,
+        Verdict::Held,
+        |s| words(s, 0x047F, 0x0137),
+        "ZSW1 bit 9",
+    ),
+    (
+        Cause::OtherMode,
+        Verdict::Held,
+        |s| s.mode = Some(0x8000),
+        "0x8000",
+    ),
+    (
+        Cause::NoController,
+        Verdict::Waits,
+        |s| {
+            words(s, 0, 0x0240);
+            (s.controller, s.speed_actual) = (Some(None), Some(0.0));
+        },
+        "no controller is connected (the drive is in S1",
+    ),
+    (
+        Cause::TurnsAlone,
+        Verdict::Held,
+        |s| s.controller = Some(None),
+        "59.7 rpm though no controller",
+    ),
+    (
+        Cause::NoControl,
+        Verdict::Waits,
+        |s| words(s, 0x007F, 0x0231),
+        "controller \"plc\" does not take control",
+    ),
+    (
+        Cause::CoastStop,
+        Verdict::Held,
+        |s| words(s, 0x047D, 0x0260),
+        "OFF2",
+    ),
+    (
+        Cause::QuickStop,
+        Verdict::Held,
+        |s| words(s, 0x047B, 0x0250),
+        "OFF3",
+    ),
+    (
+        Cause::Stopping,
+        Verdict::Waits,
+        |s| words(s, 0x047E, 0x0233),
+        "S5",
+    ),
+    (
+        Cause::Inhibited,
+        Verdict::Held,
+        |s| words(s, 0x047F, 0x0270),
+        "still sends ON",
+    ),
+    (Cause::NotReady, Verdict::Held, |s| words(s, 0x047E, 0x0270), "S1"),
+    (
+        Cause::SelfTest,
+        Verdict::Waits,
+        |s| words(s, 0x047E, 0x0200),
+        "0x0200",
+    ),
+    (
+        Cause::Off,
+        Verdict::Waits,
+        |s| words(s, 0x047E, 0x0231),
+        "STW1 bit 0 is 0",
+    ),
+    (
+        Cause::OperationDisabled,
+        Verdict::Waits,
+        |s| words(s, 0x0477, 0x0233),
+        "STW1 bit 3 is 0",
+    ),
+    (
+        Cause::SwitchingOn,
+        Verdict::Waits,
+        |s| words(s, 0x047F, 0x0233),
+        "S3",
+    ),
+    (
+        Cause::MotionHeld,
+        Verdict::Held,
+        |s| s.motion_disable_sources = Some(4),
+        "0x0004",
+    ),
+    (
+        Cause::TaskTelegram,
+        Verdict::Held,
+        |s| (s.telegram, s.carries_speed) = (Some(9), Some(false)),
+        "telegram 9 carries no speed",
+    ),
+    (Cause::Moves, Verdict::Runs, |_| {}, "59.7 rpm"),
+    (
+        Cause::LimitSwitch,
+        Verdict::Held,
+        |s| (s.positive_switch, s.speed_actual) = (Some(true), Some(0.0)),
+        "positive limit switch",
+    ),
+    (
+        Cause::SoftwareLimit,
+        Verdict::Held,
+        |s| (s.software_limits, s.speed_actual) = (Some(2), Some(0.0)),
+        "SWLS.STATE is 2",
+    ),
+    (
+        Cause::RampOff,
+        Verdict::Waits,
+        |s| {
+            words(s, 0x046F, 0x0337);
+            s.speed_actual = Some(0.0);
+        },
+        "STW1 bit 4",
+    ),
+    (
+        Cause::SetpointOff,
+        Verdict::Waits,
+        |s| {
+            words(s, 0x043F, 0x0337);
+            s.speed_actual = Some(0.0);
+        },
+        "STW1 bit 6",
+    ),
+    (
+        Cause::RampFrozen,
+        Verdict::Waits,
+        |s| {
+            words(s, 0x045F, 0x0337);
+            s.speed_actual = Some(0.0);
+        },
+        "STW1 bit 5",
+    ),
+    (
+        Cause::ZeroSetpoint,
+        Verdict::Waits,
+        |s| (s.speed_set, s.speed_actual) = (Some(0.0), Some(0.0)),
+        "setpoint of 0",
+    ),
+    (
+        Cause::DoesNotTurn,
+        Verdict::Held,
+        |s| s.speed_actual = Some(0.0),
+        "setpoint of 60.0 rpm",
+    ),
+    (
+        Cause::Operation,
+        Verdict::Runs,
+        |s| (s.speed_set, s.speed_actual) = (None, None),
+        "operation",
+    ),
+];
+
+const POSITION: &[(Cause, Verdict, Change, &str)] = &[
+    (
+        Cause::SpeedTelegram,
+        Verdict::Held,
+        |s| (s.telegram, s.carries_tasks) = (Some(1), Some(false)),
+        "telegram 1 carries no traversing tasks",
+    ),
+    (
+        Cause::Moves,
+        Verdict::Runs,
+        |s| words(s, 0x043F, 0x4F37),
+        "ZSW1 bit 13 is 0",
+    ),
+    (Cause::Homing, Verdict::Runs, |s| s.motion = Some(8), "bit 3"),
+    (
+        Cause::HomingFailed,
+        Verdict::Held,
+        |s| {
+            words(s, 0x043F, 0x2337);
+            s.motion = Some(16);
+        },
+        "bit 4",
+    ),
+    (
+        Cause::NotHomed,
+        Verdict::Held,
+        |s| words(s, 0x043F, 0x2337),
+        "ZSW1 bit 11 is 0",
+    ),
+    (
+        Cause::Rejected,
+        Verdict::Waits,
+        |s| words(s, 0x042F, 0x2F37),
+        "STW1 bit 4",
+    ),
+    (
+        Cause::IntermediateStop,
+        Verdict::Waits,
+        |s| words(s, 0x041F, 0x2B37),
+        "STW1 bit 5",
+    ),
+    (
+        Cause::TaskRefused,
+        Verdict::Held,
+        |s| words(s, 0x047F, 0x2B37),
+        "ZSW1 bit 12",
+    ),
+    (
+        Cause::TaskRefused,
+        Verdict::Held,
+        |s| s.motion = Some(1 << 10),
+        "ZSW1 bit 12",
+    ),
+    (Cause::AtTarget, Verdict::Waits, |_| {}, "ZSW1 bit 10"),
+    (
+        Cause::NoTask,
+        Verdict::Waits,
+        |s| words(s, 0x043F, 0x2B37),
+        "edge of STW1 bit 6",
+    ),
+];
+
+#[test]
+fn every_cause_has_its_sentence() {
+    let mut met = Vec::new();
+    for (table, base) in [(VELOCITY, running()), (POSITION, positioned())] {
+        for &(cause, verdict, change, words) in table {
+            let mut status = base.clone();
+            change(&mut status);
+            let found = diagnose(&status);
+            assert_eq!(
+                (found.cause, found.verdict),
+                (cause, verdict),
+                "{}",
+                found.sentence
+            );
+            assert!(found.sentence.contains(words), "{cause:?}: {}", found.sentence);
+            assert!(!found.sentence.contains('\n') && !found.sentence.ends_with('.'));
+            assert!(
+                found.verdict != Verdict::Held || found.next.is_some(),
+                "{cause:?}: what is to be done?"
+            );
+            assert!(
+                found
+                    .next
+                    .is_none_or(|next| !next.contains("DRIVE ") || !next.contains("`profidrive"))
+            );
+            met.push(cause);
+        }
+    }
+    for cause in Cause::ALL {
+        assert!(met.contains(cause), "{cause:?} is never found");
+    }
+}
+
+#[test]
+fn names_for_programs_are_unique() {
+    for (at, cause) in Cause::ALL.iter().enumerate() {
+        assert!(Cause::ALL[at + 1..].iter().all(|other| other.id() != cause.id()));
+    }
+}
+
+#[test]
+fn what_weighs_more_wins() {
+    let mut status = running();
+    words(&mut status, 0x047E, 0x0278);
+    status.faults = vec![fault(602, None)];
+    status.torque_allowed = Some(false);
+    status.controller = Some(None);
+    assert_eq!(diagnose(&status).cause, Cause::Fault);
+    status.faults.clear();
+    words(&mut status, 0x047E, 0x0270);
+    assert_eq!(diagnose(&status).cause, Cause::Sto);
+    status.torque_allowed = Some(true);
+    status.disable_sources = Some(1);
+    status.speed_actual = Some(0.0);
+    assert_eq!(
+        diagnose(&status).cause,
+        Cause::NoController,
+        "bit 0 is no obstacle"
+    );
+}
+
+#[test]
+fn a_drive_that_tells_next_to_nothing() {
+    let silent = DriveStatus::default();
+    assert_eq!(diagnose(&silent).cause, Cause::Silent);
+    let only_a_word = DriveStatus {
+        zsw1: Some(Zsw1(0x0337)),
+        ..DriveStatus::default()
+    };
+    assert_eq!(diagnose(&only_a_word).cause, Cause::Operation);
+    assert_eq!(diagnose(&only_a_word).next, None);
+}
+
+#[test]
+fn the_advice_names_the_drive() {
+    let mut status = running();
+    words(&mut status, 0x047F, 0x0278);
+    let next = diagnose(&status).next.unwrap();
+    assert!(next.contains("`profidrive ack akd-1`"), "{next}");
+}
