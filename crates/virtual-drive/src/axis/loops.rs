@@ -176,7 +176,7 @@ impl Loops {
     }
 
     /// The loops are open: all references follow the axis.
-    fn follow(&mut self, seen: Feedback) {
+    pub fn follow(&mut self, seen: Feedback) {
         let speed = seen.omega * RPM;
         self.integral = 0.0;
         self.before = None;

@@ -176,8 +176,22 @@ impl Axis {
         }
     }
 
-    /// A time of any length in which the axis stands without command: heat goes, the bus settles.
+    /// A time of any length in which the axis is [at rest](Self::is_at_rest) without command: no current flows, the
+    /// references are where the axis is, heat goes, the bus settles.
     pub fn rest(&mut self, seconds: f64, tuning: &Tuning) {
+        self.current = 0.0;
+        if !self.feedback_lost {
+            self.seen = Feedback {
+                position: self.mechanics.position & !self.unresolved,
+                omega: 0.0,
+            };
+            self.measured = 0.0;
+            self.filtered = 0.0;
+        }
+        self.loops.follow(Feedback {
+            position: self.position(),
+            omega: 0.0,
+        });
         if seconds > 0.0 {
             self.electrical
                 .rest(seconds, &tuning.drive_endurance, &tuning.motor_endurance);

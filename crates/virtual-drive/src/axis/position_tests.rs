@@ -241,6 +241,27 @@ fn the_brake_holds_what_would_fall() {
 }
 
 #[test]
+fn at_rest_nothing_flows_and_nothing_is_wanted() {
+    let mut axis = Axis::new(Plant::default());
+    axis.set_blocked(true);
+    run(&mut axis, 0.2, to(REV, 300.0));
+    assert!(axis.current() > 1.0 && axis.following_error() > REV / 4);
+    axis.rest(0.001, &Tuning::default());
+    assert_eq!((axis.current(), axis.following_error()), (0.0, 0));
+    assert_eq!(
+        (axis.measured_speed(), axis.filtered_speed(), axis.speed_command()),
+        (0.0, 0.0, 0.0)
+    );
+    assert!(!axis.trajectory_done());
+    axis.set_blocked(false);
+    run(&mut axis, 0.5, travel(0.0));
+    assert!(
+        revolutions(axis.position()).abs() < 1e-4,
+        "it does not jump to an old target"
+    );
+}
+
+#[test]
 fn sto_takes_the_torque() {
     let mut axis = Axis::new(Plant::default());
     run(&mut axis, 0.5, travel(600.0));

@@ -390,10 +390,22 @@ proptest! {
         let mut watch = Watch::new();
         watch.trajectory.aim(to(target, speed), manner);
         let mut before = 0;
-        for _ in 0..4000 {
+        // As quick as can be: the time of the trapezoid, and with a jerk limit not much more.
+        let way = target.abs() as f64 / REV as f64 * 60.0;
+        let slopes = 0.5 * (1.0 / acceleration + 1.0 / deceleration);
+        let shortest = if way > speed * speed * slopes {
+            way / speed + speed * slopes
+        } else {
+            2.0 * (way * slopes).sqrt()
+        };
+        let longest = shortest + 2.0 * smoothing.unwrap_or(0.0) + 1.01 * dt;
+        for number in 0..4000 {
+            let time = f64::from(number) * dt;
             if watch.trajectory.is_done() {
+                prop_assert!(time > shortest - dt && time < longest, "{} {}", time, shortest);
                 break;
             }
+            prop_assert!(time < longest, "{} {}", time, shortest);
             watch.step(dt, speed, &manner);
             let now = watch.trajectory.position();
             prop_assert!((before..=target).contains(&now) || (target..=before).contains(&now));
