@@ -60,6 +60,21 @@ impl Catalogue {
         usize::from(*self.index.get(usize::from(pnu))?).checked_sub(1)
     }
 
+    /// The 64-bit parameter whose high half has this number.
+    #[must_use]
+    pub fn by_high(&self, pnu: u16) -> Option<&'static Parameter> {
+        self.by_pnu(pnu.checked_sub(1)?)
+            .filter(|parameter| parameter.high() == Some(pnu))
+    }
+
+    /// Every number of the model, ascending: one for each parameter, two for 64-bit values.
+    pub fn numbers(&self) -> impl Iterator<Item = u16> + use<> {
+        self.parameters
+            .iter()
+            .flat_map(|parameter| [Some(parameter.pnu), parameter.high()])
+            .flatten()
+    }
+
     /// The parameter with this name, case does not matter. Where the maker gave one name to several numbers, the
     /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all. Two ways of other manuals to write
     /// a name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), and with `PN.` before a
@@ -184,6 +199,22 @@ mod tests {
     }
 
     #[test]
+    fn halves_of_wide_values_are_nobody_elses_numbers() {
+        let wide = AKD.parameters.iter().filter(|parameter| parameter.wide);
+        assert_eq!(wide.clone().count(), 121);
+        for parameter in wide {
+            let high = parameter.high().unwrap();
+            assert!(AKD.by_pnu(high).is_none());
+            assert_eq!(AKD.by_high(high).unwrap().pnu, parameter.pnu);
+            assert_eq!(parameter.size, Size::Dword);
+        }
+        let numbers: Vec<u16> = AKD.numbers().collect();
+        assert_eq!(numbers.len(), 921);
+        assert!(numbers.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(AKD.by_high(2108).is_none() && AKD.by_high(2136).is_none() && AKD.by_high(0).is_none());
+    }
+
+    #[test]
     fn double_names_keep_all_their_numbers() {
         let numbers = |name: &str| AKD.all_by_name(name).map(|found| found.pnu).collect::<Vec<_>>();
         assert_eq!(numbers("DRV.CLRFAULTS"), [2111, 2112]);
@@ -249,10 +280,7 @@ mod tests {
             );
             for choice in parameter.choices {
                 assert!(
-                    parameter
-                        .size
-                        .range(parameter.signed)
-                        .contains(&i64::from(choice.value)),
+                    parameter.range().contains(&i64::from(choice.value)),
                     "{parameter:?}"
                 );
             }

@@ -1,5 +1,7 @@
 //! One parameter of a model, and how its number on the wire becomes an engineering value.
 
+use alloc::format;
+use alloc::string::String;
 use core::ops::RangeInclusive;
 
 use crate::unit;
@@ -89,7 +91,8 @@ pub struct Parameter {
     pub access: Access,
     /// True when DRV.NVSAVE stores it.
     pub saved: bool,
-    /// True when the next number is left free behind a double word: a 64-bit value cut to its low half.
+    /// True for a 64-bit value: this number is its low half, the next number its high half. That the manual leaves the
+    /// next number free is all that is known of it; which half is which is our reading.
     pub wide: bool,
     /// Unit of the engineering value, empty for a bare number.
     pub unit: &'static str,
@@ -118,23 +121,61 @@ impl Parameter {
         self.elements > 1
     }
 
+    /// Number of the high half of a 64-bit value.
+    #[must_use]
+    pub const fn high(&self) -> Option<u16> {
+        if self.wide { self.pnu.checked_add(1) } else { None }
+    }
+
+    /// Numbers that fit: those of the size, or of both halves of a 64-bit value (without sign up to 2^63 - 1).
+    #[must_use]
+    pub const fn range(&self) -> RangeInclusive<i64> {
+        match (self.wide, self.signed) {
+            (false, signed) => self.size.range(signed),
+            (true, true) => i64::MIN..=i64::MAX,
+            (true, false) => 0..=i64::MAX,
+        }
+    }
+
+    /// The whole number of a 64-bit value out of its halves.
+    #[must_use]
+    pub const fn whole(&self, high: u32, low: u32) -> i64 {
+        let whole = ((high as u64) << 32 | low as u64).cast_signed();
+        // Without sign the upper half of the numbers is not used.
+        if whole < 0 && !self.signed {
+            i64::MAX
+        } else {
+            whole
+        }
+    }
+
+    /// What the low half of a 64-bit value means when it comes alone: with the sign of the parameter.
+    #[must_use]
+    pub const fn alone(&self, low: u32) -> i64 {
+        if self.signed {
+            low.cast_signed() as i64
+        } else {
+            low as i64
+        }
+    }
+
     /// The engineering value of a number from the wire.
     #[must_use]
     pub fn engineering(&self, raw: i64, scaling: &Scaling) -> f64 {
         scaling.linear(self.scale).engineering(raw)
     }
 
-    /// The number on the wire for an engineering value: nearest, halves away from zero, cut to what fits the size.
+    /// The number on the wire for an engineering value: nearest, halves away from zero, cut to what fits.
     #[must_use]
     pub fn raw(&self, engineering: f64, scaling: &Scaling) -> i64 {
         let exact = scaling.linear(self.scale).exact(engineering);
-        unit::nearest(exact, self.size.range(self.signed).into_inner()).value
+        unit::nearest(exact, self.range().into_inner()).value
     }
 
     /// Lowest and highest number on the wire: the limits where known, else what fits the size.
     #[must_use]
     pub fn raw_limits(&self, scaling: &Scaling) -> (i64, i64) {
-        let range = self.size.range(self.signed);
+        let range = self.range();
         (
             self.minimum
                 .map_or(*range.start(), |limit| self.raw(limit, scaling)),
@@ -151,6 +192,32 @@ impl Parameter {
             Some(value) => self.raw(value, scaling),
             None => 0.clamp(low, high.max(low)),
         }
+    }
+
+    /// The rule by which the number on the wire is made, for people: `raw 1000 = 1 rpm/s`.
+    ///
+    /// One rule for each parameter: positions by PN.POSSCALE, signals as the manual has them, other floats 1000:1, whole
+    /// numbers as they are. Where a value of the drive takes part in the rule, its name stands behind.
+    #[must_use]
+    pub fn rule(&self, scaling: &Scaling) -> String {
+        let bits = scaling.singleturn_bits.min(32);
+        let (steps, by) = match self.scale {
+            Scale::Raw => (1, String::new()),
+            Scale::Milli => (1000, String::new()),
+            Scale::Position => (
+                if scaling.position < 1000 { 1000 } else { 1 },
+                format!(", PN.POSSCALE {}", scaling.position),
+            ),
+            Scale::Velocity => (1, format!(", PN.VELSCALING {}", scaling.velocity)),
+            Scale::Acceleration => (1, format!(", PN.ACCSCALING {}", scaling.acceleration)),
+            Scale::Current => (1 << 14, String::from(", which is DRV.IPEAK")),
+            Scale::Singleturn => (1_i64 << bits, format!(", PNU 1002 {bits}")),
+            Scale::MdiVelocity => (1_i64 << 32, String::new()),
+        };
+        let value = format!("{:.6}", self.engineering(steps, scaling));
+        let value = value.trim_end_matches('0').trim_end_matches('.');
+        let unit = if self.unit.is_empty() { "" } else { " " };
+        format!("raw {steps} = {value}{unit}{}{by}", self.unit)
     }
 
     /// Text of a value of an enumeration.
@@ -198,6 +265,54 @@ mod tests {
     }
 
     #[test]
+    fn wide_values_have_two_numbers() {
+        let limit = AKD.by_name("SWLS.LIMIT1").unwrap();
+        assert_eq!((limit.high(), limit.range()), (Some(2386), i64::MIN..=i64::MAX));
+        assert_eq!(limit.raw_default(&Scaling::default()), 1 << 36);
+        assert_eq!((limit.whole(0x10, 0), limit.alone(0xFFFF_FFFF)), (1 << 36, -1));
+        let stop = AKD.by_name("CS.DEC").unwrap();
+        assert_eq!((stop.wide, stop.signed), (true, false));
+        assert_eq!(
+            (stop.whole(u32::MAX, 0), stop.alone(u32::MAX)),
+            (i64::MAX, 0xFFFF_FFFF)
+        );
+        assert_eq!(AKD.by_name("DRV.OPMODE").unwrap().high(), None);
+    }
+
+    #[test]
+    fn every_rule_is_told() {
+        let fine = Scaling {
+            position: 1,
+            ..Scaling::default()
+        };
+        for (name, rule) in [
+            ("DRV.ACC", "raw 1000 = 1 rpm/s"),
+            ("DRV.OPMODE", "raw 1 = 1"),
+            ("VBUS.VALUE", "raw 1 = 1 V"),
+            ("PL.FB", "raw 1000 = 1 counts, PN.POSSCALE 1"),
+            ("NSOLL_A", "raw 1 = 0.366122 rpm, PN.VELSCALING 1638"),
+            ("MDI_ACC", "raw 1 = 763 rpm/s, PN.ACCSCALING 763"),
+            ("ITIST_GLATT", "raw 16384 = 9 A, which is DRV.IPEAK"),
+            ("MDI_TARPOS", "raw 65536 = 1 rev, PNU 1002 16"),
+            ("MDI_VELOCITY", "raw 4294967296 = 12000 rpm"),
+        ] {
+            assert_eq!(AKD.by_name(name).unwrap().rule(&fine), rule);
+        }
+        let parameter = AKD.by_name("PL.FB").unwrap();
+        assert_eq!(
+            parameter.rule(&Scaling::default()),
+            "raw 1 = 1 counts, PN.POSSCALE 1000"
+        );
+        // The rule and the conversion are one: what the rule says is what comes out.
+        for parameter in AKD.parameters {
+            let rule = parameter.rule(&fine);
+            let words: alloc::vec::Vec<&str> = rule.split([' ', ',']).collect();
+            let (raw, value): (i64, f64) = (words[1].parse().unwrap(), words[3].parse().unwrap());
+            assert!((parameter.engineering(raw, &fine) - value).abs() < 1e-6, "{rule}");
+        }
+    }
+
+    #[test]
     fn scales() {
         let scaling = Scaling::default();
         let value = |name: &str, raw| AKD.by_name(name).unwrap().engineering(raw, &scaling);
@@ -227,7 +342,8 @@ mod tests {
         assert_eq!(raw("NSOLL_A", -60.0), -164);
         assert_eq!(raw("NSOLL_A", 12_000.0), 32767);
         assert_eq!(raw("DRV.ACC", 1.86), 1860);
-        assert_eq!(raw("DRV.ACC", 50e6), i64::from(u32::MAX));
+        assert_eq!(raw("DRV.ACC", 50e6), 50_000_000_000); // two numbers
+        assert_eq!(raw("DRV.IPEAK", 50e6), i64::from(i32::MAX));
         assert_eq!(raw("DRV.ACC", f64::NAN), 0);
         assert_eq!(raw("REGEN.TYPE", -1.0), -1);
     }

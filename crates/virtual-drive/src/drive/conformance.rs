@@ -257,3 +257,67 @@ fn hostile_requests_are_answered_or_refused() {
         }
     }
 }
+
+#[test]
+fn halves_of_a_64_bit_value() {
+    let mut bench = Bench::new();
+    let bench = &mut bench;
+    // SWLS.LIMIT1, 2385 and 2386: 2^36 as delivered.
+    let read = "01 01 00 02 10 01 09 51 00 00 10 01 09 52 00 00";
+    check(bench, read, "01 01 00 02 43 01 00 00 00 00 43 01 00 00 00 10");
+    // High half, then low half, in one request: one value.
+    let write = "02 02 00 02 10 01 09 52 00 00 10 01 09 51 00 00 43 01 FF FF FF FE 43 01 80 00 00 01";
+    check(bench, write, "02 02 00 02 00 00 00 00");
+    check(bench, read, "01 01 00 02 43 01 80 00 00 01 43 01 FF FF FF FE");
+    assert_eq!(bench.read("SWLS.LIMIT1"), -(1 << 32) - 0x7FFF_FFFF);
+    // In two requests too, but not when another parameter comes in between.
+    let (high, low) = (
+        "03 02 00 01 10 01 09 52 00 00 43 01 00 00 00 05",
+        "04 02 00 01 10 01 09 51 00 00 43 01 00 00 00 07",
+    );
+    check(bench, high, "03 02 00 01 00 00");
+    check(bench, read, "01 01 00 02 43 01 80 00 00 01 43 01 FF FF FF FE"); // no effect yet
+    check(bench, high, "03 02 00 01 00 00");
+    check(bench, low, "04 02 00 01 00 00");
+    assert_eq!(bench.read("SWLS.LIMIT1"), (5 << 32) + 7);
+    check(bench, high, "03 02 00 01 00 00");
+    check(bench, "05 01 00 01 10 01 03 9A 00 00", "05 01 00 01 42 01 00 01");
+    check(bench, low, "04 02 00 01 00 00");
+    assert_eq!(
+        bench.read("SWLS.LIMIT1"),
+        7,
+        "the low half alone is the whole value"
+    );
+    // Alone it has its sign; beyond the limits it is refused as one value.
+    check(
+        bench,
+        "04 02 00 01 10 01 09 51 00 00 43 01 FF FF FF FF",
+        "04 02 00 01 00 00",
+    );
+    assert_eq!(bench.read("SWLS.LIMIT1"), -1);
+    let beyond = "02 02 00 02 10 01 09 52 00 00 10 01 09 51 00 00 43 01 00 20 00 00 43 01 00 00 00 00";
+    check(bench, beyond, "02 82 00 02 00 00 44 01 00 02");
+    assert_eq!(bench.read("SWLS.LIMIT1"), -1);
+    // A measured one: PL.FB 2294 is read-only in both halves.
+    check(
+        bench,
+        "06 02 00 01 10 01 08 F7 00 00 43 01 00 00 00 00",
+        "06 82 00 01 44 01 00 01",
+    );
+    // What is no half is no number.
+    check(bench, "07 01 00 01 10 01 08 58 00 00", "07 81 00 01 44 01 00 00");
+}
+
+#[test]
+fn both_halves_are_of_one_sample() {
+    let mut bench = Bench::new();
+    bench.write("PN.POSSCALE", 1).unwrap();
+    bench.run(163);
+    let low = ask(&mut bench, &hex("01 01 00 01 10 01 08 F6 00 00")).unwrap();
+    let before = bench.read("PL.FB");
+    bench.send(0x047F, 163, 50);
+    assert_ne!(bench.read("PL.FB"), before);
+    let high = ask(&mut bench, &hex("01 01 00 01 10 01 08 F7 00 00")).unwrap();
+    let octets = [&high[6..10], &low[6..10]].concat();
+    assert_eq!(i64::from_be_bytes(octets.try_into().unwrap()), before);
+}

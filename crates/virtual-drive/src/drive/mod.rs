@@ -27,6 +27,7 @@ use crate::model::{Live, Model};
 use crate::store::{Image, ImageError, Values};
 use faults::{Faults, Keeper};
 use outside::Outside;
+use parameters::Half;
 use settings::Settings;
 use signals::Process;
 use telegrams::FreeTelegram;
@@ -144,7 +145,10 @@ impl Link {
 pub struct Drive {
     model: &'static Model,
     live: Box<[Live]>,
-    first_list: usize,
+    /// Every number, ascending, without those of the lists of numbers.
+    numbers: Box<[u16]>,
+    /// One half of a 64-bit value.
+    half: Option<Half>,
     values: Values,
     settings: Settings,
     saved: Option<String>,
@@ -181,7 +185,8 @@ impl Drive {
         Self {
             model,
             live: model.live_by_position(),
-            first_list: Self::first_list(model),
+            numbers: Self::listed_numbers(model),
+            half: None,
             values,
             settings,
             saved: None,

@@ -8,6 +8,15 @@ use profidrive::parameter::{
 use super::Drive;
 use crate::model::Live;
 
+/// One half of a 64-bit value that waits for the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Half {
+    /// The low half was read; the high half of the same sample may follow.
+    Read { pnu: u16, whole: i64 },
+    /// The high half was written; the low half must follow.
+    Written { pnu: u16, high: u32 },
+}
+
 impl Drive {
     /// Answers a parameter request block; writes the response block into `out` and gives its length. Allocates nothing
     /// but for the commands that save.
@@ -31,7 +40,8 @@ impl Drive {
 
 impl ParameterAccess for Drive {
     fn attributes(&self, pnu: u16) -> Option<Attributes> {
-        let parameter = self.model.catalogue.by_pnu(pnu)?;
+        let catalogue = self.model.catalogue;
+        let parameter = catalogue.by_pnu(pnu).or_else(|| catalogue.by_high(pnu))?;
         Some(Attributes {
             format: format(parameter),
             octets: parameter.size.octets(),
@@ -44,14 +54,45 @@ impl ParameterAccess for Drive {
         })
     }
 
+    /// Of a 64-bit value the low half is read at its own number and the high half at the next one. Reading the low half
+    /// keeps the high half that belongs to it for a read that follows.
     fn read(&mut self, pnu: u16, subindex: u16) -> Result<u64, ErrorNumber> {
-        let (position, _) = self.place(pnu)?;
-        self.element(position, subindex).map(i64::cast_unsigned)
+        let kept = self.half.take();
+        if let Some(parameter) = self.model.catalogue.by_high(pnu) {
+            let whole = match kept {
+                Some(Half::Read { pnu, whole }) if pnu == parameter.pnu => whole,
+                _ => self.element(self.place(parameter.pnu)?.0, subindex)?,
+            };
+            return Ok(whole.cast_unsigned() >> 32);
+        }
+        let (position, parameter) = self.place(pnu)?;
+        let whole = self.element(position, subindex)?;
+        if parameter.wide {
+            self.half = Some(Half::Read { pnu, whole });
+        }
+        Ok(whole.cast_unsigned())
     }
 
+    /// Of a 64-bit value the high half is written first and has no effect before the low half, which makes one value of
+    /// both. A low half that comes alone is the whole value. Any other access in between forgets the high half.
     fn write(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
+        let kept = self.half.take();
+        if let Some(parameter) = self.model.catalogue.by_high(pnu) {
+            let pnu = parameter.pnu;
+            self.half = Some(Half::Written {
+                pnu,
+                high: raw as u32,
+            });
+            return Ok(());
+        }
         let (position, parameter) = self.place(pnu)?;
         let raw = match (parameter.size, parameter.signed) {
+            (Size::Dword, _) if parameter.wide => match kept {
+                Some(Half::Written { pnu: written, high }) if written == pnu => {
+                    parameter.whole(high, raw as u32)
+                }
+                _ => parameter.alone(raw as u32),
+            },
             (Size::Byte, true) => i64::from(raw as i8),
             (Size::Word, true) => i64::from(raw as i16),
             (Size::Dword, true) => i64::from(raw as i32),
@@ -62,8 +103,12 @@ impl ParameterAccess for Drive {
         self.set_element(position, subindex, raw)
     }
 
+    /// The limits are those of a double word: what can be written to this number alone. A high half is described as the
+    /// bare number that it is.
     fn description(&self, pnu: u16) -> Option<Description> {
-        let (position, parameter) = self.place(pnu).ok()?;
+        let catalogue = self.model.catalogue;
+        let high = catalogue.by_high(pnu);
+        let (position, parameter) = self.place(high.map_or(pnu, |parameter| parameter.pnu)).ok()?;
         let scaling = &self.settings.scaling;
         let mut flags = u16::from(format(parameter).0);
         let mut set = |flag: u16, when: bool| {
@@ -71,7 +116,10 @@ impl ParameterAccess for Drive {
                 flags |= flag;
             }
         };
-        let (size_index, conversion_index) = unit(parameter).unwrap_or_default();
+        let (size_index, conversion_index) = match high {
+            Some(_) => (0, 0),
+            None => unit(parameter).unwrap_or_default(),
+        };
         let stored = matches!(self.live.get(position), Some(Live::Stored));
         set(Identifier::ARRAY, parameter.is_array());
         set(Identifier::READ_ONLY, parameter.access == Access::ReadOnly);
@@ -80,7 +128,15 @@ impl ParameterAccess for Drive {
             Identifier::CHANGED,
             stored && self.values.at(position) != parameter.raw_default(scaling),
         );
-        let (low, high) = parameter.raw_limits(scaling);
+        let fits = parameter.size.range(parameter.signed);
+        let (low, high) = match high {
+            Some(_) => (*fits.start(), *fits.end()),
+            None => {
+                let (low, high) = parameter.raw_limits(scaling);
+                let within = |limit: i64| limit.clamp(*fits.start(), *fits.end());
+                (within(low), within(high))
+            }
+        };
         let mut name = [b' '; 16];
         for (place, octet) in name.iter_mut().zip(parameter.name.bytes()) {
             *place = octet;

@@ -207,32 +207,28 @@ impl Drive {
                 6 => 0b101,
                 _ => unit.get(element).copied().unwrap_or(0),
             },
-            Table::Numbers(list) => {
-                let Some(skip) = (element < PER_LIST).then(|| usize::from(list) * PER_LIST + element) else {
-                    return 0;
-                };
-                let place = skip + usize::from(skip >= self.first_list) * LISTS.len();
-                self.model
-                    .catalogue
-                    .parameters
-                    .get(place)
-                    .map_or(0, |parameter| i64::from(parameter.pnu))
-            }
+            Table::Numbers(list) => (element < PER_LIST)
+                .then(|| usize::from(list) * PER_LIST + element)
+                .and_then(|place| self.numbers.get(place))
+                .map_or(0, |pnu| i64::from(*pnu)),
         }
     }
 
-    /// Position of the first list of PNUs in the catalogue: the lists follow each other and do not name themselves.
-    pub(super) fn first_list(model: &crate::model::Model) -> usize {
-        model.catalogue.position(*LISTS.start()).unwrap_or(usize::MAX)
+    /// What the lists of PNUs hold together: they do not name themselves.
+    pub(super) fn listed_numbers(model: &crate::model::Model) -> Box<[u16]> {
+        model
+            .catalogue
+            .numbers()
+            .filter(|pnu| !LISTS.contains(pnu))
+            .collect()
     }
-}
-
-fn mapped(mapping: &Mapping, element: usize) -> i64 {
-    u16::try_from(element).map_or(0, |word| i64::from(mapping.word(word)))
 }
 
 /// Keeps the low bits that the size holds.
 fn wrap(value: i64, parameter: &Parameter) -> i64 {
+    if parameter.wide {
+        return value;
+    }
     match (parameter.size, parameter.signed) {
         (Size::Byte, true) => i64::from(value as i8),
         (Size::Byte, false) => i64::from(value as u8),

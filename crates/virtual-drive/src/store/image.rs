@@ -213,11 +213,7 @@ pub(super) fn parse(parameter: &Parameter, text: &str) -> Option<i64> {
         }
         _ => text.parse().ok()?,
     };
-    parameter
-        .size
-        .range(parameter.signed)
-        .contains(&raw)
-        .then_some(raw)
+    parameter.range().contains(&raw).then_some(raw)
 }
 
 /// CRC-32 as in Ethernet and ZIP (reflected, 0xEDB88320).

@@ -42,7 +42,7 @@ impl Values {
             self.raw.get_mut(position),
             self.catalogue.parameters.get(position),
         ) {
-            let range = parameter.size.range(parameter.signed);
+            let range = parameter.range();
             *place = raw.clamp(*range.start(), *range.end());
         }
     }
