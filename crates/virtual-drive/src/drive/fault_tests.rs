@@ -103,7 +103,7 @@ fn clrfaults_brings_back_what_lasts_and_clears_the_rest() {
         counter + 2,
         "nothing to clear: nothing changes"
     );
-    bench.drive.remove_cause(501);
+    bench.drive.inject(Injection::ClearCause { number: 501 });
     bench.write("DRV.CLRFAULTS", 1).unwrap();
     assert_eq!(bench.send(0x047E, 0, 2) & 0x007F, 0x0031);
 }
@@ -202,4 +202,199 @@ fn a_disable_that_takes_too_long_is_forced() {
     assert_eq!(bench.drive.state(), State::S1);
     assert_eq!(bench.element("947", 0), 703);
     assert_eq!(acknowledge(&mut bench) & 0x007F, 0x0031);
+}
+
+/// What an injection brings with the power stage on, and whether it lasts: cannot be acknowledged before it ends.
+#[test]
+fn physical_causes_raise_their_faults_and_keep_them() {
+    for (cause, end, fault) in [
+        ("sto=on", "sto=off", 602),
+        ("feedback=lost", "feedback=ok", 408),
+        ("bus=450V", "bus=auto", 501),
+        ("bus=60V", "bus=auto", 502),
+        ("motor-temperature=160degC", "motor-temperature=auto", 301),
+        ("power-temperature=95degC", "power-temperature=auto", 535),
+        ("brake=on", "brake=auto", 307),
+    ] {
+        let mut bench = Bench::new();
+        bench.run(163);
+        bench.drive.inject(cause.parse().unwrap());
+        assert_eq!(bench.send(0x047F, 163, 1) & FAULT, FAULT, "{cause}");
+        assert_eq!(bench.element("947", 0), fault, "{cause}");
+        assert_eq!(bench.drive.state(), State::S1, "{cause}");
+        assert_eq!(acknowledge(&mut bench) & FAULT, FAULT, "{cause} lasts");
+        assert_eq!(bench.element("947", 8), 0, "{cause} lasts");
+        bench.drive.inject(end.parse().unwrap());
+        assert_eq!(acknowledge(&mut bench) & 0x00FF, 0x0031, "{end}");
+        assert_eq!(bench.element("947", 8), fault);
+        bench.run(163);
+    }
+}
+
+#[test]
+fn safe_torque_off_warns_while_disabled_and_faults_when_enabling_is_tried() {
+    let mut bench = Bench::new();
+    bench.send(0x047E, 0, 2);
+    assert_eq!((bench.read("STO.STATE"), bench.read("DRIVE_INPUTS")), (1, 0x40));
+    bench.drive.inject(Injection::Sto(true));
+    assert_eq!(bench.send(0x047E, 0, 1) & (WARNING | FAULT), WARNING);
+    assert_eq!((bench.read("STO.STATE"), bench.read("DRIVE_INPUTS")), (0, 0));
+    assert_eq!(bench.read("DRV.WARNING1"), 602);
+    bench.send(0x047F, 163, 1);
+    assert_eq!(
+        bench.status & (FAULT | 0x0004),
+        FAULT,
+        "never enabled on the wire"
+    );
+    assert_eq!(bench.element("947", 0), 602);
+    assert_eq!(bench.drive.axis().speed(), 0.0);
+    bench.drive.inject(Injection::Sto(false));
+    assert_eq!(acknowledge(&mut bench) & 0x00FF, 0x0031);
+    assert_eq!(bench.read("DRV.WARNING1"), 0);
+}
+
+#[test]
+fn limit_switches_warn_and_are_seen() {
+    let mut bench = Bench::new();
+    bench.drive.inject("limit+=on".parse().unwrap());
+    assert_eq!(bench.send(0x047E, 0, 1) & WARNING, WARNING);
+    assert_eq!((bench.read("HWLS.POSSTATE"), bench.read("HWLS.NEGSTATE")), (1, 0));
+    assert_eq!(
+        (bench.read("DRIVE_INPUTS"), bench.read("DRV.WARNING1")),
+        (0x48, 107)
+    );
+    bench.drive.inject("limit-=on".parse().unwrap());
+    bench.drive.inject("limit+=auto".parse().unwrap());
+    bench.send(0x047E, 0, 1);
+    assert_eq!(
+        (bench.read("DRIVE_INPUTS"), bench.read("DRV.WARNING1")),
+        (0x44, 108)
+    );
+    bench.drive.inject("limit-=auto".parse().unwrap());
+    assert_eq!(bench.send(0x047E, 0, 1) & WARNING, 0);
+}
+
+#[test]
+fn warning_levels_come_before_the_faults() {
+    for (parameter, level, cause, warning) in [
+        ("VBUS.OVWTHRESH", 400, "bus=410V", 501),
+        ("VBUS.UVWTHRESH", 200, "bus=150V", 502),
+        ("MOTOR.TEMPWARN", 1200, "motor-temperature=140degC", 301),
+    ] {
+        let mut bench = Bench::new();
+        bench.run(163);
+        bench.drive.inject(cause.parse().unwrap());
+        assert_eq!(
+            bench.send(0x047F, 163, 2) & (WARNING | FAULT),
+            0,
+            "0 switches {parameter} off"
+        );
+        bench.write(parameter, level).unwrap();
+        assert_eq!(
+            bench.send(0x047F, 163, 2) & (WARNING | FAULT),
+            WARNING,
+            "{parameter}"
+        );
+        assert_eq!(bench.read("DRV.WARNING1"), warning);
+        assert_eq!(bench.drive.state(), State::S4);
+    }
+}
+
+#[test]
+fn undervoltage_by_mode() {
+    let mut bench = Bench::new();
+    bench.send(0x047E, 0, 2);
+    bench.drive.inject(Injection::Mains(false));
+    bench.send(0x047E, 0, 400);
+    assert!(bench.read("VBUS.VALUE") < 90, "{}", bench.read("VBUS.VALUE"));
+    assert!(
+        !bench.drive.has_fault(),
+        "VBUS.UVMODE 1: only when enabling is tried"
+    );
+    bench.send(0x047F, 0, 1);
+    assert_eq!(bench.element("947", 0), 502);
+    bench.drive.inject(Injection::Mains(true));
+    bench.send(0x047E, 0, 40);
+    assert_eq!(acknowledge(&mut bench) & FAULT, 0);
+    bench.write("VBUS.UVMODE", 0).unwrap();
+    bench.drive.inject(Injection::Mains(false));
+    bench.send(0x047E, 0, 400);
+    assert_eq!(bench.element("947", 0), 502, "VBUS.UVMODE 0: always");
+}
+
+#[test]
+fn a_drive_alone_is_looked_after_when_something_happens_to_it() {
+    let mut drive = Drive::new(&crate::model::AKD);
+    assert_eq!(drive.next_tick(), None);
+    drive.inject(Injection::Mains(false));
+    let mut ticks = 0;
+    while let Some(next) = drive.next_tick() {
+        drive.tick(next, None, &mut []);
+        ticks += 1;
+        assert!(ticks < 2000);
+    }
+    assert!(drive.axis().electrical().bus_voltage() < 300.0);
+}
+
+#[test]
+fn a_blocked_axis_folds_back_and_faults() {
+    let mut bench = Bench::new();
+    bench.run(163);
+    bench.write("IL.FOLDFTHRESHU", 4000).unwrap();
+    bench.write("IL.FOLDWTHRESH", 8000).unwrap();
+    assert_eq!(bench.read("IL.FOLDFTHRESH"), 4000);
+    bench.drive.inject(Injection::Block(true));
+    let mut warned = false;
+    for _ in 0..2000 {
+        bench.send(0x047F, 4000, 1);
+        warned |= bench.status & WARNING != 0;
+        if bench.drive.has_fault() {
+            break;
+        }
+    }
+    let fault = bench.element("947", 0);
+    assert!(warned, "the warning came before F{fault}");
+    assert!(fault == 524 || fault == 304, "F{fault}");
+}
+
+#[test]
+fn hardware_disable_and_controlled_stop_are_inputs() {
+    let mut bench = Bench::new();
+    bench.run(1638);
+    bench.drive.inject(Injection::HardwareDisable(true));
+    bench.send(0x047F, 1638, 1);
+    assert_eq!(bench.drive.state(), State::S1);
+    assert_eq!(
+        (bench.read("DRV.DISSOURCES"), bench.read("DRIVE_INPUTS")),
+        (5, 0x50)
+    );
+    assert!(!bench.drive.has_fault());
+    bench.drive.inject(Injection::HardwareDisable(false));
+    bench.send(0x047F, 1638, 5);
+    assert_eq!(bench.drive.state(), State::S1, "needs OFF and ON");
+    bench.send(0x047E, 0, 60);
+    bench.run(1638);
+    bench.drive.inject(Injection::ControlledStop(true));
+    bench.send(0x047F, 1638, 1);
+    assert_eq!(bench.drive.state(), State::S5Quick);
+    bench.send(0x047F, 1638, 60);
+    assert_eq!(
+        (bench.read("DRV.DISSOURCES"), bench.read("DRIVE_INPUTS")),
+        (0x21, 0x60)
+    );
+}
+
+#[test]
+fn a_brake_that_is_fitted_holds_while_off() {
+    let mut bench = Bench::new();
+    bench.write("MOTOR.BRAKE", 1).unwrap();
+    bench.send(0x047E, 0, 2);
+    assert!(bench.drive.axis().inputs().brake);
+    bench.run(163);
+    assert!(!bench.drive.axis().inputs().brake && !bench.drive.has_fault());
+    bench.send(0x047D, 0, 2);
+    assert!(bench.drive.axis().inputs().brake);
+    bench.write("MOTOR.BRAKERLS", 1).unwrap();
+    bench.send(0x047D, 0, 2);
+    assert!(!bench.drive.axis().inputs().brake);
 }

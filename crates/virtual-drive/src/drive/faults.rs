@@ -21,6 +21,9 @@ const MOST_LASTING: usize = 8;
 /// Warnings at one time.
 const MOST_WARNINGS: usize = 16;
 
+/// 2^-32 revolutions of one count of a position, 65,536 of which are a revolution.
+const COUNT: f64 = 65_536.0;
+
 /// Value of FAULTn.ACTION: the fault is ignored.
 const IGNORE: i64 = 1;
 
@@ -430,6 +433,11 @@ impl Drive {
         self.raise(number);
     }
 
+    /// A warning from outside is there, or is gone.
+    pub(super) fn warn_from_outside(&mut self, number: u16, active: bool) {
+        self.keep(number, Keeper::Outside, active);
+    }
+
     /// The cause of a lasting fault from outside is gone, and a warning from outside with the same number too.
     pub(super) fn end_cause(&mut self, number: u16) {
         self.faults.lasting.remove(number);
@@ -446,12 +454,24 @@ impl Drive {
             }
         };
         let axis = &self.axis;
+        let (inputs, electrical) = (axis.inputs(), axis.electrical());
+        let yes = |holds: bool| f64::from(u8::from(holds));
+        put(
+            Cause::FollowingError,
+            axis.following_error().unsigned_abs() as f64 / COUNT,
+        );
         put(Cause::Overspeed, axis.speed().abs());
-        put(Cause::BusHigh, axis.electrical().bus_voltage());
-        put(Cause::BusLow, axis.electrical().bus_voltage());
-        put(Cause::DriveFoldback, f64::INFINITY);
-        put(Cause::MotorFoldback, f64::INFINITY);
-        put(Cause::PowerStage, axis.electrical().power_stage_temperature());
+        put(Cause::BusHigh, electrical.bus_voltage());
+        put(Cause::BusLow, electrical.bus_voltage());
+        put(Cause::DriveFoldback, electrical.drive_foldback_limit());
+        put(Cause::MotorFoldback, electrical.motor_foldback_limit());
+        put(Cause::MotorSensor, motor_sensor(electrical.motor_temperature()));
+        put(Cause::PowerStage, electrical.power_stage_temperature());
+        put(Cause::SafeTorqueOff, yes(inputs.sto));
+        put(Cause::FeedbackLost, yes(inputs.feedback_lost));
+        put(Cause::PositiveSwitch, yes(inputs.limit_positive));
+        put(Cause::NegativeSwitch, yes(inputs.limit_negative));
+        put(Cause::BrakeClosed, yes(inputs.brake));
         put(Cause::SlowDisable, self.disabling_for());
         values
     }
@@ -466,6 +486,13 @@ impl Drive {
             0.0
         }
     }
+}
+
+/// Resistance of the temperature sensor in the motor, ohm, at a temperature in degC: a KTY 84-130, 1000 ohm at 100 degC,
+/// within its range of -40 to 300 degC.
+pub(super) fn motor_sensor(temperature: f64) -> f64 {
+    let above = temperature.clamp(-40.0, 300.0) - 100.0;
+    1000.0 * (1.0 + 6.12e-3 * above + 1.1e-5 * above * above)
 }
 
 /// The reaction that takes the power away sooner.

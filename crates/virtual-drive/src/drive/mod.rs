@@ -35,6 +35,10 @@ use telegrams::FreeTelegram;
 /// How often a drive that moves without a connection has to be looked after.
 const ALONE: Duration = Duration::from_millis(4);
 
+/// For how many ticks a drive at rest is looked after when something happened to it: two seconds, until its bus has
+/// settled.
+const RESTLESS: u16 = 500;
+
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 64;
 
@@ -172,6 +176,8 @@ pub struct Drive {
     /// When it was requested.
     disable_since: Instant,
     stop_requested: bool,
+    /// Ticks for which a drive that rests is looked after all the same: something happened to it.
+    restless: u16,
     last: Instant,
     events: VecDeque<Event>,
 }
@@ -206,6 +212,7 @@ impl Drive {
             disable_requested: false,
             disable_since: Instant::ZERO,
             stop_requested: false,
+            restless: 0,
             last: Instant::ZERO,
             events: VecDeque::with_capacity(MOST_EVENTS),
         }
@@ -295,10 +302,12 @@ impl Drive {
         self.take_outputs(outputs);
         let was_enabled = self.is_enabled();
         let mut status = self.decide();
+        self.hold_brake();
         if self.is_enabled() && !was_enabled {
             // What forbids it counts before the first current flows.
             status = self.look_after(status);
         }
+        self.restless = self.restless.saturating_sub(1);
         if self.is_enabled() || !self.axis.is_at_rest() {
             let command = self.command();
             self.axis
@@ -316,7 +325,7 @@ impl Drive {
     #[must_use]
     pub fn next_tick(&self) -> Option<Instant> {
         let pending = self.reaction.is_some() || self.disable_requested || self.service == Service::Starting;
-        let idle = !self.is_enabled() && self.axis.is_at_rest() && !pending;
+        let idle = !self.is_enabled() && self.axis.is_at_rest() && !pending && self.restless == 0;
         if idle || self.link.is_cyclic() {
             None
         } else {

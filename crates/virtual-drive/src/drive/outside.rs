@@ -1,6 +1,6 @@
 //! What happens to the drive from outside, and what its inputs tell of it.
 
-use super::Drive;
+use super::{Drive, Injection, RESTLESS};
 
 /// Inputs of the drive that are not the axis's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -9,6 +9,8 @@ pub(super) struct Outside {
     pub hardware_disable: bool,
     /// The input for the controlled stop is active.
     pub controlled_stop: bool,
+    /// The holding brake is applied or released whatever the drive wants.
+    pub brake: Option<bool>,
 }
 
 /// Bits of DRV.DISSOURCES. Source: AKD Parameter Guide 12/2009.
@@ -18,15 +20,45 @@ const HARDWARE: i64 = 1 << 2;
 const CONTROLLED_STOP: i64 = 1 << 5;
 
 impl Drive {
-    /// Makes a fault happen, as if the drive had found it. A lasting one cannot be acknowledged before
-    /// [`remove_cause`](Self::remove_cause) ends its cause.
-    pub fn inject_fault(&mut self, number: u16, lasting: bool) {
-        self.raise_from_outside(number, lasting);
+    /// Something happens to the drive: to its motor, its load, its wiring, or a fault out of nowhere. What comes of it
+    /// is the business of the drive's own supervision; it is seen at once, and acted on in the next tick.
+    pub fn inject(&mut self, injection: Injection) {
+        let axis = &mut self.axis;
+        match injection {
+            Injection::Fault { number, lasting } => self.raise_from_outside(number, lasting),
+            Injection::Warning { number } => self.warn_from_outside(number, true),
+            Injection::ClearCause { number } => self.end_cause(number),
+            Injection::Sto(active) => axis.set_sto(active),
+            Injection::Load(torque) => axis.set_load(torque),
+            Injection::Block(blocked) => axis.set_blocked(blocked),
+            Injection::Limit { positive, active } => axis.set_limit_switch(positive, active),
+            Injection::HomeSwitch(active) => axis.set_home_switch(active),
+            Injection::FeedbackLoss(lost) => axis.set_feedback_lost(lost),
+            Injection::Brake(applied) => self.outside.brake = applied,
+            Injection::BusVoltage(voltage) => axis.set_bus_voltage(voltage),
+            Injection::Mains(on) => axis.set_mains(if on { None } else { Some(0.0) }),
+            Injection::Regen(connected) => axis.set_regen(connected),
+            Injection::MotorTemperature(temperature) => axis.set_motor_temperature(temperature),
+            Injection::PowerTemperature(temperature) => axis.set_power_stage_temperature(temperature),
+            Injection::HardwareDisable(active) => self.outside.hardware_disable = active,
+            Injection::ControlledStop(active) => self.outside.controlled_stop = active,
+        }
+        self.hold_brake();
+        self.supervise();
+        self.restless = RESTLESS;
     }
 
-    /// Ends the cause of a lasting fault; it can be acknowledged then.
-    pub fn remove_cause(&mut self, number: u16) {
-        self.end_cause(number);
+    /// Makes a fault happen, as if the drive had found it. A lasting one cannot be acknowledged before
+    /// [`Injection::ClearCause`] ends its cause.
+    pub fn inject_fault(&mut self, number: u16, lasting: bool) {
+        self.inject(Injection::Fault { number, lasting });
+    }
+
+    /// Applies the holding brake while the power stage is off, where one is fitted (MOTOR.BRAKE) and not released by
+    /// hand (MOTOR.BRAKERLS).
+    pub(super) fn hold_brake(&mut self) {
+        let wanted = self.settings.holds_when_off && !self.is_enabled();
+        self.axis.set_brake(self.outside.brake.unwrap_or(wanted));
     }
 
     /// DRV.DISSOURCES: why the power stage is off.

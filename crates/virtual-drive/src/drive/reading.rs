@@ -5,6 +5,7 @@ use profidrive::catalogue::{Parameter, Scale, Size};
 use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Mapping;
 
+use super::faults::motor_sensor;
 use super::{Drive, Mode, Service};
 use crate::model::{Live, Quantity, Sensor, Table};
 
@@ -82,6 +83,15 @@ impl Drive {
             Live::Watchdog => i64::try_from(self.link.watchdog().as_millis()).unwrap_or(i64::MAX),
             Live::Active => i64::from(self.is_enabled()),
             Live::DisableSources => self.disable_sources(),
+            Live::TorqueAllowed => i64::from(!self.axis.inputs().sto),
+            Live::LimitSwitch { positive } => {
+                let inputs = self.axis.inputs();
+                i64::from(if positive {
+                    inputs.limit_positive
+                } else {
+                    inputs.limit_negative
+                })
+            }
             Live::MotionStatus => {
                 let quick = if self.is_quick_stopping() {
                     MOTION_QUICK_STOP
@@ -175,6 +185,11 @@ impl Drive {
             Quantity::Revolutions | Quantity::Angle => revolutions,
             Quantity::Counts => revolutions * COUNTS,
             Quantity::BusVoltage => axis.electrical().bus_voltage(),
+            Quantity::RegenPower => axis.electrical().regen_power(),
+            Quantity::Foldback => axis.electrical().foldback_limit(),
+            Quantity::DriveFoldback => axis.electrical().drive_foldback_limit(),
+            Quantity::MotorFoldback => axis.electrical().motor_foldback_limit(),
+            Quantity::MotorSensor => motor_sensor(axis.electrical().motor_temperature()),
             Quantity::Temperature(Sensor::Control) => axis.electrical().control_temperature(),
             Quantity::Temperature(Sensor::PowerStage) => axis.electrical().power_stage_temperature(),
             Quantity::Temperature(Sensor::Motor) => axis.electrical().motor_temperature(),
@@ -222,6 +237,11 @@ impl Drive {
             .filter(|pnu| !LISTS.contains(pnu))
             .collect()
     }
+}
+
+/// Signal number in one word of a mapping.
+fn mapped(mapping: &Mapping, element: usize) -> i64 {
+    u16::try_from(element).map_or(0, |word| i64::from(mapping.word(word)))
 }
 
 /// Keeps the low bits that the size holds.

@@ -35,6 +35,8 @@ pub(super) struct Settings {
     pub service_current: f64,
     pub disable_on_ramp: bool,
     pub fault_on_stop: bool,
+    /// A brake is fitted and holds the axis while the power stage is off.
+    pub holds_when_off: bool,
 }
 
 /// Speed below which the axis counts as standing where no parameter says it, rpm.
@@ -115,6 +117,7 @@ impl Settings {
             service_speed: value(roles.service_speed, 0.0),
             service_current: value(roles.service_current, 0.0),
             disable_on_ramp: raw(roles.disable_mode).is_some_and(|mode| mode >= 2),
+            holds_when_off: matches!(roles.brake.map(raw), [Some(1), None | Some(0)]),
             fault_on_stop: raw(roles.bus_options).is_some_and(|options| options & 1 == 1),
         }
     }

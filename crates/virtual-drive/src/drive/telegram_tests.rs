@@ -287,20 +287,17 @@ fn the_bits_of_drive_inputs() {
         Some(0x40),
         "torque is allowed, nothing else"
     );
-    // Whoever provides the states: the word is put together out of these parameters.
-    for (bit, pnu, of) in [
-        (0, 2387, 0),
-        (1, 2387, 1),
-        (2, 2211, 0),
-        (3, 2212, 0),
-        (6, 2381, 0),
+    for (happening, end, bit) in [
+        ("limit-=on", "limit-=auto", 2),
+        ("limit+=on", "limit+=auto", 3),
+        ("hardware-disable=on", "hardware-disable=off", 4),
+        ("controlled-stop=on", "controlled-stop=off", 5),
     ] {
-        let before = drive.values.get(pnu);
-        drive.values.set(pnu, 1 << of);
-        assert_eq!(drive.parameter(106), Some(0x40 | 1 << bit), "{pnu}");
-        drive.values.set(pnu, before);
+        drive.inject(happening.parse().unwrap());
+        assert_eq!(drive.parameter(106), Some(0x40 | 1 << bit), "{happening}");
+        drive.inject(end.parse().unwrap());
     }
-    drive.values.set(2381, 0);
+    drive.inject("sto=on".parse().unwrap());
     assert_eq!(drive.parameter(106), Some(0));
 }
 

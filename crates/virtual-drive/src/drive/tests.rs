@@ -289,7 +289,7 @@ fn a_lasting_fault_cannot_be_acknowledged() {
     bench.send(0x04FE, 0, 2);
     assert_eq!((bench.element("947", 0), bench.element("947", 8)), (501, 0));
     assert_eq!(bench.status & 0x0008, 0x0008);
-    bench.drive.remove_cause(501);
+    bench.drive.inject(Injection::ClearCause { number: 501 });
     bench.write("DRV.CLRFAULTS", 1).unwrap();
     bench.send(0x047E, 0, 2);
     assert_eq!(bench.status & MASK, 0x0031);

@@ -44,12 +44,13 @@ const ROLES: Roles = Roles {
     acceleration_scaling: Some(3065),             // PN.ACCSCALING
     position_scaling: Some(3014),                 // PN.POSSCALE
     singleturn_bits: Some(1002),
-    mode: Some(2135),            // DRV.OPMODE
-    command_source: Some(2113),  // DRV.CMDSOURCE
-    service_speed: Some(2426),   // VL.CMDU_32
-    service_current: Some(2215), // IL.CMDU
-    disable_mode: Some(2119),    // DRV.DISMODE
-    bus_options: Some(2158),     // FBUS.PARAM02
+    mode: Some(2135),                // DRV.OPMODE
+    command_source: Some(2113),      // DRV.CMDSOURCE
+    service_speed: Some(2426),       // VL.CMDU_32
+    service_current: Some(2215),     // IL.CMDU
+    disable_mode: Some(2119),        // DRV.DISMODE
+    bus_options: Some(2158),         // FBUS.PARAM02
+    brake: [Some(2241), Some(2242)], // MOTOR.BRAKE, MOTOR.BRAKERLS
 };
 
 /// DRIVE_INPUTS (manual 5.8.1): SWLS.STATE, HWLS.NEGSTATE, HWLS.POSSTATE, DRV.DISSOURCES, STO.STATE.
@@ -124,10 +125,18 @@ const LIVE: &[(u16, Live)] = &[
     (2137, Live::Do(Action::Stop)),
     (2144, Live::Measured(Quantity::Angle)),
     (2157, Live::Telegram),
+    (2211, Live::LimitSwitch { positive: false }),
+    (2212, Live::LimitSwitch { positive: true }),
     (2214, Live::Measured(Quantity::CurrentCommand)),
     (2216, Live::Measured(Quantity::Current)),
+    (2218, Live::Same(2219)),
+    (2222, Live::Measured(Quantity::Foldback)),
+    (2235, Live::Measured(Quantity::MotorFoldback)),
+    (2257, Live::Measured(Quantity::MotorSensor)),
     (2285, Live::Measured(Quantity::Counts)),
     (2294, Live::Measured(Quantity::Counts)),
+    (2367, Live::Measured(Quantity::RegenPower)),
+    (2381, Live::TorqueAllowed),
     (2403, Live::Measured(Quantity::BusVoltage)),
     (2425, Live::Measured(Quantity::SpeedCommand)),
     (2427, Live::Measured(Quantity::SpeedError)),
@@ -151,6 +160,7 @@ const LIVE: &[(u16, Live)] = &[
     (2792, Live::Warning(1)),
     (2793, Live::Warning(2)),
     (2805, Live::Measured(Quantity::Counts)),
+    (2833, Live::Measured(Quantity::DriveFoldback)),
     (2845, Live::Measured(Quantity::Speed)),
     (2874, Live::Measured(Quantity::Temperature(Sensor::Control))),
     (2875, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),

@@ -41,10 +41,10 @@ pub(super) const CONDITIONS: &[Condition] = &[
         ..warning(439, Cause::FollowingError, Limit::Parameter(2292), When::Enabled) // PL.ERRWTHRESH
     },
     fault(302, Cause::Overspeed, Limit::Parameter(2444), When::NotCurrent), // VL.THRESH_32
-    // A foldback current below the level raises the fault (IL.FOLDFTHRESH) or the warning (IL.FOLDWTHRESH).
-    fault(524, Cause::DriveFoldback, Limit::Parameter(2218), When::Enabled),
+    // A foldback current below the level raises the fault (IL.FOLDFTHRESH, which is IL.FOLDFTHRESHU) or the warning (IL.FOLDWTHRESH).
+    fault(524, Cause::DriveFoldback, Limit::Parameter(2219), When::Enabled),
     warning(524, Cause::DriveFoldback, Limit::Parameter(2220), When::Enabled),
-    fault(304, Cause::MotorFoldback, Limit::Parameter(2218), When::Enabled),
+    fault(304, Cause::MotorFoldback, Limit::Parameter(2219), When::Enabled),
     warning(304, Cause::MotorFoldback, Limit::Parameter(2220), When::Enabled),
     fault(501, Cause::BusHigh, Limit::Parameter(2397), When::Always), // VBUS.OVFTHRESH
     warning(501, Cause::BusHigh, Limit::Parameter(2398), When::Always), // VBUS.OVWTHRESH
@@ -60,6 +60,7 @@ pub(super) const CONDITIONS: &[Condition] = &[
     // The card has numbers for the software limits only; the switches use those of their direction. Ours.
     warning(107, Cause::PositiveSwitch, Limit::Present, When::Always),
     warning(108, Cause::NegativeSwitch, Limit::Present, When::Always),
+    fault(307, Cause::BrakeClosed, Limit::Present, When::Enabled),
     fault(703, Cause::SlowDisable, Limit::Parameter(2121), When::Enabled), // DRV.DISTO
 ];
 

@@ -45,13 +45,15 @@ pub enum Cause {
     PositiveSwitch,
     /// The hardware limit switch of the negative direction is touched.
     NegativeSwitch,
+    /// The holding brake is applied.
+    BrakeClosed,
     /// A disable on the ramp takes longer than the limit, ms.
     SlowDisable,
 }
 
 impl Cause {
     /// Number of causes.
-    pub const COUNT: usize = 13;
+    pub const COUNT: usize = 14;
 
     /// True when the value must be below the limit instead of above it.
     #[must_use]

@@ -37,6 +37,13 @@ pub enum Live {
     Active,
     /// Bit field of the reasons why the power stage is off.
     DisableSources,
+    /// 1 while torque is allowed, 0 for safe torque off.
+    TorqueAllowed,
+    /// 1 while the hardware limit switch of this direction is touched.
+    LimitSwitch {
+        /// Of the positive direction.
+        positive: bool,
+    },
     /// Bit field of motion.
     MotionStatus,
     /// Bit field put together from bits of other parameters.
@@ -81,6 +88,16 @@ pub enum Quantity {
     Angle,
     /// Voltage of the DC bus, V.
     BusVoltage,
+    /// Power in the brake resistor, W.
+    RegenPower,
+    /// Current that the foldback allows, A.
+    Foldback,
+    /// The same, of the drive alone.
+    DriveFoldback,
+    /// The same, of the motor alone.
+    MotorFoldback,
+    /// Resistance of the temperature sensor of the motor, ohm.
+    MotorSensor,
     /// A temperature, degC.
     Temperature(Sensor),
 }
