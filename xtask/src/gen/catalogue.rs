@@ -24,6 +24,7 @@ pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
 struct DeviceFile {
     identity: Identity,
     access_point: AccessPoint,
+    description: Description,
     telegram: Vec<TelegramModule>,
     values: BTreeMap<String, f64>,
 }
@@ -53,8 +54,26 @@ struct AccessPoint {
 }
 
 #[derive(Deserialize)]
+struct Description {
+    date: u32,
+    family: String,
+    product_family: String,
+    dns_name: String,
+    name: String,
+    english: String,
+    german: String,
+    conformance_class: String,
+    netload_class: String,
+    protocols: Vec<String>,
+    port_rx_delay: u16,
+    port_tx_delay: u16,
+}
+
+#[derive(Deserialize)]
 struct TelegramModule {
     number: u16,
+    english: String,
+    german: String,
     outputs: u16,
     inputs: u16,
 }
@@ -71,7 +90,7 @@ fn akd(root: &Path) -> Outcome<String> {
     let faults = Table::read(root, "data/akd/faults.csv")?;
 
     let mut text = String::from(
-        "use super::backup::{BackupRule, Phase, Role};\nuse super::device::{Device, TelegramModule};\nuse super::fault::{Cleared, Fault, Reaction};\n\
+        "use super::backup::{BackupRule, Phase, Role};\nuse super::device::{DescriptionFacts, Device, TelegramModule, Words};\nuse super::fault::{Cleared, Fault, Reaction};\n\
          use super::parameter::{Access::*, Meaning, Parameter, Scale::*, Size::*};\nuse super::Catalogue;\n\n\
          /// Kollmorgen AKD with PROFINET, firmware 1.17.\n\
          pub static AKD: Catalogue = Catalogue { model: \"AKD\", parameters: PARAMETERS, index: INDEX, names: NAMES, \
@@ -126,15 +145,17 @@ fn render_device(device: &DeviceFile) -> String {
     for telegram in &device.telegram {
         let ident = TELEGRAM_IDENT + u32::from(telegram.number);
         modules.push_str(&format!(
-            "TelegramModule {{ telegram: {}, module: {ident:#010x}, submodule: {ident:#010x}, outputs: {}, inputs: {} }},",
-            telegram.number, telegram.outputs, telegram.inputs
+            "TelegramModule {{ telegram: {}, module: {ident:#010x}, submodule: {ident:#010x}, outputs: {}, inputs: {}, \
+             words: Words {{ english: {:?}, german: {:?} }} }},",
+            telegram.number, telegram.outputs, telegram.inputs, telegram.english, telegram.german
         ));
     }
     format!(
         "static DEVICE: Device = Device {{ vendor_id: {:#06x}, device_id: {:#06x}, vendor: {:?}, station_type: {:?}, \
          order_id: {:?}, hardware_revision: {}, software_revision: {:?}, api: {:#06x}, drive_unit_type: {}, \
          firmware_year: {}, firmware_day_month: {}, access_point_module: {}, access_point_submodule: {}, \
-         interface_submodule: {}, port_submodule: {}, min_device_interval: {}, telegrams: &[{modules}] }};\n\n",
+         interface_submodule: {}, port_submodule: {}, min_device_interval: {}, telegrams: &[{modules}], \
+         description: {} }};\n\n",
         identity.vendor_id,
         identity.device_id,
         identity.vendor,
@@ -151,6 +172,27 @@ fn render_device(device: &DeviceFile) -> String {
         point.interface_submodule,
         point.port_submodule,
         point.min_device_interval,
+        render_description(&device.description),
+    )
+}
+
+fn render_description(facts: &Description) -> String {
+    format!(
+        "DescriptionFacts {{ date: {}, family: {:?}, product_family: {:?}, dns_name: {:?}, name: {:?}, \
+         words: Words {{ english: {:?}, german: {:?} }}, conformance_class: {:?}, netload_class: {:?}, \
+         protocols: &{:?}, port_rx_delay: {}, port_tx_delay: {} }}",
+        facts.date,
+        facts.family,
+        facts.product_family,
+        facts.dns_name,
+        facts.name,
+        facts.english,
+        facts.german,
+        facts.conformance_class,
+        facts.netload_class,
+        facts.protocols,
+        facts.port_rx_delay,
+        facts.port_tx_delay,
     )
 }
 

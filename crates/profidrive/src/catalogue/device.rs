@@ -38,6 +38,44 @@ pub struct Device {
     pub min_device_interval: u16,
     /// Telegram modules that can be plugged in slot 1.
     pub telegrams: &'static [TelegramModule],
+    /// What a device description says of it beyond that.
+    pub description: DescriptionFacts,
+}
+
+/// A text in two languages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Words {
+    /// English.
+    pub english: &'static str,
+    /// German.
+    pub german: &'static str,
+}
+
+/// What a device description says of a drive model and nothing else needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DescriptionFacts {
+    /// Date of the description as the number YYYYMMDD.
+    pub date: u32,
+    /// Device family in the file name.
+    pub family: &'static str,
+    /// Product family in catalogues.
+    pub product_family: &'static str,
+    /// Name of station proposed by tools.
+    pub dns_name: &'static str,
+    /// Name in catalogues.
+    pub name: &'static str,
+    /// What it is.
+    pub words: Words,
+    /// Conformance class of PROFINET: A, B or C.
+    pub conformance_class: &'static str,
+    /// Netload class: I, II or III.
+    pub netload_class: &'static str,
+    /// Protocols beside PROFINET.
+    pub protocols: &'static [&'static str],
+    /// Longest delay of a received frame in the port, ns.
+    pub port_rx_delay: u16,
+    /// Longest delay of a sent frame in the port, ns.
+    pub port_tx_delay: u16,
 }
 
 /// A module that carries one telegram, slot 1 subslot 1.
@@ -53,6 +91,8 @@ pub struct TelegramModule {
     pub outputs: u16,
     /// Octets from the drive to the controller.
     pub inputs: u16,
+    /// What it is for.
+    pub words: Words,
 }
 
 impl Device {

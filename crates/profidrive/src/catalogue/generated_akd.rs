@@ -2,7 +2,7 @@
 
 use super::Catalogue;
 use super::backup::{BackupRule, Phase, Role};
-use super::device::{Device, TelegramModule};
+use super::device::{DescriptionFacts, Device, TelegramModule, Words};
 use super::fault::{Cleared, Fault, Reaction};
 use super::parameter::{Access::*, Meaning, Parameter, Scale::*, Size::*};
 
@@ -41,6 +41,10 @@ static DEVICE: Device = Device {
             submodule: 0x00010001,
             outputs: 4,
             inputs: 4,
+            words: Words {
+                english: "Speed setpoint",
+                german: "Drehzahlsollwert",
+            },
         },
         TelegramModule {
             telegram: 7,
@@ -48,6 +52,10 @@ static DEVICE: Device = Device {
             submodule: 0x00010007,
             outputs: 4,
             inputs: 4,
+            words: Words {
+                english: "Selection of motion tasks",
+                german: "Auswahl von Fahraufträgen",
+            },
         },
         TelegramModule {
             telegram: 9,
@@ -55,6 +63,10 @@ static DEVICE: Device = Device {
             submodule: 0x00010009,
             outputs: 20,
             inputs: 10,
+            words: Words {
+                english: "Selection of motion tasks and direct positioning (MDI)",
+                german: "Auswahl von Fahraufträgen und direkte Positionierung (MDI)",
+            },
         },
         TelegramModule {
             telegram: 350,
@@ -62,6 +74,10 @@ static DEVICE: Device = Device {
             submodule: 0x0001015e,
             outputs: 4,
             inputs: 6,
+            words: Words {
+                english: "Speed setpoint; with actual current",
+                german: "Drehzahlsollwert; mit Stromistwert",
+            },
         },
         TelegramModule {
             telegram: 351,
@@ -69,6 +85,10 @@ static DEVICE: Device = Device {
             submodule: 0x0001015f,
             outputs: 4,
             inputs: 10,
+            words: Words {
+                english: "Speed setpoint; with actual current and position",
+                german: "Drehzahlsollwert; mit Strom- und Lageistwert",
+            },
         },
         TelegramModule {
             telegram: 352,
@@ -76,6 +96,10 @@ static DEVICE: Device = Device {
             submodule: 0x00010160,
             outputs: 24,
             inputs: 10,
+            words: Words {
+                english: "Positioning as telegram 9 with homing distance",
+                german: "Positionierung wie Telegramm 9 mit Referenzweg",
+            },
         },
         TelegramModule {
             telegram: 353,
@@ -83,6 +107,10 @@ static DEVICE: Device = Device {
             submodule: 0x00010161,
             outputs: 26,
             inputs: 10,
+            words: Words {
+                english: "Positioning as telegram 9 with homing distance and mode",
+                german: "Positionierung wie Telegramm 9 mit Referenzweg und -modus",
+            },
         },
         TelegramModule {
             telegram: 354,
@@ -90,6 +118,10 @@ static DEVICE: Device = Device {
             submodule: 0x00010162,
             outputs: 8,
             inputs: 4,
+            words: Words {
+                english: "Speed setpoint with both ramps",
+                german: "Drehzahlsollwert mit beiden Rampen",
+            },
         },
         TelegramModule {
             telegram: 400,
@@ -97,6 +129,10 @@ static DEVICE: Device = Device {
             submodule: 0x00010190,
             outputs: 24,
             inputs: 24,
+            words: Words {
+                english: "Free mapping by PNU 915 and 916, as delivered like telegram 9",
+                german: "Freie Belegung über PNU 915 und 916, Lieferzustand wie Telegramm 9",
+            },
         },
         TelegramModule {
             telegram: 0,
@@ -104,8 +140,28 @@ static DEVICE: Device = Device {
             submodule: 0x00010000,
             outputs: 24,
             inputs: 24,
+            words: Words {
+                english: "Free mapping by PNU 915 and 916",
+                german: "Freie Belegung über PNU 915 und 916",
+            },
         },
     ],
+    description: DescriptionFacts {
+        date: 20261121,
+        family: "AKD-profidrive",
+        product_family: "AKD (profidrive)",
+        dns_name: "akd",
+        name: "AKD",
+        words: Words {
+            english: "Virtual Kollmorgen AKD servo drive with PROFIdrive telegrams",
+            german: "Virtueller Servoantrieb Kollmorgen AKD mit PROFIdrive-Telegrammen",
+        },
+        conformance_class: "B",
+        netload_class: "I",
+        protocols: &["SNMP", "LLDP"],
+        port_rx_delay: 350,
+        port_tx_delay: 160,
+    },
 };
 
 #[rustfmt::skip]

@@ -22,7 +22,7 @@ mod nearest;
 mod parameter;
 
 pub use backup::{BackupRule, Phase, Role};
-pub use device::{Device, TelegramModule};
+pub use device::{DescriptionFacts, Device, TelegramModule, Words};
 pub use fault::{Cleared, Fault, Reaction};
 pub use generated_akd::AKD;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};

@@ -50,7 +50,8 @@ pub struct SubmoduleDescription {
     pub output_length: u16,
 }
 
-/// A module that can be plugged.
+/// A module that can be plugged. One whose submodules can be changed is there once for each set of submodules, with the
+/// same ident.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModuleDescription {
     /// ModuleIdentNumber, not 0.

@@ -176,6 +176,12 @@ impl Device {
         &self.im
     }
 
+    /// What is plugged in a slot.
+    #[must_use]
+    pub fn plugged_module(&self, slot: u16) -> Option<&ModuleDescription> {
+        self.slots.module(&self.config.modules, slot)
+    }
+
     /// ModuleIdentNumber of what is plugged in a slot.
     #[must_use]
     pub fn plugged(&self, slot: u16) -> Option<u32> {

@@ -31,6 +31,11 @@ impl Slots {
         else {
             return false;
         };
+        self.put(slot, index);
+        true
+    }
+
+    fn put(&mut self, slot: u16, index: usize) {
         match self.plugged.binary_search_by_key(&slot, |(slot, _)| *slot) {
             Ok(at) => {
                 if let Some(place) = self.plugged.get_mut(at) {
@@ -39,7 +44,33 @@ impl Slots {
             }
             Err(at) => self.plugged.insert(at, (slot, index)),
         }
-        true
+    }
+
+    /// Plugs the expected module if it fits there; of several with this ident, which differ in their submodules, the
+    /// one that is most like what is expected.
+    fn plug_expected(
+        &mut self,
+        catalogue: &[ModuleDescription],
+        expected: &[ExpectedModule],
+        slot: u16,
+        ident: u32,
+    ) {
+        let alike = |real: &ModuleDescription| {
+            let here = expected.iter().filter(|module| module.slot == slot);
+            let submodules = here.flat_map(|module| module.submodules.iter().map(|s| (module.api, s)));
+            submodules
+                .filter(|(api, submodule)| compare(real, *api, submodule).is_none())
+                .count()
+        };
+        let fitting = catalogue
+            .iter()
+            .enumerate()
+            .filter(|(_, module)| module.ident == ident && module.slots.contains(&slot));
+        // the first of equals
+        let best = fitting.rev().max_by_key(|(_, module)| alike(module));
+        if let Some((index, _)) = best {
+            self.put(slot, index);
+        }
     }
 
     pub(super) fn iter<'a>(
@@ -119,7 +150,7 @@ impl Slots {
         expected: &[ExpectedModule],
     ) -> ModuleDiff {
         for module in expected {
-            self.plug(catalogue, module.slot, module.ident);
+            self.plug_expected(catalogue, expected, module.slot, module.ident);
         }
         let mut diff = ModuleDiff::default();
         for module in expected {
@@ -188,6 +219,50 @@ mod tests {
     use crate::wire::block::Block;
     use crate::wire::{Reader, Writer as _};
     use alloc::vec;
+
+    #[test]
+    fn of_modules_with_one_ident_the_one_like_the_expected_is_plugged() {
+        let submodule = |subslot, ident, octets| SubmoduleDescription {
+            subslot,
+            ident,
+            api: 0x3A00,
+            input_length: octets,
+            output_length: octets,
+        };
+        let variant = |telegram, octets| ModuleDescription {
+            ident: 0x100,
+            slots: vec![1],
+            submodules: vec![submodule(1, 0xFFFF, 0), submodule(2, telegram, octets)],
+        };
+        let catalogue = [variant(0x65, 4), variant(0x66, 4), variant(0x68, 12)];
+        let mut slots = Slots {
+            plugged: vec![(1, 0)],
+        };
+        let expected = |ident, octets| {
+            [ExpectedModule {
+                api: 0x3A00,
+                slot: 1,
+                ident: 0x100,
+                properties: 0,
+                submodules: vec![
+                    ExpectedSubmodule::new(1, 0xFFFF, 0, 0),
+                    ExpectedSubmodule::new(2, ident, octets, octets),
+                ],
+            }]
+        };
+        for (ident, octets, index) in [(0x68, 12, 2), (0x66, 4, 1), (0x65, 4, 0)] {
+            assert!(
+                slots
+                    .adapt(&catalogue, &expected(ident, octets))
+                    .modules
+                    .is_empty()
+            );
+            assert_eq!(slots.plugged, [(1, index)]);
+        }
+        // none fits: the first, and the difference is told
+        let diff = slots.adapt(&catalogue, &expected(0x69, 4));
+        assert_eq!((slots.plugged[0], diff.modules[0].submodules.len()), ((1, 0), 1));
+    }
 
     #[test]
     fn a_difference_names_every_api_once() {

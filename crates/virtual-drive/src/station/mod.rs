@@ -1,7 +1,7 @@
 //! A drive on its PROFINET device: the one thing a network carrier runs.
 
 mod channel;
-mod describe;
+pub(crate) mod describe;
 mod remember;
 #[cfg(test)]
 mod tests;
@@ -18,18 +18,15 @@ use profinet::wire::rt::Iops;
 use profinet::wire::status::{abort, record as code1};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
+use crate::description::{self, Description};
 use crate::drive::{Disconnect, Drive, Event as DriveEvent};
 use crate::model::Model;
 use crate::store::ImageError;
 pub use channel::{AnswerFault, NoAnswerFault};
 use channel::{Channels, INDICES};
 
-/// Slot and subslot of the telegram and of the parameter access point.
-const SLOT: u16 = 1;
-const SUBSLOT: u16 = 1;
-
 /// Longest telegram of any model, in octets.
-const LONGEST_TELEGRAM: usize = 64;
+const LONGEST_TELEGRAM: usize = description::LONGEST_TELEGRAM as usize;
 
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 256;
@@ -39,9 +36,11 @@ const MOST_EVENTS: usize = 256;
 pub struct StationConfig {
     /// The drive model.
     pub model: &'static Model,
+    /// Identity and modules: those of the model, or of a maker's device description.
+    pub description: Description,
     /// Own Ethernet address.
     pub mac: MacAddress,
-    /// Shortest update time in steps of 31.25 us; `None` for that of the model.
+    /// Shortest update time in steps of 31.25 us; `None` for that of the description.
     pub min_device_interval: Option<u16>,
     /// Sends each input frame right behind the controller's frame: saves a wake-up in each cycle on a real network.
     pub follow_controller: bool,
@@ -57,6 +56,7 @@ impl StationConfig {
     pub fn new(model: &'static Model, mac: MacAddress) -> Self {
         Self {
             model,
+            description: Description::of(model),
             mac,
             min_device_interval: None,
             follow_controller: false,
@@ -132,6 +132,9 @@ pub enum StationEvent {
 pub struct Station {
     device: Device,
     drive: Drive,
+    description: Description,
+    /// Slot and subslot of the telegram in use.
+    place: (u16, u16),
     network: Stored,
     channels: Channels<ArKey>,
     controller: Option<ArKey>,
@@ -148,6 +151,8 @@ impl Station {
         let mut station = Self {
             device,
             drive: Drive::new(config.model),
+            description: config.description,
+            place: (0, 0),
             network: config.network,
             channels: Channels::default(),
             controller: None,
@@ -210,14 +215,15 @@ impl Station {
     /// Steps the drive with the present outputs and sets its inputs. Allocates nothing.
     fn tick(&mut self, now: Instant) {
         let usable = self.device.is_exchanging() && self.device.provider_running();
+        let (slot, subslot) = self.place;
         let outputs = self
             .device
-            .output(SLOT, SUBSLOT)
+            .output(slot, subslot)
             .filter(|(_, iops)| usable && iops.is_good());
         let inputs = self.inputs.get_mut(..self.input_length).unwrap_or_default();
         self.drive.tick(now, outputs.map(|(data, _)| data), inputs);
         if self.controller.is_some() {
-            self.device.set_input(SLOT, SUBSLOT, inputs, Iops::GOOD);
+            self.device.set_input(slot, subslot, inputs, Iops::GOOD);
         }
     }
 
@@ -287,8 +293,9 @@ impl Station {
                 address,
                 length,
             } => {
-                let answer =
-                    check(address, PnioStatus::read).and_then(|()| self.channels.read(now, ar, length));
+                let answer = self
+                    .check(address, PnioStatus::read)
+                    .and_then(|()| self.channels.read(now, ar, length));
                 let answer = answer.as_deref().map_err(|status| *status);
                 self.device.answer_read(now, token, answer);
             }
@@ -298,7 +305,8 @@ impl Station {
                 address,
                 data,
             } => {
-                let written = check(address, PnioStatus::write)
+                let written = self
+                    .check(address, PnioStatus::write)
                     .and_then(|()| self.channels.write(now, ar, &data, &mut self.drive));
                 self.device.answer_write(now, token, written);
             }
@@ -306,19 +314,30 @@ impl Station {
         }
     }
 
-    fn telegram(&self) -> Option<&'static profidrive::catalogue::TelegramModule> {
-        let device = &self.drive.model().catalogue.device;
-        device.telegram_of_module(self.device.plugged(SLOT)?)
+    /// The telegram that is plugged.
+    fn telegram(&self) -> Option<&description::TelegramModule> {
+        self.description.plugged(|slot| self.device.plugged_module(slot))
+    }
+
+    /// Refuses records that are not the parameter channel, which every submodule of the drive's API gives access to.
+    fn check(&self, address: RecordAddress, refuse: fn(u8) -> PnioStatus) -> Result<(), PnioStatus> {
+        if address.api != self.description.api || !INDICES.contains(&address.index) {
+            return Err(refuse(code1::INVALID_INDEX));
+        }
+        Ok(())
     }
 
     /// The controller has said what it wants: put the first inputs in and report ready.
     fn parameter_end(&mut self, now: Instant, ar: ArKey) {
         if let Some(module) = self.telegram() {
-            self.input_length = usize::from(module.inputs).min(LONGEST_TELEGRAM);
+            let (telegram, place) = (module.telegram, (module.slot, module.subslot));
+            let inputs = module.data().map_or(0, |data| data.input_length);
+            self.place = place;
+            self.input_length = usize::from(inputs).min(LONGEST_TELEGRAM);
             self.inputs = [0; LONGEST_TELEGRAM];
             let watchdog = self.device.watchdog().unwrap_or_default();
-            // Every telegram module of the model carries a telegram of the model.
-            let _ = self.drive.connect(module.telegram, watchdog);
+            // Every telegram module of the description carries a telegram of the model.
+            let _ = self.drive.connect(telegram, watchdog);
         }
         self.tick(now);
         self.device.application_ready(now, ar);
@@ -336,14 +355,6 @@ impl Station {
         }
         self.emit(StationEvent::PersistNetwork(self.network.clone()));
     }
-}
-
-/// Refuses records that are not the parameter channel.
-fn check(address: RecordAddress, refuse: fn(u8) -> PnioStatus) -> Result<(), PnioStatus> {
-    if (address.slot, address.subslot) != (SLOT, SUBSLOT) || !INDICES.contains(&address.index) {
-        return Err(refuse(code1::INVALID_INDEX));
-    }
-    Ok(())
 }
 
 impl Endpoint for Station {

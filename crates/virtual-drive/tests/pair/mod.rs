@@ -12,11 +12,15 @@ use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 use virtual_drive::model::AKD;
 use virtual_drive::station::{Station, StationConfig};
 
+/// The station.
+pub const DRIVE: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
+
 /// Both ends and the time.
 pub struct Pair {
     /// The drive.
     pub station: Station,
     controller: Controller,
+    #[allow(dead_code)]
     ar: ArId,
     now: Instant,
     interval: Duration,
@@ -24,25 +28,12 @@ pub struct Pair {
 }
 
 impl Pair {
+    // not every test that has this module uses all of it
+    #[allow(dead_code)]
     /// Connected with telegram 1 at this interval; data is exchanged.
     pub fn new(interval: Duration) -> Self {
-        let drive = MacAddress([2, 0, 0, 0, 0, 1]);
-        let mask = [255, 255, 255, 0].into();
-        let suite = |last| IpSuite {
-            address: [10, 0, 0, last].into(),
-            mask,
-            gateway: [0; 4].into(),
-        };
-        let mut config = StationConfig::new(&AKD, drive);
-        config.network = Stored {
-            name: "akd-1".into(),
-            ip: suite(1),
-            ..Stored::default()
-        };
+        let mut config = StationConfig::new(&AKD, DRIVE);
         config.min_device_interval = Some(32);
-        let station = Station::new(config);
-        let plc = ControllerConfig::new(MacAddress([2, 0, 0, 0, 0, 2]), suite(2), "plc", 1);
-        let mut controller = Controller::new(plc);
         let device = &AKD.catalogue.device;
         let module = device.telegram(1).expect("telegram 1");
         let sub = |subslot, ident| SubmoduleConfig {
@@ -73,14 +64,33 @@ impl Pair {
                 }],
             },
         ];
+        Self::connected(config, modules, interval)
+    }
+
+    /// The same with another station and other modules; any telegram in slot 1.
+    pub fn connected(mut config: StationConfig, modules: Vec<ModuleConfig>, interval: Duration) -> Self {
+        let mask = [255, 255, 255, 0].into();
+        let suite = |last| IpSuite {
+            address: [10, 0, 0, last].into(),
+            mask,
+            gateway: [0; 4].into(),
+        };
+        config.network = Stored {
+            name: "akd-1".into(),
+            ip: suite(1),
+            ..Stored::default()
+        };
         let target = Target {
             name: "akd-1".into(),
-            mac: Some(drive),
+            mac: Some(DRIVE),
             ip: suite(1),
-            vendor_id: device.vendor_id,
-            device_id: device.device_id,
-            instance: 1,
+            vendor_id: config.description.identity.vendor_id,
+            device_id: config.description.identity.device_id,
+            instance: config.description.identity.instance,
         };
+        let station = Station::new(config);
+        let plc = ControllerConfig::new(MacAddress([2, 0, 0, 0, 0, 2]), suite(2), "plc", 1);
+        let mut controller = Controller::new(plc);
         let timing = Timing::for_interval(interval).expect("an interval of PROFINET");
         let mut config = ConnectConfig::new(modules, timing);
         config.resolve = Resolve::Trust;
@@ -101,6 +111,7 @@ impl Pair {
         pair
     }
 
+    #[allow(dead_code)]
     /// Sets STW1 and NSOLL_A.
     pub fn send(&mut self, outputs: [u8; 4]) {
         self.controller
