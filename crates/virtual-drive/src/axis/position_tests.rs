@@ -561,6 +561,35 @@ proptest! {
         prop_assert!(revolutions(axis.position() - last).abs() < 1e-4);
     }
 
+    /// Whatever the gains are, the loops are stable: after a move and a load step the axis calms down where it shall be.
+    #[test]
+    fn all_gains_are_stable(
+        gain in 0.02..50.0_f64,
+        integral in 0.5..500.0_f64,
+        position_gain in 5.0..10_000.0_f64,
+        position_integral in prop_oneof![Just(0.0), 0.1..100.0_f64],
+        speed_forward in 0.0..2.0_f64,
+        inertia in 0.5e-4..50.0e-4_f64,
+        seconds in 0.0005..0.016_f64,
+    ) {
+        let mut axis = Axis::new(Plant { load_inertia: inertia, ..Plant::default() });
+        let tuning = Tuning {
+            gain, integral, position_gain, position_integral, speed_forward,
+            ..Tuning::default()
+        };
+        axis.set_load(0.5);
+        let mut time = 0.0;
+        while time < 20.0 {
+            axis.step(seconds, to(3 * REV, 300.0), &tuning);
+            time += seconds;
+        }
+        for _ in 0..100 {
+            axis.step(seconds, to(3 * REV, 300.0), &tuning);
+            prop_assert!(revolutions(axis.following_error()).abs() < 0.003, "{}", revolutions(axis.following_error()));
+            prop_assert!(axis.speed().abs() < 20.0, "{}", axis.speed());
+        }
+    }
+
     /// No input makes it panic or puts something that is no number into it, and the current keeps its limits.
     #[test]
     fn nothing_breaks_it(
