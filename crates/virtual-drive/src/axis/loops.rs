@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use super::command::{Command, Tuning};
+use super::command::{Command, Ramps, Tuning};
 use super::plant::REVOLUTION;
 use super::ramp::Ramp;
 use super::trajectory::{Goal, Manner, Trajectory};
@@ -142,12 +142,12 @@ impl Loops {
             Command::Travel { speed, ramps, smooth } => (Goal::At { speed }, ramps, smooth),
             _ => return,
         };
-        let manner = Manner {
-            ramps,
-            smoothing: smooth.then_some(tuning.smoothing),
-            limits: [tuning.speed_negative, tuning.speed_positive],
-        };
-        self.trajectory.aim(goal, manner);
+        self.trajectory.aim(goal, manner(ramps, smooth, tuning));
+    }
+
+    /// Where the reference would stand if it braked from now on.
+    pub fn stopping_position(&self, ramps: Ramps, smooth: bool, tuning: &Tuning) -> i64 {
+        self.trajectory.stopping_position(&manner(ramps, smooth, tuning))
     }
 
     /// One step: the current that is wanted, A.
@@ -220,6 +220,14 @@ impl Loops {
             self.integral += gains.speed * error * gains.speed_integral;
         }
         current
+    }
+}
+
+fn manner(ramps: Ramps, smooth: bool, tuning: &Tuning) -> Manner {
+    Manner {
+        ramps,
+        smoothing: smooth.then_some(tuning.smoothing),
+        limits: [tuning.speed_negative, tuning.speed_positive],
     }
 }
 

@@ -304,6 +304,13 @@ impl Axis {
         }
     }
 
+    /// Where the reference would stand, 2^-32 rev, if [`Command::Travel`] with speed 0 stopped it from now on with these
+    /// ramps: to see beforehand whether a movement stays within its limits.
+    #[must_use]
+    pub fn stopping_position(&self, ramps: Ramps, smooth: bool, tuning: &Tuning) -> i64 {
+        self.loops.stopping_position(ramps, smooth, tuning)
+    }
+
     /// Gives the place where the axis stands another number. Nothing moves: the reference and a target that is already
     /// set keep their place, too.
     pub const fn set_position(&mut self, position: i64) {

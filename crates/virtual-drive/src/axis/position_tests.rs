@@ -524,6 +524,40 @@ fn commands() -> impl Strategy<Value = Command> {
 }
 
 proptest! {
+    /// What is said about the stop beforehand comes true.
+    #[test]
+    fn it_stops_where_it_says(
+        speed in -2900.0..2900.0_f64,
+        acceleration in 100.0..30_000.0_f64,
+        deceleration in 100.0..30_000.0_f64,
+        began_smooth in any::<bool>(),
+        smooth in any::<bool>(),
+        steps in 0_usize..400,
+        closed in any::<bool>(),
+    ) {
+        let mut axis = Axis::new(Plant::default());
+        let ramps = Ramps { acceleration, deceleration };
+        let tuning = Tuning::default();
+        for _ in 0..steps {
+            if closed {
+                axis.step(0.001, Command::Travel { speed, ramps, smooth: began_smooth }, &tuning);
+            } else {
+                axis.step(0.001, Command::Speed { target: speed, ramp: Some(ramps), hold: false }, &tuning);
+            }
+        }
+        let expected = axis.stopping_position(ramps, smooth, &tuning);
+        // A reference that begins with the next step begins where the axis is then.
+        let slack = if closed { 4 } else { REV / 10 };
+        for _ in 0..40_000 {
+            axis.step(0.001, Command::Travel { speed: 0.0, ramps, smooth }, &tuning);
+            if axis.trajectory_done() {
+                break;
+            }
+        }
+        prop_assert!(axis.trajectory_done());
+        prop_assert!((axis.position_command() - expected).abs() <= slack, "{}", axis.position_command() - expected);
+    }
+
     /// What the axis does, and not only its reference: speeds a little above what was set at most, no lasting error,
     /// the same way every time.
     #[test]

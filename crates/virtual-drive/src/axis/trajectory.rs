@@ -151,18 +151,7 @@ impl Trajectory {
                 (Goal::To { target: before, .. }, Goal::To { target, end_speed, .. })
                     if before == target && end_speed > 0.0);
         let bounds = manner.bounds();
-        // What was not smooth goes on from no acceleration, and what was steeper from the steepest that is allowed now.
-        let most = match (self.manner, bounds.jerk) {
-            (Some(before), Some(_)) if before.smoothing.is_some() => {
-                if self.acceleration * self.speed < 0.0 {
-                    bounds.deceleration
-                } else {
-                    bounds.acceleration
-                }
-            }
-            _ => 0.0,
-        };
-        self.acceleration = self.acceleration.clamp(-most, most);
+        self.acceleration = self.acceleration_for(&bounds);
         self.goal = goal;
         self.manner = Some(manner);
         self.restart();
@@ -187,6 +176,33 @@ impl Trajectory {
             }
         }
         self.judge();
+    }
+
+    /// Acceleration that a plan with these bounds starts with: what was not smooth goes on from none, and what was steeper
+    /// from the steepest that is allowed now.
+    fn acceleration_for(&self, bounds: &Bounds) -> f64 {
+        let was_smooth = self.manner.is_some_and(|manner| manner.smoothing.is_some());
+        if bounds.jerk.is_none() || !was_smooth {
+            return 0.0;
+        }
+        let most = if self.acceleration * self.speed < 0.0 {
+            bounds.deceleration
+        } else {
+            bounds.acceleration
+        };
+        self.acceleration.clamp(-most, most)
+    }
+
+    /// Where it would stand if it braked from now on.
+    pub fn stopping_position(&self, manner: &Manner) -> i64 {
+        let bounds = manner.bounds();
+        let mut brake = Profile::new(State {
+            position: self.fraction,
+            speed: self.speed,
+            acceleration: self.acceleration_for(&bounds),
+        });
+        brake.change(0.0, &bounds);
+        self.position.wrapping_add(brake.end().position as i64)
     }
 
     /// An empty plan from the present state.
