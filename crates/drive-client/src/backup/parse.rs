@@ -186,7 +186,7 @@ fn read_line(line: &Line<'_>, parameters: &Parameters, scaled: bool) -> Result<R
     };
     let label = selection.label();
     let raw = number(line.value, parameter, &label, parameters, scaled)?;
-    let width = parameter.size.octets();
+    let width = parameter.octets();
     let octets = raw.to_be_bytes();
     let octets = octets.get(octets.len() - width..).unwrap_or_default().to_vec();
     Ok(reading(
@@ -310,7 +310,7 @@ pub(super) fn nearest(value: f64, parameter: &Parameter, scaling: &Scaling) -> R
         return Err(format!(
             "{value} {} does not fit its {} octets",
             parameter.unit,
-            parameter.size.octets()
+            parameter.octets()
         ));
     }
     Ok(raw)
@@ -322,7 +322,14 @@ fn raw_number(text: &str, parameter: &Parameter) -> Result<i64, String> {
         .filter(|digits| digits.bytes().all(|b| b.is_ascii_hexdigit()))
         .and_then(|digits| u64::from_str_radix(digits, 16).ok())
         .ok_or_else(|| format!("`{}` is no raw value such as 0x002D", shorten(text)))?;
-    let bits = 8 * u32::try_from(parameter.size.octets()).unwrap_or(8);
+    if let (true, true, Ok(low)) = (
+        parameter.wide,
+        digits.is_some_and(|d| d.len() <= 8),
+        u32::try_from(raw),
+    ) {
+        return Ok(parameter.alone(low)); // of a drive that knows the low half only
+    }
+    let bits = 8 * u32::try_from(parameter.octets()).unwrap_or(8);
     if bits < 64 && raw >> bits != 0 {
         return Err(format!("0x{raw:X} does not fit its {} octets", bits / 8));
     }
@@ -330,7 +337,7 @@ fn raw_number(text: &str, parameter: &Parameter) -> Result<i64, String> {
     Ok(if parameter.signed {
         (raw << shift).cast_signed() >> shift
     } else {
-        raw.cast_signed()
+        i64::try_from(raw).unwrap_or(i64::MAX)
     })
 }
 

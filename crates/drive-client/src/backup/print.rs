@@ -77,9 +77,12 @@ fn value(backup: &Backup, reading: &Reading) -> String {
     }
 }
 
+/// Above this a raw number may have more digits than a value in its unit can say.
+const EXACT: u64 = 1 << 50;
+
 /// A number in its unit; the raw number too where the text does not say it exactly.
 fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> String {
-    if !parameter.bits.is_empty() {
+    if !parameter.bits.is_empty() || raw.unsigned_abs() > EXACT {
         return hex(octets);
     }
     let exact = parameter.engineering(raw, scaling);

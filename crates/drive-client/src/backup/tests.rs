@@ -29,7 +29,7 @@ fn tables(scaling: Scaling) -> Parameters {
 
 fn reading(parameters: &Parameters, parameter: &'static Parameter, index: u16, raw: i64) -> Reading {
     let octets = raw.to_be_bytes();
-    let octets = &octets[8 - parameter.size.octets()..];
+    let octets = &octets[8 - parameter.octets()..];
     let selection = Selection {
         pnu: parameter.pnu,
         first: index,
@@ -143,8 +143,8 @@ fn mistakes_are_told_with_their_lines() {
             "line 6: DRV.ACC (p2108): `A` is a unit of current",
         ),
         (
-            "p2108 = 5e9 rpm/s",
-            "line 6: DRV.ACC (p2108): 5000000000 rpm/s does not fit its 4 octets",
+            "p2108 = 5e18 rpm/s",
+            "line 6: DRV.ACC (p2108): 5000000000000000000 rpm/s does not fit its 8 octets",
         ),
         (
             "p2135 = 1.5",
@@ -451,7 +451,7 @@ proptest! {
             .iter()
             .filter(|parameter| parameter.access != Access::WriteOnly)
             .map(|parameter| {
-                let bits = 8 * parameter.size.octets() as u32;
+                let bits = 8 * parameter.octets() as u32;
                 // small numbers, large ones, the ends
                 let raw = match next() % 4 {
                     0 => next() & 0xFF,
@@ -459,7 +459,8 @@ proptest! {
                     2 => 1 << (bits - 1),
                     _ => next(),
                 };
-                let raw = (raw << (64 - bits)) >> (64 - bits);
+                let unused = u32::from(parameter.wide && !parameter.signed);
+                let raw = (raw << (64 - bits)) >> (64 - bits) << unused >> unused;
                 let index = if parameter.is_array() { next() as u16 % parameter.elements } else { 0 };
                 Ok(reading(&parameters, parameter, index, raw as i64))
             })

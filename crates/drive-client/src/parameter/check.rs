@@ -123,7 +123,11 @@ impl Parameters {
         parameter: &'static Parameter,
         raw: u64,
     ) -> Result<i64, ParameterProblem> {
-        let octets = parameter.size.octets();
+        let octets = if parameter.wide {
+            8
+        } else {
+            parameter.size.octets()
+        };
         let bits = 8 * u32::try_from(octets).unwrap_or(8);
         if bits < 64 && raw >> bits != 0 {
             return Err(ParameterProblem::RawSize {
@@ -154,7 +158,7 @@ impl Parameters {
     /// Lowest and highest engineering value: the known limits, cut to what the size of the parameter holds.
     #[must_use]
     pub fn limits(&self, parameter: &Parameter) -> (f64, f64) {
-        let range = parameter.size.range(parameter.signed);
+        let range = parameter.range();
         let fits = |raw: i64| parameter.engineering(raw, &self.scaling);
         let (low, high) = (fits(*range.start()), fits(*range.end()));
         (
@@ -234,7 +238,7 @@ mod tests {
             ("DRV.ACC=5A", "unit of current; accepted: rpm/s"),
             (
                 "DRV.ACC=1",
-                "DRV.ACC (p2108): 1 rpm/s is outside 1.86 to 4294967.295 rpm/s",
+                "DRV.ACC (p2108): 1 rpm/s is outside 1.86 to 50000000 rpm/s",
             ),
             ("DRV.ACC=99999999", "is outside"),
             ("DRV.ACC=0x1", "is outside"),

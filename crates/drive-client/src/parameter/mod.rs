@@ -3,10 +3,12 @@
 mod check;
 mod reading;
 mod select;
+mod wide;
 
 pub use check::{Assignment, CheckedValue};
 pub use reading::{Content, Interpretation, Reading};
 pub use select::Selection;
+pub(crate) use wide::{halves, join, split};
 
 use profidrive::catalogue::{Catalogue, Scaling};
 use profidrive::notation::{QuantityError, ReferenceError, UnitMismatch};

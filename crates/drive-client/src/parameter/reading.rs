@@ -183,7 +183,7 @@ impl Parameters {
                 let raw = if signed {
                     sign_extend(unsigned, bits)
                 } else {
-                    unsigned.cast_signed()
+                    i64::try_from(unsigned).unwrap_or(i64::MAX)
                 };
                 #[expect(clippy::cast_precision_loss, reason = "numbers of a drive have 32 bits")]
                 let engineering =

@@ -12,7 +12,8 @@ use profinet::Medium;
 
 use super::Session;
 use crate::parameter::{
-    Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection,
+    Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection, halves, join,
+    split,
 };
 use crate::{Drive, Error, Refusal};
 
@@ -73,6 +74,15 @@ pub struct Outgoing {
     pub octets: Vec<u8>,
 }
 
+/// A piece of a new value: all of it, or one half of a 64-bit value.
+struct Part<'a> {
+    /// Which of the new values.
+    at: usize,
+    address: ParameterAddress,
+    octets: Vec<u8>,
+    value: &'a Outgoing,
+}
+
 /// One address of a read, and which selection it belongs to.
 #[derive(Debug, Clone, Copy)]
 struct Item {
@@ -100,7 +110,8 @@ where
         if selections.iter().any(needs_scaling) {
             self.read_scaling(drive)?;
         }
-        self.read_plain(drive, selections)
+        let readings = self.read_plain(drive, &split(selections))?;
+        Ok(join(&drive.parameters, selections, readings))
     }
 
     /// The same without looking at the values that scale others first.
@@ -312,14 +323,39 @@ where
         drive: &Drive,
         outgoing: &[Outgoing],
     ) -> Result<Vec<Result<(), Refusal>>, Error> {
+        let mut parts = Vec::new();
+        for (at, value) in outgoing.iter().enumerate() {
+            let pieces = halves(&value.selection, value.octets.clone());
+            parts.extend(pieces.into_iter().map(|(address, octets)| Part {
+                at,
+                address,
+                octets,
+                value,
+            }));
+        }
+        let mut answers = vec![Ok(()); outgoing.len()];
+        // The caller has seen to the size of the request; only values of two numbers make it longer.
+        let sizes: Vec<usize> = parts.iter().map(|part| part.octets.len()).collect();
+        for group in plan_changes(&sizes, drive.model.dialect) {
+            self.change_parts(drive, parts.get(group).unwrap_or_default(), &mut answers)?;
+        }
+        Ok(answers)
+    }
+
+    fn change_parts(
+        &mut self,
+        drive: &Drive,
+        parts: &[Part<'_>],
+        answers: &mut [Result<(), Refusal>],
+    ) -> Result<(), Error> {
         let dialect = drive.model.dialect;
-        let values: Vec<NewValue<'_>> = outgoing
+        let values: Vec<NewValue<'_>> = parts
             .iter()
-            .map(|value| NewValue {
-                address: ParameterAddress::value(value.selection.pnu, value.selection.first),
-                format: value.format,
-                count: value.count,
-                data: &value.octets,
+            .map(|part| NewValue {
+                address: part.address,
+                format: part.value.format,
+                count: part.value.count,
+                data: &part.octets,
             })
             .collect();
         let addresses: Vec<ParameterAddress> = values.iter().map(|value| value.address).collect();
@@ -330,13 +366,13 @@ where
         let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
         let response = Response::parse(&answer, RequestId::Change, reference, &addresses, dialect)
             .map_err(|error| malformed(drive, &error))?;
-        let answers = outgoing.iter().zip(response.answers());
-        Ok(answers
-            .map(|(value, answer)| match answer {
-                Answer::Error(error) => Err(refusal(&value.selection, 0, true, error.number, error.info)),
-                Answer::Written | Answer::Values(_) => Ok(()),
-            })
-            .collect())
+        for (part, answer) in parts.iter().zip(response.answers()) {
+            if let (Answer::Error(error), Some(place)) = (answer, answers.get_mut(part.at)) {
+                let selection = &part.value.selection;
+                *place = Err(refusal(selection, 0, true, error.number, error.info));
+            }
+        }
+        Ok(())
     }
 
     /// Descriptions of parameters (attribute 0x20), `None` where the drive has none.
@@ -496,7 +532,7 @@ fn malformed(drive: &Drive, error: &dyn std::fmt::Display) -> Error {
 fn encode(outcome: &ChangeOutcome) -> Result<(Format, Vec<u8>), Error> {
     let CheckedValue { raw, engineering, .. } = outcome.change.value;
     let (format, width) = match (outcome.change.selection.parameter, &outcome.old) {
-        (Some(parameter), _) => (Format(parameter.size.format_code()), parameter.size.octets()),
+        (Some(parameter), _) => (Format(parameter.size.format_code()), parameter.octets()),
         (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),
         (None, Some(Err(refusal))) => {
             return Err(Error::Refused {
@@ -557,7 +593,7 @@ mod tests {
         assert_eq!(encode(&outcome("DRV.OPMODE=1")).unwrap(), (Format::BYTE, vec![1]));
         assert_eq!(
             encode(&outcome("DRV.ACC=5000")).unwrap(),
-            (Format::DOUBLE_WORD, vec![0, 0x4C, 0x4B, 0x40])
+            (Format::DOUBLE_WORD, vec![0, 0, 0, 0, 0, 0x4C, 0x4B, 0x40])
         );
         assert_eq!(encode(&outcome("1004=-1")).unwrap().1.len(), 2);
     }

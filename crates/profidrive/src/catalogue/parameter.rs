@@ -127,6 +127,12 @@ impl Parameter {
         if self.wide { self.pnu.checked_add(1) } else { None }
     }
 
+    /// Octets of the whole value: eight for a 64-bit value.
+    #[must_use]
+    pub const fn octets(&self) -> usize {
+        if self.wide { 8 } else { self.size.octets() }
+    }
+
     /// Numbers that fit: those of the size, or of both halves of a 64-bit value (without sign up to 2^63 - 1).
     #[must_use]
     pub const fn range(&self) -> RangeInclusive<i64> {
