@@ -2,7 +2,7 @@
 
 use drive_client::parameter::{Assignment, ParameterProblem, Reading, Selection};
 use drive_client::{ChangeOutcome, Refusal, WriteMode};
-use profidrive::catalogue::{Access, Parameter};
+use profidrive::catalogue::{Access, Parameter, Scaling};
 use profidrive::notation::{ParameterReference, Shown};
 use profidrive::parameter::ErrorNames;
 use serde_json::{Map, Value};
@@ -296,7 +296,13 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
     for line in table.lines() {
         output.line(&line);
     }
-    output.say(&format!("{} parameters", parameters.len()));
+    let wide = parameters.iter().filter(|parameter| parameter.wide).count();
+    let also = if wide > 0 {
+        format!("; {wide} of them have 64 bits and take the next number too")
+    } else {
+        String::new()
+    };
+    output.say(&format!("{} parameters{also}", parameters.len()));
     Ok(())
 }
 
@@ -324,8 +330,9 @@ fn list_numbers(
 ) -> Result<(), Failure> {
     let mut numbers: Vec<u16> = Vec::new();
     for list in 980..990_u16 {
-        let reference: ParameterReference =
-            format!("{list}[0..99]").parse().map_err(ParameterProblem::from)?;
+        let reference: ParameterReference = format!("{list}[0..115]")
+            .parse()
+            .map_err(ParameterProblem::from)?;
         let selection = drive.parameters.select(&reference)?;
         let readings = session.read(drive, &[selection])?;
         let found: Vec<u16> = readings
@@ -384,6 +391,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     if output.json() {
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
         fields.extend(parameter_json(parameter, drive.parameters.limits(parameter)));
+        fields.insert("scaling".into(), parameter.rule(&drive.parameters.scaling).into());
         let values: Vec<Value> = readings.iter().map(reading_json).collect();
         fields.insert("values".into(), values.into());
         output.document("describe", fields);
@@ -394,7 +402,8 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
         Colour::Strong,
         &format!("{} ({})", parameter.name, number_of(parameter)),
     ));
-    for line in description_lines(parameter, limits, &readings) {
+    let scaling = &drive.parameters.scaling;
+    for line in description_lines(parameter, scaling, limits, &readings) {
         output.line(&line);
     }
     Ok(())
@@ -402,6 +411,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
 
 fn description_lines(
     parameter: &Parameter,
+    scaling: &Scaling,
     (low, high): (f64, f64),
     readings: &[Result<Reading, Refusal>],
 ) -> Vec<String> {
@@ -441,6 +451,7 @@ fn description_lines(
     );
     line("access", access_word(parameter.access).to_owned());
     line("size", size_words(parameter));
+    line("scaling", parameter.rule(scaling));
     line(
         "saved",
         if parameter.saved { "by DRV.NVSAVE" } else { "no" }.into(),
@@ -471,7 +482,18 @@ fn size_words(parameter: &Parameter) -> String {
         0 | 1 => String::new(),
         count => format!(", {count} elements"),
     };
-    format!("{octets} octet{plural}, {sign}{elements}")
+    let halves = match parameter.high() {
+        Some(high) => format!(
+            ", 64 bits in two numbers: low half here, high half in {}",
+            Shown {
+                pnu: high,
+                index: None,
+                writable: Some(parameter.access != Access::ReadOnly),
+            }
+        ),
+        None => String::new(),
+    };
+    format!("{octets} octet{plural}, {sign}{elements}{halves}")
 }
 
 const fn access_word(access: Access) -> &'static str {
@@ -502,7 +524,7 @@ fn parameter_json(parameter: &Parameter, limits: (f64, f64)) -> Map<String, Valu
     fields! {
         "pnu": parameter.pnu, "name": parameter.name, "description": parameter.description, "unit": parameter.unit,
         "access": access_word(parameter.access), "elements": parameter.elements, "octets": parameter.size.octets(),
-        "signed": parameter.signed, "saved": parameter.saved, "minimum": parameter.minimum.map(|_| limits.0),
+        "signed": parameter.signed, "high": parameter.high(), "saved": parameter.saved, "minimum": parameter.minimum.map(|_| limits.0),
         "maximum": parameter.maximum.map(|_| limits.1), "default": parameter.default, "choices": meanings(parameter.choices),
         "bits": meanings(parameter.bits), "source": parameter.source,
     }
@@ -511,7 +533,7 @@ fn parameter_json(parameter: &Parameter, limits: (f64, f64)) -> Map<String, Valu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::catalogue::AKD;
 
     #[test]
     fn a_description_says_unit_and_limits() {
@@ -520,11 +542,13 @@ mod tests {
             catalogue: Some(&AKD),
             scaling: Scaling::default(),
         };
-        let text = description_lines(parameter, drive.limits(parameter), &[]).join("\n");
-        assert!(
-            text.contains("limits     1.86 rpm/s to 4294967.295 rpm/s"),
-            "{text}"
-        );
+        let describe = |scaling: &Scaling| {
+            description_lines(parameter, scaling, drive.limits(parameter), &[]).join("\n")
+        };
+        let text = describe(&Scaling::default());
+        assert!(text.contains("limits     1.86 rpm/s to 50000000 rpm/s"), "{text}");
+        assert!(text.contains("scaling    raw 1000 = 1 rpm/s\n"), "{text}");
+        assert!(text.contains("low half here, high half in p2109"), "{text}");
         assert!(text.contains("default    3000 rpm/s"), "{text}");
         assert!(text.contains("access     read, write"), "{text}");
     }
