@@ -5,6 +5,7 @@ mod injection;
 mod motion;
 mod outside;
 mod parameters;
+mod position;
 mod reading;
 mod settings;
 mod signals;
@@ -28,6 +29,7 @@ use crate::store::{Image, ImageError, Values};
 use faults::{Faults, Keeper};
 use outside::Outside;
 use parameters::Half;
+use position::Positioning;
 use settings::Settings;
 use signals::Process;
 use telegrams::FreeTelegram;
@@ -163,6 +165,7 @@ pub struct Drive {
     faults: Faults,
     outside: Outside,
     axis: Axis,
+    positioning: Positioning,
     /// Speed that the axis has when the ramp is done, rpm.
     target: f64,
     /// Current that a frozen setpoint keeps, A.
@@ -202,6 +205,7 @@ impl Drive {
             faults: Faults::new(),
             outside: Outside::default(),
             axis: Axis::new(model.plant),
+            positioning: Positioning::new(),
             target: 0.0,
             held_current: 0.0,
             process: Process::new(model),
@@ -268,6 +272,7 @@ impl Drive {
             return Err(UnknownTelegram(telegram));
         }
         self.keep(self.model.connection_lost_fault, Keeper::Action, false);
+        self.take_command_source();
         self.link = Link::Cyclic {
             watchdog,
             running: false,
@@ -308,14 +313,14 @@ impl Drive {
             status = self.look_after(status);
         }
         self.restless = self.restless.saturating_sub(1);
+        self.position_decide();
         if self.is_enabled() || !self.axis.is_at_rest() {
-            let command = self.command();
-            self.axis
-                .step(passed.as_secs_f64(), command, &self.settings.tuning);
+            self.move_axis(passed.as_secs_f64());
         } else {
             self.axis.rest(passed.as_secs_f64(), &self.settings.tuning);
         }
         status = self.look_after(status);
+        self.position_settle();
         self.process.status = status | self.application_status();
         self.give_inputs(inputs);
     }

@@ -6,6 +6,10 @@ use super::velocity::on_ramp;
 use super::{Drive, Event, Mode, Service};
 use crate::axis::{Command, Ramps};
 
+/// Longest step of the axis in position mode, s, and most of them in one tick.
+const STEP: f64 = 0.001;
+const MOST_STEPS: f64 = 512.0;
+
 impl Drive {
     /// Runs the state machine; the status word without the bits that depend on the axis.
     pub(super) fn decide(&mut self) -> u16 {
@@ -75,18 +79,47 @@ impl Drive {
         (self.service == Service::On).then_some(Stw1::RUN)
     }
 
+    /// Moves the axis on by `seconds`; in position mode in steps in which it can be redirected.
+    pub(super) fn move_axis(&mut self, seconds: f64) {
+        if self.settings.mode != Mode::Position || !self.is_enabled() {
+            let command = self.command();
+            return self.axis.step(seconds, command, &self.settings.tuning);
+        }
+        let steps = (seconds / STEP).ceil().clamp(1.0, MOST_STEPS);
+        let dt = (seconds / steps).min(STEP);
+        for _ in 0..steps as usize {
+            let command = if self.state() == State::S4 {
+                self.position_command(dt)
+            } else {
+                self.command()
+            };
+            let tuning = self.position_tuning();
+            self.axis.step(dt, command, &tuning);
+        }
+    }
+
+    /// The ramp of a stop outside S4; in position mode it keeps the axis inside its software limits.
+    fn safe_stop(&self, ramps: Ramps) -> Ramps {
+        if self.settings.mode == Mode::Position {
+            self.positioning
+                .safe_stop(ramps, &self.axis, &self.settings.position)
+        } else {
+            ramps
+        }
+    }
+
     /// What the power stage has to do.
     pub(super) fn command(&mut self) -> Command {
         let settings = &self.settings;
         match self.state().motion() {
             Motion::Coast => Command::Off,
-            Motion::RampStop => on_ramp(0.0, settings.ramps),
+            Motion::RampStop => on_ramp(0.0, self.safe_stop(settings.ramps)),
             Motion::QuickStop => on_ramp(
                 0.0,
-                Ramps {
+                self.safe_stop(Ramps {
                     acceleration: settings.quick_stop,
                     deceleration: settings.quick_stop,
-                },
+                }),
             ),
             Motion::FollowSetpoint if self.service == Service::Off => self.velocity_operation(),
             Motion::FollowSetpoint => match settings.mode {
@@ -105,6 +138,9 @@ impl Drive {
     /// The bits of the status word that depend on the axis.
     pub(super) fn application_status(&self) -> u16 {
         let warning = if self.has_warning() { Zsw1::WARNING.0 } else { 0 };
+        if self.settings.mode == Mode::Position {
+            return self.position_status().0 | warning;
+        }
         if self.state() != State::S4 {
             return warning;
         }

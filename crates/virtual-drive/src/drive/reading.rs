@@ -6,11 +6,8 @@ use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Mapping;
 
 use super::faults::motor_sensor;
-use super::{Drive, Mode, Service};
+use super::{Drive, Mode};
 use crate::model::{Live, Quantity, Sensor, Table};
-
-/// Position counts of one revolution.
-const COUNTS: f64 = 65_536.0;
 
 /// PNUs of the lists of PNUs.
 const LISTS: core::ops::RangeInclusive<u16> = 980..=989;
@@ -20,10 +17,6 @@ pub(super) const PER_LIST: usize = 116;
 
 /// Value of PNU 930 in current mode: bit 15 marks modes of the maker.
 const MODE_CURRENT: i64 = 0x8000;
-
-/// DRV.MOTIONSTAT bit 7, a quick stop is in progress, and bit 9, service motion is active.
-const MOTION_QUICK_STOP: i64 = 1 << 7;
-const MOTION_SERVICE: i64 = 1 << 9;
 
 impl Drive {
     /// The number of one element as on the wire (sign included); `position` is the place in the catalogue.
@@ -54,17 +47,8 @@ impl Drive {
         match live {
             Live::Stored | Live::Mode if parameter.size != Size::Command => self.values.at(position),
             Live::Stored | Live::Mode | Live::Do(_) => 0,
-            Live::Measured(Quantity::Revolutions) => {
-                let bits = u32::from(self.settings.scaling.singleturn_bits.min(32));
-                wrap(self.axis.position() >> (32 - bits), parameter)
-            }
-            Live::Measured(Quantity::Counts) => {
-                let counts = i128::from(self.axis.position() >> 16) * 1000;
-                let scaled = counts.div_euclid(i128::from(self.settings.scaling.position.max(1)));
-                wrap(scaled as i64, parameter)
-            }
-            Live::Measured(Quantity::Angle) => wrap(self.axis.position(), parameter),
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
+            Live::Place(place) => wrap(self.place_number(place), parameter),
             Live::Same(other) => self.same(parameter, other),
             Live::Setpoint => self.process.signal(parameter.pnu),
             Live::Through(other) => self.through(parameter, other),
@@ -84,6 +68,9 @@ impl Drive {
             Live::Active => i64::from(self.is_enabled()),
             Live::DisableSources => self.disable_sources(),
             Live::TorqueAllowed => i64::from(!self.axis.inputs().sto),
+            Live::MotionStatus => self.motion_status(),
+            Live::RunningTask => i64::from(self.positioning.running_task()),
+            Live::SoftwareLimits => self.software_limits(),
             Live::LimitSwitch { positive } => {
                 let inputs = self.axis.inputs();
                 i64::from(if positive {
@@ -92,19 +79,7 @@ impl Drive {
                     inputs.limit_negative
                 })
             }
-            Live::MotionStatus => {
-                let quick = if self.is_quick_stopping() {
-                    MOTION_QUICK_STOP
-                } else {
-                    0
-                };
-                quick
-                    | if self.service != Service::Off {
-                        MOTION_SERVICE
-                    } else {
-                        0
-                    }
-            }
+            Live::ClearTask | Live::StartTask => 0,
             Live::Bits(bits) => bits.iter().fold(0, |word, source| {
                 let value = self.parameter(source.pnu).unwrap_or(0);
                 word | (value >> source.of & 1) << source.bit
@@ -152,18 +127,17 @@ impl Drive {
         let value = from.engineering(raw, scaling);
         to.raw(
             match (from.scale, to.scale) {
-                (Scale::Singleturn, Scale::Position) => value * COUNTS,
-                (Scale::Position, Scale::Singleturn) => value / COUNTS,
+                (Scale::Singleturn, Scale::Position) => value * self.settings.position.units.per_revolution(),
+                (Scale::Position, Scale::Singleturn) => value / self.settings.position.units.per_revolution(),
                 _ => value,
             },
             scaling,
         )
     }
 
-    /// A measured value in its engineering unit; positions in revolutions and counts.
+    /// A measured value in its engineering unit.
     pub(super) fn measured(&self, quantity: Quantity) -> f64 {
         let axis = &self.axis;
-        let revolutions = axis.position() as f64 / 4_294_967_296.0;
         match quantity {
             Quantity::Speed => axis.measured_speed(),
             Quantity::SpeedFiltered => axis.filtered_speed(),
@@ -182,8 +156,7 @@ impl Drive {
                 }
             }
             Quantity::Current | Quantity::CurrentCommand => axis.current(),
-            Quantity::Revolutions | Quantity::Angle => revolutions,
-            Quantity::Counts => revolutions * COUNTS,
+            Quantity::TaskSpeed => axis.trajectory_speed(),
             Quantity::BusVoltage => axis.electrical().bus_voltage(),
             Quantity::RegenPower => axis.electrical().regen_power(),
             Quantity::Foldback => axis.electrical().foldback_limit(),

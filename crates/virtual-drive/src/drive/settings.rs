@@ -3,6 +3,7 @@
 use profidrive::catalogue::Scaling;
 
 use super::faults::Watching;
+use super::position::Setup;
 use crate::axis::{Endurance, Ramps, Tuning};
 use crate::model::Model;
 use crate::store::Values;
@@ -37,6 +38,7 @@ pub(super) struct Settings {
     pub fault_on_stop: bool,
     /// A brake is fitted and holds the axis while the power stage is off.
     pub holds_when_off: bool,
+    pub position: Setup,
 }
 
 /// Speed below which the axis counts as standing where no parameter says it, rpm.
@@ -119,6 +121,7 @@ impl Settings {
             disable_on_ramp: raw(roles.disable_mode).is_some_and(|mode| mode >= 2),
             holds_when_off: matches!(roles.brake.map(raw), [Some(1), None | Some(0)]),
             fault_on_stop: raw(roles.bus_options).is_some_and(|options| options & 1 == 1),
+            position: Setup::new(model, values, &scaling, [speed_negative, speed_positive]),
         }
     }
 }

@@ -297,6 +297,15 @@ fn the_bits_of_drive_inputs() {
         assert_eq!(drive.parameter(106), Some(0x40 | 1 << bit), "{happening}");
         drive.inject(end.parse().unwrap());
     }
+    // An axis at 0 between limits that are both 0 touches both.
+    for (pnu, value) in [(2382, 3), (2385, 0), (2209, 1)] {
+        write(&mut drive, pnu, 0, value).unwrap();
+    }
+    assert_eq!(
+        (drive.parameter(106), drive.parameter(2387)),
+        (Some(0x43), Some(3))
+    );
+    write(&mut drive, 2382, 0, 0).unwrap();
     drive.inject("sto=on".parse().unwrap());
     assert_eq!(drive.parameter(106), Some(0));
 }

@@ -5,7 +5,7 @@ use profidrive::catalogue::{Access, Parameter};
 use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Direction;
 
-use super::{Drive, Event, Mode, Service};
+use super::{Drive, Event, Service};
 use crate::model::{Action, Live, Table};
 use crate::store::Image;
 
@@ -58,6 +58,8 @@ impl Drive {
                 self.write_same(parameter, other, raw)?;
                 self.process.set_signal(parameter.pnu, raw);
             }
+            Live::ClearTask => self.clear_task(raw)?,
+            Live::StartTask => self.move_task(raw)?,
             Live::Array(Table::SetpointSignals) => {
                 let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
                 self.map_signal(Direction::Setpoint, element, number)?;
@@ -113,7 +115,7 @@ impl Drive {
         match action {
             Action::Enable => {
                 let by_service = !self.settings.commanded_by_bus && !self.is_controlled_by_bus();
-                if self.has_fault() || !by_service || self.settings.mode == Mode::Position {
+                if self.has_fault() || !by_service {
                     return Err(ErrorNumber::NOT_NOW);
                 }
                 self.service = Service::Starting;
@@ -121,10 +123,16 @@ impl Drive {
             Action::Disable => self.request_disable(),
             Action::Stop => {
                 self.stop_requested = self.is_enabled();
+                self.stop_positioning();
                 if let Some(pnu) = self.model.roles.service_speed {
                     self.values.set(pnu, 0);
                 }
             }
+            Action::SetTask => self.set_task()?,
+            Action::LoadTask => self.load_task()?,
+            Action::ContinueTask => self.continue_task()?,
+            Action::Home => self.start_homing()?,
+            Action::SetHome => self.set_home()?,
             Action::ClearFaults => self.clear_faults(),
             Action::Save => {
                 let text = self.values.image().encode();

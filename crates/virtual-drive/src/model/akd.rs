@@ -6,8 +6,8 @@ use profidrive::catalogue;
 use profidrive::parameter::Dialect;
 
 use super::akd_conditions::{ACTIONS, CONDITIONS};
-use super::live::{Action, Bit, Live, Quantity, Sensor, Table};
-use super::{Model, Roles};
+use super::live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
+use super::{HomeRoles, Model, PositionRoles, Roles, TaskRoles, UnitRoles};
 use crate::axis::Plant;
 
 /// The AKD of 3 A with a small servo motor.
@@ -51,6 +51,48 @@ const ROLES: Roles = Roles {
     disable_mode: Some(2119),        // DRV.DISMODE
     bus_options: Some(2158),         // FBUS.PARAM02
     brake: [Some(2241), Some(2242)], // MOTOR.BRAKE, MOTOR.BRAKERLS
+    positioning: POSITIONING,
+};
+
+const POSITIONING: PositionRoles = PositionRoles {
+    task: TaskRoles {
+        number: 2274,       // MT.NUM
+        position: 2275,     // MT.P
+        speed: 2283,        // MT.V_32
+        acceleration: 2263, // MT.ACC
+        deceleration: 2268, // MT.DEC
+        control: 2266,      // MT.CNTL
+        next: 2273,         // MT.MTNEXT
+        dwell: 2278,        // MT.TNEXT
+        profile: 2279,      // MT.TNUM
+    },
+    home: HomeRoles {
+        mode: 2203,          // HOME.MODE
+        speed: 2210,         // HOME.V_32
+        ramps: [2192, 2195], // HOME.ACC, HOME.DEC
+        direction: 2197,     // HOME.DIR
+        feedrate: 2200,      // HOME.FEEDRATE
+        current: 2201,       // HOME.IPEAK
+        position: 2205,      // HOME.P
+        distance: 2198,      // HOME.DIST
+        stop_error: 2207,    // HOME.PERRTHRESH
+        farthest: 2831,      // HOME.MAXDIST
+        automatic: 2194,     // HOME.AUTOMOVE
+    },
+    unit: UnitRoles {
+        motor: 2260,          // MOTOR.TYPE
+        unit: [2393, 2391],   // UNIT.PROTARY, UNIT.PLINEAR
+        custom: [2390, 2392], // UNIT.PIN, UNIT.POUT
+        pitch: 2251,          // MOTOR.PITCH
+    },
+    modulo_range: [2303, 2305], // PL.MODP1, PL.MODP2
+    modulo: 2308,               // PL.MODPEN
+    modulo_direction: 2307,     // PL.MODPDIR
+    limits_enabled: 2382,       // SWLS.EN
+    limits: [2383, 2385],       // SWLS.LIMIT0, SWLS.LIMIT1
+    target_window: 2280,        // MT.TPOSWND
+    speed_window: 2282,         // MT.TVELWND_32
+    error_window: 2292,         // PL.ERRWTHRESH
 };
 
 /// DRIVE_INPUTS (manual 5.8.1): SWLS.STATE, HWLS.NEGSTATE, HWLS.POSSTATE, DRV.DISSOURCES, STO.STATE.
@@ -73,8 +115,9 @@ const LIVE: &[(u16, Live)] = &[
     (2, Live::StatusWord),
     (5, Live::Setpoint),
     (6, Live::Measured(Quantity::Speed)),
-    (28, Live::Measured(Quantity::Revolutions)),
+    (28, Live::Place(Place::Singleturn)),
     (32, Live::Setpoint),
+    (33, Live::RunningTask),
     (34, Live::Setpoint),
     (35, Live::Setpoint),
     (36, Live::Setpoint),
@@ -85,6 +128,7 @@ const LIVE: &[(u16, Live)] = &[
     (101, Live::Setpoint),
     (102, Live::Setpoint),
     (103, Live::Through(2203)),
+    (104, Live::Place(Place::FollowingSingleturn)),
     (105, Live::MotionStatus),
     (106, Live::Bits(DRIVE_INPUTS)),
     (108, Live::Through(2108)),
@@ -123,8 +167,10 @@ const LIVE: &[(u16, Live)] = &[
     (2135, Live::Mode),
     (2136, Live::Do(Action::Defaults)),
     (2137, Live::Do(Action::Stop)),
-    (2144, Live::Measured(Quantity::Angle)),
+    (2144, Live::Place(Place::Angle)),
     (2157, Live::Telegram),
+    (2204, Live::Do(Action::Home)),
+    (2209, Live::Do(Action::SetHome)),
     (2211, Live::LimitSwitch { positive: false }),
     (2212, Live::LimitSwitch { positive: true }),
     (2214, Live::Measured(Quantity::CurrentCommand)),
@@ -133,10 +179,18 @@ const LIVE: &[(u16, Live)] = &[
     (2222, Live::Measured(Quantity::Foldback)),
     (2235, Live::Measured(Quantity::MotorFoldback)),
     (2257, Live::Measured(Quantity::MotorSensor)),
-    (2285, Live::Measured(Quantity::Counts)),
-    (2294, Live::Measured(Quantity::Counts)),
+    (2265, Live::ClearTask),
+    (2267, Live::Do(Action::ContinueTask)),
+    (2271, Live::Do(Action::LoadTask)),
+    (2272, Live::StartTask),
+    (2277, Live::Do(Action::SetTask)),
+    (2284, Live::Measured(Quantity::TaskSpeed)),
+    (2285, Live::Place(Place::Command)),
+    (2287, Live::Place(Place::Following)),
+    (2294, Live::Place(Place::Actual)),
     (2367, Live::Measured(Quantity::RegenPower)),
     (2381, Live::TorqueAllowed),
+    (2387, Live::SoftwareLimits),
     (2403, Live::Measured(Quantity::BusVoltage)),
     (2425, Live::Measured(Quantity::SpeedCommand)),
     (2427, Live::Measured(Quantity::SpeedError)),
@@ -159,7 +213,7 @@ const LIVE: &[(u16, Live)] = &[
     (2791, Live::Warning(0)),
     (2792, Live::Warning(1)),
     (2793, Live::Warning(2)),
-    (2805, Live::Measured(Quantity::Counts)),
+    (2805, Live::Place(Place::Feedback)),
     (2833, Live::Measured(Quantity::DriveFoldback)),
     (2845, Live::Measured(Quantity::Speed)),
     (2874, Live::Measured(Quantity::Temperature(Sensor::Control))),

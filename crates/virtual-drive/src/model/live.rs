@@ -7,6 +7,8 @@ pub enum Live {
     Stored,
     /// A measured value; the catalogue says in which steps.
     Measured(Quantity),
+    /// A position, in the unit of the parameter; on the wire it wraps.
+    Place(Place),
     /// The same engineering value as another parameter, in its own steps.
     Same(u16),
     /// Setpoint signal of the parameter's own number: the value that came last.
@@ -46,6 +48,14 @@ pub enum Live {
     },
     /// Bit field of motion.
     MotionStatus,
+    /// Number of the motion task that runs: 0 none, bit 15 MDI.
+    RunningTask,
+    /// Bit field of the software limits that are reached.
+    SoftwareLimits,
+    /// Writing a number empties that motion task, -1 all.
+    ClearTask,
+    /// Writing a number starts that motion task.
+    StartTask,
     /// Bit field put together from bits of other parameters.
     Bits(&'static [Bit]),
     /// An array that is computed.
@@ -80,12 +90,8 @@ pub enum Quantity {
     Current,
     /// Commanded current, A.
     CurrentCommand,
-    /// Position in revolutions; on the wire it wraps.
-    Revolutions,
-    /// Position in counts, 65,536 per revolution; on the wire it wraps.
-    Counts,
-    /// Mechanical angle in 2^-32 revolutions; on the wire it wraps.
-    Angle,
+    /// Speed of the trajectory in position mode, rpm.
+    TaskSpeed,
     /// Voltage of the DC bus, V.
     BusVoltage,
     /// Power in the brake resistor, W.
@@ -100,6 +106,25 @@ pub enum Quantity {
     MotorSensor,
     /// A temperature, degC.
     Temperature(Sensor),
+}
+
+/// What position, and in which unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Actual position in parts of a revolution (PNU 1002).
+    Singleturn,
+    /// Following error in the same parts.
+    FollowingSingleturn,
+    /// Actual position in the unit of the user.
+    Actual,
+    /// Commanded position in the unit of the user.
+    Command,
+    /// Following error in the unit of the user.
+    Following,
+    /// What the feedback gives, in the unit of the user.
+    Feedback,
+    /// Angle of the feedback in 2^-32 revolutions.
+    Angle,
 }
 
 /// Where a temperature is measured.
@@ -140,8 +165,19 @@ pub enum Action {
     Enable,
     /// Power stage off, at once or on the ramp (DRV.DISMODE); ends in S1, so that a controller needs OFF and ON.
     Disable,
-    /// Stop all motion on the ramp; a setpoint of 0 or a closed setpoint channel ends it.
+    /// Stop all motion on the ramp; a setpoint of 0 or a closed setpoint channel ends it. In position mode a motion task
+    /// waits for [`ContinueTask`](Self::ContinueTask).
     Stop,
+    /// Store the values being edited as a motion task.
+    SetTask,
+    /// Fetch a motion task into the values being edited.
+    LoadTask,
+    /// Go on with the motion task that a stop interrupted.
+    ContinueTask,
+    /// Start homing.
+    Home,
+    /// The axis is homed where it stands.
+    SetHome,
     /// Clear the faults whose cause is gone.
     ClearFaults,
     /// Store the parameters.

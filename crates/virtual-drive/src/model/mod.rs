@@ -8,10 +8,12 @@ mod akd;
 mod akd_conditions;
 mod condition;
 mod live;
+mod positioning;
 
 pub use akd::AKD;
 pub use condition::{Cause, Condition, Delay, Limit, When};
-pub use live::{Action, Bit, Live, Quantity, Sensor, Table};
+pub use live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
+pub use positioning::{HomeRoles, PositionRoles, TaskRoles, UnitRoles};
 
 use profidrive::catalogue::Catalogue;
 use profidrive::parameter::Dialect;
@@ -101,6 +103,8 @@ pub struct Roles {
     pub brake: [Option<u16>; 2],
     /// Bit 0: 1 raises the connection fault when the controller goes from RUN to STOP.
     pub bus_options: Option<u16>,
+    /// What positioning obeys.
+    pub positioning: PositionRoles,
 }
 
 impl Model {

@@ -1,0 +1,729 @@
+//! Position mode (AKD manual 5.10): motion tasks, MDI, homing and jogging inside S4.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `task` | one motion task, what its control word says, the table of 128 |
+//! | `run` | a task on its way: target, permission, what follows it |
+//! | `homing` | the methods of homing |
+//! | `limits`, `units` | software limits; units and modulo axes |
+//! | `setup` | the parameters that positioning obeys |
+//! | `status` | ZSW1 bits 8 and 10 to 14, DRV.MOTIONSTAT, warnings |
+//! | `service` | the parameters and commands that do something: MT.SET, MT.MOVE, HOME.MOVE... |
+//!
+//! What shall happen is decided once in each tick by [`PositionMachine`], the table of the profile crate
+//! ([`Positioning::decide`]); where the axis goes is told in each step of the axis, at most a millisecond long
+//! ([`Positioning::direct`]). Every movement keeps to defined ramps: an intermediate stop to the ramp of the task, a
+//! rejected task to the steepest of that ramp and CS.DEC, homing and jogging to theirs.
+//!
+//! Positions are those of the axis, 2^-32 revolutions, as homing has numbered them; they never wrap here. A modulo axis
+//! wraps where a target comes in and where a position is shown.
+
+mod homing;
+mod limits;
+mod run;
+mod service;
+mod setup;
+mod status;
+mod task;
+mod units;
+
+#[cfg(test)]
+mod tests;
+
+use profidrive::state::{
+    PositionCommand, PositionEffect, PositionInputs, PositionMachine, PositionState, Stw1,
+};
+use profidrive::telegram::signal;
+use profidrive::unit::akd;
+
+use super::settings::{Mode, Settings};
+use super::{Drive, Service, State};
+use crate::axis::{Axis, Command, Inputs, Ramps, Tuning};
+use homing::Homing;
+use limits::{Limits, brake_way};
+use run::{Leg, Next, Run, Start, Wait};
+use task::{Follow, Refusal, Task, Tasks};
+
+pub(super) use setup::Setup;
+
+/// SATZANW and AKTSATZ bit 15: MDI.
+const MDI: u16 = 0x8000;
+
+/// MDI_MOD bit 0: the target is absolute.
+const MDI_ABSOLUTE: i64 = 1;
+
+/// MT.CNTL of a task relative to the commanded position.
+const RELATIVE: u32 = 1;
+
+/// A ramp counts as too flat for the way that is left from this part above it on.
+const MARGIN: f64 = 1.01;
+
+/// What the axis shows before a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Seen {
+    /// PL.FB and PL.CMD.
+    position: i64,
+    command: i64,
+    /// Speed of the reference, rpm.
+    command_speed: f64,
+    /// True speed, rpm.
+    speed: f64,
+    /// PL.ERR.
+    following: i64,
+    /// The reference has arrived.
+    done: bool,
+    /// Neither moves nor is led.
+    standing: bool,
+    /// What homing has added to the feedback.
+    shift: i64,
+    inputs: Inputs,
+}
+
+impl Seen {
+    fn new(axis: &Axis, standstill: f64) -> Self {
+        let command_speed = axis.trajectory_speed();
+        Self {
+            position: axis.position(),
+            command: axis.position_command(),
+            command_speed,
+            speed: axis.speed(),
+            following: axis.following_error(),
+            done: axis.trajectory_done(),
+            standing: command_speed == 0.0 && axis.is_standing(standstill),
+            shift: axis.position().wrapping_sub(axis.feedback()),
+            inputs: axis.inputs(),
+        }
+    }
+
+    /// A limit switch is touched in this direction.
+    const fn is_limited(&self, way: i64) -> bool {
+        (way > 0 && self.inputs.limit_positive) || (way < 0 && self.inputs.limit_negative)
+    }
+
+    /// Direction in which the reference moves; that of `otherwise` when it stands.
+    fn heading(&self, otherwise: i64) -> i64 {
+        if self.command_speed > 0.0 {
+            1
+        } else if self.command_speed < 0.0 {
+            -1
+        } else {
+            otherwise
+        }
+    }
+}
+
+/// Brakes along a ramp and stays.
+const fn stop(ramps: Ramps) -> Command {
+    Command::Travel {
+        speed: 0.0,
+        ramps,
+        smooth: false,
+    }
+}
+
+fn steepened(ramps: Ramps, deceleration: f64) -> Ramps {
+    Ramps {
+        deceleration: ramps.deceleration.max(deceleration),
+        ..ramps
+    }
+}
+
+/// Positioning of one axis.
+#[derive(Debug, Clone)]
+pub(super) struct Positioning {
+    machine: PositionMachine,
+    /// S4 in position mode.
+    active: bool,
+    tasks: Tasks,
+    run: Option<Run>,
+    homing: Option<Homing>,
+    /// Home position set.
+    homed: bool,
+    /// Target that was reached last; none since the axis left it for something else than a task.
+    target: Option<i64>,
+    /// The running task or homing is over; it cannot go on.
+    finished: bool,
+    failed: bool,
+    /// What was asked for beside the control word, and which task.
+    wish: Option<PositionCommand>,
+    wished_task: u16,
+    /// An event that a chain of tasks may wait for.
+    event: bool,
+    /// How it brakes when it has to.
+    brakes: Ramps,
+    /// How it jogs: speed with sign and ramps.
+    jog: (f64, Ramps),
+    flags: status::Flags,
+}
+
+impl Positioning {
+    pub fn new() -> Self {
+        const DEFAULT: Ramps = Ramps {
+            acceleration: 3000.0,
+            deceleration: 3000.0,
+        };
+        Self {
+            machine: PositionMachine::new(),
+            active: false,
+            tasks: Tasks::new(),
+            run: None,
+            homing: None,
+            homed: false,
+            target: None,
+            finished: false,
+            failed: false,
+            wish: None,
+            wished_task: 0,
+            event: false,
+            brakes: DEFAULT,
+            jog: (0.0, DEFAULT),
+            flags: status::Flags::default(),
+        }
+    }
+
+    /// State of the extended state machine, in S4 of position mode.
+    pub const fn state(&self) -> Option<PositionState> {
+        if self.active {
+            Some(self.machine.state())
+        } else {
+            None
+        }
+    }
+
+    /// The limits in force.
+    const fn limits(&self, setup: &Setup) -> Limits {
+        if self.homed { setup.limits } else { Limits::NONE }
+    }
+
+    /// The current is to be limited to that of homing.
+    pub fn is_gentle(&self) -> bool {
+        self.homing.as_ref().is_some_and(Homing::is_gentle)
+    }
+
+    /// S4 in position mode begins.
+    fn enter(&mut self, word: Stw1, rules: &Settings) {
+        self.leave(word);
+        self.active = true;
+        self.brakes = rules.ramps;
+        if rules.position.home.automatic && !self.homed {
+            self.wish = Some(PositionCommand::Homing);
+        }
+    }
+
+    /// S4 or position mode ends: what was running is lost.
+    fn leave(&mut self, word: Stw1) {
+        self.machine.reset(word);
+        self.active = false;
+        self.run = None;
+        if self.homing.take().is_some() {
+            self.flags.homing_failed = true;
+        }
+        self.target = None;
+        self.finished = false;
+        self.failed = false;
+        self.wish = None;
+        self.event = false;
+        self.flags.leave();
+    }
+
+    /// Where the axis would stand if it braked now along this ramp.
+    fn rest(seen: &Seen, task: &Task, axis: &Axis, rules: &Settings) -> i64 {
+        let smooth = task.is_smooth() == Ok(true);
+        let way = brake_way(seen.command_speed, task.deceleration);
+        // A smooth stop takes longer: the braking builds up and ends.
+        let more = if smooth {
+            let building =
+                rules.tuning.smoothing * (1.0 + axis.trajectory_acceleration().abs() / task.deceleration);
+            (seen.command_speed.abs() * building * limits::COUNTS).ceil() as i64
+        } else {
+            0
+        };
+        let way = way.saturating_add(more).saturating_mul(seen.heading(0));
+        seen.command.saturating_add(way)
+    }
+
+    /// Finds out if a task can run, and where it leads.
+    fn permit(
+        &self,
+        number: u16,
+        task: Task,
+        seen: &Seen,
+        axis: &Axis,
+        rules: &Settings,
+    ) -> Result<Leg, Refusal> {
+        if !self.homed {
+            return Err(Refusal::NotHomed);
+        }
+        let running = match self.machine.state() {
+            PositionState::Basic => None,
+            PositionState::Task | PositionState::Pause => self.run.as_ref(),
+            _ => return Err(Refusal::Busy),
+        };
+        if running.is_some_and(|run| run.leg.task.has(task::EXCLUSIVE)) {
+            return Err(Refusal::Exclusive);
+        }
+        if task.has(task::FLYING_ONLY) && seen.command_speed == 0.0 {
+            return Err(Refusal::Standing);
+        }
+        let start = Start {
+            command: seen.command,
+            feedback: seen.position,
+            target: running
+                .map(|run| run.leg.target)
+                .or(self.target)
+                .unwrap_or(seen.command),
+            rest: Self::rest(seen, &task, axis, rules),
+        };
+        let setup = &rules.position;
+        Leg::plan(number, task, &start, seen, setup, &self.limits(setup))
+    }
+
+    /// Speed with sign and ramps of the jog that the word asks for, with the task that MDI describes.
+    fn jog_of(&self, word: Stw1, mdi: impl Fn() -> Task, rules: &Settings) -> (f64, Ramps) {
+        let [one, two] = rules.jog_speed;
+        if word.has(Stw1::JOG_1) {
+            return (one, rules.jog_ramps);
+        }
+        if word.has(Stw1::JOG_2) {
+            return (two, rules.jog_ramps);
+        }
+        let task = mdi();
+        let direction = if word.has(Stw1::REAL_TIME_JOG_REVERSE) {
+            -1.0
+        } else {
+            1.0
+        };
+        (direction * task.speed, task.ramps())
+    }
+
+    /// Nothing keeps the axis from jogging.
+    fn may_jog(&self, (speed, ramps): (f64, Ramps), seen: &Seen, setup: &Setup) -> bool {
+        let way = direction(speed);
+        let room = self.limits(setup).room(seen.command, way);
+        let ramps = ramps.acceleration > 0.0 && ramps.deceleration > 0.0;
+        ramps && !seen.is_limited(way) && room != Some(0)
+    }
+
+    /// A task begins, from the place where the reference is.
+    fn start(&mut self, leg: Leg, seen: &Seen, setup: &Setup) {
+        let limits = self.limits(setup);
+        self.flags.started(leg.is_slowed());
+        let toward = seen.heading(0) == leg.way_from(seen.command) && seen.command_speed != 0.0;
+        let room = leg.target.wrapping_sub(seen.command).saturating_abs();
+        self.flags.crossed = toward && brake_way(seen.command_speed, leg.task.deceleration) > room;
+        self.run = Some(Run::new(leg, seen.command, &self.tasks, seen, setup, &limits));
+        self.finished = false;
+        self.failed = false;
+        self.target = None;
+    }
+
+    /// What the machine wants done.
+    fn obey(&mut self, effect: PositionEffect, leg: Option<Leg>, seen: &Seen, rules: &Settings) {
+        match effect {
+            PositionEffect::None => {}
+            PositionEffect::StartTask => {
+                if let Some(leg) = leg {
+                    self.start(leg, seen, &rules.position);
+                }
+            }
+            PositionEffect::ContinueTask => {
+                if let Some(run) = &mut self.run {
+                    run.fresh = true;
+                }
+            }
+            PositionEffect::DropTask => {
+                let ramp = self.run.take().map_or(self.brakes, |run| run.leg.task.ramps());
+                self.brakes = steepened(ramp, rules.quick_stop);
+                self.failed = false;
+            }
+            PositionEffect::StartHoming => {
+                self.homed = false;
+                self.target = None;
+                self.finished = false;
+                self.failed = false;
+                self.flags.homing_begins();
+                self.brakes = rules.position.home.ramps;
+                self.homing = Homing::new(&rules.position.home, seen);
+            }
+            PositionEffect::AbortHoming => {
+                let failure = self.homing.take().and_then(|homing| homing.failure);
+                self.flags.homing_ends(failure);
+                self.failed = false;
+            }
+            PositionEffect::FinishHoming => {
+                self.homing = None;
+                self.homed = true;
+                self.target = Some(seen.command);
+                self.flags.homed();
+            }
+        }
+    }
+
+    /// What the axis has to do in the next step of `seconds`.
+    fn direct(&mut self, axis: &mut Axis, seconds: f64, feedrate: f64, rules: &Settings) -> Command {
+        let state = self.machine.state();
+        if matches!(state, PositionState::Basic) {
+            return stop(self.brakes);
+        }
+        let seen = Seen::new(axis, rules.standstill);
+        match state {
+            PositionState::Homing => self.home(axis, &seen, rules),
+            PositionState::Jog1 | PositionState::Jog2 | PositionState::RealTimeJog => {
+                self.travel(&seen, feedrate, rules)
+            }
+            PositionState::Task => self.follow(&seen, seconds, feedrate, rules),
+            PositionState::Pause => self.pause(&seen, rules),
+            _ => stop(self.brakes),
+        }
+    }
+
+    fn home(&mut self, axis: &mut Axis, seen: &Seen, rules: &Settings) -> Command {
+        let setup = &rules.position.home;
+        let Some(homing) = &mut self.homing else {
+            self.failed = true;
+            return stop(self.brakes);
+        };
+        let mut command = homing.step(setup, seen);
+        if let Some(place) = homing.take_reference(setup.position) {
+            axis.shift_position(setup.position.wrapping_sub(place));
+            self.flags.found = true;
+            // What was to be done is to be done at the new numbers.
+            command = homing.step(setup, &Seen::new(axis, rules.standstill));
+        }
+        self.finished = homing.finished;
+        self.failed = homing.failure.is_some();
+        command
+    }
+
+    fn travel(&mut self, seen: &Seen, feedrate: f64, rules: &Settings) -> Command {
+        let (speed, ramps) = self.jog;
+        let setup = &rules.position;
+        let speed = if self.machine.state() == PositionState::RealTimeJog {
+            speed * feedrate
+        } else {
+            speed
+        };
+        let way = direction(speed);
+        let heading = seen.heading(way);
+        let limits = self.limits(setup);
+        // What moves towards a limit keeps at least the ramp that it needs to stop there.
+        let needed = limits.needed(seen.command, seen.command_speed).unwrap_or(0.0);
+        if seen.command_speed == 0.0 || needed * MARGIN < ramps.deceleration {
+            self.brakes = ramps;
+        } else if needed > self.brakes.deceleration * MARGIN {
+            self.brakes = steepened(ramps, needed);
+        }
+        if seen.is_limited(heading) {
+            self.failed = true;
+            self.brakes = steepened(self.brakes, rules.quick_stop);
+            return stop(self.brakes);
+        }
+        let speed = speed.clamp(-setup.fastest(-1), setup.fastest(1));
+        match limits.towards(way) {
+            Some(limit) if limits.room(seen.command, way) == Some(0) && limit != seen.command => {
+                stop(self.brakes)
+            }
+            Some(limit) => Command::Position {
+                target: limit,
+                speed: speed.abs(),
+                ramps: self.brakes,
+                smooth: false,
+                end_speed: 0.0,
+            },
+            None => Command::Travel {
+                speed,
+                ramps: self.brakes,
+                smooth: false,
+            },
+        }
+    }
+
+    /// The running task cannot go on: brakes at once, the machine hears of it in the next tick.
+    fn fail(&mut self, rules: &Settings) -> Command {
+        self.failed = true;
+        self.flags.exception = true;
+        self.brakes = steepened(self.brakes, rules.quick_stop);
+        stop(self.brakes)
+    }
+
+    fn follow(&mut self, seen: &Seen, seconds: f64, feedrate: f64, rules: &Settings) -> Command {
+        let setup = &rules.position;
+        let limits = self.limits(setup);
+        let event = core::mem::take(&mut self.event);
+        let Some(run) = &mut self.run else {
+            self.finished = true;
+            return stop(self.brakes);
+        };
+        self.brakes = run.leg.task.ramps();
+        if self.failed || seen.is_limited(seen.heading(run.leg.way_from(seen.command))) {
+            return self.fail(rules);
+        }
+        if !limits.contains(run.leg.target) {
+            return self.fail(rules);
+        }
+        if let Some(wait) = &mut run.wait {
+            if wait.step(seconds, event) {
+                self.advance(seen, setup);
+            }
+        } else if !run.fresh && seen.done && !self.finished {
+            match run.next {
+                Next::End => self.finished = true,
+                Next::Impossible => {
+                    self.flags.not_followed();
+                    self.finished = true;
+                }
+                Next::Task { follow, .. } => match follow {
+                    Follow::AtOnce | Follow::PresentSpeed | Follow::NextSpeed => self.advance(seen, setup),
+                    _ => run.wait = Some(Wait::new(follow, run.leg.task.dwell)),
+                },
+            }
+        }
+        let Some(run) = &mut self.run else {
+            return stop(self.brakes);
+        };
+        if self.finished {
+            self.target = Some(run.leg.target);
+        }
+        run.fresh = false;
+        let (speed, acceleration) = run.pace(seen.command);
+        let leg = &run.leg;
+        let smooth = leg.smooth;
+        let ramps = Ramps {
+            acceleration,
+            ..leg.task.ramps()
+        };
+        Command::Position {
+            target: leg.target,
+            speed: speed * feedrate,
+            ramps,
+            smooth,
+            end_speed: run.end_speed.min(speed) * feedrate,
+        }
+    }
+
+    /// Goes over to the following task.
+    fn advance(&mut self, seen: &Seen, setup: &Setup) {
+        let limits = self.limits(setup);
+        let Some(run) = self.run else { return };
+        let Next::Task { number, task, .. } = run.next else {
+            return;
+        };
+        let place = run.leg.target;
+        let braking = brake_way(seen.command_speed, task.deceleration).saturating_mul(seen.heading(0));
+        let start = Start {
+            command: place,
+            feedback: if seen.command_speed == 0.0 {
+                seen.position
+            } else {
+                place
+            },
+            target: place,
+            rest: seen.command.saturating_add(braking),
+        };
+        match Leg::plan(u16::from(number), task, &start, seen, setup, &limits) {
+            Ok(leg) => {
+                self.flags.started(leg.is_slowed());
+                self.run = Some(Run::new(leg, place, &self.tasks, seen, setup, &limits));
+            }
+            Err(_) => {
+                self.flags.not_followed();
+                self.finished = true;
+                // It was to be passed, and is not: comes back to it.
+                if let Some(run) = &mut self.run {
+                    run.end_speed = 0.0;
+                    run.next = Next::End;
+                    self.finished = seen.command_speed == 0.0;
+                    run.fresh = true;
+                }
+            }
+        }
+    }
+
+    /// Intermediate stop: brakes on the ramp of the task. A target that was to be passed is passed in the stop too.
+    fn pause(&mut self, seen: &Seen, rules: &Settings) -> Command {
+        if let Some(run) = self.run
+            && run.end_speed > 0.0
+            && run.leg.way_from(seen.command) != run.way
+        {
+            self.advance(seen, &rules.position);
+        }
+        if self.failed {
+            return self.fail(rules);
+        }
+        let smooth = self.run.is_some_and(|run| run.leg.smooth);
+        Command::Travel {
+            speed: 0.0,
+            ramps: self.brakes,
+            smooth,
+        }
+    }
+
+    /// The ramp of a stop outside S4, made as steep as it takes to stay inside the limits, but not steeper than the
+    /// movement that is stopped could have braked.
+    pub fn safe_stop(&self, ramps: Ramps, axis: &Axis, setup: &Setup) -> Ramps {
+        let needed = self.limits(setup).needed(axis.position(), axis.speed());
+        let most = self.brakes.deceleration * MARGIN * MARGIN;
+        match needed {
+            Some(needed) => steepened(ramps, (needed * MARGIN).min(most)),
+            None => ramps,
+        }
+    }
+}
+
+fn direction(speed: f64) -> i64 {
+    if speed > 0.0 {
+        1
+    } else if speed < 0.0 {
+        -1
+    } else {
+        0
+    }
+}
+
+impl Drive {
+    /// The task that the MDI signals describe.
+    fn mdi(&self) -> Task {
+        let scaling = &self.settings.scaling;
+        let signal = |number| self.process.signal(number);
+        let bits = u32::from(scaling.singleturn_bits.min(32));
+        let ramp = |number| akd::acceleration(scaling).engineering(signal(number));
+        let absolute = signal(signal::MDI_MOD) & MDI_ABSOLUTE != 0;
+        Task {
+            position: signal(signal::MDI_TARPOS) << (32 - bits),
+            speed: akd::mdi_velocity().engineering(signal(signal::MDI_VELOCITY)),
+            acceleration: ramp(signal::MDI_ACC),
+            deceleration: ramp(signal::MDI_DEC),
+            control: if absolute { 0 } else { RELATIVE },
+            ..Task::default()
+        }
+    }
+
+    /// MT_FEEDRATE as a part of one; where nobody gives it, all. That it is in percent is ours.
+    fn feedrate(&self) -> f64 {
+        let percent = self.process.signal(signal::kollmorgen::MT_FEEDRATE);
+        if percent == 0 && !self.process.setpoints().has(signal::kollmorgen::MT_FEEDRATE) {
+            return 1.0;
+        }
+        (percent as f64 / 100.0).clamp(0.0, 1.0)
+    }
+
+    /// The number of the task that SATZANW selects; none when nobody gives one.
+    fn selected_task(&self) -> Option<u16> {
+        let number = self.process.signal(signal::SATZANW) as u16;
+        let given = number != 0 || self.process.setpoints().has(signal::SATZANW);
+        given.then_some(number)
+    }
+
+    /// Finds out if the task with this number, as SATZANW and MT.MOVE tell it, can run.
+    fn permit(&mut self, number: u16, seen: &Seen) -> Result<Leg, Refusal> {
+        let task = if number & MDI == 0 {
+            self.positioning.tasks.task(usize::from(number))?
+        } else {
+            let task = self.mdi();
+            self.positioning.tasks.set(0, task);
+            task
+        };
+        self.positioning
+            .permit(number, task, seen, &self.axis, &self.settings)
+    }
+
+    /// Decides once in a tick what shall happen in position mode.
+    pub(super) fn position_decide(&mut self) {
+        let by_service = self.service != Service::Off;
+        let active = self.state() == State::S4 && self.settings.mode == Mode::Position;
+        let word = if by_service {
+            Stw1::RUN
+        } else {
+            self.machine.word()
+        };
+        if active != self.positioning.active {
+            if active {
+                self.positioning.enter(word, &self.settings);
+            } else {
+                self.positioning.leave(word);
+            }
+        }
+        if !active {
+            return;
+        }
+        let seen = Seen::new(&self.axis, self.settings.standstill);
+        let edge = self.positioning.machine.wants_task(word);
+        let wish = self.positioning.wish.take();
+        let homing = self.positioning.machine.wants_homing(word) || wish == Some(PositionCommand::Homing);
+        let number = match (edge, wish) {
+            (true, _) => self.selected_task(),
+            (false, Some(PositionCommand::Task)) => Some(self.positioning.wished_task),
+            _ => None,
+        };
+        let task = number.map(|number| (number, self.permit(number, &seen)));
+        if word.0 & (Stw1::JOG_1 | Stw1::JOG_2 | Stw1::REAL_TIME_JOG).0 != 0 {
+            let jog = self.positioning.jog_of(word, || self.mdi(), &self.settings);
+            // A ramp of 0 is no ramp: the last one stays.
+            if jog.1.acceleration > 0.0 && jog.1.deceleration > 0.0 {
+                self.positioning.jog = jog;
+            } else if self.positioning.machine.state() == PositionState::Basic {
+                self.positioning.jog = (0.0, jog.1);
+            }
+        }
+        let positioning = &mut self.positioning;
+        let setup = &self.settings.position;
+        let home = &setup.home;
+        let leg = task.and_then(|(_, permitted)| permitted.ok());
+        let output = positioning.machine.step(&PositionInputs {
+            stw1: word,
+            standstill: seen.standing,
+            task_permitted: leg.is_some(),
+            homing_permitted: homing::is_known(home.mode)
+                && home.speed > 0.0
+                && home.ramps.acceleration > 0.0
+                && home.ramps.deceleration > 0.0,
+            jog_permitted: positioning.may_jog(positioning.jog, &seen, setup),
+            finished: positioning.finished,
+            failed: positioning.failed,
+            command: wish,
+        });
+        positioning.obey(output.effect(), leg, &seen, &self.settings);
+        if output.state.is_jogging() {
+            positioning.target = None;
+        }
+        // An edge of bit 6 without anybody who selects a task is no wish.
+        match task {
+            Some((_, Err(refusal))) => positioning.flags.refuse(refusal),
+            Some((_, Ok(_))) if output.effect() != PositionEffect::StartTask => {
+                positioning.flags.refuse(Refusal::Busy);
+            }
+            _ => {}
+        }
+        if homing && output.effect() != PositionEffect::StartHoming {
+            positioning.flags.homing_refused();
+        }
+    }
+
+    /// S4 can end in the middle of a tick.
+    pub(super) fn position_settle(&mut self) {
+        if self.positioning.active && self.state() != State::S4 {
+            self.positioning.leave(self.machine.word());
+        }
+        self.position_warnings();
+    }
+
+    /// Limits and gains; homing onto a hard stop pushes gently.
+    pub(super) fn position_tuning(&self) -> Tuning {
+        let tuning = self.settings.tuning;
+        match self.settings.position.home.current {
+            Some(current) if self.positioning.is_gentle() => Tuning {
+                current_positive: tuning.current_positive.min(current),
+                current_negative: tuning.current_negative.min(current),
+                ..tuning
+            },
+            _ => tuning,
+        }
+    }
+
+    /// What the axis has to do in the next step in position mode.
+    pub(super) fn position_command(&mut self, seconds: f64) -> Command {
+        let feedrate = self.feedrate();
+        self.positioning
+            .direct(&mut self.axis, seconds, feedrate, &self.settings)
+    }
+}

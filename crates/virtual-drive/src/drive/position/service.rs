@@ -1,0 +1,201 @@
+//! The parameters and commands of positioning that do something when they are written.
+
+use profidrive::parameter::ErrorNumber;
+use profidrive::state::{PositionCommand, PositionState};
+use profidrive::telegram::signal;
+
+use super::task::{MOST_TASKS, Task};
+use super::{Seen, homing};
+use crate::drive::{Drive, Mode};
+use crate::model::{Place, TaskRoles};
+
+impl Drive {
+    /// The telegram says where setpoints come from (DRV.CMDSOURCE): motion tasks belong to the service channel, speeds to
+    /// the field bus. Source: the maker's note on the command source with PROFINET.
+    pub(in crate::drive) fn take_command_source(&mut self) {
+        let setpoints = self.process.setpoints();
+        let source = if setpoints.has(signal::SATZANW) {
+            0
+        } else if setpoints.has(signal::NSOLL_A) {
+            1
+        } else {
+            return;
+        };
+        if let Some(pnu) = self.model.roles.command_source {
+            self.values.set(pnu, source);
+            self.apply();
+        }
+    }
+
+    fn engineering(&self, pnu: u16) -> f64 {
+        let parameter = self.model.catalogue.by_pnu(pnu);
+        parameter.map_or(0.0, |parameter| {
+            parameter.engineering(self.values.get(pnu), &self.settings.scaling)
+        })
+    }
+
+    fn set_engineering(&mut self, pnu: u16, value: f64) {
+        if let Some(parameter) = self.model.catalogue.by_pnu(pnu) {
+            let raw = parameter.raw(value, &self.settings.scaling);
+            self.values.set(pnu, raw);
+        }
+    }
+
+    /// MT.SET: the edit values become task MT.NUM of the table. A speed or ramp of 0 makes it an empty one.
+    pub(in crate::drive) fn set_task(&mut self) -> Result<(), ErrorNumber> {
+        let roles: &TaskRoles = &self.model.roles.positioning.task;
+        let raw = |pnu: u16| self.values.get(pnu);
+        let task = Task {
+            position: self
+                .settings
+                .position
+                .units
+                .counts(self.engineering(roles.position)),
+            speed: self.engineering(roles.speed),
+            acceleration: self.engineering(roles.acceleration),
+            deceleration: self.engineering(roles.deceleration),
+            control: raw(roles.control) as u32,
+            next: raw(roles.next) as u8,
+            dwell: raw(roles.dwell) as u16,
+            profile: raw(roles.profile) as u8,
+        };
+        let number = usize::try_from(raw(roles.number)).unwrap_or(MOST_TASKS);
+        if self.positioning.tasks.set(number, task) {
+            Ok(())
+        } else {
+            Err(ErrorNumber::LIMIT)
+        }
+    }
+
+    /// MT.LOAD: task MT.NUM of the table becomes the edit values; an empty task has zeros.
+    pub(in crate::drive) fn load_task(&mut self) -> Result<(), ErrorNumber> {
+        let roles: &TaskRoles = &self.model.roles.positioning.task;
+        let number = usize::try_from(self.values.get(roles.number)).unwrap_or(MOST_TASKS);
+        let task = *self.positioning.tasks.at(number).ok_or(ErrorNumber::LIMIT)?;
+        let position = self.settings.position.units.value(task.position);
+        self.set_engineering(roles.position, position);
+        self.set_engineering(roles.speed, task.speed);
+        self.set_engineering(roles.acceleration, task.acceleration);
+        self.set_engineering(roles.deceleration, task.deceleration);
+        for (pnu, raw) in [
+            (roles.control, i64::from(task.control)),
+            (roles.next, i64::from(task.next)),
+            (roles.dwell, i64::from(task.dwell)),
+            (roles.profile, i64::from(task.profile)),
+        ] {
+            self.values.set(pnu, raw);
+        }
+        Ok(())
+    }
+
+    /// MT.CLEAR: empties one task, or with -1 all.
+    pub(in crate::drive) fn clear_task(&mut self, raw: i64) -> Result<(), ErrorNumber> {
+        let number = match raw {
+            -1 => None,
+            _ => Some(usize::try_from(raw).map_err(|_| ErrorNumber::LIMIT)?),
+        };
+        if self.positioning.tasks.clear(number) {
+            Ok(())
+        } else {
+            Err(ErrorNumber::LIMIT)
+        }
+    }
+
+    /// MT.MOVE: starts a task of the table.
+    pub(in crate::drive) fn move_task(&mut self, raw: i64) -> Result<(), ErrorNumber> {
+        let number = u16::try_from(raw)
+            .ok()
+            .filter(|number| usize::from(*number) < MOST_TASKS)
+            .ok_or(ErrorNumber::LIMIT)?;
+        self.positioning.state().ok_or(ErrorNumber::NOT_NOW)?;
+        let seen = Seen::new(&self.axis, self.settings.standstill);
+        match self.permit(number, &seen) {
+            Ok(_) => {
+                self.positioning.wish = Some(PositionCommand::Task);
+                self.positioning.wished_task = number;
+                Ok(())
+            }
+            Err(refusal) => {
+                self.positioning.flags.refuse(refusal);
+                Err(ErrorNumber::NOT_NOW)
+            }
+        }
+    }
+
+    /// MT.CONTINUE: goes on with the task that DRV.STOP interrupted.
+    pub(in crate::drive) fn continue_task(&mut self) -> Result<(), ErrorNumber> {
+        self.ask(PositionCommand::Continue, &[PositionState::Pause])
+    }
+
+    /// HOME.MOVE: starts homing.
+    pub(in crate::drive) fn start_homing(&mut self) -> Result<(), ErrorNumber> {
+        if !homing::is_known(self.settings.position.home.mode) {
+            return Err(ErrorNumber::NOT_NOW);
+        }
+        self.ask(PositionCommand::Homing, &[PositionState::Basic])
+    }
+
+    fn ask(&mut self, command: PositionCommand, states: &[PositionState]) -> Result<(), ErrorNumber> {
+        match self.positioning.state() {
+            Some(state) if states.contains(&state) => {
+                self.positioning.wish = Some(command);
+                Ok(())
+            }
+            _ => Err(ErrorNumber::NOT_NOW),
+        }
+    }
+
+    /// DRV.STOP in position mode.
+    pub(in crate::drive) fn stop_positioning(&mut self) {
+        if self.positioning.active {
+            self.positioning.wish = Some(PositionCommand::Stop);
+        }
+    }
+
+    /// HOME.SET: the axis is homed where it stands, and that place is HOME.P; not while it moves.
+    pub(in crate::drive) fn set_home(&mut self) -> Result<(), ErrorNumber> {
+        let seen = Seen::new(&self.axis, self.settings.standstill);
+        let idle = matches!(self.positioning.state(), None | Some(PositionState::Basic));
+        if !idle || !seen.standing {
+            return Err(ErrorNumber::NOT_NOW);
+        }
+        let by = self.settings.position.home.position.wrapping_sub(seen.command);
+        self.axis.shift_position(by);
+        let positioning = &mut self.positioning;
+        positioning.homed = true;
+        positioning.target = positioning.active.then_some(self.settings.position.home.position);
+        positioning.flags.homed();
+        Ok(())
+    }
+
+    /// The event that chains of motion tasks can wait for (MT.CNTL bits 5 to 9): a rising edge at a digital input.
+    pub fn motion_event(&mut self) {
+        self.positioning.event = self.settings.mode == Mode::Position;
+    }
+
+    /// A position on a modulo axis is shown inside its range.
+    fn shown(&self, position: i64) -> i64 {
+        self.settings
+            .position
+            .modulo
+            .map_or(position, |modulo| modulo.wrap(position))
+    }
+
+    /// The number of a position on the wire, before it is cut to its size.
+    pub(in crate::drive) fn place_number(&self, place: Place) -> i64 {
+        let axis = &self.axis;
+        let bits = u32::from(self.settings.scaling.singleturn_bits.min(32));
+        let divisor = f64::from(self.settings.scaling.position.max(1));
+        let units = self.settings.position.units;
+        let user = |counts: i64| (units.value(counts) * 1000.0 / divisor).round() as i64;
+        match place {
+            Place::Singleturn => self.shown(axis.position()) >> (32 - bits),
+            Place::FollowingSingleturn => axis.following_error() >> (32 - bits),
+            Place::Actual => user(self.shown(axis.position())),
+            Place::Command => user(self.shown(axis.position_command())),
+            Place::Following => user(axis.following_error()),
+            Place::Feedback => user(axis.feedback()),
+            Place::Angle => axis.feedback(),
+        }
+    }
+}
