@@ -449,4 +449,6 @@ const fn unresolved(plant: &Plant) -> i64 {
 #[cfg(test)]
 mod position_tests;
 #[cfg(test)]
+mod properties;
+#[cfg(test)]
 mod tests;
