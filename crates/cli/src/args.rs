@@ -10,7 +10,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use profidrive::notation::Quantity;
 
-use crate::commands::{Home, Jog, Move, Run, Status, Stop, Task};
+use crate::commands::{Gsdml, Home, Jog, Move, Run, Status, Stop, Task};
 
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]
@@ -107,6 +107,8 @@ pub enum Command {
     Explain(Explain),
     /// Say in words what a parameter job or a capture file contains
     Decode(Decode),
+    /// Device descriptions (GSDML): write that of a virtual drive, show one, check one
+    Gsdml(Gsdml),
     /// Put virtual drives on a network
     Simulate(OnNetwork<Simulate>),
     /// Run a virtual drive and a controller on an in-memory network
@@ -340,6 +342,12 @@ pub struct Simulate {
     /// Drive model
     #[arg(long, value_enum, default_value = "akd")]
     pub model: Model,
+    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it
+    #[arg(long, value_name = "FILE")]
+    pub gsdml: Option<PathBuf>,
+    /// Only this access point of the device description; all of them when left out
+    #[arg(long, value_name = "ID", requires = "gsdml")]
+    pub access_point: Option<String>,
     /// Station name; with --count the names end in -1, -2, ..; without it the drive waits to be named
     #[arg(long, value_name = "NAME")]
     pub name: Option<String>,
@@ -355,9 +363,10 @@ pub struct Simulate {
     /// Ethernet address: derived from the name when left out, `host` for the interface's own (one drive only)
     #[arg(long, value_name = "host|MAC")]
     pub mac: Option<String>,
-    /// Fastest update time offered: 1, 2, 4, 8 .. 512 ms
-    #[arg(long, value_name = "TIME", default_value = "16ms", value_parser = duration)]
-    pub min_cycle: Duration,
+    /// Fastest update time offered: 1, 2, 4, 8 .. 512 ms; that of the drive (AKD: 16 ms) or of its device description
+    /// when left out
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub min_cycle: Option<Duration>,
     /// Write the traffic of the drives to this file
     #[arg(long, value_name = "FILE")]
     pub pcap: Option<PathBuf>,
@@ -483,6 +492,10 @@ mod tests {
             "profidrive explain 0x047F --as stw1",
             "profidrive decode trace.pcapng",
             "profidrive simulate --model akd --name akd-1 -i v0 --count 4 --ip 10.0.0.2/24 --mac host",
+            "profidrive simulate --gsdml GSDML-V2.3-Maker-Drive-20200101.xml --access-point DAP_1",
+            "profidrive gsdml export --model akd -o folder",
+            "profidrive gsdml show file.xml --texts --language de",
+            "profidrive gsdml check file.xml --json",
             "profidrive demo --pcap out.pcapng",
         ] {
             assert!(Cli::try_parse_from(line.split(' ')).is_ok(), "{line}");

@@ -6,6 +6,7 @@ mod completions;
 mod decode;
 mod demo;
 mod explain;
+mod gsdml;
 mod home;
 mod info;
 mod jog;
@@ -19,6 +20,7 @@ mod status;
 mod stop;
 mod task;
 
+pub use gsdml::Gsdml;
 pub use home::Home;
 pub use jog::Jog;
 pub use r#move::Move;
@@ -62,6 +64,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Monitor(on) => motion::monitor(&on.args, interface(cli, &on.interface), output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => decode::run(args, output),
+        Command::Gsdml(args) => gsdml::run(args, output),
         Command::Simulate(on) => simulate::run(&on.args, interface(cli, &on.interface), output),
         Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),
@@ -73,6 +76,7 @@ const fn offline(command: &Command) -> Option<&'static str> {
     match command {
         Command::Explain(_) => Some("explain"),
         Command::Decode(_) => Some("decode"),
+        Command::Gsdml(_) => Some("gsdml"),
         Command::Demo(_) => Some("demo"),
         Command::Completions(_) => Some("completions"),
         _ => None,

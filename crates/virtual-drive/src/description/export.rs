@@ -158,7 +158,7 @@ fn access_point(
         module_ident: slot.map_or(0, |slot| slot.ident),
         pnio_version: Some(SchemaVersion::WRITTEN),
         required_schema: None,
-        physical_slots: (0..=u32::from(SLOT)).collect(),
+        physical_slots: format!("0..{SLOT}").parse().unwrap_or_default(),
         fixed_in_slots: ValueList::one(0),
         min_device_interval: config.min_device_interval,
         dns_name: Some(facts.dns_name.to_owned()),

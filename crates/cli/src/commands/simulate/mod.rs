@@ -14,6 +14,7 @@ use network::pcap::Writer;
 use profinet::device::Stored;
 use profinet::wire::dcp::check_name;
 use profinet::{Instant, IpSuite, MacAddress};
+use virtual_drive::description::Description;
 use virtual_drive::model::{self, Model as DriveModel};
 use virtual_drive::station::{Station, StationConfig};
 
@@ -21,6 +22,7 @@ use crate::args::{Interface, Model, Network, Simulate};
 use crate::connect;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
+use crate::render::table::clean;
 use crate::state::{self, DriveState};
 
 use scribe::Scribe;
@@ -51,7 +53,8 @@ struct Keeping {
 
 pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failure> {
     let interface = connect::interface(on)?.ok_or_else(connect::no_interface)?;
-    let interval = interval(args.min_cycle)?;
+    let interval = args.min_cycle.map(interval).transpose()?;
+    let description = description(args, output)?;
     let mut runner = Runner::open(&interface)?;
     let host = runner.interface().mac;
     let plans = plans(args, host)?;
@@ -70,7 +73,8 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     for plan in &plans {
         let state = DriveState::new(args.state.as_deref(), &plan.key);
         let mut config = StationConfig::new(model_of(args.model), plan.mac);
-        config.min_device_interval = Some(interval);
+        config.min_device_interval = interval;
+        config.description = description.clone();
         config.follow_controller = true;
         config.network = state.read_network()?.unwrap_or_else(|| Stored {
             name: plan.name.clone(),
@@ -150,10 +154,44 @@ fn is_back(reopened: Result<(), NetworkError>) -> Result<bool, Failure> {
     }
 }
 
-const fn model_of(model: Model) -> &'static DriveModel {
+pub const fn model_of(model: Model) -> &'static DriveModel {
     match model {
         Model::Akd => &model::AKD,
     }
+}
+
+/// Identity and modules: those of the model, or of the maker's device description.
+fn description(args: &Simulate, output: &Output) -> Result<Description, Failure> {
+    let model = model_of(args.model);
+    let Some(path) = &args.gsdml else {
+        return Ok(Description::of(model));
+    };
+    let file = super::gsdml::read(path)?;
+    let import = Description::from_gsdml(&file, model, args.access_point.as_deref());
+    let import = import.map_err(|error| {
+        let message = format!("{}: {}", path.display(), clean(&error.to_string()));
+        Failure::new(Exit::Failed, message).hint(format!(
+            "`profidrive gsdml show {}` shows access points and modules",
+            path.display()
+        ))
+    })?;
+    for reason in &import.left_out {
+        output.warn(&format!("not simulated: {}", clean(reason)));
+    }
+    let identity = &import.description.identity;
+    let mut telegrams: Vec<u16> = import.description.telegrams.iter().map(|t| t.telegram).collect();
+    telegrams.sort_unstable();
+    telegrams.dedup();
+    let telegrams: Vec<String> = telegrams.iter().map(u16::to_string).collect();
+    output.say(&format!(
+        "{}: {} {}, device 0x{:04X}, telegrams {}",
+        path.display(),
+        clean(&file.identity.vendor),
+        identity.station_type,
+        identity.device_id,
+        telegrams.join(", ")
+    ));
+    Ok(import.description)
 }
 
 fn count(drives: usize) -> String {

@@ -1,0 +1,37 @@
+//! `profidrive gsdml export --model akd -o DIR`
+
+use network::files::StateFile;
+use serde_json::Value;
+use virtual_drive::description::export::export;
+
+use super::Export;
+use crate::commands::simulate::model_of;
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+
+pub fn run(args: &Export, output: &Output) -> Result<(), Failure> {
+    let exported = export(model_of(args.model));
+    let mut files = vec![(
+        exported.file_name.to_string(),
+        exported.description.to_xml().into_bytes(),
+    )];
+    files.extend(exported.pictures);
+    let mut written = Vec::new();
+    for (name, content) in files {
+        let path = args.output.join(name);
+        StateFile::new(&path)
+            .replace(&content)
+            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+        if !output.json() {
+            output.line(&path.display().to_string());
+        }
+        written.push(Value::from(path.display().to_string()));
+    }
+    if output.json() {
+        output.document("gsdml export", fields! { "files": written });
+    } else {
+        output.say("install the .xml in the engineering tool; the drive is in its catalogue under drives");
+    }
+    Ok(())
+}

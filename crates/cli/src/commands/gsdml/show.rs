@@ -1,0 +1,383 @@
+//! `profidrive gsdml show FILE`
+
+use gsdml::{AccessPoint, Gsdml, Module, ModuleInfo, Submodule, TextId, ValueList};
+use serde_json::{Map, Value};
+
+use super::Show;
+use crate::failure::Failure;
+use crate::fields;
+use crate::output::{Colour, Output};
+use crate::render::number;
+use crate::render::table::{Table, clean};
+
+/// Milliseconds of one step of an update time.
+const TICK: f64 = 0.031_25;
+
+pub fn run(args: &Show, output: &Output) -> Result<(), Failure> {
+    let description = super::read(&args.file)?;
+    let languages = &description.texts.languages;
+    if let Some(language) = &args.language
+        && !languages.contains_key(language)
+    {
+        let there: Vec<&str> = languages.keys().map(String::as_str).collect();
+        let failure = Failure::usage(format!("the file has no texts in `{language}`"));
+        return Err(match there.is_empty() {
+            true => failure.hint("its texts are in the primary language only"),
+            false => failure.hint(format!("it has {}", there.join(", "))),
+        });
+    }
+    let view = View {
+        gsdml: &description,
+        language: args.language.as_deref(),
+    };
+    if output.json() {
+        output.document("gsdml show", view.json());
+        return Ok(());
+    }
+    view.identity(output);
+    for point in &description.access_points {
+        view.access_point(point, output);
+    }
+    output.line("");
+    view.modules().lines().iter().for_each(|line| output.line(line));
+    if args.texts {
+        output.line("");
+        let mut table = Table::new(&["text", "words"]);
+        for id in description.texts.primary.keys() {
+            table.row([id.to_string(), view.text(Some(id)).to_owned()]);
+        }
+        table.lines().iter().for_each(|line| output.line(line));
+    }
+    Ok(())
+}
+
+/// A description with the language to show.
+struct View<'a> {
+    gsdml: &'a Gsdml,
+    language: Option<&'a str>,
+}
+
+/// A submodule of a module with where it may be.
+struct Place<'a> {
+    subslots: String,
+    pluggable: bool,
+    submodule: &'a Submodule,
+}
+
+impl<'a> View<'a> {
+    fn text(&self, id: Option<&TextId>) -> &'a str {
+        let found = id.and_then(|id| match self.language {
+            Some(language) => self.gsdml.texts.in_language(language, id),
+            None => self.gsdml.texts.get(id),
+        });
+        found.unwrap_or_default()
+    }
+
+    fn name(&self, info: &ModuleInfo, id: &'a str) -> &'a str {
+        match self.text(info.name.as_ref()) {
+            "" => id,
+            name => name,
+        }
+    }
+
+    fn identity(&self, output: &Output) {
+        let gsdml = self.gsdml;
+        let identity = &gsdml.identity;
+        let languages: Vec<&str> = gsdml.texts.languages.keys().map(String::as_str).collect();
+        let version = gsdml.schema_version.map(|version| version.to_string());
+        let family = [Some(gsdml.family.main.clone()), gsdml.family.product.clone()];
+        let family: Vec<String> = family.into_iter().flatten().collect();
+        for (name, value) in [
+            (
+                "vendor",
+                format!("0x{:04X} {}", identity.vendor_id, identity.vendor),
+            ),
+            (
+                "device",
+                format!(
+                    "0x{:04X} {}",
+                    identity.device_id,
+                    self.text(identity.info.as_ref())
+                ),
+            ),
+            ("family", family.join(", ")),
+            ("schema", version.unwrap_or_else(|| "not told".to_owned())),
+            (
+                "texts",
+                format!(
+                    "{} in the primary language{}{}",
+                    gsdml.texts.primary.len(),
+                    if languages.is_empty() { "" } else { "; also " },
+                    languages.join(", ")
+                ),
+            ),
+        ] {
+            output.line(&format!("{name:<8} {}", clean(&value)));
+        }
+    }
+
+    fn access_point(&self, point: &AccessPoint, output: &Output) {
+        let name = clean(&format!("access point {}", point.id));
+        output.line(&format!(
+            "\n{}  {}",
+            output.paint(Colour::Strong, &name),
+            clean(self.name(&point.info, &point.id))
+        ));
+        let info = &point.info;
+        let release = [
+            ("order number", &info.order_number),
+            ("hardware", &info.hardware),
+            ("software", &info.software),
+        ];
+        let release: Vec<String> = release
+            .iter()
+            .filter_map(|(name, value)| value.as_ref().map(|value| format!("{name} {value}")))
+            .collect();
+        let line = |name: &str, value: String| {
+            if !value.is_empty() {
+                output.line(&format!("  {name:<14} {}", clean(&value)));
+            }
+        };
+        line("release", release.join(", "));
+        line("module ident", format!("0x{:08X}", point.module_ident));
+        line("slots", point.physical_slots.to_string());
+        let interval = point.min_device_interval;
+        line(
+            "update time",
+            format!(
+                "{} ms and longer ({interval} steps of 31.25 us)",
+                number(f64::from(interval) * TICK)
+            ),
+        );
+        if let Some(interface) = &point.interface {
+            line(
+                "interface",
+                format!(
+                    "subslot 0x{:04X}, ident 0x{:08X}, {}, start-up {}",
+                    interface.subslot,
+                    interface.ident,
+                    interface.rt_classes.join(" "),
+                    interface.start_up.join(" ")
+                ),
+            );
+            line("protocols", interface.protocols.join(" "));
+        }
+        for port in &point.ports {
+            line(
+                "port",
+                format!("subslot 0x{:04X}, ident 0x{:08X}", port.subslot, port.ident),
+            );
+        }
+        if let Some(certification) = &point.certification {
+            line(
+                "conformance",
+                format!("class {}", certification.conformance_class),
+            );
+        }
+        line("reset modes", point.reset_modes.to_string());
+        let limits = point.io_limits;
+        line(
+            "cyclic data",
+            format!(
+                "at most {} octets of input, {} of output with status",
+                limits.input, limits.output
+            ),
+        );
+    }
+
+    /// Submodules of a module: those that are always there, then those that can be plugged.
+    fn places(&self, module: &'a Module) -> Vec<Place<'a>> {
+        let fixed = module.virtual_submodules.iter().map(|submodule| Place {
+            subslots: submodule.fixed_in_subslots.to_string(),
+            pluggable: false,
+            submodule,
+        });
+        let pluggable = module.submodules.iter().filter_map(|reference| {
+            let lists = [&reference.fixed, &reference.used, &reference.allowed];
+            let subslots = lists.into_iter().find(|list| !list.is_empty());
+            Some(Place {
+                subslots: subslots.map(ValueList::to_string).unwrap_or_default(),
+                pluggable: reference.fixed.is_empty(),
+                submodule: self.gsdml.submodule(&reference.target)?,
+            })
+        });
+        fixed.chain(pluggable).collect()
+    }
+
+    /// Slots of a module at all access points.
+    fn slots(&self, module: &Module) -> String {
+        let mut slots: Vec<String> = Vec::new();
+        let references = self.gsdml.access_points.iter().flat_map(|point| &point.modules);
+        for reference in references.filter(|reference| reference.target == module.id) {
+            let lists = [&reference.fixed, &reference.used, &reference.allowed];
+            let text = lists.into_iter().rev().find(|list| !list.is_empty());
+            let text = text.map(ValueList::to_string).unwrap_or_default();
+            if !slots.contains(&text) {
+                slots.push(text);
+            }
+        }
+        slots.join(" ")
+    }
+
+    fn modules(&self) -> Table {
+        let mut table = Table::new(&[
+            "module",
+            "ident",
+            "slots",
+            "subslot",
+            "submodule",
+            "ident",
+            "api",
+            ">input",
+            ">output",
+        ]);
+        for module in &self.gsdml.modules {
+            let name = self.name(&module.info, &module.id);
+            let head = [
+                name.to_owned(),
+                format!("0x{:08X}", module.ident),
+                self.slots(module),
+            ];
+            let places = self.places(module);
+            if places.is_empty() {
+                table.row(head.clone());
+            }
+            for (number, place) in places.iter().enumerate() {
+                let submodule = place.submodule;
+                let own = submodule
+                    .info
+                    .as_ref()
+                    .map_or(submodule.id.as_str(), |info| self.name(info, &submodule.id));
+                let own = match (own == name, place.pluggable) {
+                    (true, _) => String::new(),
+                    (false, true) => format!("+ {own}"),
+                    (false, false) => own.to_owned(),
+                };
+                let (input, output) = submodule.lengths();
+                let head = if number == 0 {
+                    head.clone()
+                } else {
+                    Default::default()
+                };
+                table.row(head.into_iter().chain([
+                    place.subslots.clone(),
+                    own,
+                    format!("0x{:08X}", submodule.ident),
+                    format!("0x{:04X}", submodule.api),
+                    input.to_string(),
+                    output.to_string(),
+                ]));
+            }
+        }
+        table
+    }
+
+    fn json(&self) -> Map<String, Value> {
+        let gsdml = self.gsdml;
+        let identity = &gsdml.identity;
+        let points: Vec<Value> = gsdml
+            .access_points
+            .iter()
+            .map(|point| self.point_json(point).into())
+            .collect();
+        let modules: Vec<Value> = gsdml.modules.iter().map(|m| self.module_json(m).into()).collect();
+        let language = |texts: &gsdml::Language| -> Map<String, Value> {
+            let pairs = texts
+                .iter()
+                .map(|(id, text)| (id.to_string(), text.as_str().into()));
+            pairs.collect()
+        };
+        let languages: Map<String, Value> = gsdml
+            .texts
+            .languages
+            .iter()
+            .map(|(tag, texts)| (tag.clone(), language(texts).into()))
+            .collect();
+        fields! {
+            "schema_version": gsdml.schema_version.map(|version| version.to_string()),
+            "vendor_id": identity.vendor_id, "device_id": identity.device_id, "vendor": identity.vendor.as_str(),
+            "info": self.text(identity.info.as_ref()), "main_family": gsdml.family.main.as_str(),
+            "product_family": gsdml.family.product.clone(), "access_points": points, "modules": modules,
+            "texts": language(&gsdml.texts.primary), "languages": languages,
+        }
+    }
+
+    fn point_json(&self, point: &AccessPoint) -> Map<String, Value> {
+        let submodules: Vec<Value> = point
+            .virtual_submodules
+            .iter()
+            .map(|s| {
+                self.submodule_json(&s.fixed_in_subslots.to_string(), false, s)
+                    .into()
+            })
+            .chain(
+                point
+                    .interface
+                    .iter()
+                    .map(|i| system_json(i.subslot, i.ident).into()),
+            )
+            .chain(point.ports.iter().map(|p| system_json(p.subslot, p.ident).into()))
+            .collect();
+        let modules: Vec<&str> = point
+            .modules
+            .iter()
+            .map(|module| module.target.as_str())
+            .collect();
+        let info = &point.info;
+        let mut map = fields! {
+            "id": point.id.as_str(), "name": self.name(info, &point.id), "order_number": info.order_number.clone(),
+            "hardware": info.hardware.clone(), "software": info.software.clone(),
+            "module_ident": point.module_ident, "slots": point.physical_slots.to_string(),
+            "min_device_interval": point.min_device_interval, "instance": point.object_instance,
+            "reset_modes": point.reset_modes.to_string(), "max_input": point.io_limits.input,
+            "max_output": point.io_limits.output, "submodules": submodules, "modules": modules,
+        };
+        if let Some(interface) = &point.interface {
+            map.insert("rt_classes".into(), interface.rt_classes.clone().into());
+            map.insert("start_up".into(), interface.start_up.clone().into());
+            map.insert("protocols".into(), interface.protocols.clone().into());
+        }
+        map
+    }
+
+    fn module_json(&self, module: &'a Module) -> Map<String, Value> {
+        let places = self.places(module);
+        let submodules: Vec<Value> = places
+            .iter()
+            .map(|place| {
+                self.submodule_json(&place.subslots, place.pluggable, place.submodule)
+                    .into()
+            })
+            .collect();
+        fields! {
+            "id": module.id.as_str(), "name": self.name(&module.info, &module.id), "ident": module.ident,
+            "info": self.text(module.info.info.as_ref()), "slots": self.slots(module), "submodules": submodules,
+        }
+    }
+
+    fn submodule_json(&self, subslots: &str, pluggable: bool, submodule: &Submodule) -> Map<String, Value> {
+        let (input, output) = submodule.lengths();
+        let name = self.text(submodule.info.as_ref().and_then(|info| info.name.as_ref()));
+        let items = |data: &Option<gsdml::DataDescription>| -> Vec<Value> {
+            let items = data.iter().flat_map(|data| &data.items);
+            items
+                .map(|item| {
+                    let item = fields! {
+                        "type": item.data_type.name(), "octets": item.octets(),
+                        "name": self.text(item.text.as_ref()),
+                    };
+                    item.into()
+                })
+                .collect()
+        };
+        fields! {
+            "id": submodule.id.as_str(), "name": name, "subslots": subslots, "pluggable": pluggable,
+            "ident": submodule.ident, "api": submodule.api, "input": input, "output": output,
+            "input_items": items(&submodule.io.input), "output_items": items(&submodule.io.output),
+        }
+    }
+}
+
+fn system_json(subslot: u16, ident: u32) -> Map<String, Value> {
+    fields! { "subslots": subslot.to_string(), "ident": ident, "api": 0, "input": 0, "output": 0 }
+}
