@@ -5,9 +5,11 @@
 //! what was decoded encodes to something that decodes to the same.
 
 mod controller;
+mod neighbourhood;
 mod records;
 
 pub use controller::controller;
+pub use neighbourhood::{lldp, snmp};
 pub use records::records;
 
 use std::net::SocketAddrV4;
@@ -45,6 +47,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("description", description),
     ("drive", drive),
     ("host", host),
+    ("lldp", lldp),
     ("notation", notation),
     ("parameter_request", parameter_request),
     ("parameter_response", parameter_response),
@@ -54,6 +57,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("rpc_client", rpc_client),
     ("rpc_server", rpc_server),
     ("rt", rt),
+    ("snmp", snmp),
     ("state", state),
 ];
 

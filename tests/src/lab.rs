@@ -81,13 +81,24 @@ impl Lab {
     /// When this machine allows no namespaces; `make setup` says so too.
     #[must_use]
     pub fn new(name: &str) -> Self {
+        Self::start(name, &[true, false])
+            .unwrap_or_else(|complaint| panic!("no network namespaces on this machine: {complaint}"))
+    }
+
+    /// The same without a user namespace, for programs that change their user; `None` unless the test runs as root.
+    #[must_use]
+    pub fn as_root(name: &str) -> Option<Self> {
+        Self::start(name, &[false]).ok()
+    }
+
+    fn start(name: &str, ways: &[bool]) -> Result<Self, String> {
         let turn = ONE_AT_A_TIME
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
         let folder = root().join("target/system").join(name);
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
-        for user in [true, false] {
+        for &user in ways {
             let mut command = Command::new("unshare");
             if user {
                 command.args(["--user", "--map-root-user"]);
@@ -111,19 +122,18 @@ impl Lab {
             let mut line = String::new();
             let _ = BufReader::new(first.stdout.take().unwrap()).read_line(&mut line);
             if let Ok(pid) = line.trim().parse() {
-                return Self {
+                return Ok(Self {
                     first,
                     pid,
                     user,
                     folder,
                     count: AtomicUsize::new(0),
                     _turn: turn,
-                };
+                });
             }
             let _ = first.wait();
         }
-        let complaint = std::fs::read_to_string(folder.join("lab.err")).unwrap_or_default();
-        panic!("no network namespaces on this machine: {complaint}");
+        Err(std::fs::read_to_string(folder.join("lab.err")).unwrap_or_default())
     }
 
     /// The folder for logs and captures.

@@ -336,13 +336,12 @@ impl Endpoint for Muddled {
         let transmit = self.station.poll_transmit(now, buffer);
         if let Some(Transmit::Frame { length }) = transmit
             && self.bad.get()
+            && let Some(frame) = Frame::parse(&buffer[..length])
+            && frame.frame_id.is_cyclic()
         {
-            let frame = Frame::parse(&buffer[..length]).expect("a frame");
-            if frame.frame_id.is_cyclic() {
-                // three status octets of slot 0, four octets of telegram 1, its IOPS
-                let iops = length - frame.payload.len() + 3 + 4;
-                buffer[iops] = 0;
-            }
+            // three status octets of slot 0, four octets of telegram 1, its IOPS
+            let iops = length - frame.payload.len() + 3 + 4;
+            buffer[iops] = 0;
         }
         transmit
     }

@@ -30,6 +30,6 @@ pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use mapper::Registered;
 pub use session::{
-    Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info,
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info, Peer,
     PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WriteMode,
 };

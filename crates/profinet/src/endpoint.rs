@@ -104,6 +104,15 @@ impl Default for IpSuite {
     }
 }
 
+/// Which way a frame went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Traffic {
+    /// To this station, or to all.
+    Received,
+    /// From this station.
+    Sent,
+}
+
 /// What [`Endpoint::poll_transmit`] put into the buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transmit {
@@ -135,7 +144,18 @@ pub trait Endpoint {
     /// Own IP configuration; may change after any `handle_*` call (DCP Set).
     fn ip(&self) -> IpSuite;
 
-    /// Takes one received Ethernet frame with the PROFINET EtherType 0x8892, 802.1Q tag present or stripped.
+    /// True for a local UDP port whose datagrams the endpoint wants, beside those it sends from.
+    fn serves(&self, port: u16) -> bool {
+        port == RPC_PORT
+    }
+
+    /// Told by a carrier that makes whole Ethernet frames of every frame that concerns this station, ARP and IPv4
+    /// included: what a port counts. Does nothing unless the endpoint has something to count for.
+    fn note_traffic(&mut self, traffic: Traffic, frame: &[u8]) {
+        let _ = (traffic, frame);
+    }
+
+    /// Takes one received Ethernet frame with the EtherType of PROFINET (0x8892) or LLDP (0x88CC), 802.1Q tag present or stripped.
     /// Other frames and frames for others are ignored.
     fn handle_frame(&mut self, now: Instant, frame: &[u8]);
 

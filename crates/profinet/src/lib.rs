@@ -8,6 +8,7 @@
 //! | [`device`] | [`Device`](device::Device): DCP, connections, records, cyclic data and alarms of a station that is controlled |
 //! | [`controller`] | [`Controller`](controller::Controller): finds, names, connects, reads and writes, exchanges data |
 //! | [`cyclic`], [`alarm`], [`rpc`] | the engines both sides share |
+//! | [`lldp`], [`snmp`] | neighbours heard, and an agent that tells of them |
 //! | [`wire`] | what the bytes of each PDU mean, without behaviour |
 //!
 //! [`Endpoint`] is what an engine and its carrier agree on, [`Medium`] carries one endpoint until something happened.
@@ -20,11 +21,15 @@ pub mod controller;
 pub mod cyclic;
 pub mod device;
 mod endpoint;
+pub mod lldp;
 #[cfg(test)]
 mod pair;
 pub mod rpc;
+pub mod snmp;
 mod time;
 pub mod wire;
 
-pub use endpoint::{Endpoint, IpSuite, MAX_FRAME, MacAddress, MacAddressError, Medium, RPC_PORT, Transmit};
+pub use endpoint::{
+    Endpoint, IpSuite, MAX_FRAME, MacAddress, MacAddressError, Medium, RPC_PORT, Traffic, Transmit,
+};
 pub use time::Instant;

@@ -87,6 +87,14 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         );
         line("control", text);
     }
+    for peer in &info.peers {
+        let station = match &peer.station[..] {
+            "" => format!("a station without a name ({})", peer.mac),
+            name => format!("{} ({})", clean(name), peer.mac),
+        };
+        let (own, port) = (clean(&peer.own_port), clean(&peer.port));
+        line("neighbour", format!("{own} leads to {port} of {station}"));
+    }
     if let Some(stw1) = word(info, STW1) {
         let set = words::set_names(words::stw1_bits(), stw1);
         line(
@@ -240,6 +248,17 @@ fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serd
     if let Some(controller) = &info.controller {
         fields.insert("controller".into(), controller.as_deref().into());
     }
+    let peers: Vec<Value> = info
+        .peers
+        .iter()
+        .map(|peer| {
+            Value::Object(fields! {
+                "own_port": peer.own_port.as_str(), "port": peer.port.as_str(), "station": peer.station.as_str(),
+                "mac": peer.mac.to_string(),
+            })
+        })
+        .collect();
+    fields.insert("neighbours".into(), peers.into());
     let readings: Vec<Value> = info.readings.iter().map(value::json).collect();
     fields.insert("parameters".into(), readings.into());
     let faults: Vec<Value> = faults

@@ -1,15 +1,17 @@
 //! Who a drive is.
 
 use profidrive::notation::ParameterReference;
-use profinet::Medium;
 use profinet::controller::RecordAddress;
-use profinet::wire::record::{Im0, ImText, decode_relations, index};
+use profinet::wire::record::{Im0, ImText, PortPeer, PortReal, decode_relations, index};
 use profinet::wire::{DecodeError, Reader};
+use profinet::{MacAddress, Medium};
 
 use super::Session;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal};
 
+/// Subslot of the first port, in slot 0.
+const FIRST_PORT: u16 = 0x8001;
 /// Index of I&M0; I&M1 to 3 follow.
 const IM0: u16 = 0xAFF0;
 /// The page of parameters that tells who and how a drive is: identification, profile, object, telegram, mode, words,
@@ -43,6 +45,19 @@ pub struct Identity {
     pub descriptor: String,
 }
 
+/// Somebody at the other end of a drive's cable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Peer {
+    /// The drive's own port.
+    pub own_port: String,
+    /// The port of the neighbour.
+    pub port: String,
+    /// Name of the neighbour, empty where it has none.
+    pub station: String,
+    /// Its Ethernet address.
+    pub mac: MacAddress,
+}
+
 /// Everything `info` knows about a drive.
 #[derive(Debug, Clone)]
 pub struct Info {
@@ -51,6 +66,8 @@ pub struct Info {
     /// Name of the controller that has the cyclic connection: `Some(None)` when nobody has it, `None` when the
     /// device does not tell.
     pub controller: Option<Option<String>>,
+    /// Who is at the other end of its first cable; empty when it does not tell.
+    pub peers: Vec<Peer>,
     /// Records and parameters the device refused, with its reason.
     pub refused: Vec<String>,
     /// The page of identifying parameters, refused ones left out.
@@ -69,6 +86,7 @@ where
         let mut info = Info {
             identity: None,
             controller: None,
+            peers: Vec::new(),
             refused: Vec::new(),
             readings: Vec::new(),
         };
@@ -90,6 +108,7 @@ where
             }
         }
         info.controller = self.owner(drive)?;
+        info.peers = self.peers(drive)?;
         let page: Vec<Selection> = PAGE
             .iter()
             .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
@@ -151,6 +170,41 @@ where
             Err(error) => Err(error),
         }
     }
+}
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Who is at the other end of the first cable of a drive; empty when the device does not tell.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn peers(&mut self, drive: &Drive) -> Result<Vec<Peer>, Error> {
+        let at = RecordAddress {
+            api: 0,
+            slot: 0,
+            subslot: FIRST_PORT,
+            index: index::PORT_REAL,
+        };
+        match self.read_record(drive, at) {
+            Ok(data) => {
+                Ok(PortReal::decode(Reader::new(&data)).map_or_else(|_| Vec::new(), |port| peers(&port)))
+            }
+            Err(Error::Record { .. }) => Ok(Vec::new()),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+fn peers(port: &PortReal<'_>) -> Vec<Peer> {
+    let peer = |peer: &PortPeer<'_>| Peer {
+        own_port: text(port.name),
+        port: text(peer.port),
+        station: text(peer.station),
+        mac: peer.mac,
+    };
+    port.peers.iter().map(peer).collect()
 }
 
 impl Info {

@@ -23,7 +23,7 @@ use crate::{Client, Error};
 pub use axis::{Axis, AxisSettings, AxisStatus};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, WarningEntry};
-pub use info::{Identity, Info};
+pub use info::{Identity, Info, Peer};
 pub use monitor::Snapshot;
 pub(crate) use parameters::take_scale;
 pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};

@@ -23,6 +23,9 @@ pub const MINIMUM_FRAME: usize = 60;
 /// EtherType of PROFINET real-time, DCP and alarm frames.
 pub const ETHERTYPE_PROFINET: u16 = 0x8892;
 
+/// EtherType of LLDP frames.
+pub const ETHERTYPE_LLDP: u16 = 0x88CC;
+
 /// An Ethernet station: whole frames in, whole frames out, next deadline.
 ///
 /// The rule is the same as for [`Endpoint`]: *feed, drain, sleep*. [`Segment`](crate::segment::Segment) and the Linux

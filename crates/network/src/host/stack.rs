@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::time::Duration;
 
-use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, RPC_PORT, Transmit};
+use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, RPC_PORT, Traffic, Transmit};
 use smoltcp::phy::ChecksumCapabilities;
 use smoltcp::wire::{
     ArpOperation, ArpPacket, ArpRepr, EthernetAddress, EthernetFrame, EthernetProtocol, EthernetRepr,
@@ -13,7 +13,7 @@ use smoltcp::wire::{
 
 use super::address::{NextHop, is_broadcast, is_unicast, next_hop};
 use super::neighbours::{Due, Neighbours, Resolution};
-use super::{ETHERTYPE_PROFINET, MINIMUM_FRAME, addresses, ethertype, within};
+use super::{ETHERTYPE_LLDP, ETHERTYPE_PROFINET, MINIMUM_FRAME, addresses, ethertype, within};
 
 const ETHERNET: usize = 14;
 const IPV4: usize = 20;
@@ -34,7 +34,7 @@ const HOP_LIMIT: u8 = 64;
 /// What a [`Stack`] has counted since it was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StackStatistics {
-    /// PROFINET frames handed to the endpoint.
+    /// PROFINET and LLDP frames handed to the endpoint.
     pub frames: u64,
     /// Datagrams handed to the endpoint.
     pub datagrams: u64,
@@ -105,7 +105,8 @@ impl Stack {
         let Some((kind, offset)) = ethertype(frame) else {
             return;
         };
-        if kind == ETHERTYPE_PROFINET {
+        endpoint.note_traffic(Traffic::Received, frame);
+        if kind == ETHERTYPE_PROFINET || kind == ETHERTYPE_LLDP {
             self.statistics.frames += 1;
             endpoint.handle_frame(now, frame);
             return;
@@ -145,6 +146,17 @@ impl Stack {
     /// The next frame to send: the endpoint's or the stack's own.
     #[must_use]
     pub fn poll_transmit<E: Endpoint + ?Sized>(
+        &mut self,
+        now: Instant,
+        buffer: &mut [u8],
+        endpoint: &mut E,
+    ) -> Option<usize> {
+        let length = self.next_frame(now, buffer, endpoint)?;
+        endpoint.note_traffic(Traffic::Sent, buffer.get(..length).unwrap_or_default());
+        Some(length)
+    }
+
+    fn next_frame<E: Endpoint + ?Sized>(
         &mut self,
         now: Instant,
         buffer: &mut [u8],
@@ -260,7 +272,7 @@ impl Stack {
                 let datagram = UdpPacket::new_checked(packet.payload()).ok()?;
                 let checks = ChecksumCapabilities::default();
                 let ports = UdpRepr::parse(&datagram, &sender.into(), &destination.into(), &checks).ok()?;
-                if ports.dst_port != RPC_PORT && !self.ports.contains(&ports.dst_port) {
+                if !endpoint.serves(ports.dst_port) && !self.ports.contains(&ports.dst_port) {
                     return Some(());
                 }
                 if self.suite.is_local(sender) {

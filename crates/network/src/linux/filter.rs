@@ -12,7 +12,7 @@ const MAX_ADDRESSES: usize = 100;
 pub(super) enum Wanted {
     /// PROFINET frames only: the kernel does ARP and IP.
     Profinet,
-    /// PROFINET, ARP, and of IPv4 only UDP and ICMP: whole stations.
+    /// PROFINET, LLDP, ARP, and of IPv4 only UDP and ICMP: whole stations.
     Stations,
 }
 
@@ -57,6 +57,7 @@ fn steps(wanted: Wanted, macs: &[MacAddress]) -> Vec<Step> {
         steps.extend([
             Equal(0x0806, to_address, To::Next),
             Equal(0x0800, to_address, To::Next),
+            Equal(0x88CC, to_address, To::Next),
         ]);
     }
     steps.extend([
@@ -67,6 +68,7 @@ fn steps(wanted: Wanted, macs: &[MacAddress]) -> Vec<Step> {
     if stations {
         steps.extend([
             Equal(0x0806, to_address, To::Next),
+            Equal(0x88CC, to_address, To::Next),
             Equal(0x0800, To::Next, To::Drop),
             Load(BPF_B, 23),
             Equal(17, to_address, To::Next),
@@ -210,7 +212,7 @@ mod tests {
             (
                 "LLDP",
                 frame([1, 0x80, 0xC2, 0, 0, 0x0E], &[0x88, 0xCC]),
-                false,
+                true,
                 false,
             ),
             ("IPv6", frame(all, &[0x86, 0xDD]), false, false),

@@ -17,8 +17,12 @@ use crate::host::ethertype;
 const PACKET_IGNORE_OUTGOING: libc::c_int = 23;
 /// Frames sent with one call.
 const BATCH: usize = 64;
-/// Multicast addresses a station listens to: DCP Identify and DCP Hello.
-const MULTICAST: [[u8; 6]; 2] = [[0x01, 0x0E, 0xCF, 0, 0, 0], [0x01, 0x0E, 0xCF, 0, 0, 1]];
+/// Multicast addresses a station listens to: DCP Identify, DCP Hello and LLDP.
+const MULTICAST: [[u8; 6]; 3] = [
+    [0x01, 0x0E, 0xCF, 0, 0, 0],
+    [0x01, 0x0E, 0xCF, 0, 0, 1],
+    [0x01, 0x80, 0xC2, 0, 0, 0x0E],
+];
 
 /// What a raw socket has counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

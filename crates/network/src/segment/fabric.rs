@@ -245,7 +245,9 @@ impl Fabric {
             tap.frame(now, frame);
         }
         let single = self.by_mac.get(&destination).copied();
-        if destination.is_multicast() {
+        if is_for_the_next_bridge(destination) {
+            // a switch keeps these to itself (IEEE 802.1D 7.12.6): what LLDP tells goes to the other end of a cable only
+        } else if destination.is_multicast() {
             let Some(id) = self.frames.put(frame) else { return };
             for port in (0..self.links.len()).filter(|port| Some(*port) != from) {
                 self.send_to(now, port, id);
@@ -320,6 +322,11 @@ impl Fabric {
     pub(super) fn buffers_in_use(&self) -> usize {
         self.frames.in_use()
     }
+}
+
+/// True for the group addresses that no bridge passes on, 01-80-C2-00-00-00 to 0F.
+const fn is_for_the_next_bridge(destination: MacAddress) -> bool {
+    matches!(destination.0, [0x01, 0x80, 0xC2, 0, 0, 0x00..=0x0F])
 }
 
 /// True with probability `share`.

@@ -143,6 +143,9 @@ pub struct DeviceConfig {
     /// Sends each input frame right behind the controller's output frame where that is at most a quarter of the interval
     /// early, see [`Provider::follow`](crate::cyclic::Provider::follow): one wake-up in a cycle instead of two.
     pub follow_controller: bool,
+    /// Speaks with its neighbour: tells who it is by LLDP every 5 s, listens, and answers SNMP. A PROFINET device does; off
+    /// where only the connections matter.
+    pub neighbourhood: bool,
     /// How long the application may take to answer a record before the engine refuses it.
     pub answer_limit: Duration,
 }
@@ -170,6 +173,7 @@ impl DeviceConfig {
             reset_modes: alloc::vec![ResetMode::Communication],
             max_device_access: 4,
             follow_controller: false,
+            neighbourhood: true,
             answer_limit: Duration::from_secs(30),
         }
     }

@@ -5,12 +5,14 @@ use alloc::vec::Vec;
 use super::Device;
 use super::event::Event;
 use super::history::Pending;
+use super::port::{MAU_TYPE, port_name};
 use super::records::Owner;
 use crate::Instant;
 use crate::wire::block::{Block, BlockType, ReadRequest, WriteRequest};
 use crate::wire::record::{
-    ArData, ArDataIocr, Identification, Im0, ImText, InterfaceReal, PortReal, PortStatistic, RecordInput,
-    encode_apis, encode_ar_data, encode_filter, encode_im, encode_multiple, encode_record_output, index,
+    ArData, ArDataIocr, Identification, Im0, ImText, InterfaceReal, PortPeer, PortReal, PortStatistic,
+    RecordInput, encode_apis, encode_ar_data, encode_filter, encode_im, encode_multiple,
+    encode_record_output, index,
 };
 use crate::wire::rt::Iops;
 use crate::wire::status::record;
@@ -18,8 +20,6 @@ use crate::wire::{Reader, Uuid, Writer};
 
 /// Interface submodule of the only interface.
 const INTERFACE: u16 = 0x8000;
-/// MAUType: 100BASE-TX full duplex.
-const MAU_TYPE: u16 = 16;
 /// I&M1 to I&M4 are supported.
 const IM_SUPPORTED: u16 = 0x001E;
 /// Longest PDPortDataCheck and PDPortDataAdjust that is stored.
@@ -261,7 +261,7 @@ impl Device {
             Known::RecordInput => self.live_input(slot, subslot, out)?,
             Known::RecordOutput => self.live_output(slot, subslot, out)?,
             Known::PortReal if subslot > INTERFACE => self.port_real(slot, subslot, out),
-            Known::PortStatistic if subslot >= INTERFACE => PortStatistic::default().encode(out),
+            Known::PortStatistic if subslot >= INTERFACE => self.port_statistic().encode(out),
             Known::InterfaceReal if subslot == INTERFACE => self.interface_real(out),
             Known::InterfaceAdjust if subslot == INTERFACE => out.bytes(&self.interface_adjust),
             Known::PortCheck | Known::PortAdjust if subslot > INTERFACE => {
@@ -360,6 +360,7 @@ impl Device {
                     return Err(record::LENGTH);
                 }
                 self.interface_adjust = data.to_vec();
+                self.port.announce();
             }
             Known::PortCheck | Known::PortAdjust if subslot > INTERFACE => {
                 if data.len() > MAX_PORT_RECORD {
@@ -425,26 +426,41 @@ impl Device {
     }
 
     fn port_real(&self, slot: u16, subslot: u16, out: &mut Vec<u8>) {
-        let number = (subslot & 0xFF) as u8;
-        let digit = |n: u8| b'0' + n % 10;
-        let name = [
-            b'p',
-            b'o',
-            b'r',
-            b't',
-            b'-',
-            digit(number / 100),
-            digit(number / 10),
-            digit(number),
-        ];
+        let peers = self
+            .port
+            .neighbours
+            .iter()
+            .filter(|_| subslot == self.port_subslot());
+        let peers: Vec<PortPeer<'_>> = peers
+            .filter_map(|neighbour| {
+                let (port, station) = neighbour.told()?.profinet_names();
+                Some(PortPeer {
+                    port,
+                    station,
+                    line_delay: 0,
+                    mac: neighbour.mac(),
+                })
+            })
+            .collect();
         PortReal {
             slot,
             subslot,
-            name: &name,
+            name: port_name(subslot).as_bytes(),
+            peers,
             mau_type: MAU_TYPE,
             link_up: true,
         }
         .encode(out);
+    }
+
+    /// What passed through the port; counters of 32 bits start again at 0.
+    fn port_statistic(&self) -> PortStatistic {
+        let low = |octets: u64| (octets & u64::from(u32::MAX)) as u32;
+        let (received, sent) = self.traffic();
+        PortStatistic {
+            octets: (low(received.octets), low(sent.octets)),
+            ..PortStatistic::default()
+        }
     }
 
     fn interface_real(&self, out: &mut Vec<u8>) {
@@ -468,7 +484,7 @@ impl Device {
                         self.interface_real(out);
                     } else {
                         self.port_real(module.slot, subslot, out);
-                        PortStatistic::default().encode(out);
+                        self.port_statistic().encode(out);
                     }
                 });
             }

@@ -182,6 +182,12 @@ impl Device {
         for option in IDENTIFY_ANSWER {
             self.with_value(*option, |info, value| answer.info(info, value));
         }
+        // who asks by the neighbour's name gets it back
+        for block in pdu.blocks().flatten().take(1) {
+            if let Ok(alias @ Value::Alias(_)) = block.filter() {
+                answer.info(BlockInfo::NONE, &alias);
+            }
+        }
         answer.finish();
         self.send_dcp(now, due, source, FrameId::DCP_IDENTIFY_RESPONSE, &payload);
     }
@@ -208,9 +214,18 @@ impl Device {
         if matches!(wanted, Value::Name(name) if name.is_empty()) {
             return self.name.is_empty();
         }
+        if let Value::Alias(alias) = wanted {
+            return self.has_alias(alias);
+        }
         let mut same = false;
         self.with_value(block.option, |_, value| same = *value == wanted);
         same
+    }
+
+    /// True if a neighbour gives this station that name: port and name of the neighbour, `port-001.plc1`.
+    fn has_alias(&self, alias: &[u8]) -> bool {
+        let mut neighbours = self.port.neighbours.iter();
+        neighbours.any(|neighbour| neighbour.alias().is_some_and(|own| own.as_bytes() == alias))
     }
 
     /// Answers a Get; false if it was malformed.
@@ -319,6 +334,7 @@ impl Device {
         if changed {
             self.close_all(now, PnioStatus::aborted(abort::NAME_CHANGED));
             self.name = String::from(name);
+            self.port.announce();
         }
         if changed || self.name_permanent != permanent {
             self.name_permanent = permanent;
@@ -340,6 +356,9 @@ impl Device {
             return BlockError::InOperation;
         }
         self.ip = suite;
+        if changed {
+            self.port.announce();
+        }
         if changed || self.ip_permanent != permanent {
             self.ip_permanent = permanent;
             self.event(Event::IpChanged { suite, permanent });
@@ -357,6 +376,7 @@ impl Device {
             // what a controller wrote about ports and interface belongs to the network it was in
             self.interface_adjust.clear();
             self.port_records.clear();
+            self.port.announce();
         }
         if mode.clears_im() {
             self.im = ImRecords::default();

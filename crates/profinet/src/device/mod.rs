@@ -14,6 +14,8 @@ mod dcp;
 mod event;
 mod history;
 mod image;
+mod mib;
+mod port;
 mod records;
 mod slots;
 
@@ -23,6 +25,8 @@ pub use config::{
 };
 pub use event::{ArKey, ArKind, Event, Token};
 pub use image::RaiseError;
+pub use mib::COMMUNITY;
+pub use port::DirectionCounts;
 
 use alloc::collections::VecDeque;
 use alloc::string::String;
@@ -33,6 +37,7 @@ use ar::{AccessAr, IoAr, Trigger};
 use content::PortRecord;
 use dcp::DcpState;
 use history::{Diagnoses, LogBook};
+use port::Port;
 use records::Job;
 use slots::Slots;
 
@@ -43,10 +48,12 @@ use crate::rpc::{
 };
 use crate::wire::alarm::Notification;
 use crate::wire::ethernet::{DCP_IDENTIFY, Frame, FrameId, FrameKind};
+use crate::wire::lldp;
 use crate::wire::rpc::{EPM_LOOKUP_FREE, NdrRequest, operation};
+use crate::wire::snmp::PORT as SNMP_PORT;
 use crate::wire::status::abort;
 use crate::wire::{PnioStatus, Reader, Uuid, UuidSource};
-use crate::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Transmit};
+use crate::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Traffic, Transmit};
 
 /// Local UDP port of the device's own calls (ApplicationReady).
 pub const CLIENT_PORT: u16 = 0xC0DE;
@@ -77,7 +84,8 @@ const FRAMES: usize = 16;
 /// let config = DeviceConfig::new(MacAddress([2, 0, 0, 0, 0, 1]), identity, vec![access_point]);
 /// let device = Device::new(config, Stored { name: "akd-1".into(), ..Stored::default() });
 /// assert_eq!(device.name(), "akd-1");
-/// assert_eq!(device.poll_timeout(), None);
+/// // a device tells its neighbour who it is, without being asked
+/// assert_eq!(device.poll_timeout(), Some(profinet::Instant::ZERO));
 /// ```
 #[derive(Debug)]
 pub struct Device {
@@ -95,6 +103,11 @@ pub struct Device {
     log: LogBook,
     interface_adjust: Vec<u8>,
     port_records: Vec<PortRecord>,
+    port: Port,
+    /// Answers to SNMP that wait to be sent.
+    answers: VecDeque<(SocketAddrV4, Vec<u8>)>,
+    /// First time that was told.
+    started: Option<Instant>,
     server: Server,
     client: Client,
     mapper: EndpointMapper,
@@ -141,6 +154,9 @@ impl Device {
             log: LogBook::default(),
             interface_adjust: Vec::new(),
             port_records: Vec::new(),
+            port: Port::default(),
+            answers: VecDeque::new(),
+            started: None,
             server: Server::new(interfaces, ServerLimits::default()),
             client: Client::new(ClientConfig::default()),
             dcp: DcpState::default(),
@@ -347,7 +363,15 @@ impl Endpoint for Device {
     }
 
     fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
-        let Some(frame) = Frame::parse(frame) else { return };
+        let Some(frame) = Frame::parse(frame) else {
+            if self.config.neighbourhood
+                && let Some((source, payload)) = lldp::payload(frame)
+                && source != self.config.mac
+            {
+                self.port.neighbours.hear(now, source, payload);
+            }
+            return;
+        };
         let mine = frame.destination == self.config.mac;
         if !(mine || frame.destination == DCP_IDENTIFY) || frame.source == self.config.mac {
             return;
@@ -379,8 +403,17 @@ impl Endpoint for Device {
                 self.client.handle(now, source, payload);
                 self.take_answers(now);
             }
+            SNMP_PORT if self.config.neighbourhood => self.handle_snmp(now, source, payload),
             _ => {}
         }
+    }
+
+    fn serves(&self, port: u16) -> bool {
+        port == RPC_PORT || (port == SNMP_PORT && self.config.neighbourhood)
+    }
+
+    fn note_traffic(&mut self, traffic: Traffic, frame: &[u8]) {
+        self.count(traffic, frame);
     }
 
     fn handle_timeout(&mut self, now: Instant) {
@@ -394,6 +427,10 @@ impl Endpoint for Device {
             if let Some((_, frame)) = self.delayed.pop_front() {
                 self.send_frame(frame);
             }
+        }
+        self.started.get_or_insert(now);
+        if self.config.neighbourhood {
+            self.port.handle_timeout(now);
         }
         self.supervise(now);
         while let Some(index) = self.tools.iter().position(|tool| tool.activity.is_over(now)) {
@@ -435,12 +472,23 @@ impl Endpoint for Device {
                 length,
             });
         }
-        let (destination, length) = self.client.poll_transmit(now, buffer)?;
-        Some(Transmit::Datagram {
-            destination,
-            source_port: CLIENT_PORT,
-            length,
-        })
+        if let Some((destination, length)) = self.client.poll_transmit(now, buffer) {
+            return Some(Transmit::Datagram {
+                destination,
+                source_port: CLIENT_PORT,
+                length,
+            });
+        }
+        // what is not urgent comes last
+        if let Some((destination, length)) = self.emit_snmp(buffer) {
+            return Some(Transmit::Datagram {
+                destination,
+                source_port: SNMP_PORT,
+                length,
+            });
+        }
+        let length = self.emit_lldp(buffer).filter(|_| self.config.neighbourhood)?;
+        Some(Transmit::Frame { length })
     }
 
     fn poll_timeout(&self) -> Option<Instant> {
@@ -458,6 +506,7 @@ impl Endpoint for Device {
             self.jobs.iter().map(|job| job.deadline).min(),
             self.server.poll_timeout(),
             self.client.poll_timeout(),
+            self.port.poll_timeout().filter(|_| self.config.neighbourhood),
         ]
         .into_iter()
         .flatten()

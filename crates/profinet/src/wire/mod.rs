@@ -8,9 +8,11 @@ pub mod block;
 mod bytes;
 pub mod dcp;
 pub mod ethernet;
+pub mod lldp;
 pub mod record;
 pub mod rpc;
 pub mod rt;
+pub mod snmp;
 pub mod status;
 mod uuid;
 

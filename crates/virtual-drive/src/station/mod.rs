@@ -16,7 +16,7 @@ use profinet::device::{ArKey, ArKind, Device, Event as DeviceEvent, RecordAddres
 use profinet::wire::PnioStatus;
 use profinet::wire::rt::Iops;
 use profinet::wire::status::{abort, record as code1};
-use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Traffic, Transmit};
 
 use crate::description::{self, Description};
 use crate::drive::{Disconnect, Drive, Event as DriveEvent};
@@ -126,7 +126,8 @@ pub enum StationEvent {
 /// use profinet::{Endpoint, MacAddress};
 /// use virtual_drive::{model, station::{Station, StationConfig}};
 /// let station = Station::new(StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1])));
-/// assert_eq!(station.poll_timeout(), None); // nothing to do until somebody speaks
+/// // it tells its neighbour who it is, and waits until somebody speaks
+/// assert_eq!(station.poll_timeout(), Some(profinet::Instant::ZERO));
 /// ```
 #[derive(Debug)]
 pub struct Station {
@@ -374,6 +375,14 @@ impl Endpoint for Station {
     fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
         self.device.handle_datagram(now, source, local_port, payload);
         self.settle(now);
+    }
+
+    fn serves(&self, port: u16) -> bool {
+        self.device.serves(port)
+    }
+
+    fn note_traffic(&mut self, traffic: Traffic, frame: &[u8]) {
+        self.device.note_traffic(traffic, frame);
     }
 
     fn handle_timeout(&mut self, now: Instant) {

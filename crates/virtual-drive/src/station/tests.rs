@@ -224,7 +224,10 @@ fn sixty_rpm_over_profinet() {
     );
     assert!(!plant.station.drive().has_fault());
     plant.seconds(120.0); // answers are kept a while for repeated requests
-    assert_eq!(plant.station.poll_timeout(), None, "idle again");
+    assert_eq!(plant.station.drive().next_tick(), None, "idle again");
+    // what is left is the word to the neighbour every 5 s
+    let next = plant.station.poll_timeout().unwrap();
+    assert!(next > plant.now && next <= plant.now + Duration::from_secs(5));
 }
 
 #[test]

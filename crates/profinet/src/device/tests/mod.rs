@@ -3,6 +3,7 @@
 mod data;
 mod dcp;
 mod golden;
+mod port;
 mod records;
 mod refusals;
 mod robust;
@@ -78,6 +79,8 @@ pub(super) fn config() -> DeviceConfig {
         },
     ];
     let mut config = DeviceConfig::new(DEVICE, identity(), modules);
+    // what comes unasked has tests of its own
+    config.neighbourhood = false;
     config.reset_modes = vec![ResetMode::Communication, ResetMode::AllStored];
     config
 }
