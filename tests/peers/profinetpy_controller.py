@@ -92,7 +92,8 @@ class Script:
         say("signal", ok=bool(ok))
 
     def find(self):
-        self.device = profinet.ProfinetDevice.discover(self.arguments.name, self.arguments.interface, timeout=5.0)
+        self.device = profinet.ProfinetDevice.discover(self.arguments.name, self.arguments.interface,
+                                                       timeout=self.arguments.patience)
         say("find", name=self.device.name, ip=self.device.ip, mac=self.device.mac)
 
     # ---- acyclic ---------------------------------------------------------------------------------------------------
@@ -191,6 +192,32 @@ class Script:
         return {"sent": stats.frames_sent, "received": stats.frames_received, "missed": stats.frames_missed,
                 "invalid": stats.frames_invalid, "duplicate": stats.frames_duplicate,
                 "disordered": stats.frames_out_of_order, "jitter_us": stats.max_jitter_us}
+
+    def configure(self):
+        """Parameter jobs through a connection without cyclic data, before a controller comes."""
+        self.device.connect()
+        for request in self.arguments.job:
+            answer = self.job(bytes.fromhex(request), 0xB02E)
+            say("record", index=0xB02E, request=request, answer=answer.hex())
+        self.device.disconnect()
+
+    def telegrams(self):
+        """For each round: connects with its module in slot 1, sends each of its frames for a while, and reads its
+        parameters while the frame stands, with the inputs before and after."""
+        for number, text_of_round in enumerate(self.arguments.round):
+            slots, frames, request = text_of_round.split("|")
+            self.arguments.slots = slots
+            self.find()
+            self.connect()
+            for frame in frames.split(","):
+                self.cyclic.set_output_data(1, 1, bytes.fromhex(frame))
+                time.sleep(self.arguments.hold)
+                before = bytes(self.cyclic.get_input_data(1, 1))
+                answer = self.job(bytes.fromhex(request), 0xB02E)
+                after = bytes(self.cyclic.get_input_data(1, 1))
+                say("signals", round=number, output=frame, before=before.hex(), answer=answer.hex(), after=after.hex())
+            say("round", round=number, state=self.cyclic.state.name, errors=self.errors, timeouts=self.timeouts)
+            self.release()
 
     def exchange(self):
         """Cyclic data for a while with no change, counting what is lost."""
@@ -293,6 +320,9 @@ def main():
     parser.add_argument("--setpoint", type=int, default=164)
     parser.add_argument("--job", action="append", default=[], help="parameter request in hexadecimal, sent to both records")
     parser.add_argument("--job-running", action="append", default=[], help="the same while the axis runs")
+    parser.add_argument("--patience", type=float, default=5.0, help="seconds that a search takes")
+    parser.add_argument("--round", action="append", default=[], help="slots|output frames|parameter request, in hexadecimal")
+    parser.add_argument("--hold", type=float, default=0.3, help="seconds that each frame of a round stands")
     parser.add_argument("--steps", required=True)
     arguments = parser.parse_args()
     if arguments.input_frame_id:

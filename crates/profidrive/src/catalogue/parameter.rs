@@ -178,16 +178,26 @@ impl Parameter {
         unit::nearest(exact, self.range().into_inner()).value
     }
 
-    /// Lowest and highest number on the wire: the limits where known, else what fits the size.
+    /// Lowest and highest number on the wire: the limits where known, else what fits. A limit between two numbers is the
+    /// one inside.
     #[must_use]
     pub fn raw_limits(&self, scaling: &Scaling) -> (i64, i64) {
         let range = self.range();
+        let of = |limit: Option<f64>, otherwise: i64, upwards: bool| match limit {
+            Some(limit) => self.raw_limit(limit, upwards, scaling),
+            None => otherwise,
+        };
         (
-            self.minimum
-                .map_or(*range.start(), |limit| self.raw(limit, scaling)),
-            self.maximum
-                .map_or(*range.end(), |limit| self.raw(limit, scaling)),
+            of(self.minimum, *range.start(), true),
+            of(self.maximum, *range.end(), false),
         )
+    }
+
+    /// The number on the wire of a limit: the next one inside, `upwards` for a lowest value; cut to what fits.
+    #[must_use]
+    pub fn raw_limit(&self, engineering: f64, upwards: bool, scaling: &Scaling) -> i64 {
+        let exact = scaling.linear(self.scale).exact(engineering);
+        unit::inside(exact, upwards, self.range().into_inner())
     }
 
     /// The number on the wire as delivered; 0, or the nearest that the limits allow, where no default is known.
@@ -283,6 +293,23 @@ mod tests {
             (i64::MAX, 0xFFFF_FFFF)
         );
         assert_eq!(AKD.by_name("DRV.OPMODE").unwrap().high(), None);
+    }
+
+    #[test]
+    fn limits_between_two_numbers_lie_inside() {
+        let limits = |name: &str| AKD.by_name(name).unwrap().raw_limits(&Scaling::default());
+        assert_eq!(limits("MOTOR.CTF0"), (1, 16_000)); // 0.265 in whole numbers
+        assert_eq!(limits("DRV.DEC"), (1860, 50_000_000_000));
+        for parameter in AKD.parameters {
+            let (low, high) = parameter.raw_limits(&Scaling::default());
+            let value = |raw| parameter.engineering(raw, &Scaling::default());
+            assert!(
+                parameter.minimum.is_none_or(|limit| value(low) >= limit - 1e-9),
+                "{parameter:?}"
+            );
+            let fits = |limit: f64| value(high) <= limit + 1e-9 * limit.abs();
+            assert!(parameter.maximum.is_none_or(fits), "{parameter:?}");
+        }
     }
 
     #[test]

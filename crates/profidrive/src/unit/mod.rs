@@ -228,6 +228,22 @@ pub(crate) const fn nearest(exact: f64, (lowest, highest): (i64, i64)) -> Raw {
     }
 }
 
+/// The step that a limit allows: a limit between two steps is the one inside, so upwards for a lowest and downwards for
+/// a highest value. What differs from a step by the arithmetic only is that step.
+pub(crate) const fn inside(exact: f64, upwards: bool, range: (i64, i64)) -> i64 {
+    const NEAR: f64 = 1e-6;
+    let step = nearest(exact, range).value;
+    let over = exact - step as f64;
+    let (lowest, highest) = range;
+    if upwards && over > NEAR && step < highest {
+        step + 1
+    } else if !upwards && over < -NEAR && step > lowest {
+        step - 1
+    } else {
+        step
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -292,6 +308,28 @@ mod tests {
         assert_eq!(one.raw(32_767.499).checked(), Ok(32_767));
         assert_eq!(one.raw(32_767.5).checked(), Err(DoesNotFit { nearest: 32_767 }));
         assert_eq!(one.raw(-32_768.5).checked(), Err(DoesNotFit { nearest: -32_768 }));
+    }
+
+    #[test]
+    fn limits_lie_inside() {
+        let range = (-100, 100);
+        for (exact, lowest, highest) in [
+            (0.265, 1, 0),
+            (0.999_999_9, 1, 1),
+            (1.000_000_1, 1, 1),
+            (-0.5, 0, -1),
+            (-7.25, -7, -8),
+            (7.0, 7, 7),
+            (100.5, 100, 100),
+            (1e30, 100, 100),
+            (-1e30, -100, -100),
+        ] {
+            assert_eq!(
+                (inside(exact, true, range), inside(exact, false, range)),
+                (lowest, highest),
+                "{exact}"
+            );
+        }
     }
 
     #[test]

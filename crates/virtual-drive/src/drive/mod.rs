@@ -1,5 +1,6 @@
 //! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
 
+mod another;
 mod faults;
 mod injection;
 mod motion;

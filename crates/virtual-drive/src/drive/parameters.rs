@@ -132,7 +132,7 @@ impl ParameterAccess for Drive {
         let (low, high) = match high {
             Some(_) => (*fits.start(), *fits.end()),
             None => {
-                let (low, high) = parameter.raw_limits(scaling);
+                let (low, high) = self.limits(position, parameter);
                 let within = |limit: i64| limit.clamp(*fits.start(), *fits.end());
                 (within(low), within(high))
             }

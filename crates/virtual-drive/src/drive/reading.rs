@@ -1,6 +1,6 @@
 //! What a parameter reads as.
 
-use profidrive::catalogue::{Parameter, Scale, Size};
+use profidrive::catalogue::{Parameter, Size};
 
 use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Mapping;
@@ -91,48 +91,6 @@ impl Drive {
     /// The number of a parameter that is no array.
     pub(super) fn parameter(&self, pnu: u16) -> Option<i64> {
         self.element(self.model.catalogue.position(pnu)?, 0).ok()
-    }
-
-    fn same(&self, parameter: &Parameter, other: u16) -> i64 {
-        match self.model.catalogue.by_pnu(other) {
-            Some(target) => self.converted(target, parameter, self.values.get(other)),
-            None => 0,
-        }
-    }
-
-    /// The signal as it came, as long as the parameter it sets has taken it over; else the value of that one.
-    fn through(&self, parameter: &Parameter, other: u16) -> i64 {
-        let came = self.process.signal(parameter.pnu);
-        if self.differs(parameter, other, came) {
-            self.same(parameter, other)
-        } else {
-            came
-        }
-    }
-
-    /// True when this signal is not the value that another parameter has.
-    pub(super) fn differs(&self, signal: &Parameter, other: u16, raw: i64) -> bool {
-        self.model
-            .catalogue
-            .by_pnu(other)
-            .is_some_and(|target| self.converted(signal, target, raw) != self.values.get(other))
-    }
-
-    /// The number of one parameter as the number of another with the same meaning.
-    pub(super) fn converted(&self, from: &Parameter, to: &Parameter, raw: i64) -> i64 {
-        if from.scale == to.scale {
-            return raw;
-        }
-        let scaling = &self.settings.scaling;
-        let value = from.engineering(raw, scaling);
-        to.raw(
-            match (from.scale, to.scale) {
-                (Scale::Singleturn, Scale::Position) => value * self.settings.position.units.per_revolution(),
-                (Scale::Position, Scale::Singleturn) => value / self.settings.position.units.per_revolution(),
-                _ => value,
-            },
-            scaling,
-        )
     }
 
     /// A measured value in its engineering unit.

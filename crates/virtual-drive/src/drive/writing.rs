@@ -77,28 +77,13 @@ impl Drive {
         Ok(())
     }
 
-    fn within_limits(&self, parameter: &Parameter, raw: i64) -> Result<(), ErrorNumber> {
+    pub(super) fn within_limits(&self, parameter: &Parameter, raw: i64) -> Result<(), ErrorNumber> {
         let (low, high) = parameter.raw_limits(&self.settings.scaling);
         if (low..=high).contains(&raw) {
             Ok(())
         } else {
             Err(ErrorNumber::LIMIT)
         }
-    }
-
-    /// Writes another parameter of the same meaning.
-    pub(super) fn write_same(
-        &mut self,
-        parameter: &Parameter,
-        other: u16,
-        raw: i64,
-    ) -> Result<(), ErrorNumber> {
-        let target = self.model.catalogue.by_pnu(other);
-        let target = target.ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        let raw = self.converted(parameter, target, raw);
-        self.within_limits(target, raw)?;
-        self.values.set(other, raw);
-        Ok(())
     }
 
     fn set_mode(&mut self, position: usize, raw: i64) -> Result<(), ErrorNumber> {

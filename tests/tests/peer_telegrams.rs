@@ -1,0 +1,311 @@
+//! An independent controller (profinet-py) with each telegram of the AKD: what it sets and sees in its frames is what
+//! the parameters of the same numbers say.
+
+use std::collections::HashMap;
+use std::time::Duration;
+
+use profidrive::catalogue::AKD;
+use profidrive::telegram::{Direction, KOLLMORGEN, Mapping, Telegram, signal};
+use system_tests::{Lab, Side, built, judge, peer, python};
+
+const DEVICE_MAC: &str = "02:50:4e:00:00:01";
+
+/// Mappings for the free telegrams: what no fixed one has.
+const SETPOINTS: [u16; 12] = [1, 5, 101, 102, 103, 108, 109, 100, 100, 35, 35, 0];
+const ACTUALS: [u16; 12] = [2, 6, 28, 28, 52, 104, 104, 105, 105, 106, 33, 4];
+
+fn slots(telegram: u16) -> String {
+    let device = &AKD.device;
+    let module = device.telegram(telegram).unwrap();
+    format!(
+        "0:1:0:{dap}:{dap_sub}:0:0,0:0x8000:0:{dap}:{interface}:0:0,0:0x8001:0:{dap}:{port}:0:0,1:1:{api}:{tel}:{tel_sub}:{inputs}:{outputs}",
+        dap = device.access_point_module,
+        dap_sub = device.access_point_submodule,
+        interface = device.interface_submodule,
+        port = device.port_submodule,
+        api = device.api,
+        tel = module.module,
+        tel_sub = module.submodule,
+        inputs = module.inputs,
+        outputs = module.outputs,
+    )
+}
+
+fn mappings(telegram: u16) -> (Mapping, Mapping) {
+    let fixed = Telegram::find(telegram, KOLLMORGEN).unwrap();
+    if fixed.free {
+        let map = |words, direction| Mapping::new(words, KOLLMORGEN, direction).unwrap();
+        (
+            map(&SETPOINTS, Direction::Setpoint),
+            map(&ACTUALS, Direction::Actual),
+        )
+    } else {
+        (Mapping::of(&fixed.setpoint), Mapping::of(&fixed.actual))
+    }
+}
+
+/// A value for each setpoint; `number` makes them differ from frame to frame.
+fn value(signal: u16, number: i64) -> i64 {
+    match signal {
+        signal::NSOLL_A | signal::kollmorgen::IL_CMD_FIELDBUS => 0,
+        signal::SATZANW => 0x8000 + number,
+        signal::MDI_TARPOS | signal::kollmorgen::HOME_DIST => -98_304 - number,
+        signal::MDI_VELOCITY => 0xF000_0000 + number,
+        signal::MDI_MOD => number & 1,
+        signal::kollmorgen::HOME_MODE => 7 + (number & 1),
+        // DRV_ACC, DRV_DEC, MDI_ACC, MDI_DEC, STW2, MT_FEEDRATE
+        _ => 4 + number,
+    }
+}
+
+struct Round {
+    telegram: u16,
+    setpoint: Mapping,
+    actual: Mapping,
+    /// Signals that have a parameter.
+    signals: Vec<u16>,
+    frames: Vec<Vec<u8>>,
+}
+
+impl Round {
+    fn new(telegram: u16) -> Self {
+        let (setpoint, actual) = mappings(telegram);
+        let length = AKD.device.telegram(telegram).unwrap().outputs;
+        let frame = |number: i64, stw1: i64, speed: i64| {
+            let mut data = vec![0; length.into()];
+            for field in setpoint.fields() {
+                let value = match field.signal.number {
+                    signal::STW1 => stw1,
+                    signal::NSOLL_A => speed,
+                    other => value(other, number),
+                };
+                field.set(&mut data, value).unwrap();
+            }
+            data
+        };
+        let mut frames = vec![frame(0, 0x0400, 0), frame(1, 0x0400, -77), frame(2, 0x047E, 0)];
+        if setpoint.has(signal::NSOLL_A) {
+            frames.extend([
+                frame(3, 0x047F, 164),
+                frame(4, 0x047F, -300),
+                frame(5, 0x047E, -300),
+                frame(6, 0x047E, 0),
+            ]);
+        }
+        let all = setpoint.fields().iter().chain(actual.fields());
+        let signals = all
+            .map(|field| field.signal.number)
+            .filter(|number| AKD.by_pnu(*number).is_some());
+        Self {
+            telegram,
+            signals: signals.collect(),
+            setpoint,
+            actual,
+            frames,
+        }
+    }
+
+    /// Reads them all in one request.
+    fn request(&self) -> Vec<u8> {
+        let mut request = vec![0x11, 1, 0, u8::try_from(self.signals.len() + 1).unwrap()];
+        for number in self.signals.iter().chain(&[922]) {
+            request.extend([0x10, 1]);
+            request.extend(number.to_be_bytes());
+            request.extend([0, 0]);
+        }
+        request
+    }
+
+    /// The values in the answer, by signal.
+    fn values(&self, answer: &[u8]) -> HashMap<u16, i64> {
+        assert_eq!(answer[..2], [0x11, 1], "{answer:02X?}");
+        let mut rest = &answer[4..];
+        let mut values = HashMap::new();
+        for number in self.signals.iter().chain(&[922]) {
+            let octets = if rest[0] == 0x43 { 4 } else { 2 };
+            assert_eq!(rest[1], 1);
+            let parameter = AKD.by_pnu(*number).unwrap();
+            assert_eq!(
+                (rest[0], octets),
+                (parameter.size.format_code(), parameter.size.octets())
+            );
+            let raw = rest[2..2 + octets]
+                .iter()
+                .fold(0_u64, |raw, octet| raw << 8 | u64::from(*octet));
+            let raw = match (octets, parameter.signed) {
+                (2, true) => i64::from(raw as u16 as i16),
+                (4, true) => i64::from(raw as u32 as i32),
+                _ => raw.cast_signed(),
+            };
+            values.insert(*number, raw);
+            rest = &rest[2 + octets..];
+        }
+        assert!(rest.is_empty());
+        values
+    }
+
+    /// Compares one frame and the inputs around the answer with the parameters.
+    fn compare(&self, output: &[u8], before: &[u8], answer: &[u8], after: &[u8]) {
+        let values = self.values(answer);
+        let tell = |name: &str| {
+            format!(
+                "telegram {}, {name}, {output:02X?} {before:02X?} {after:02X?}",
+                self.telegram
+            )
+        };
+        assert_eq!(values[&922], i64::from(self.telegram));
+        for field in self.setpoint.fields() {
+            if let Some(value) = values.get(&field.signal.number) {
+                assert_eq!(field.get(output), Some(*value), "{}", tell(field.signal.name));
+            }
+        }
+        let turning = self.actual.get(before, signal::ZSW1).unwrap() & 0x0004 != 0;
+        for field in self.actual.fields() {
+            let Some(value) = values.get(&field.signal.number) else {
+                continue;
+            };
+            let (low, high) = (field.get(before).unwrap(), field.get(after).unwrap());
+            let (low, high) = (low.min(high), low.max(high));
+            // While it turns the values go on between the frames and the answer.
+            let play = match field.signal.number {
+                signal::NIST_A if turning => 3,
+                signal::ITIST_GLATT if turning => 200,
+                _ => 0,
+            };
+            assert!(
+                (low - play..=high + play).contains(value),
+                "{value}: {}",
+                tell(field.signal.name)
+            );
+        }
+    }
+}
+
+fn octets(text: &serde_json::Value) -> Vec<u8> {
+    let text: Vec<char> = text
+        .as_str()
+        .unwrap()
+        .chars()
+        .filter(|c| !c.is_whitespace())
+        .collect();
+    text.chunks(2)
+        .map(|pair| u8::from_str_radix(&pair.iter().collect::<String>(), 16).unwrap())
+        .collect()
+}
+
+fn hex(octets: &[u8]) -> String {
+    octets.iter().map(|octet| format!("{octet:02x}")).collect()
+}
+
+/// Chooses a free telegram and maps it, word by word.
+fn mapping_jobs(telegram: u16) -> Vec<String> {
+    let write = |pnu: u16, subindex: u16, value: u16| {
+        let mut request = vec![1, 2, 0, 1, 0x10, 1];
+        for word in [pnu, subindex, 0x4201, value] {
+            request.extend(word.to_be_bytes());
+        }
+        hex(&request)
+    };
+    let mut jobs = vec![write(922, 0, telegram)];
+    for (pnu, map) in [(915, SETPOINTS), (916, ACTUALS)] {
+        jobs.extend((0..).zip(map).map(|(word, number)| write(pnu, word, number)));
+    }
+    jobs
+}
+
+#[test]
+fn every_telegram_with_profinet_py() {
+    let lab = Lab::new("profinetpy-telegrams");
+    let capture = lab.capture("traffic");
+    let simulate = [
+        "simulate",
+        "--model",
+        "akd",
+        "-i",
+        "dev0",
+        "--mac",
+        DEVICE_MAC,
+        "--name",
+        "drive-one",
+        "--ip",
+        "192.168.77.50/24",
+    ];
+    let mut drive = lab.spawn(Side::Device, built("profidrive"), simulate);
+    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
+    let rounds: Vec<Round> = [1, 7, 9, 350, 351, 352, 353, 354, 400, 0].map(Round::new).into();
+    let script = peer("profinetpy_controller.py");
+    let mut line: Vec<String> = vec![script.to_str().unwrap().into()];
+    let mut add = |words: &[&str]| line.extend(words.iter().map(|word| (*word).to_owned()));
+    add(&["--interface", Side::Controller.interface(), "--mac", DEVICE_MAC]);
+    add(&[
+        "--name",
+        "drive-one",
+        "--ip",
+        "192.168.77.50",
+        "--ratio",
+        "16",
+        "--watchdog",
+        "30",
+    ]);
+    for job in mapping_jobs(400).iter().chain(&mapping_jobs(0)) {
+        add(&["--job", job]);
+    }
+    for round in &rounds {
+        let frames: Vec<String> = round.frames.iter().map(|frame| hex(frame)).collect();
+        add(&[
+            "--round",
+            &format!(
+                "{}|{}|{}",
+                slots(round.telegram),
+                frames.join(","),
+                hex(&round.request())
+            ),
+        ]);
+    }
+    add(&["--steps", "find,configure,telegrams"]);
+    let finished = lab.run(Side::Controller, python(), line, Duration::from_secs(120));
+    let file = capture.stop();
+    let steps = finished.ok().json_lines();
+
+    for record in steps.iter().filter(|step| step["step"] == "record") {
+        assert_eq!(record["answer"], "010200010000", "{record}");
+    }
+    for (number, round) in rounds.iter().enumerate() {
+        let seen: Vec<_> = steps
+            .iter()
+            .filter(|step| step["step"] == "signals" && step["round"] == number)
+            .collect();
+        assert_eq!(
+            seen.len(),
+            round.frames.len(),
+            "telegram {}: {seen:?}",
+            round.telegram
+        );
+        for step in seen {
+            let part = |name: &str| octets(&step[name]);
+            round.compare(&part("output"), &part("before"), &part("answer"), &part("after"));
+            // It turns where it should, so that what is compared is not 0 everywhere.
+            if let Some(speed) = round.actual.get(&part("after"), signal::NIST_A) {
+                let running = round.setpoint.get(&part("output"), signal::STW1) == Some(0x047F);
+                let wanted = round.setpoint.get(&part("output"), signal::NSOLL_A).unwrap();
+                let wanted = if running { wanted } else { 0 };
+                assert!(
+                    speed.abs_diff(wanted) < 8,
+                    "telegram {}: {speed} for {wanted}",
+                    round.telegram
+                );
+            }
+        }
+        let end = steps
+            .iter()
+            .find(|step| step["step"] == "round" && step["round"] == number)
+            .unwrap();
+        assert_eq!(
+            (&end["state"], &end["errors"]),
+            (&"RUNNING".into(), &serde_json::json!([])),
+            "{end}"
+        );
+    }
+    judge::judge(&file).clean().saw("pn_rt", 1000).saw("pn_io", 100);
+    drive.interrupt(Duration::from_secs(5)).ok();
+}
