@@ -31,20 +31,25 @@ fn permitted(row: &Row, raw: i64) -> &'static [Answer] {
     const WRITTEN: &[Answer] = &[Answer::Written];
     const NOW: &[Answer] = &[Answer::Error(NOT_NOW)];
     const NO_SUCH: &[Answer] = &[Answer::Error(VALUE)];
+    const OUTSIDE: &[Answer] = &[Answer::Error(LIMIT)];
+    const NOW_OR_OUTSIDE: &[Answer] = &[Answer::Error(NOT_NOW), Answer::Error(LIMIT)];
     match row.pnu {
         // The mapping of telegram 1, which is in use as delivered, is fixed (manual 5.11).
         915 | 916 => NOW,
         922 if ![0, 1, 7, 9, 350, 351, 352, 353, 354, 400].contains(&raw) => NO_SUCH,
         930 if ![1, 2].contains(&raw) => NO_SUCH,
+        // MT.CLEAR: a task of the table, or all of them by -1. MT.MOVE starts a task, which needs a homed axis in operation.
+        2265 if !(-1..=128).contains(&raw) => OUTSIDE,
+        2272 => NOW_OR_OUTSIDE,
         _ => WRITTEN,
     }
 }
 
 /// Commands as delivered, disabled, with the field bus as command source: DRV.EN needs the service channel, DRV.NVLOAD
-/// something that was saved.
+/// something that was saved, and what moves the axis needs operation.
 fn executed(row: &Row) -> &'static [Answer] {
     match row.name.as_str() {
-        "DRV.EN" | "DRV.NVLOAD" => &[Answer::Error(NOT_NOW)],
+        "DRV.EN" | "DRV.NVLOAD" | "HOME.MOVE" | "MT.CONTINUE" => &[Answer::Error(NOT_NOW)],
         _ => &[Answer::Written],
     }
 }

@@ -78,6 +78,13 @@ impl TelegramModule {
             .iter()
             .find(|submodule| submodule.subslot == self.subslot)
     }
+
+    /// Octets of the setpoints and of the actual values.
+    #[must_use]
+    pub fn lengths(&self) -> (u16, u16) {
+        self.data()
+            .map_or((0, 0), |data| (data.output_length, data.input_length))
+    }
 }
 
 impl Description {

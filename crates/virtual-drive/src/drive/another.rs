@@ -72,7 +72,11 @@ impl Drive {
         let scaling = &self.settings.scaling;
         let limit = |known: Option<f64>, end: i64, upwards: bool| {
             let value = known.unwrap_or_else(|| target.engineering(end, scaling));
-            parameter.raw_limit(value * self.between(target.scale, parameter.scale), upwards, scaling)
+            parameter.raw_limit(
+                value * self.between(target.scale, parameter.scale),
+                upwards,
+                scaling,
+            )
         };
         let there = target.range();
         (

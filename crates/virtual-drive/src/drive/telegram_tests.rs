@@ -471,6 +471,32 @@ mod free {
     }
 
     #[test]
+    fn telegram_0_is_as_long_as_its_module() {
+        let mut drive = chosen(353);
+        write(&mut drive, 922, 0, 0).unwrap();
+        drive.plug(0, 8, 32);
+        assert_eq!(
+            words(&drive, 915)[..5],
+            [1, 32, 3, 0, 0],
+            "MDI_TARPOS would be cut"
+        );
+        write(&mut drive, 915, 3, 5).unwrap();
+        assert_eq!(
+            write(&mut drive, 915, 4, 103),
+            Err(ErrorNumber::VALUE),
+            "behind its end"
+        );
+        assert_eq!(write(&mut drive, 916, 15, 28), Err(ErrorNumber::VALUE));
+        write(&mut drive, 916, 14, 28).unwrap();
+        assert_eq!(words(&drive, 916)[13..], [0, 28, 28]);
+        drive.plug(0, 8, 30);
+        assert_eq!(words(&drive, 916)[13..], [0, 0, 0]);
+        drive.plug(353, 2, 2);
+        drive.connect(353, Duration::from_millis(48)).unwrap();
+        assert_eq!(words(&drive, 915)[12], 103, "the others have their own length");
+    }
+
+    #[test]
     fn reset_to_delivery_takes_the_mapping_with_it() {
         let mut drive = chosen(400);
         write(&mut drive, 915, 1, 5).unwrap();

@@ -50,6 +50,16 @@ impl FreeTelegram {
         free.collect()
     }
 
+    /// Gives it the length of a module, in octets. Signals that do not fit any more are taken out.
+    fn resize(&mut self, vendor: u16, outputs: u16, inputs: u16) {
+        for (octets, direction) in [(outputs, Direction::Setpoint), (inputs, Direction::Actual)] {
+            let half = self.half(direction);
+            if let Ok(sized) = FreeMapping::new(half.words(), usize::from(octets / 2), vendor, direction) {
+                *half = sized;
+            }
+        }
+    }
+
     fn half(&mut self, direction: Direction) -> &mut FreeMapping {
         match direction {
             Direction::Actual => &mut self.actual,
@@ -91,6 +101,27 @@ impl Drive {
         self.process.use_telegram(self.model, number, setpoint, actual);
         self.follow_command_source(&setpoint);
         true
+    }
+
+    /// Tells how long the module of a telegram is, in octets: that is the length of a free telegram. Other telegrams have
+    /// their own, and nothing happens. Without this call it is the length in the tables of the model.
+    ///
+    /// ```
+    /// use std::time::Duration;
+    /// use virtual_drive::{drive::Drive, model};
+    /// let mut drive = Drive::new(&model::AKD);
+    /// drive.plug(0, 4, 32); // telegram 0 in a module of 2 and 16 words
+    /// drive.connect(0, Duration::from_millis(48)).unwrap();
+    /// ```
+    pub fn plug(&mut self, telegram: u16, outputs: u16, inputs: u16) {
+        let vendor = self.model.catalogue.device.vendor_id;
+        let Some(free) = self.free.iter_mut().find(|free| free.number == telegram) else {
+            return;
+        };
+        free.resize(vendor, outputs, inputs);
+        if self.process.telegram() == telegram && !self.link.is_cyclic() {
+            self.choose_telegram(telegram);
+        }
     }
 
     /// As delivered; not while a controller uses the present one.

@@ -161,6 +161,16 @@ impl Station {
             input_length: 0,
             events: VecDeque::new(),
         };
+        // A free telegram can be mapped before it is plugged: as far as its longest module allows.
+        let telegrams = &station.description.telegrams;
+        for module in telegrams {
+            let same = telegrams.iter().filter(|other| other.telegram == module.telegram);
+            let (outputs, inputs) = same.fold((0, 0), |(outputs, inputs), other| {
+                let (more_outputs, more_inputs) = other.lengths();
+                (more_outputs.max(outputs), more_inputs.max(inputs))
+            });
+            station.drive.plug(module.telegram, outputs, inputs);
+        }
         if let Some(Err(error)) = config.parameters.map(|text| station.drive.start_with(&text)) {
             station.emit(StationEvent::ParametersIgnored(error));
         }
@@ -332,11 +342,12 @@ impl Station {
     fn parameter_end(&mut self, now: Instant, ar: ArKey) {
         if let Some(module) = self.telegram() {
             let (telegram, place) = (module.telegram, (module.slot, module.subslot));
-            let inputs = module.data().map_or(0, |data| data.input_length);
+            let (outputs, inputs) = module.lengths();
             self.place = place;
             self.input_length = usize::from(inputs).min(LONGEST_TELEGRAM);
             self.inputs = [0; LONGEST_TELEGRAM];
             let watchdog = self.device.watchdog().unwrap_or_default();
+            self.drive.plug(telegram, outputs, inputs);
             // Every telegram module of the description carries a telegram of the model.
             let _ = self.drive.connect(telegram, watchdog);
         }
