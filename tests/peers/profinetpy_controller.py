@@ -5,7 +5,9 @@ Written against the package's published interface (its README, help texts and si
     profinetpy_controller.py --interface ctl0 --mac 02:50:4e:00:00:01 --name drive-one --ip 192.168.77.50 \
         --slots 0:1:0:0x1:0x1:0:0,1:1:0x3A00:0x10:0x1:4:4 --steps discover,name,ip,im0,connect,...
 
-A slot is slot:subslot:api:module-ident:submodule-ident:input-octets:output-octets.
+A slot is slot:subslot:api:module-ident:submodule-ident:input-octets:output-octets. With --gsdml the slots are what the
+package makes of a device description: --access-point in slot 0 (the first one when left out), --module in slot 1 and
+--submodule SUBSLOT:ID in it.
 """
 
 import argparse
@@ -155,6 +157,14 @@ class Script:
     # ---- cyclic ----------------------------------------------------------------------------------------------------
 
     def cyclic_slots(self):
+        if self.arguments.gsdml:
+            plugged = {}
+            for text in self.arguments.submodule:
+                subslot, name = text.split(":", 1)
+                plugged[int(subslot, 0)] = name
+            device = profinet.load_gsdml(self.arguments.gsdml)
+            return device.build_io_slots({1: self.arguments.module}, {1: plugged} if plugged else None,
+                                         self.arguments.access_point or None)
         slots = []
         for slot in self.arguments.slots.split(","):
             n = [int(part, 0) for part in slot.split(":")]
@@ -313,6 +323,10 @@ def main():
     parser.add_argument("--name", required=True)
     parser.add_argument("--ip", required=True)
     parser.add_argument("--slots", default="")
+    parser.add_argument("--gsdml", default="", help="device description to configure the slots from")
+    parser.add_argument("--access-point", default="")
+    parser.add_argument("--module", default="")
+    parser.add_argument("--submodule", action="append", default=[])
     parser.add_argument("--ratio", type=int, default=32, help="cycle in milliseconds (a power of two)")
     parser.add_argument("--watchdog", type=int, default=6)
     parser.add_argument("--input-frame-id", type=lambda text: int(text, 0), default=0)
