@@ -366,6 +366,13 @@ static DRV_OPMODE_CHOICES: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+static FAULTX_ACTION_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Fault" },
+    Meaning { value: 1, text: "Ignored" },
+    Meaning { value: 4, text: "Warning" },
+];
+
+#[rustfmt::skip]
 static FB1_IDENTIFIED_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "Unknown" },
     Meaning { value: 10, text: "Incremental" },
@@ -410,6 +417,13 @@ static HOME_MODE_CHOICES: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+static IP_MODE_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Rotary switches, or DHCP and AutoIP when they are 0" },
+    Meaning { value: 1, text: "IP.ADDRESS, IP.SUBNET and IP.GATEWAY as stored; DCP overwrites them and sets this mode" },
+    Meaning { value: 2, text: "DHCP and AutoIP" },
+];
+
+#[rustfmt::skip]
 static MOTOR_BRAKERLS_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "Drive controls it" },
     Meaning { value: 1, text: "Released" },
@@ -450,6 +464,12 @@ static MT_CNTL_BITS: &[Meaning] = &[
 static OPERATING_MODE_CHOICES: &[Meaning] = &[
     Meaning { value: 1, text: "speed control" },
     Meaning { value: 2, text: "positioning" },
+];
+
+#[rustfmt::skip]
+static PL_ERRMODE_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Magnitude of the following error" },
+    Meaning { value: 1, text: "Deviation from the predicted error, for 100 ms" },
 ];
 
 #[rustfmt::skip]
@@ -878,7 +898,7 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 2284, name: "MT.VCMD_32", size: Dword, elements: 1, signed: true, access: ReadOnly, saved: false, wide: false, unit: "rpm", scale: Milli, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Velocity of the position trajectory", source: SOURCES[2] },
     Parameter { pnu: 2285, name: "PL.CMD", size: Dword, elements: 1, signed: false, access: ReadOnly, saved: false, wide: true, unit: "counts", scale: Position, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Position command at the entry of the position loop", source: SOURCES[2] },
     Parameter { pnu: 2287, name: "PL.ERR", size: Dword, elements: 1, signed: false, access: ReadOnly, saved: false, wide: true, unit: "counts", scale: Position, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Following error", source: SOURCES[2] },
-    Parameter { pnu: 2289, name: "PL.ERRMODE", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Way the following error is judged", source: SOURCES[7] },
+    Parameter { pnu: 2289, name: "PL.ERRMODE", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: PL_ERRMODE_CHOICES, bits: &[], description: "Way the following error is judged", source: SOURCES[7] },
     Parameter { pnu: 2290, name: "PL.ERRFTHRESH", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: true, unit: "counts", scale: Position, minimum: Some(0.0), maximum: Some(5123372000000005.0), default: Some(0.0), choices: &[], bits: &[], description: "Following error that raises a fault; 0 off", source: SOURCES[2] },
     Parameter { pnu: 2292, name: "PL.ERRWTHRESH", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: true, unit: "counts", scale: Position, minimum: Some(0.0), maximum: Some(5123372000000005.0), default: Some(0.0), choices: &[], bits: &[], description: "Following error that raises a warning; 0 off", source: SOURCES[2] },
     Parameter { pnu: 2294, name: "PL.FB", size: Dword, elements: 1, signed: true, access: ReadOnly, saved: false, wide: true, unit: "counts", scale: Position, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Position feedback including offsets", source: SOURCES[2] },
@@ -1093,12 +1113,12 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 2598, name: "DIO11.INV", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Polarity of the bidirectional digital channel", source: SOURCES[7] },
     Parameter { pnu: 2599, name: "DIO9.DIR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Direction (input or output) of the bidirectional digital channel", source: SOURCES[7] },
     Parameter { pnu: 2600, name: "DIO9.INV", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Polarity of the bidirectional digital channel", source: SOURCES[7] },
-    Parameter { pnu: 2601, name: "FAULT130.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
-    Parameter { pnu: 2602, name: "FAULT131.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
-    Parameter { pnu: 2603, name: "FAULT132.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
-    Parameter { pnu: 2604, name: "FAULT134.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
-    Parameter { pnu: 2605, name: "FAULT702.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
-    Parameter { pnu: 2606, name: "IP.MODE", size: Word, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: Some(1.0), choices: &[], bits: &[], description: "How the IP address is obtained; DCP sets it to 1", source: SOURCES[10] },
+    Parameter { pnu: 2601, name: "FAULT130.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2602, name: "FAULT131.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2603, name: "FAULT132.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2604, name: "FAULT134.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2605, name: "FAULT702.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2606, name: "IP.MODE", size: Word, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: Some(1.0), choices: IP_MODE_CHOICES, bits: &[], description: "How the IP address is obtained; DCP sets it to 1", source: SOURCES[10] },
     Parameter { pnu: 2607, name: "LOAD.INERTIA", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: Some(2400.0), choices: &[], bits: &[], description: "Inertia of the load", source: SOURCES[7] },
     Parameter { pnu: 2608, name: "MOTOR.KE", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Voltage constant of the motor", source: SOURCES[7] },
     Parameter { pnu: 2609, name: "VBUS.HALFVOLT", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
@@ -1107,7 +1127,7 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 2612, name: "DRV.HWENDELAY", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
     Parameter { pnu: 2613, name: "IL.KPLOOKUPINDEX", size: Word, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
     Parameter { pnu: 2614, name: "IL.KPLOOKUPVALUE", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
-    Parameter { pnu: 2615, name: "FAULT451.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2615, name: "FAULT451.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
     Parameter { pnu: 2616, name: "MOTOR.BRAKEIMM", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Applies the brake at once when the drive is disabled", source: SOURCES[7] },
     Parameter { pnu: 2617, name: "AIN2.CUTOFF", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "Hz", scale: Milli, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Low-pass cut-off of the second analog input", source: SOURCES[29] },
     Parameter { pnu: 2618, name: "AIN2.DEADBAND", size: Word, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "V", scale: Milli, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Deadband of the second analog input", source: SOURCES[29] },
@@ -1248,7 +1268,7 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 2791, name: "DRV.WARNING1", size: Dword, elements: 1, signed: false, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Number of the n-th active warning, 0 when none", source: SOURCES[25] },
     Parameter { pnu: 2792, name: "DRV.WARNING2", size: Dword, elements: 1, signed: false, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Number of the n-th active warning, 0 when none", source: SOURCES[25] },
     Parameter { pnu: 2793, name: "DRV.WARNING3", size: Dword, elements: 1, signed: false, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Number of the n-th active warning, 0 when none", source: SOURCES[25] },
-    Parameter { pnu: 2797, name: "FAULT139.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2797, name: "FAULT139.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
     Parameter { pnu: 2802, name: "FB1.CALTHRESH", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
     Parameter { pnu: 2805, name: "FB1.P", size: Dword, elements: 1, signed: true, access: ReadOnly, saved: false, wide: true, unit: "counts", scale: Position, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Position of the primary feedback", source: SOURCES[33] },
     Parameter { pnu: 2807, name: "FB1.PDIR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Counting direction of that feedback position", source: SOURCES[7] },
@@ -1365,7 +1385,7 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 2959, name: "DOUT11.PARAM", size: Dword, elements: 1, signed: true, access: ReadWrite, saved: true, wide: true, unit: "", scale: Raw, minimum: Some(-9.223372036854776e18), maximum: Some(9.223372036854776e18), default: Some(0.0), choices: &[], bits: &[], description: "Extra argument of the selected output function", source: SOURCES[32] },
     Parameter { pnu: 2961, name: "CMP0.SOURCEVALUE", size: Dword, elements: 1, signed: true, access: ReadOnly, saved: false, wide: true, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
     Parameter { pnu: 2963, name: "CMP1.SOURCEVALUE", size: Dword, elements: 1, signed: true, access: ReadOnly, saved: false, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
-    Parameter { pnu: 2966, name: "FAULT570.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
+    Parameter { pnu: 2966, name: "FAULT570.ACTION", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: FAULTX_ACTION_CHOICES, bits: &[], description: "Reaction to the fault of that number (fault, warning or ignore, as far as offered)", source: SOURCES[28] },
     Parameter { pnu: 2967, name: "DRV.FAULTDISPLAYMODE", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "", source: SOURCES[6] },
     Parameter { pnu: 2968, name: "FB1.MOTORPHASE", size: Word, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Commutation offset read with that feedback", source: SOURCES[7] },
     Parameter { pnu: 2969, name: "FB1.MOTORPOLES", size: Word, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Number of motor poles read with that feedback", source: SOURCES[7] },

@@ -3,6 +3,7 @@
 mod another;
 mod faults;
 mod injection;
+mod memory;
 mod motion;
 mod outside;
 mod parameters;
@@ -26,7 +27,7 @@ pub use settings::Mode;
 
 use crate::axis::{Axis, Plant};
 use crate::model::{Live, Model};
-use crate::store::{Image, ImageError, Values};
+use crate::store::Values;
 use faults::{Faults, Keeper};
 use outside::Outside;
 use parameters::Half;
@@ -223,29 +224,6 @@ impl Drive {
         }
     }
 
-    /// Starts with what was saved; returns how many of its entries this model does not know.
-    ///
-    /// # Errors
-    /// When the text is damaged or of another model; the drive then keeps the values it has.
-    pub fn start_with(&mut self, saved: &[u8]) -> Result<usize, ImageError> {
-        let image = Image::decode(saved)?;
-        let left_out = self.values.restore(&image)?;
-        self.saved = Some(image.encode());
-        self.apply();
-        Ok(left_out)
-    }
-
-    /// Puts everything that can be saved back to the values as delivered and saves it; stops the axis first.
-    pub fn reset_to_delivery(&mut self) {
-        self.request_disable();
-        self.values.reset();
-        self.reset_telegrams();
-        self.apply();
-        let text = self.values.image().encode();
-        self.saved = Some(text.clone());
-        self.emit(Event::Save { text });
-    }
-
     /// The model of the drive.
     #[must_use]
     pub const fn model(&self) -> &'static Model {
@@ -407,6 +385,8 @@ pub struct UnknownTelegram(pub u16);
 mod conformance;
 #[cfg(test)]
 mod fault_tests;
+#[cfg(test)]
+mod memory_tests;
 #[cfg(test)]
 mod table_tests;
 #[cfg(test)]

@@ -7,7 +7,6 @@ use profidrive::telegram::Direction;
 
 use super::{Drive, Event, Service};
 use crate::model::{Action, Live, Table};
-use crate::store::Image;
 
 impl Drive {
     /// Writes the number of one element as on the wire (sign included); `position` is the place in the catalogue.
@@ -119,30 +118,9 @@ impl Drive {
             Action::Home => self.start_homing()?,
             Action::SetHome => self.set_home()?,
             Action::ClearFaults => self.clear_faults(),
-            Action::Save => {
-                let text = self.values.image().encode();
-                self.saved = Some(text.clone());
-                self.emit(Event::Save { text });
-            }
-            Action::Load => {
-                if self.is_enabled() {
-                    return Err(ErrorNumber::NOT_NOW);
-                }
-                let image = self
-                    .saved
-                    .as_deref()
-                    .and_then(|text| Image::decode(text.as_bytes()).ok());
-                let restored = image.map(|image| self.values.restore(&image));
-                if !matches!(restored, Some(Ok(_))) {
-                    return Err(ErrorNumber::NOT_NOW);
-                }
-            }
-            Action::Defaults => {
-                if self.is_enabled() {
-                    return Err(ErrorNumber::NOT_NOW);
-                }
-                self.values.reset();
-            }
+            Action::Save => self.save(),
+            Action::Load => self.load()?,
+            Action::Defaults => self.defaults()?,
             Action::Blink => self.emit(Event::Blink),
             Action::Nothing => {}
         }

@@ -50,6 +50,7 @@ const ROLES: Roles = Roles {
     service_current: Some(2215),     // IL.CMDU
     disable_mode: Some(2119),        // DRV.DISMODE
     bus_options: Some(2158),         // FBUS.PARAM02
+    address_mode: Some(2606),        // IP.MODE
     brake: [Some(2241), Some(2242)], // MOTOR.BRAKE, MOTOR.BRAKERLS
     positioning: POSITIONING,
 };
@@ -215,6 +216,7 @@ const LIVE: &[(u16, Live)] = &[
     (2793, Live::Warning(2)),
     (2805, Live::Place(Place::Feedback)),
     (2833, Live::Measured(Quantity::DriveFoldback)),
+    (2836, Live::Do(Action::Nothing)), // IP.RESET: a new IP.MODE counts from the next start on
     (2845, Live::Measured(Quantity::Speed)),
     (2874, Live::Measured(Quantity::Temperature(Sensor::Control))),
     (2875, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),

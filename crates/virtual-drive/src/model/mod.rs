@@ -99,6 +99,8 @@ pub struct Roles {
     pub service_current: Option<u16>,
     /// What a disable does: 0 and 1 at once, 2 and 3 after a ramp.
     pub disable_mode: Option<u16>,
+    /// How the IP address is obtained: 1 as DCP set it.
+    pub address_mode: Option<u16>,
     /// 1 when a holding brake is fitted, and 1 when it is released by hand.
     pub brake: [Option<u16>; 2],
     /// Bit 0: 1 raises the connection fault when the controller goes from RUN to STOP.

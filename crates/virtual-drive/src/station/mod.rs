@@ -148,10 +148,15 @@ impl Station {
     /// A station as it starts.
     #[must_use]
     pub fn new(config: StationConfig) -> Self {
-        let device = Device::new(describe::device_config(&config), config.network.clone());
+        let mut drive = Drive::new(config.model);
+        let started = config.parameters.as_ref().map(|text| drive.start_with(text));
+        let mut stored = config.network.clone();
+        if !drive.starts_with_address() {
+            stored.ip = IpSuite::NONE;
+        }
         let mut station = Self {
-            device,
-            drive: Drive::new(config.model),
+            device: Device::new(describe::device_config(&config), stored),
+            drive,
             description: config.description,
             place: (0, 0),
             network: config.network,
@@ -171,7 +176,7 @@ impl Station {
             });
             station.drive.plug(module.telegram, outputs, inputs);
         }
-        if let Some(Err(error)) = config.parameters.map(|text| station.drive.start_with(&text)) {
+        if let Some(Err(error)) = started {
             station.emit(StationEvent::ParametersIgnored(error));
         }
         station
@@ -263,6 +268,9 @@ impl Station {
             }
             DeviceEvent::IpChanged { suite, permanent } => {
                 self.network.ip = if permanent { suite } else { IpSuite::NONE };
+                if permanent {
+                    self.drive.address_set();
+                }
                 self.emit(StationEvent::PersistNetwork(self.network.clone()));
             }
             DeviceEvent::ImChanged(im) => {
@@ -360,6 +368,7 @@ impl Station {
         if mode.clears_address() {
             self.network.name.clear();
             self.network.ip = IpSuite::NONE;
+            self.drive.address_set();
         }
         if mode.clears_im() {
             self.network.im = profinet::device::ImRecords::default();

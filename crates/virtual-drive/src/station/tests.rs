@@ -350,3 +350,59 @@ fn saved_parameters_come_back_and_damaged_ones_are_told() {
         Some(StationEvent::ParametersIgnored(_))
     ));
 }
+
+#[test]
+fn a_drive_that_shall_not_use_the_address_of_dcp_starts_without_one() {
+    let mut drive = Drive::new(&AKD);
+    let save = |drive: &mut Drive| {
+        // DRV.NVSAVE
+        drive
+            .serve(
+                &[1, 2, 0, 1, 0x10, 1, 0x09, 0xA5, 0, 0, 0x42, 1, 0, 1],
+                &mut [0; 240],
+            )
+            .unwrap();
+        core::iter::from_fn(|| drive.poll_event()).find_map(|event| match event {
+            crate::drive::Event::Save { text } => Some(text),
+            _ => None,
+        })
+    };
+    // IP.MODE 0
+    drive
+        .serve(
+            &[1, 2, 0, 1, 0x10, 1, 0x0A, 0x2E, 0, 0, 0x42, 1, 0, 0],
+            &mut [0; 240],
+        )
+        .unwrap();
+    let config = |text: String| StationConfig {
+        network: Stored {
+            name: "akd-1".into(),
+            ip: suite(1),
+            ..Stored::default()
+        },
+        parameters: Some(text.into_bytes()),
+        ..StationConfig::new(&AKD, DRIVE)
+    };
+    let mut station = Station::new(config(save(&mut drive).unwrap()));
+    assert_eq!((station.ip(), station.name()), (IpSuite::NONE, "akd-1"));
+    // DCP sets an address for good: IP.MODE is 1, in the memory too.
+    station.device_event(
+        Instant::from_millis(1),
+        DeviceEvent::IpChanged {
+            suite: suite(7),
+            permanent: true,
+        },
+    );
+    station.settle(Instant::from_millis(1));
+    let happenings: Vec<StationEvent> = core::iter::from_fn(|| station.poll_event()).collect();
+    let text = happenings.iter().find_map(|event| match event {
+        StationEvent::PersistParameters { text } => Some(text.clone()),
+        _ => None,
+    });
+    assert!(
+        happenings
+            .iter()
+            .any(|event| matches!(event, StationEvent::PersistNetwork(stored) if stored.ip == suite(7)))
+    );
+    assert_eq!(Station::new(config(text.unwrap())).ip(), suite(1));
+}

@@ -1,22 +1,27 @@
 //! The saved state as text that a person can read and a program can trust:
 //!
 //! ```text
-//! profidrive state 1
+//! profidrive state 2
 //! model AKD
 //! DRV.ACC = 3000.000 # rpm/s
+//! Jog v1 = 60.04 # rpm
 //! PN.VELSCALING = 1638
 //! checksum 5b1c2d3e
 //! ```
 //!
-//! Values that travel in thousandths are written as decimals in their unit, all others as the number on the wire. The
-//! last line is the CRC-32 of everything before it. Text behind `#` and empty lines say nothing.
+//! One parameter a line, in the order of its numbers, in its unit; a number that its unit cannot say exactly stands there
+//! as `raw 123`. The last line is the CRC-32 of everything before it. Text behind `#` and empty lines say nothing. A text
+//! of version 1 is read too: there only values in thousandths are in their unit, all others are raw.
 
 use core::fmt::Write as _;
 
 use profidrive::catalogue::{Parameter, Scale, Scaling};
 
 /// Version of the format, the number in the first line.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
+
+/// Version that is read too, and never written.
+const FORMER: u32 = 1;
 
 /// Longest text that is looked at: far more than any model needs.
 const LONGEST: usize = 1 << 20;
@@ -25,6 +30,8 @@ const LONGEST: usize = 1 << 20;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
     model: String,
+    /// Values of scaled parameters are raw: a text of version 1.
+    former: bool,
     entries: Vec<(String, String, String)>,
 }
 
@@ -72,6 +79,7 @@ impl Image {
     pub fn new(model: &str) -> Self {
         Self {
             model: model.to_owned(),
+            former: false,
             entries: Vec::new(),
         }
     }
@@ -89,10 +97,38 @@ impl Image {
             .map(|(name, text, _)| (name.as_str(), text.as_str()))
     }
 
-    /// Adds the number of a parameter.
-    pub fn push(&mut self, parameter: &Parameter, raw: i64) {
-        let (text, comment) = print(parameter, raw);
+    /// Adds the number of a parameter, in its unit.
+    pub fn push(&mut self, parameter: &Parameter, raw: i64, scaling: &Scaling) {
+        let (text, comment) = print(parameter, raw, scaling);
         self.entries.push((parameter.name.to_owned(), text, comment));
+    }
+
+    /// Puts the number of a parameter in the place of the one that stands there, or behind all others; true when that
+    /// changed anything.
+    pub fn set(&mut self, parameter: &Parameter, raw: i64, scaling: &Scaling) -> bool {
+        let (text, comment) = print(parameter, raw, scaling);
+        match self.entries.iter_mut().find(|(name, ..)| name == parameter.name) {
+            Some((_, present, _)) if *present == text => false,
+            Some((_, present, remark)) => {
+                (*present, *remark) = (text, comment);
+                true
+            }
+            None => {
+                self.entries.push((parameter.name.to_owned(), text, comment));
+                true
+            }
+        }
+    }
+
+    /// The number that a text of this image is for a parameter; `None` when it is none, or outside its size.
+    #[must_use]
+    pub fn number(&self, parameter: &Parameter, text: &str, scaling: &Scaling) -> Option<i64> {
+        let scaled = !matches!(parameter.scale, Scale::Raw | Scale::Milli);
+        if self.former && scaled {
+            text.parse().ok().filter(|raw| parameter.range().contains(raw))
+        } else {
+            parse(parameter, text, scaling)
+        }
     }
 
     /// Adds a value as text.
@@ -104,7 +140,8 @@ impl Image {
     /// The text, checksum included.
     #[must_use]
     pub fn encode(&self) -> String {
-        let mut text = format!("profidrive state {FORMAT}\nmodel {}\n", self.model);
+        let version = if self.former { FORMER } else { FORMAT };
+        let mut text = format!("profidrive state {version}\nmodel {}\n", self.model);
         for (name, value, comment) in &self.entries {
             let mark = if comment.is_empty() { "" } else { " # " };
             // Writing into a String does not fail.
@@ -125,7 +162,8 @@ impl Image {
         }
         let text = core::str::from_utf8(bytes).map_err(|_| ImageError::NotText)?;
         let first = text.lines().next().unwrap_or_default();
-        if first != format!("profidrive state {FORMAT}") {
+        let former = first == format!("profidrive state {FORMER}");
+        if !former && first != format!("profidrive state {FORMAT}") {
             return Err(ImageError::Version {
                 found: first.chars().take(80).collect(),
             });
@@ -142,7 +180,10 @@ impl Image {
                 computed,
             });
         }
-        let mut image = Self::new("");
+        let mut image = Self {
+            former,
+            ..Self::new("")
+        };
         for (number, line) in body.lines().enumerate().skip(1) {
             let content = line.split_once('#').map_or(line, |(content, _)| content).trim();
             if content.is_empty() {
@@ -165,55 +206,66 @@ impl Image {
 }
 
 /// Value and comment of a parameter.
-fn print(parameter: &Parameter, raw: i64) -> (String, String) {
-    match parameter.scale {
-        Scale::Raw => (
-            raw.to_string(),
-            parameter
-                .choice(raw)
-                .map_or_else(|| parameter.unit.to_owned(), str::to_owned),
-        ),
+fn print(parameter: &Parameter, raw: i64, scaling: &Scaling) -> (String, String) {
+    let unit = || parameter.unit.to_owned();
+    let text = match parameter.scale {
+        Scale::Raw => {
+            return (
+                raw.to_string(),
+                parameter.choice(raw).map_or_else(unit, str::to_owned),
+            );
+        }
         Scale::Milli => {
             let sign = if raw < 0 { "-" } else { "" };
             let whole = raw.unsigned_abs();
-            (
-                format!("{sign}{}.{:03}", whole / 1000, whole % 1000),
-                parameter.unit.to_owned(),
-            )
+            format!("{sign}{}.{:03}", whole / 1000, whole % 1000)
         }
+        // As few decimals as say which number it is.
         _ => {
-            let value = parameter.engineering(raw, &Scaling::default());
-            (
-                raw.to_string(),
-                format!(
-                    "steps, {value:.3} {} with the scaling as delivered",
-                    parameter.unit
-                ),
-            )
+            let value = parameter.engineering(raw, scaling);
+            let says = |text: &String| parse(parameter, text, scaling) == Some(raw);
+            let texts = (0..=9).map(|decimals| format!("{value:.decimals$}"));
+            texts.into_iter().find(says).unwrap_or_default()
         }
+    };
+    if parse(parameter, &text, scaling) == Some(raw) {
+        (text, unit())
+    } else {
+        (format!("{RAW}{raw}"), unit())
     }
 }
 
+/// Stands before a number on the wire that its unit cannot say exactly.
+const RAW: &str = "raw ";
+
 /// The number for a text; `None` when it is no number of this parameter or outside its size.
-pub(super) fn parse(parameter: &Parameter, text: &str) -> Option<i64> {
-    let raw = match parameter.scale {
-        Scale::Milli => {
-            let (sign, digits) = text.strip_prefix('-').map_or((1, text), |digits| (-1, digits));
-            let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
-            if part.len() > 3
-                || !part
-                    .bytes()
-                    .chain(whole.bytes())
-                    .all(|byte| byte.is_ascii_digit())
-            {
-                return None;
-            }
-            let part: i64 = format!("{part:0<3}").parse().ok()?;
-            sign * whole.parse::<i64>().ok()?.checked_mul(1000)?.checked_add(part)?
+fn parse(parameter: &Parameter, text: &str, scaling: &Scaling) -> Option<i64> {
+    let raw = match (text.strip_prefix(RAW), parameter.scale) {
+        (Some(raw), _) => raw.parse().ok()?,
+        (None, Scale::Raw) => text.parse().ok()?,
+        (None, Scale::Milli) => thousandths(text)?,
+        (None, _) => {
+            let value: f64 = text.parse().ok()?;
+            let raw = parameter.raw(value, scaling);
+            // Not a number, or cut to what fits: not this value.
+            let step = parameter.engineering(1, scaling).abs();
+            let near = (parameter.engineering(raw, scaling) - value).abs() <= step;
+            near.then_some(raw)?
         }
-        _ => text.parse().ok()?,
     };
     parameter.range().contains(&raw).then_some(raw)
+}
+
+fn thousandths(text: &str) -> Option<i64> {
+    let (sign, digits) = text.strip_prefix('-').map_or((1, text), |digits| (-1, digits));
+    let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
+    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    if part.len() > 3 || !is_digits(part) || !is_digits(whole) {
+        return None;
+    }
+    let part: i64 = format!("{part:0<3}").parse().ok()?;
+    let raw = i128::from(whole.parse::<i64>().ok()?) * 1000 + i128::from(part);
+    i64::try_from(sign * raw).ok()
 }
 
 /// CRC-32 as in Ethernet and ZIP (reflected, 0xEDB88320).
@@ -247,14 +299,24 @@ mod tests {
 
     #[test]
     fn the_text_is_readable() {
-        let text = Values::new(&AKD).image().encode();
-        assert!(text.starts_with("profidrive state 1\nmodel AKD\n"));
+        let text = Values::new(&AKD).image(&Scaling::default()).encode();
+        assert!(text.starts_with("profidrive state 2\nmodel AKD\n"));
         assert!(text.contains("\nDRV.ACC = 3000.000 # rpm/s\n"), "{text}");
         assert!(text.contains("\nDRV.OPMODE = 1 # Velocity\n"));
         assert!(
-            text.contains("\nJog v1 = 164 # steps, 60.044 rpm with the scaling as delivered\n"),
+            text.contains("\nJog v1 = 60 # rpm\n") && text.contains("\nSWLS.LIMIT1 = 68719476736 # counts\n"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn the_former_version_is_read() {
+        let body = "profidrive state 1\nmodel AKD\nDRV.ACC = 3500.000 # rpm/s\nJog v1 = 164\n";
+        let text = format!("{body}checksum {:08x}\n", crc32(body.as_bytes()));
+        let image = Image::decode(text.as_bytes()).unwrap();
+        let mut values = Values::new(&AKD);
+        assert_eq!(values.restore(&image, |_| Scaling::default()), Ok(0));
+        assert_eq!((values.get(2108), values.get(1004)), (3_500_000, 164));
     }
 
     #[test]
@@ -262,10 +324,10 @@ mod tests {
         let acc = AKD.by_pnu(2108).unwrap();
         let offset = AKD.by_pnu(2003).unwrap();
         for (text, raw) in [("3000.000", 3_000_000), ("0.5", 500), ("7", 7000), ("0.001", 1)] {
-            assert_eq!(parse(acc, text), Some(raw), "{text}");
+            assert_eq!(parse(acc, text, &Scaling::default()), Some(raw), "{text}");
         }
-        assert_eq!(parse(offset, "-0.5"), Some(-500));
-        assert_eq!(parse(offset, "-10"), Some(-10_000));
+        assert_eq!(parse(offset, "-0.5", &Scaling::default()), Some(-500));
+        assert_eq!(parse(offset, "-10", &Scaling::default()), Some(-10_000));
         for text in [
             "",
             "-",
@@ -277,21 +339,21 @@ mod tests {
             "9999999999999999",
             "99999999999999999999",
         ] {
-            assert_eq!(parse(acc, text), None, "{text}");
+            assert_eq!(parse(acc, text, &Scaling::default()), None, "{text}");
         }
     }
 
     #[test]
     fn damage_is_told() {
-        let text = Values::new(&AKD).image().encode();
+        let text = Values::new(&AKD).image(&Scaling::default()).encode();
         assert!(matches!(Image::decode(b"\xFF"), Err(ImageError::NotText)));
         assert!(matches!(Image::decode(b""), Err(ImageError::Version { .. })));
         assert!(matches!(
-            Image::decode(b"profidrive state 2\n"),
+            Image::decode(b"profidrive state 3\n"),
             Err(ImageError::Version { .. })
         ));
         assert!(matches!(
-            Image::decode(b"profidrive state 1\n"),
+            Image::decode(b"profidrive state 2\n"),
             Err(ImageError::Checksum { .. })
         ));
         let other = text.replace("3000.000", "3000.001");
@@ -299,7 +361,7 @@ mod tests {
             Image::decode(other.as_bytes()),
             Err(ImageError::Checksum { .. })
         ));
-        let body = "profidrive state 1\nnonsense\n";
+        let body = "profidrive state 2\nnonsense\n";
         let damaged = format!("{body}checksum {:08x}\n", crc32(body.as_bytes()));
         assert!(matches!(
             Image::decode(damaged.as_bytes()),
@@ -309,7 +371,7 @@ mod tests {
 
     #[test]
     fn every_cut_is_noticed() {
-        let text = Values::new(&AKD).image().encode();
+        let text = Values::new(&AKD).image(&Scaling::default()).encode();
         for end in 0..text.len() {
             assert!(Image::decode(&text.as_bytes()[..end]).is_err(), "cut at {end}");
         }
@@ -319,32 +381,41 @@ mod tests {
         #[test]
         fn every_value_survives_the_text(pick in 0..800_usize, raw in any::<i64>()) {
             let parameter = &AKD.parameters[pick];
-            let range = parameter.size.range(parameter.signed);
-            let raw = range.start() + raw.rem_euclid(range.end() - range.start() + 1);
-            let (text, _) = print(parameter, raw);
-            prop_assert_eq!(parse(parameter, &text), Some(raw));
+            let range = parameter.range();
+            let (low, high) = (i128::from(*range.start()), i128::from(*range.end()));
+            let raw = i64::try_from(low + i128::from(raw).rem_euclid(high - low + 1)).unwrap();
+            let scaling = Scaling {
+                velocity: 1 + (raw as u16 & 0x7FF),
+                acceleration: 1 + (raw >> 3) as u16 % 14_000,
+                position: 1 + (raw >> 5) as u32 % 1_000_000,
+                singleturn_bits: 8 + (raw as u16 & 7),
+                ..Scaling::default()
+            };
+            let (text, _) = print(parameter, raw, &scaling);
+            prop_assert_eq!(parse(parameter, &text, &scaling), Some(raw));
         }
 
         #[test]
         fn whole_states_survive_the_text(seed in any::<u64>()) {
             let mut values = Values::new(&AKD);
             let mut state = seed | 1;
-            for position in 0..AKD.parameters.len() {
+            for (position, parameter) in AKD.parameters.iter().enumerate() {
                 state ^= state << 13;
                 state ^= state >> 7;
                 state ^= state << 17;
-                values.set_at(position, (state >> 20) as i64 - (1 << 43));
+                let (low, high) = parameter.raw_limits(&Scaling::default());
+                values.set_at(position, ((state >> 20) as i64 - (1 << 43)).clamp(low, high));
             }
-            let image = values.image();
+            let image = values.image(&Scaling::default());
             let decoded = Image::decode(image.encode().as_bytes()).unwrap();
             let mut other = Values::new(&AKD);
-            prop_assert_eq!(other.restore(&decoded).unwrap(), 0);
-            prop_assert_eq!(other.image(), image);
+            prop_assert_eq!(other.restore(&decoded, |_| Scaling::default()).unwrap(), 0);
+            prop_assert_eq!(other.image(&Scaling::default()), image);
         }
 
         #[test]
         fn flipped_bits_are_noticed(at in 0..8000_usize, bit in 0..8_u32) {
-            let mut text = Values::new(&AKD).image().encode().into_bytes();
+            let mut text = Values::new(&AKD).image(&Scaling::default()).encode().into_bytes();
             let at = at % text.len();
             text[at] ^= 1_u8 << bit;
             prop_assert!(Image::decode(&text).is_err());

@@ -183,15 +183,16 @@ impl Storage for CrashingStorage {
 mod tests {
     use super::super::{Image, Values};
     use super::*;
-    use profidrive::catalogue::AKD;
+    use profidrive::catalogue::{AKD, Scaling};
 
     fn states() -> (String, String) {
         let mut values = Values::new(&AKD);
-        let old = values.image().encode();
-        for position in 0..AKD.parameters.len() {
-            values.set_at(position, values.at(position) + 1);
+        let old = values.image(&Scaling::default()).encode();
+        for (position, parameter) in AKD.parameters.iter().enumerate() {
+            let (low, high) = parameter.raw_limits(&Scaling::default());
+            values.set_at(position, values.at(position).saturating_add(1).clamp(low, high));
         }
-        (old, values.image().encode())
+        (old, values.image(&Scaling::default()).encode())
     }
 
     #[test]
@@ -219,8 +220,8 @@ mod tests {
                 .unwrap_or_else(|error| panic!("seed {seed:#x} moment {moment}: {error}"));
             let text = Values::new(&AKD);
             let mut text = text;
-            assert_eq!(text.restore(&found).unwrap(), 0);
-            let text = text.image().encode();
+            assert_eq!(text.restore(&found, |_| Scaling::default()).unwrap(), 0);
+            let text = text.image(&Scaling::default()).encode();
             assert!(
                 text == old || text == new,
                 "a mixture: seed {seed:#x} moment {moment}"

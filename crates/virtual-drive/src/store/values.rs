@@ -1,6 +1,6 @@
 //! The present values of all parameters that are not measured.
 
-use profidrive::catalogue::{Access, Catalogue, Parameter, Scaling};
+use profidrive::catalogue::{Access, Catalogue, Parameter, Scale, Scaling};
 
 use super::{Image, ImageError};
 
@@ -74,22 +74,27 @@ impl Values {
 
     /// The image of everything that is saved.
     #[must_use]
-    pub fn image(&self) -> Image {
+    pub fn image(&self, scaling: &Scaling) -> Image {
         let mut image = Image::new(self.catalogue.model);
         for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
             if is_saved(parameter) {
-                image.push(parameter, self.at(position));
+                image.push(parameter, self.at(position), scaling);
             }
         }
         image
     }
 
-    /// Takes over a saved image: parameters that it does not name get the value as delivered, names that this model
-    /// does not have and values outside their limits are left out and counted.
+    /// Takes over a saved image: parameters that it does not name get the value as delivered; names that this model
+    /// does not have or does not save, and values outside their limits, are left out and counted. `scaling` tells how the
+    /// values scale each other once those are there that scale others.
     ///
     /// # Errors
-    /// When the image is of another model.
-    pub fn restore(&mut self, image: &Image) -> Result<usize, ImageError> {
+    /// When the image is of another model; nothing has changed then.
+    pub fn restore(
+        &mut self,
+        image: &Image,
+        scaling: impl Fn(&Self) -> Scaling,
+    ) -> Result<usize, ImageError> {
         if image.model() != self.catalogue.model {
             return Err(ImageError::Model {
                 found: image.model().to_owned(),
@@ -102,23 +107,29 @@ impl Values {
                 self.set_at(position, fresh.at(position));
             }
         }
-        let mut left_out = 0;
-        for (name, text) in image.entries() {
-            let found = self
-                .catalogue
-                .all_by_name(name)
-                .find(|parameter| is_saved(parameter));
-            let value = found.and_then(|parameter| image::parse(parameter, text).map(|raw| (parameter, raw)));
-            match value {
-                Some((parameter, raw)) => self.set(parameter.pnu, raw),
-                None => left_out += 1,
+        let mut taken = 0;
+        // What scales others is itself a bare number and comes first.
+        for first in [true, false] {
+            let scaling = scaling(self);
+            for (name, text) in image.entries() {
+                let found = self
+                    .catalogue
+                    .all_by_name(name)
+                    .find(|parameter| is_saved(parameter) && (parameter.scale == Scale::Raw) == first);
+                let value = found.and_then(|parameter| {
+                    let raw = image.number(parameter, text, &scaling)?;
+                    let (low, high) = parameter.raw_limits(&scaling);
+                    (low..=high).contains(&raw).then_some((parameter.pnu, raw))
+                });
+                if let Some((pnu, raw)) = value {
+                    self.set(pnu, raw);
+                    taken += 1;
+                }
             }
         }
-        Ok(left_out)
+        Ok(image.entries().count() - taken)
     }
 }
-
-use super::image;
 
 /// True for what DRV.NVSAVE stores.
 fn is_saved(parameter: &Parameter) -> bool {
@@ -170,13 +181,13 @@ mod tests {
         values.set(2108, 5_000_500);
         values.set(3065, 400);
         values.set(2110, 1); // DRV.ACTIVE is measured, not reset
-        let image = values.image();
+        let image = values.image(&Scaling::default());
         values.reset();
         assert_eq!(
             (values.get(2108), values.get(3065), values.get(2110)),
             (3_000_000, 763, 1)
         );
-        assert_eq!(values.restore(&image).unwrap(), 0);
+        assert_eq!(values.restore(&image, |_| Scaling::default()).unwrap(), 0);
         assert_eq!((values.get(2108), values.get(3065)), (5_000_500, 400));
     }
 
@@ -189,13 +200,13 @@ mod tests {
         image.push_text("DRV.DEC", "fast");
         image.push_text("PN.VELSCALING", "99999");
         image.push_text("VL.FB_32", "5"); // measured
-        assert_eq!(values.restore(&image).unwrap(), 4);
+        assert_eq!(values.restore(&image, |_| Scaling::default()).unwrap(), 4);
         assert_eq!(
             (values.get(2108), values.get(2115), values.get(3064)),
             (4_000_000, 3_000_000, 1638)
         );
         assert!(matches!(
-            values.restore(&Image::new("VLT")),
+            values.restore(&Image::new("VLT"), |_| Scaling::default()),
             Err(ImageError::Model { .. })
         ));
     }

@@ -1,0 +1,114 @@
+//! What the drive keeps when it is switched off: the parameters that the table marks as non-volatile, and only those that
+//! were saved. Everything else is gone with the power.
+//!
+//! DRV.NVSAVE saves, DRV.NVLOAD fetches what was saved last, DRV.RSTVAR puts the values as delivered into the working
+//! memory and leaves what is saved alone. Source: AKD Parameter Guide 12/2009.
+
+use profidrive::catalogue::Scaling;
+use profidrive::parameter::ErrorNumber;
+
+use super::settings::Settings;
+use super::{Drive, Event};
+use crate::store::{Image, ImageError, Values};
+
+/// Address mode: the address as DCP set it (IP.MODE 1, AKD PROFINET manual 3.4.1).
+const BY_DCP: i64 = 1;
+
+impl Drive {
+    /// Starts with what was saved; returns how many of its entries this model does not know or cannot take.
+    ///
+    /// # Errors
+    /// When the text is damaged or of another model; the drive then keeps the values it has.
+    pub fn start_with(&mut self, saved: &[u8]) -> Result<usize, ImageError> {
+        let left_out = self.restore(&Image::decode(saved)?)?;
+        self.saved = Some(self.image().encode());
+        Ok(left_out)
+    }
+
+    /// Puts everything that can be saved back to the values as delivered and saves it; stops the axis first.
+    pub fn reset_to_delivery(&mut self) {
+        self.request_disable();
+        self.values.reset();
+        self.reset_telegrams();
+        self.apply();
+        self.save();
+    }
+
+    /// DCP has set the address for good: the IP parameters of the drive are overwritten, in its memory too, and IP.MODE
+    /// says so. Other parameters that were changed and not saved stay as they are. Source: AKD PROFINET manual 3.4.1.
+    pub fn address_set(&mut self) {
+        let Some(parameter) = self
+            .model
+            .roles
+            .address_mode
+            .and_then(|pnu| self.model.catalogue.by_pnu(pnu))
+        else {
+            return;
+        };
+        self.values.set(parameter.pnu, BY_DCP);
+        let mut image = self.saved_image();
+        if image.set(parameter, BY_DCP, &self.settings.scaling) {
+            self.keep_saved(&image);
+        }
+    }
+
+    /// False when the saved parameters tell the drive to get its address in another way than by DCP: then it starts
+    /// without one.
+    #[must_use]
+    pub fn starts_with_address(&self) -> bool {
+        let mode = self.model.roles.address_mode.map(|pnu| self.values.get(pnu));
+        mode.is_none_or(|mode| mode == BY_DCP)
+    }
+
+    /// DRV.NVSAVE.
+    pub(super) fn save(&mut self) {
+        self.keep_saved(&self.image());
+    }
+
+    /// DRV.NVLOAD: not while the power stage is on.
+    pub(super) fn load(&mut self) -> Result<(), ErrorNumber> {
+        if self.is_enabled() {
+            return Err(ErrorNumber::NOT_NOW);
+        }
+        let image = self.saved_image();
+        self.restore(&image).map_err(|_| ErrorNumber::NOT_NOW)?;
+        Ok(())
+    }
+
+    /// DRV.RSTVAR: not while the power stage is on.
+    pub(super) fn defaults(&mut self) -> Result<(), ErrorNumber> {
+        if self.is_enabled() {
+            return Err(ErrorNumber::NOT_NOW);
+        }
+        self.values.reset();
+        Ok(())
+    }
+
+    /// Everything that would be saved now.
+    fn image(&self) -> Image {
+        self.values.image(&self.settings.scaling)
+    }
+
+    /// What was saved last; the values as delivered where nothing ever was.
+    fn saved_image(&self) -> Image {
+        let saved = self.saved.as_deref();
+        saved
+            .and_then(|text| Image::decode(text.as_bytes()).ok())
+            .unwrap_or_else(|| Values::new(self.model.catalogue).image(&Scaling::default()))
+    }
+
+    fn restore(&mut self, image: &Image) -> Result<usize, ImageError> {
+        let model = self.model;
+        let left_out = self
+            .values
+            .restore(image, |values| Settings::new(model, values).scaling)?;
+        self.apply();
+        Ok(left_out)
+    }
+
+    fn keep_saved(&mut self, image: &Image) {
+        let text = image.encode();
+        self.saved = Some(text.clone());
+        self.emit(Event::Save { text });
+    }
+}
