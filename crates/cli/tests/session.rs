@@ -1,82 +1,27 @@
 //! The client against virtual drives on an in-memory segment, in virtual time.
 
+mod bench;
+
 use std::cell::Cell;
-use std::net::{Ipv4Addr, SocketAddrV4};
+use std::net::SocketAddrV4;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
 use std::time::Duration;
 
+use bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select};
 use drive_client::axis::{Goal, Trouble};
 use drive_client::parameter::{Assignment, Selection};
-use drive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Session, WriteMode};
+use drive_client::{AxisSettings, Client, Drive, Error, Session, WriteMode};
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive::catalogue::AKD;
-use profidrive::notation::ParameterReference;
-use profinet::controller::{ConnectConfig, ControllerConfig, ModuleConfig, Resolve, SubmoduleConfig, Target};
-use profinet::cyclic::Timing;
+use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::wire::ethernet::Frame;
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 use proptest::prelude::*;
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
-
-type Bench = Session<SegmentMedium>;
-
-fn ip(last: u8) -> IpSuite {
-    IpSuite {
-        address: Ipv4Addr::new(10, 0, 0, last),
-        mask: Ipv4Addr::new(255, 255, 255, 0),
-        gateway: Ipv4Addr::UNSPECIFIED,
-    }
-}
-
-fn station(name: &str, last: u8) -> Box<Host<Station>> {
-    let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, last]));
-    config.network = Stored {
-        name: name.into(),
-        ip: ip(last),
-        ..Stored::default()
-    };
-    Box::new(Host::new(Station::new(config)))
-}
-
-fn bench(drives: &[(&str, u8)]) -> (Bench, Vec<StationId>) {
-    let mut segment = Segment::new(7);
-    let ids = drives
-        .iter()
-        .map(|&(name, last)| segment.attach(station(name, last)))
-        .collect();
-    let medium = SegmentMedium::new(segment, Pace::Virtual);
-    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    (Session::new(medium, config), ids)
-}
-
-fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {
-    session.find(&text.parse::<DriveAddress>().expect("an address"))
-}
-
-fn drive_at(session: &Bench, id: StationId) -> &Station {
-    session
-        .medium()
-        .segment()
-        .station::<Host<Station>>(id)
-        .expect("the drive")
-        .endpoint()
-}
-
-fn select(drive: &Drive, text: &str) -> Selection {
-    drive
-        .parameters
-        .select(&text.parse::<ParameterReference>().expect("a parameter"))
-        .expect("known")
-}
-
-fn is_at_rest(session: &Bench, id: StationId) -> bool {
-    let station = drive_at(session, id);
-    !station.drive().is_enabled() && !station.device().is_exchanging()
-}
 
 #[test]
 fn nobody_one_or_two_of_a_name() {
@@ -521,51 +466,10 @@ fn limits_are_kept_before_anything_moves() {
     assert!(is_at_rest(&session, ids[0]));
 }
 
-/// Another controller, as a station on the segment.
-fn other_controller() -> Box<Host<Client>> {
-    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 1]), ip(201), "plc", 2);
-    let mut client = Client::new(config);
-    let telegram = AKD.device.telegram(1).expect("telegram 1");
-    let submodule = |subslot, ident, length| SubmoduleConfig {
-        subslot,
-        ident,
-        input_length: length,
-        output_length: length,
-    };
-    let access_point = ModuleConfig {
-        api: 0,
-        slot: 0,
-        ident: AKD.device.access_point_module,
-        submodules: vec![submodule(1, AKD.device.access_point_submodule, 0)],
-    };
-    let drive = ModuleConfig {
-        api: 0x3A00,
-        slot: 1,
-        ident: telegram.module,
-        submodules: vec![submodule(1, telegram.submodule, 4)],
-    };
-    let timing = Timing::for_interval(Duration::from_millis(16)).expect("16 ms");
-    let mut config = ConnectConfig::new(vec![access_point, drive], timing);
-    config.resolve = Resolve::Check;
-    let target = Target {
-        name: "akd-1".into(),
-        mac: None,
-        ip: IpSuite::NONE,
-        vendor_id: AKD.device.vendor_id,
-        device_id: AKD.device.device_id,
-        instance: 1,
-    };
-    client
-        .controller()
-        .connect(Instant::ZERO, target, config)
-        .expect("a request");
-    Box::new(Host::new(client))
-}
-
 #[test]
 fn beside_another_controller_reads_work_and_control_is_refused() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
-    session.medium_mut().segment_mut().attach(other_controller());
+    session.medium_mut().segment_mut().attach(other_controller().0);
     session.pass(Duration::from_secs(3)).expect("time passes");
     assert!(
         drive_at(&session, ids[0]).device().is_exchanging(),

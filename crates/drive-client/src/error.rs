@@ -142,6 +142,16 @@ pub enum Error {
         /// What is missing.
         problem: NoTelegram,
     },
+    /// The module plugged is of a maker's file that nobody here knows, and it is not the telegram that is needed.
+    #[error("{drive} has {} plugged in a module that is not in the tables; the ident number of the module of telegram {wanted} is not known", telegram_text(*.plugged))]
+    ForeignModule {
+        /// The drive.
+        drive: String,
+        /// The telegram plugged (PNU 922).
+        plugged: Option<u16>,
+        /// The telegram needed.
+        wanted: u16,
+    },
     /// The axis is not enabled any more; nothing was sent.
     #[error("{drive}: the axis is not enabled any more")]
     NotEnabled {
@@ -261,6 +271,13 @@ pub(crate) const fn mode_words(mode: Mode) -> &'static str {
     }
 }
 
+fn telegram_text(number: Option<u16>) -> String {
+    number.map_or_else(
+        || "an unknown telegram".into(),
+        |number| format!("telegram {number}"),
+    )
+}
+
 fn objections_text(objections: &[Objection]) -> String {
     let texts: Vec<String> = objections.iter().map(ToString::to_string).collect();
     texts.join("; ")
@@ -359,6 +376,9 @@ impl Error {
                     Mode::Position => 2,
                 };
                 format!("`profidrive write {drive} 930={number}` changes it, --set-mode does for this one command")
+            }
+            Self::ForeignModule { drive, wanted, .. } => {
+                format!("`profidrive write {drive} 922={wanted}` selects it where the drive allows that")
             }
             Self::NotEnabled { .. } => "enable it again".into(),
             Self::Objections { objections, .. } => objections.first()?.hint().into(),

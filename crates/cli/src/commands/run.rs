@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::Purpose;
+use drive_client::axis::{MotionFacts, Purpose};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 
@@ -48,6 +48,10 @@ pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Fai
         drive.label()
     ));
     let end = if args.time.is_some() { End::Time } else { End::Open };
+    let facts = session.motion_facts(&mut drive)?;
+    if let Some(warning) = above(speed, &facts) {
+        output.warn(&warning);
+    }
     let settings = axis::settings(&args.cyclic, Purpose::Speed, limit);
     let result = match session.take_axis(&mut drive, settings) {
         Ok(mut taken) => {
@@ -63,4 +67,42 @@ pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Fai
     axis::leave_mode(&mut session, &mut drive, before, output);
     result.map_err(|error| axis::explained(error, end, &mut session, &mut drive))?;
     Ok(session.close()?)
+}
+
+/// What the drive will make of a speed that is above its own limit, or that leads into a limit switch.
+fn above(speed: f64, facts: &MotionFacts) -> Option<String> {
+    let (limit, name, hit) = if speed < 0.0 {
+        (facts.backward_limit, "VL.LIMITN", facts.negative_switch)
+    } else {
+        (facts.forward_limit, "VL.LIMITP", facts.positive_switch)
+    };
+    if hit == Some(true) && speed != 0.0 {
+        return Some("the limit switch in this direction is hit: the drive may not turn".into());
+    }
+    let limit = limit.filter(|&limit| speed.abs() > limit)?;
+    Some(format!("the drive limits itself to {limit} rpm ({name})"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_of_the_drive_are_told() {
+        let facts = MotionFacts {
+            forward_limit: Some(1000.0),
+            backward_limit: Some(500.0),
+            ..MotionFacts::default()
+        };
+        assert_eq!(above(1000.0, &facts), None);
+        assert_eq!(
+            above(-600.0, &facts).as_deref(),
+            Some("the drive limits itself to 500 rpm (VL.LIMITN)")
+        );
+        let hit = MotionFacts {
+            positive_switch: Some(true),
+            ..facts
+        };
+        assert!(above(10.0, &hit).is_some() && above(-10.0, &hit).is_none());
+    }
 }

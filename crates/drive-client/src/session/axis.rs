@@ -3,18 +3,16 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::{Device, TelegramModule};
 use profidrive::state::{Mode, Zsw1};
 use profidrive::telegram::signal;
 use profinet::Medium;
-use profinet::controller::{ArId, ConnectConfig, ModuleConfig, Resolve, SubmoduleConfig, Target};
+use profinet::controller::{ArId, ConnectConfig, Resolve, Target};
 use profinet::cyclic::{CyclicStatistics, Timing};
 
 use super::Session;
 use super::enabled::Enabled;
 use crate::axis::{AxisControl, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Trouble};
 use crate::client::AxisView;
-use crate::drive::PROFIDRIVE_API;
 use crate::{Connection, Drive, Error};
 
 /// PNU of the speed setpoint: carries its scale.
@@ -174,12 +172,12 @@ where
                     device_id: drive.station.device_id,
                 })?;
         self.read_scaling(drive)?;
-        let (mode, choice) = self.prepare(drive, &device, settings.purpose)?;
+        let (mode, wiring, layout) = self.prepare(drive, &device, settings.purpose)?;
         let cycle = settings
             .cycle
             .unwrap_or(TICK * u32::from(device.min_device_interval));
         let timing = Timing::for_interval(cycle).ok_or(profinet::controller::Misuse::Range("cycle"))?;
-        let mut config = ConnectConfig::new(modules(&device, &choice.module), timing);
+        let mut config = ConnectConfig::new(layout.modules, timing);
         config.watchdog_factor = settings.watchdog;
         config.data_hold_factor = settings.watchdog;
         config.resolve = if drive.station.name.is_empty() {
@@ -201,10 +199,11 @@ where
             task_active: Zsw1::TASK_ACTIVE,
             ..Limits::default()
         };
-        let telegram = choice.wiring.telegram();
+        let telegram = wiring.telegram();
+        let (slot, subslot) = layout.place;
         let control = AxisControl::in_mode(limits, mode);
         // from here on the object below sees to the end of the connection
-        self.client.attach_axis(ar, 1, 1, choice.wiring, control);
+        self.client.attach_axis(ar, slot, subslot, wiring, control);
         let mut axis = Axis {
             drive: drive.clone(),
             ar,
@@ -224,38 +223,6 @@ where
         axis.taken = axis.session.now();
         Ok(axis)
     }
-}
-
-/// The modules of a drive with this telegram in slot 1.
-fn modules(device: &Device, telegram: &TelegramModule) -> Vec<ModuleConfig> {
-    let plain = |subslot, ident| SubmoduleConfig {
-        subslot,
-        ident,
-        input_length: 0,
-        output_length: 0,
-    };
-    let access_point = ModuleConfig {
-        api: 0,
-        slot: 0,
-        ident: device.access_point_module,
-        submodules: vec![
-            plain(1, device.access_point_submodule),
-            plain(0x8000, device.interface_submodule),
-            plain(0x8001, device.port_submodule),
-        ],
-    };
-    let drive = ModuleConfig {
-        api: PROFIDRIVE_API,
-        slot: 1,
-        ident: telegram.module,
-        submodules: vec![SubmoduleConfig {
-            subslot: 1,
-            ident: telegram.submodule,
-            input_length: telegram.inputs,
-            output_length: telegram.outputs,
-        }],
-    };
-    vec![access_point, drive]
 }
 
 /// 5 rpm as NIST_A: below this the axis stands.

@@ -9,6 +9,7 @@ mod find;
 mod info;
 mod monitor;
 mod parameters;
+mod plugged;
 mod prepare;
 mod status;
 mod stop;

@@ -7,8 +7,9 @@ use profidrive::telegram::signal;
 use profinet::Medium;
 
 use super::Session;
+use super::plugged::Layout;
 use crate::axis::{
-    Choice, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, choose_telegram, plan_move,
+    MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, Wiring, choose_telegram, plan_move,
 };
 use crate::error::mode_words;
 use crate::parameter::{Assignment, Reading, Selection};
@@ -33,8 +34,10 @@ const LIMIT_1: u16 = 2385;
 const BACKWARD: u16 = 2438;
 const FORWARD: u16 = 2439;
 
-/// Increments in one turn of the position parameters (SWLS.LIMIT0 and others) in the units as delivered.
-const PARAMETER_COUNTS: f64 = 65_536.0;
+const MOTOR_TYPE: u16 = 2260;
+const UNIT_IN: u16 = 2390;
+const UNIT_OUT: u16 = 2392;
+const UNIT_ROTARY: u16 = 2393;
 
 impl<M: Medium> Session<M>
 where
@@ -133,8 +136,14 @@ where
                 POSITIVE_SWITCH,
                 MODULO,
                 LIMITS_ON,
+                LIMIT_0,
+                LIMIT_1,
                 BACKWARD,
                 FORWARD,
+                MOTOR_TYPE,
+                UNIT_IN,
+                UNIT_OUT,
+                UNIT_ROTARY,
             ],
         )?;
         let find = |pnu| readings.iter().find(|reading| reading.pnu == pnu);
@@ -159,23 +168,16 @@ where
             deceleration: number(DRV_DEC),
             ..MotionFacts::default()
         };
-        let mut limits = Vec::new();
-        for (bit, pnu) in [(1, LIMIT_0), (2, LIMIT_1)] {
-            if on & bit != 0 {
-                limits.push(self.wide(drive, pnu)?.map(|counts| counts / PARAMETER_COUNTS));
-            } else {
-                limits.push(None);
-            }
-        }
-        // which of the two is the upper one is up to who set them
-        match limits.as_slice() {
-            [Some(one), Some(other)] => {
-                facts.lowest = Some(one.min(*other));
-                facts.highest = Some(one.max(*other));
-            }
-            [one, other] => (facts.lowest, facts.highest) = (*one, *other),
-            _ => {}
-        }
+        let units = units_per_turn(raw);
+        let limit = |bit: i64, pnu| {
+            let limit = number(pnu).filter(|_| on & bit != 0);
+            limit.zip(units).map(|(limit, units)| limit / units)
+        };
+        (facts.lowest, facts.highest) = match (limit(1, LIMIT_0), limit(2, LIMIT_1)) {
+            // which of the two is the upper one is up to who set them
+            (Some(one), Some(other)) => (Some(one.min(other)), Some(one.max(other))),
+            others => others,
+        };
         Ok(facts)
     }
 
@@ -188,29 +190,14 @@ where
         Ok(self.read(drive, &selections)?.into_iter().flatten().collect())
     }
 
-    /// A number of 64 bits that takes two PNUs, low half first; the low half with its sign where there is no other.
-    fn wide(&mut self, drive: &mut Drive, pnu: u16) -> Result<Option<f64>, Error> {
-        let readings = self.read_numbers(drive, &[pnu, pnu + 1])?;
-        let raw = |pnu| {
-            let reading = readings.iter().find(|reading| reading.pnu == pnu)?;
-            reading.raw()
-        };
-        let low = raw(pnu);
-        Ok(match (low, raw(pnu + 1)) {
-            (Some(low), Some(high)) => Some(f64::from(high as i32) * 4_294_967_296.0 + f64::from(low as u32)),
-            (Some(low), None) => Some(f64::from(low as i32)),
-            (None, _) => None,
-        })
-    }
-
-    /// The mode of the drive and the telegram for a purpose, with everything in it that no command carries preset to
+    /// The mode of the drive, the telegram for a purpose and the modules to connect with; in the telegram everything in it that no command carries preset to
     /// what the drive has now.
     pub(super) fn prepare(
         &mut self,
         drive: &mut Drive,
         device: &Device,
         purpose: Purpose,
-    ) -> Result<(Mode, Choice), Error> {
+    ) -> Result<(Mode, Wiring, Layout), Error> {
         let readings = self.read_numbers(drive, &[TELEGRAM, MODE, SETPOINT_SIGNALS, ACTUAL_SIGNALS])?;
         let words = |pnu| -> Vec<u16> {
             readings
@@ -239,7 +226,15 @@ where
                 let _ = choice.wiring.preset(reading.pnu, raw);
             }
         }
-        Ok((mode, choice))
+        let layout = self
+            .plugged(drive)?
+            .layout(device, &choice.module, reported.number)
+            .ok_or_else(|| Error::ForeignModule {
+                drive: drive.label(),
+                plugged: reported.number,
+                wanted: choice.module.telegram,
+            })?;
+        Ok((mode, choice.wiring, layout))
     }
 
     /// The mode, if it is the one that the purpose needs.
@@ -273,10 +268,82 @@ const fn mode_of(number: i64) -> Option<Mode> {
     }
 }
 
+/// How many units of the position parameters one turn of a rotary motor has; `None` for a linear one.
+/// Source: AKD UNIT.PROTARY, UNIT.PIN, UNIT.POUT; MOTOR.TYPE 1 is linear.
+fn units_per_turn(raw: impl Fn(u16) -> Option<i64>) -> Option<f64> {
+    if raw(MOTOR_TYPE) == Some(1) {
+        return None;
+    }
+    match raw(UNIT_ROTARY)? {
+        0 => Some(4_294_967_296.0),
+        1 => Some(std::f64::consts::TAU),
+        2 => Some(360.0),
+        3 => {
+            let [numerator, denominator] = [UNIT_IN, UNIT_OUT].map(|pnu| raw(pnu).filter(|&part| part > 0));
+            let part = |value: i64| f64::from(u32::try_from(value).unwrap_or(u32::MAX));
+            Some(part(numerator?) / part(denominator?))
+        }
+        4 => Some(65_536.0),
+        _ => None,
+    }
+}
+
 /// Without the empty words behind the last signal.
 fn trimmed(mut words: Vec<u16>) -> Vec<u16> {
     while words.last() == Some(&0) {
         words.pop();
     }
     words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::AKD;
+
+    #[test]
+    fn the_numbers_are_those_of_the_tables() {
+        for (pnu, name) in [
+            (DRV_ACC, "DRV.ACC"),
+            (DRV_DEC, "DRV.DEC"),
+            (NEGATIVE_SWITCH, "HWLS.NEGSTATE"),
+            (POSITIVE_SWITCH, "HWLS.POSSTATE"),
+            (MODULO, "PL.MODPEN"),
+            (LIMITS_ON, "SWLS.EN"),
+            (LIMIT_0, "SWLS.LIMIT0"),
+            (LIMIT_1, "SWLS.LIMIT1"),
+            (BACKWARD, "VL.LIMITN"),
+            (FORWARD, "VL.LIMITP"),
+            (MOTOR_TYPE, "MOTOR.TYPE"),
+            (UNIT_IN, "UNIT.PIN"),
+            (UNIT_OUT, "UNIT.POUT"),
+            (UNIT_ROTARY, "UNIT.PROTARY"),
+        ] {
+            assert_eq!(AKD.by_name(name).map(|found| found.pnu), Some(pnu), "{name}");
+        }
+    }
+
+    #[test]
+    fn position_units_as_the_drive_has_them() {
+        let with = |pairs: &'static [(u16, i64)]| {
+            move |pnu| pairs.iter().find(|pair| pair.0 == pnu).map(|pair| pair.1)
+        };
+        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 4)])), Some(65_536.0));
+        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 0)])), Some(4_294_967_296.0));
+        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 2)])), Some(360.0));
+        let custom = with(&[(UNIT_ROTARY, 3), (UNIT_IN, 10), (UNIT_OUT, 4)]);
+        assert_eq!(units_per_turn(custom), Some(2.5));
+        assert_eq!(
+            units_per_turn(with(&[(UNIT_ROTARY, 3), (UNIT_IN, 10), (UNIT_OUT, 0)])),
+            None
+        );
+        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 4), (MOTOR_TYPE, 1)])), None);
+        assert_eq!(units_per_turn(with(&[])), None);
+    }
+
+    #[test]
+    fn empty_words_at_the_end_are_no_signals() {
+        assert_eq!(trimmed(vec![1, 0, 5, 0, 0]), [1, 0, 5]);
+        assert_eq!(trimmed(vec![0; 4]), [0; 0]);
+    }
 }

@@ -139,3 +139,27 @@ fn wiring(drive: &Drive, readings: &[Reading]) -> Option<Wiring> {
     )
     .ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::AKD;
+
+    #[test]
+    fn the_numbers_are_those_of_the_tables() {
+        for (pnu, name) in [
+            (COMMAND_SOURCE, "DRV.CMDSOURCE"),
+            (DISABLE_SOURCES, "DRV.DISSOURCES"),
+            (MOTION_STATUS, "DRV.MOTIONSTAT"),
+            (NEGATIVE_SWITCH, "HWLS.NEGSTATE"),
+            (POSITIVE_SWITCH, "HWLS.POSSTATE"),
+            (FOLLOWING_ERROR, "PL.ERR"),
+            (STO, "STO.STATE"),
+            (SOFTWARE_LIMITS, "SWLS.STATE"),
+            (SPEED, "VL.FB"),
+            (MOTION_DISABLE_SOURCES, "DRV.MOTIONDISSOURCES"),
+        ] {
+            assert_eq!(AKD.by_name(name).map(|found| found.pnu), Some(pnu), "{name}");
+        }
+    }
+}

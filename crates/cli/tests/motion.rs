@@ -1,0 +1,295 @@
+//! Moving an axis: the client against virtual drives on an in-memory segment, in virtual time.
+
+mod bench;
+
+use std::time::Duration;
+
+use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller};
+use drive_client::axis::{Move, Objection, Purpose};
+use drive_client::parameter::Assignment;
+use drive_client::status::{Cause, Verdict, diagnose};
+use drive_client::{AxisSettings, Drive, Error, StopWay, WriteMode};
+use profidrive::notation::Position;
+use profidrive::state::Mode;
+
+fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
+    let assignments: Vec<Assignment> = assignments
+        .iter()
+        .map(|text| text.parse().expect("an assignment"))
+        .collect();
+    let outcomes = session
+        .write(drive, &assignments, WriteMode::Write)
+        .expect("reached");
+    for outcome in outcomes {
+        assert!(matches!(outcome.written, Some(Ok(()))), "{outcome:?}");
+    }
+}
+
+fn cause(session: &mut Bench, drive: &mut Drive) -> (Cause, Verdict) {
+    let status = session.status(drive).expect("a status");
+    let found = diagnose(&status);
+    (found.cause, found.verdict)
+}
+
+#[test]
+fn a_drive_in_another_mode_is_left_alone() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    for purpose in [Purpose::Move, Purpose::Task, Purpose::Home] {
+        let error = session
+            .take_axis(&mut drive, AxisSettings::for_purpose(purpose))
+            .map(|_| ())
+            .expect_err("velocity mode");
+        let Error::WrongMode { needed, .. } = &error else {
+            panic!("{error}")
+        };
+        assert_eq!(*needed, Mode::Position);
+        assert_eq!(
+            error.to_string(),
+            "akd-1 is in velocity mode (PNU 930 = 1), this needs position mode (PNU 930 = 2)"
+        );
+        assert!(
+            error
+                .hint()
+                .is_some_and(|hint| hint.contains("profidrive write akd-1 930=2"))
+        );
+    }
+    assert_eq!(
+        session.operating_mode(&mut drive).expect("told"),
+        Some(Mode::Velocity)
+    );
+    session
+        .set_operating_mode(&mut drive, Mode::Position)
+        .expect("changed");
+    assert_eq!(
+        session.operating_mode(&mut drive).expect("told"),
+        Some(Mode::Position)
+    );
+    let error = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .map(|_| ())
+        .expect_err("position mode");
+    assert!(
+        matches!(
+            error,
+            Error::WrongMode {
+                needed: Mode::Velocity,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    // PNU 930 does not matter for what only switches
+    let axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Control))
+        .expect("connected");
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+#[test]
+fn the_telegram_that_the_drive_reports_is_used_where_it_does() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    for (reported, chosen) in [(351, 351), (354, 354), (1, 1), (7, 1)] {
+        write(&mut session, &mut drive, &[&format!("922={reported}")]);
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        assert_eq!(axis.telegram(), chosen, "{reported}");
+        let mut enabled = axis.enable().expect("enabled");
+        enabled.run(100.0).expect("runs");
+        enabled.hold(Duration::from_secs(1)).expect("keeps running");
+        let status = enabled.status().expect("a status");
+        assert!(
+            status
+                .speed_actual
+                .is_some_and(|speed| (speed - 100.0).abs() < 3.0)
+        );
+        assert_eq!(status.position.is_some(), chosen == 351);
+        drop(enabled);
+        axis.release().expect("released");
+        session.close().expect("closed");
+    }
+}
+
+#[test]
+fn a_free_telegram_runs_by_its_mapping() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(
+        &mut session,
+        &mut drive,
+        &["922=400", "915[1]=5", "916[1]=6", "916[2]=28", "916[3]=28"],
+    );
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert_eq!(axis.telegram(), 400);
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(-60.0).expect("runs");
+    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let status = enabled.status().expect("a status");
+    assert!(
+        status
+            .speed_actual
+            .is_some_and(|speed| (speed + 60.0).abs() < 3.0)
+    );
+    assert!(status.position.is_some_and(|turns| turns < -0.5), "{status:?}");
+    drop(enabled);
+    axis.release().expect("released");
+}
+
+#[test]
+fn signals_that_nobody_commands_keep_the_values_of_the_drive() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(
+        &mut session,
+        &mut drive,
+        &["922=354", "DRV.ACC=763", "DRV.DEC=7630"],
+    );
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert_eq!(axis.telegram(), 354);
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(100.0).expect("runs");
+    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    drop(enabled);
+    axis.release().expect("released");
+    for (name, value) in [("DRV.ACC", 763.0), ("DRV.DEC", 7630.0)] {
+        let selection = drive.select(name).expect("known");
+        let reading = session.read_one(&mut drive, &selection).expect("read");
+        assert_eq!(reading.number(), Some(value), "{name}");
+    }
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+#[test]
+fn why_it_does_not_run_from_first_contact_to_operation() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    assert_eq!(
+        cause(&mut session, &mut drive),
+        (Cause::NoController, Verdict::Waits)
+    );
+    session.close().expect("closed");
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let seen = |axis: &mut drive_client::Axis<'_, _>| {
+        let (session, drive) = axis.session();
+        cause(session, drive).0
+    };
+    assert_eq!(seen(&mut axis), Cause::NoControl);
+    axis.ready().expect("ready");
+    assert_eq!(seen(&mut axis), Cause::Off);
+    let mut enabled = axis.enable().expect("enabled");
+    assert_eq!(seen(&mut enabled), Cause::ZeroSetpoint);
+    enabled.run(60.0).expect("runs");
+    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    assert_eq!(seen(&mut enabled), Cause::Moves);
+    drop(enabled);
+    axis.release().expect("released");
+    bench::drive_mut(&mut session, ids[0]).inject_fault(439, false);
+    let status = session.status(&mut drive).expect("a status");
+    let found = diagnose(&status);
+    assert_eq!(found.cause, Cause::Fault);
+    assert!(
+        found.sentence.starts_with("fault F439 is present: "),
+        "{}",
+        found.sentence
+    );
+}
+
+#[test]
+fn stop_beside_another_controller_stops_and_says_whose_it_is() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let (host, ar) = other_controller();
+    let plc = (session.medium_mut().segment_mut().attach(host), ar);
+    session.pass(Duration::from_secs(3)).expect("time passes");
+    bench::command(&mut session, plc, &[0x04, 0x7E, 0, 0]);
+    session.pass(Duration::from_secs(1)).expect("time passes");
+    bench::command(&mut session, plc, &[0x04, 0x7F, 0x01, 0x11]);
+    session.pass(Duration::from_secs(2)).expect("time passes");
+    assert!(drive_at(&session, ids[0]).drive().axis().speed() > 90.0);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    assert_eq!(cause(&mut session, &mut drive), (Cause::Moves, Verdict::Runs));
+    let outcome = session
+        .stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(5))
+        .expect("sent");
+    assert!(outcome.sent && outcome.at_rest, "{outcome:?}");
+    assert_eq!(outcome.enabled, Some(true));
+    assert!(outcome.speed_before.is_some_and(|speed| speed > 90.0));
+    assert_eq!(
+        session.owner(&drive).expect("told"),
+        Some(Some("plc".into())),
+        "the controller was not disturbed"
+    );
+    let outcome = session
+        .stop_drive(&mut drive, StopWay::Disable, Duration::from_secs(5))
+        .expect("sent");
+    assert!(outcome.sent && outcome.at_rest && outcome.enabled == Some(false));
+    assert_eq!(cause(&mut session, &mut drive).0, Cause::Inhibited);
+    let outcome = session
+        .stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(5))
+        .expect("nothing to do");
+    assert!(!outcome.sent);
+}
+
+#[test]
+fn a_move_is_planned_with_what_the_drive_says_and_reads_only() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(
+        &mut session,
+        &mut drive,
+        &["DRV.ACC=1526", "DRV.DEC=3052", "VL.LIMITN=-500"],
+    );
+    let order = Move::to(Position::Turns(-10.0), 600.0);
+    let plan = session.plan_move(&mut drive, &order, 3000.0).expect("a plan");
+    assert_eq!((plan.acceleration, plan.deceleration), (1526.0, 3052.0));
+    assert_eq!(plan.traverse.target, -655_360);
+    let expected = Objection::DriveLimit {
+        speed: 600.0,
+        limit: 500.0,
+    };
+    assert!(plan.objections.contains(&expected), "{:?}", plan.objections);
+    assert!(plan.objections.contains(&Objection::NotHomed));
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+#[test]
+fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
+    let (mut session, ids) = bench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert_eq!(axis.telegram(), 1);
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(100.0).expect("runs");
+    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let speed = enabled.status().and_then(|status| status.speed_actual);
+    assert!(
+        speed.is_some_and(|speed| (speed - 100.0).abs() < 3.0),
+        "{speed:?}"
+    );
+    drop(enabled);
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
+    // the ident number of another module stands nowhere
+    session
+        .set_operating_mode(&mut drive, Mode::Position)
+        .expect("changed");
+    let error = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .map(|_| ())
+        .expect_err("telegram 9 is not plugged");
+    let expected = (Some(1), 9);
+    assert!(
+        matches!(error, Error::ForeignModule { plugged, wanted, .. } if (plugged, wanted) == expected),
+        "{error}"
+    );
+}

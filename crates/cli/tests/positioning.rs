@@ -1,0 +1,435 @@
+//! Positioning: the client against the virtual drive in position mode, in virtual time, and every way out of a motion.
+
+mod bench;
+
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::rc::Rc;
+use std::time::Duration;
+
+use bench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
+use drive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
+use drive_client::parameter::Assignment;
+use drive_client::status::{Cause, diagnose};
+use drive_client::{AxisSettings, Drive, Enabled, Error, WriteMode};
+use network::host::StationId;
+use network::segment::SegmentMedium;
+use profidrive::notation::Position;
+use profidrive::state::Mode;
+use virtual_drive::drive::Injection;
+
+const LONG: Option<Duration> = Some(Duration::from_secs(60));
+
+fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
+    for text in assignments {
+        let assignment: Assignment = text.parse().expect("an assignment");
+        let outcomes = session
+            .write(drive, &[assignment], WriteMode::Write)
+            .expect("reached");
+        for outcome in outcomes {
+            assert!(matches!(outcome.written, Some(Ok(()))), "{text}: {outcome:?}");
+        }
+    }
+}
+
+/// A drive in position mode that has not been homed.
+fn positioning() -> (Bench, StationId, Drive) {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    session
+        .set_operating_mode(&mut drive, Mode::Position)
+        .expect("position mode");
+    (session, ids[0], drive)
+}
+
+/// The same, homed where it stands.
+fn homed() -> (Bench, StationId, Drive) {
+    let (mut session, id, mut drive) = positioning();
+    write(&mut session, &mut drive, &["HOME.MODE=0", "HOME.P=0"]);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Home))
+        .expect("connected");
+    axis.enable().expect("enabled").home(LONG).expect("homed");
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, id));
+    (session, id, drive)
+}
+
+/// Turns of the motor.
+fn turns(session: &Bench, id: StationId) -> f64 {
+    drive_at(session, id).drive().axis().position() as f64 / 4_294_967_296.0
+}
+
+fn near(found: f64, wanted: f64) -> bool {
+    (found - wanted).abs() < 0.02
+}
+
+fn to(target: f64) -> Move {
+    Move::to(Position::Turns(target), 300.0).with_ramps(Some(3052.0), Some(3052.0))
+}
+
+/// Runs `work` with an enabled axis, then releases it; the axis must be at rest then, and without a fault.
+fn with_axis<T>(
+    (session, id, drive): &mut (Bench, StationId, Drive),
+    purpose: Purpose,
+    work: impl FnOnce(&mut Enabled<'_, '_, SegmentMedium>) -> T,
+) -> T {
+    let result = {
+        let mut axis = session
+            .take_axis(drive, AxisSettings::for_purpose(purpose))
+            .expect("connected");
+        let mut enabled = axis.enable().expect("enabled");
+        work(&mut enabled)
+    };
+    assert!(is_at_rest(session, *id));
+    result
+}
+
+#[test]
+fn homed_then_to_a_position_and_back_by_a_distance() {
+    let mut bench = homed();
+    let zero = turns(&bench.0, bench.1);
+    with_axis(&mut bench, Purpose::Move, |axis| {
+        assert_eq!(axis.telegram(), 9);
+        axis.move_to(&to(10.0)).expect("moved");
+        let status = axis.status().expect("a status");
+        assert!(status.position.is_some_and(|at| near(at, 10.0)), "{status:?}");
+    });
+    assert!(near(turns(&bench.0, bench.1), zero + 10.0));
+    with_axis(&mut bench, Purpose::Move, |axis| {
+        let back = Move::by(Position::Counts(-655_360.0), 600.0).with_ramps(Some(7630.0), Some(7630.0));
+        axis.move_to(&back).expect("moved");
+    });
+    assert!(near(turns(&bench.0, bench.1), zero));
+}
+
+#[test]
+fn an_axis_that_is_not_homed_is_not_moved() {
+    let (mut session, id, mut drive) = positioning();
+    let before = turns(&session, id);
+    let plan = session.plan_move(&mut drive, &to(10.0), 3000.0).expect("a plan");
+    assert_eq!(plan.objections, [Objection::NotHomed]);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    let error = enabled.move_to(&to(10.0)).expect_err("not homed");
+    assert!(matches!(error, Error::Objections { .. }), "{error}");
+    assert_eq!(
+        enabled.status().map(|status| status.view.goal),
+        Some(Goal::Enabled)
+    );
+    // somebody who does not listen is told by the drive
+    let mut deaf = plan.clone();
+    deaf.objections.clear();
+    let error = enabled.start(&deaf).expect_err("not accepted");
+    let trouble = Trouble::NotAccepted { homed: false };
+    assert!(
+        matches!(&error, Error::Axis { trouble: found, .. } if *found == trouble),
+        "{error}"
+    );
+    let (inner, drive) = enabled.session();
+    let status = inner.status(drive).expect("a status");
+    assert!(status.faults.is_empty());
+    drop(enabled);
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, id) && near(turns(&session, id), before));
+}
+
+#[test]
+fn change_on_the_fly_pause_resume_and_halt() {
+    let mut bench = homed();
+    let id = bench.1;
+    with_axis(&mut bench, Purpose::Move, |axis| {
+        let plan = axis.plan(&to(100.0)).expect("a plan");
+        axis.start(&plan).expect("accepted");
+        axis.hold(Duration::from_secs(1)).expect("goes");
+        let plan = axis.plan(&to(20.0)).expect("a plan");
+        axis.start(&plan).expect("accepted while it moves");
+        axis.hold(Duration::from_millis(500)).expect("goes");
+        axis.pause().expect("stands");
+        let held = axis
+            .status()
+            .and_then(|status| status.position)
+            .expect("a position");
+        assert!(held > 1.0 && held < 19.0, "{held}");
+        axis.hold(Duration::from_secs(1)).expect("stays");
+        let after = axis
+            .status()
+            .and_then(|status| status.position)
+            .expect("a position");
+        assert!(near(held, after));
+        axis.resume().expect("goes on");
+        axis.wait(LONG).expect("there");
+        let at = axis
+            .status()
+            .and_then(|status| status.position)
+            .expect("a position");
+        assert!(near(at, 20.0), "{at}");
+        let plan = axis.plan(&to(0.0)).expect("a plan");
+        axis.start(&plan).expect("accepted");
+        axis.hold(Duration::from_millis(500)).expect("goes");
+        axis.halt().expect("stands");
+        let held = axis
+            .status()
+            .and_then(|status| status.position)
+            .expect("a position");
+        axis.hold(Duration::from_secs(1)).expect("stays");
+        let after = axis
+            .status()
+            .and_then(|status| status.position)
+            .expect("a position");
+        assert!(near(held, after) && held > 1.0, "discarded: {held} {after}");
+    });
+    assert!(!drive_at(&bench.0, id).drive().has_fault());
+}
+
+#[test]
+fn software_limits_are_told_before_anything_is_sent() {
+    let mut bench = homed();
+    let (session, id, drive) = &mut bench;
+    write(
+        session,
+        drive,
+        &["SWLS.LIMIT0=-65536", "SWLS.LIMIT1=327680", "SWLS.EN=3"],
+    );
+    let before = turns(session, *id);
+    let plan = session.plan_move(drive, &to(5.1), 3000.0).expect("a plan");
+    let expected = Objection::SoftwareLimit {
+        target: plan.target.expect("a target"),
+        limit: 5.0,
+        upper: true,
+    };
+    assert_eq!(plan.objections, [expected]);
+    let back = Move::by(Position::Turns(-1.5), 300.0);
+    let plan = session.plan_move(drive, &back, 3000.0).expect("a plan");
+    assert!(matches!(
+        plan.objections[..],
+        [Objection::SoftwareLimit {
+            limit: -1.0,
+            upper: false,
+            ..
+        }]
+    ));
+    let plan = session.plan_move(drive, &to(4.9), 3000.0).expect("a plan");
+    assert_eq!(plan.objections, []);
+    assert!(near(turns(session, *id), before));
+    with_axis(&mut bench, Purpose::Move, |axis| {
+        axis.move_to(&to(4.9)).expect("inside")
+    });
+}
+
+#[test]
+fn tasks_of_the_drive() {
+    let mut bench = homed();
+    let (session, _, drive) = &mut bench;
+    write(
+        session,
+        drive,
+        &[
+            "MT.NUM=3",
+            "MT.P=131072",
+            "MT.V_32=300rpm",
+            "MT.ACC=3000rpm/s",
+            "MT.DEC=3000rpm/s",
+            "MT.CNTL=0",
+            "MT.SET=1",
+        ],
+    );
+    with_axis(&mut bench, Purpose::Task, |axis| {
+        assert_eq!(axis.telegram(), 7);
+        axis.start_task(3).expect("accepted");
+        axis.wait(LONG).expect("there");
+        let error = axis.start_task(77).expect_err("an empty task");
+        assert!(
+            matches!(
+                error,
+                Error::Axis {
+                    trouble: Trouble::NotAccepted { homed: true },
+                    ..
+                }
+            ),
+            "{error}"
+        );
+    });
+    let selection = bench.2.select("PL.FB").expect("known");
+    let reading = bench.0.read_one(&mut bench.2, &selection).expect("read");
+    assert!(
+        reading.number().is_some_and(|at| (at - 131_072.0).abs() < 1000.0),
+        "{reading:?}"
+    );
+}
+
+#[test]
+fn homing_to_a_switch_and_homing_that_is_broken_off() {
+    let mut bench = positioning();
+    let (session, id, drive) = &mut bench;
+    write(
+        session,
+        drive,
+        &["HOME.MODE=1", "HOME.DIR=1", "HOME.V=60rpm", "HOME.P=0"],
+    );
+    drive_mut(session, *id).inject(Injection::Limit {
+        positive: true,
+        active: Some(false),
+    });
+    let error = with_axis(&mut bench, Purpose::Home, |axis| {
+        axis.home(Some(Duration::from_secs(2)))
+            .expect_err("no switch so far")
+    });
+    assert!(
+        matches!(error, Error::NotInTime { what: "homing", .. }),
+        "{error}"
+    );
+    let facts = bench.0.motion_facts(&mut bench.2).expect("told");
+    assert_eq!(
+        facts.homed,
+        Some(false),
+        "broken off: the home position stays unset"
+    );
+}
+
+#[test]
+fn jog_in_position_mode() {
+    let mut bench = positioning();
+    let id = bench.1;
+    write(&mut bench.0, &mut bench.2, &["1004=120rpm"]);
+    let before = turns(&bench.0, id);
+    with_axis(&mut bench, Purpose::Jog, |axis| {
+        axis.jog(Jog::One).expect("jogs");
+        axis.hold(Duration::from_secs(2)).expect("keeps jogging");
+        axis.halt().expect("stands");
+    });
+    let way = turns(&bench.0, id) - before;
+    assert!(way > 2.0 && way < 5.5, "{way}");
+}
+
+/// Ways out of a motion that is under way.
+#[derive(Debug, Clone, Copy)]
+enum Door {
+    Scope,
+    Disable,
+    Interrupt,
+    Panic,
+    Timeout,
+    Fault,
+    Sto,
+    Link,
+}
+
+#[test]
+fn every_door_ends_at_rest() {
+    for door in [
+        Door::Scope,
+        Door::Disable,
+        Door::Interrupt,
+        Door::Panic,
+        Door::Timeout,
+        Door::Fault,
+        Door::Sto,
+        Door::Link,
+    ] {
+        let (mut session, id, mut drive) = homed();
+        let flag = Rc::new(Cell::new(false));
+        let asked = Rc::clone(&flag);
+        session.interrupt_with(move || asked.get());
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            leave(&mut session, id, &mut drive, door, &flag)
+        }));
+        flag.set(false);
+        session.medium_mut().segment_mut().uncut(id);
+        session.pass(Duration::from_secs(1)).expect("time passes");
+        assert_eq!(result.is_err(), matches!(door, Door::Panic), "{door:?}");
+        assert!(is_at_rest(&session, id), "{door:?}");
+        assert!(
+            drive_at(&session, id).drive().axis().speed().abs() < 0.5,
+            "{door:?}"
+        );
+        let fault = drive_at(&session, id).drive().fault_number(0);
+        match door {
+            Door::Fault => assert_eq!(fault, 439),
+            Door::Link => assert_eq!(fault, 702),
+            Door::Sto => {}
+            _ => assert_eq!(fault, 0, "{door:?}"),
+        }
+        if let Door::Link | Door::Fault = door {
+            let status = session.status(&mut drive).expect("a status");
+            assert_eq!(diagnose(&status).cause, Cause::Fault);
+        }
+    }
+}
+
+fn leave(session: &mut Bench, id: StationId, drive: &mut Drive, door: Door, flag: &Rc<Cell<bool>>) {
+    let mut axis = session
+        .take_axis(drive, AxisSettings::for_purpose(Purpose::Move))
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    let plan = enabled.plan(&to(1000.0)).expect("a plan");
+    enabled.start(&plan).expect("accepted");
+    enabled.hold(Duration::from_secs(2)).expect("goes");
+    let (inner, _) = enabled.session();
+    assert!(drive_at(inner, id).drive().axis().speed() > 290.0);
+    match door {
+        Door::Scope => {}
+        Door::Disable => enabled.disable().expect("stopped"),
+        Door::Interrupt => {
+            flag.set(true);
+            assert!(matches!(enabled.wait(LONG), Err(Error::Interrupted)));
+        }
+        Door::Panic => {
+            enabled.watch(|status| assert!(status.position.is_none(), "the terminal is gone"));
+            let _ = enabled.wait(LONG);
+        }
+        Door::Timeout => {
+            let error = enabled.wait(Some(Duration::from_secs(1))).expect_err("too long");
+            assert!(matches!(error, Error::NotInTime { .. }), "{error}");
+        }
+        Door::Fault => {
+            drive_mut(inner, id).inject_fault(439, false);
+            let error = enabled.wait(LONG).expect_err("a fault");
+            assert!(
+                matches!(
+                    error,
+                    Error::Axis {
+                        trouble: Trouble::Fault,
+                        ..
+                    }
+                ),
+                "{error}"
+            );
+            let error = enabled.start(&plan).expect_err("this operation is over");
+            assert!(
+                matches!(error, Error::Axis { .. } | Error::NotEnabled { .. }),
+                "{error}"
+            );
+        }
+        Door::Sto => {
+            drive_mut(inner, id).inject(Injection::Sto(true));
+            let error = enabled.wait(LONG).expect_err("no torque");
+            assert!(matches!(error, Error::Axis { .. }), "{error}");
+        }
+        Door::Link => {
+            inner.medium_mut().segment_mut().cut(id);
+            let error = enabled.wait(LONG).expect_err("cut");
+            assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
+        }
+    }
+}
+
+#[test]
+fn a_blocked_axis_is_told() {
+    let mut bench = homed();
+    let id = bench.1;
+    let error = with_axis(&mut bench, Purpose::Move, |axis| {
+        let plan = axis.plan(&to(1000.0)).expect("a plan");
+        axis.start(&plan).expect("accepted");
+        axis.hold(Duration::from_secs(1)).expect("goes");
+        let (session, _) = axis.session();
+        drive_mut(session, id).inject(Injection::Block(true));
+        axis.wait(Some(Duration::from_secs(20))).expect_err("blocked")
+    });
+    assert!(
+        matches!(error, Error::Axis { .. } | Error::NotInTime { .. }),
+        "{error}"
+    );
+}

@@ -1,0 +1,241 @@
+//! The modules of a drive as they really are: ident numbers are the maker's, and no table is sure to have them.
+
+use profidrive::catalogue::{Device, TelegramModule};
+use profinet::Medium;
+use profinet::controller::{ModuleConfig, RecordAddress, SubmoduleConfig};
+use profinet::wire::Reader;
+use profinet::wire::block::BlockType;
+use profinet::wire::record::{Identification, IdentifiedModule, index};
+
+use super::Session;
+use crate::drive::PROFIDRIVE_API;
+use crate::{Drive, Error};
+
+/// Slot and subslot of the telegram where a device does not tell.
+const PLACE: (u16, u16) = (1, 1);
+
+/// What is plugged, as far as the device tells (RealIdentificationData).
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(super) struct Plugged {
+    /// Slot 0.
+    pub access_point: Option<IdentifiedModule>,
+    /// The first module of the drive profile: it carries the telegram.
+    pub drive: Option<IdentifiedModule>,
+}
+
+/// What to connect with.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Layout {
+    pub modules: Vec<ModuleConfig>,
+    /// Slot and subslot of the telegram.
+    pub place: (u16, u16),
+}
+
+impl<M: Medium> Session<M>
+where
+    M::Error: Send + Sync + 'static,
+{
+    /// Reads what is plugged. A device that does not tell has nothing to be known.
+    pub(super) fn plugged(&mut self, drive: &Drive) -> Result<Plugged, Error> {
+        Ok(Plugged {
+            access_point: self
+                .modules_of(drive, 0, (0, 1))?
+                .into_iter()
+                .find(|module| module.slot == 0),
+            drive: self
+                .modules_of(drive, PROFIDRIVE_API, PLACE)?
+                .into_iter()
+                .find(|module| !module.submodules.is_empty()),
+        })
+    }
+
+    fn modules_of(
+        &mut self,
+        drive: &Drive,
+        api: u32,
+        (slot, subslot): (u16, u16),
+    ) -> Result<Vec<IdentifiedModule>, Error> {
+        let at = RecordAddress {
+            api,
+            slot,
+            subslot,
+            index: index::REAL_IDENTIFICATION_API,
+        };
+        match self.read_record(drive, at) {
+            Ok(data) => {
+                let found = Identification::decode(&mut Reader::new(&data), BlockType::REAL_IDENTIFICATION);
+                let modules = found.map_or_else(|_| Vec::new(), |found| found.modules);
+                Ok(modules.into_iter().filter(|module| module.api == api).collect())
+            }
+            Err(Error::Record { .. }) => Ok(Vec::new()),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl Plugged {
+    /// The modules to connect with: the tables' where the drive has those, else the ones that are plugged. `None` when
+    /// the telegram wanted is not the one plugged and its ident number is not known.
+    pub(super) fn layout(
+        &self,
+        device: &Device,
+        telegram: &TelegramModule,
+        reported: Option<u16>,
+    ) -> Option<Layout> {
+        let plain = |subslot, ident| SubmoduleConfig {
+            subslot,
+            ident,
+            input_length: 0,
+            output_length: 0,
+        };
+        let data = |subslot, ident| SubmoduleConfig {
+            subslot,
+            ident,
+            input_length: telegram.inputs,
+            output_length: telegram.outputs,
+        };
+        let access_point = match &self.access_point {
+            Some(module) => ModuleConfig {
+                api: 0,
+                slot: 0,
+                ident: module.ident,
+                submodules: module
+                    .submodules
+                    .iter()
+                    .map(|submodule| plain(submodule.subslot, submodule.ident))
+                    .collect(),
+            },
+            None => ModuleConfig {
+                api: 0,
+                slot: 0,
+                ident: device.access_point_module,
+                submodules: vec![
+                    plain(1, device.access_point_submodule),
+                    plain(0x8000, device.interface_submodule),
+                    plain(0x8001, device.port_submodule),
+                ],
+            },
+        };
+        let (drive, place) = match self.drive.as_ref().filter(|module| !is_ours(device, module)) {
+            None => {
+                let (slot, subslot) = PLACE;
+                let module = ModuleConfig {
+                    api: PROFIDRIVE_API,
+                    slot,
+                    ident: telegram.module,
+                    submodules: vec![data(subslot, telegram.submodule)],
+                };
+                (module, PLACE)
+            }
+            Some(_) if reported != Some(telegram.telegram) => return None,
+            Some(module) => {
+                // where parameter access has a submodule of its own, it comes first
+                let carrier = module.submodules.get(1).or(module.submodules.first())?.subslot;
+                let submodules = module.submodules.iter().map(|submodule| {
+                    if submodule.subslot == carrier {
+                        data(submodule.subslot, submodule.ident)
+                    } else {
+                        plain(submodule.subslot, submodule.ident)
+                    }
+                });
+                let config = ModuleConfig {
+                    api: PROFIDRIVE_API,
+                    slot: module.slot,
+                    ident: module.ident,
+                    submodules: submodules.collect(),
+                };
+                (config, (module.slot, carrier))
+            }
+        };
+        Some(Layout {
+            modules: vec![access_point, drive],
+            place,
+        })
+    }
+}
+
+/// True for a module of the tables: then its siblings are known too.
+fn is_ours(device: &Device, module: &IdentifiedModule) -> bool {
+    device
+        .telegram_of_module(module.ident)
+        .is_some_and(|known| matches!(module.submodules.as_slice(), [only] if only.ident == known.submodule))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::AKD;
+    use profinet::wire::record::IdentifiedSubmodule;
+
+    fn module(api: u32, slot: u16, ident: u32, submodules: &[(u16, u32)]) -> IdentifiedModule {
+        IdentifiedModule {
+            api,
+            slot,
+            ident,
+            submodules: submodules
+                .iter()
+                .map(|&(subslot, ident)| IdentifiedSubmodule { subslot, ident })
+                .collect(),
+        }
+    }
+
+    #[test]
+    fn the_tables_count_where_the_drive_has_their_modules_or_tells_nothing() {
+        let device = &AKD.device;
+        let nine = device.telegram(9).unwrap();
+        let one = device.telegram(1).unwrap();
+        let plugged = Plugged {
+            access_point: None,
+            drive: Some(module(0x3A00, 1, one.module, &[(1, one.submodule)])),
+        };
+        for plugged in [Plugged::default(), plugged] {
+            let layout = plugged.layout(device, nine, Some(1)).unwrap();
+            assert_eq!(layout.place, (1, 1));
+            assert_eq!(layout.modules[1].ident, nine.module);
+            assert_eq!(layout.modules[1].submodules[0].output_length, 20);
+            assert_eq!(layout.modules[0].submodules.len(), 3);
+        }
+    }
+
+    #[test]
+    fn foreign_modules_are_used_as_they_are_plugged() {
+        let device = &AKD.device;
+        let plugged = Plugged {
+            access_point: Some(module(
+                0,
+                0,
+                0x77,
+                &[(1, 0x78), (0x8000, 5), (0x8001, 6), (0x8002, 6)],
+            )),
+            drive: Some(module(0x3A00, 2, 0x9000, &[(1, 0x9001), (2, 0x9002)])),
+        };
+        let nine = device.telegram(9).unwrap();
+        let layout = plugged.layout(device, nine, Some(9)).unwrap();
+        assert_eq!(layout.place, (2, 2));
+        let lengths: Vec<_> = layout
+            .modules
+            .iter()
+            .flat_map(|module| &module.submodules)
+            .map(|submodule| (submodule.ident, submodule.output_length, submodule.input_length))
+            .collect();
+        assert_eq!(
+            lengths,
+            [
+                (0x78, 0, 0),
+                (5, 0, 0),
+                (6, 0, 0),
+                (6, 0, 0),
+                (0x9001, 0, 0),
+                (0x9002, 20, 10)
+            ]
+        );
+        // the ident number of another telegram is not known
+        assert_eq!(plugged.layout(device, nine, Some(1)), None);
+        assert_eq!(plugged.layout(device, nine, None), None);
+        let empty = Plugged {
+            drive: Some(module(0x3A00, 1, 0x9000, &[])),
+            ..plugged
+        };
+        assert_eq!(empty.layout(device, nine, Some(9)), None);
+    }
+}
