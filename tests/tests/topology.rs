@@ -156,11 +156,8 @@ fn two_drives_at_one_cable_see_each_other() {
             .unwrap_or_else(|| panic!("{told:?}"));
         assert_eq!((&line[1][..], &line[2]), ("port-001", &line[3]));
     }
-    let peers = judge::fields(
-        &file,
-        "pn_io.peer_port_name",
-        &["pn_io.peer_port_name", "pn_io.peer_station_name"],
-    );
+    let columns = ["pn_io.peer_port_id", "pn_io.peer_chassis_id"];
+    let peers = judge::fields(&file, columns[0], &columns);
     assert_eq!(peers[0], ["port-001", "akd-2"]);
 }
 

@@ -11,16 +11,19 @@ mod cyclic;
 mod dcp;
 mod jobs;
 mod names;
+mod neighbours;
 mod records;
 mod udp;
 
 use std::time::Duration;
 
 use profinet::wire::ethernet::{Frame, FrameKind};
+use profinet::wire::lldp;
 
 use calls::Calls;
 use cyclic::Relations;
 use names::Names;
+use neighbours::Neighbours;
 
 /// How much a note matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +45,7 @@ pub struct Note {
     pub from: String,
     /// Who was meant; empty for everybody.
     pub to: String,
-    /// DCP, connect, record, parameter, cyclic, alarm.
+    /// DCP, LLDP, connect, record, parameter, cyclic, alarm.
     pub topic: &'static str,
     /// What it says.
     pub text: String,
@@ -75,6 +78,7 @@ pub struct Walker {
     names: Names,
     calls: Calls,
     relations: Relations,
+    neighbours: Neighbours,
     counts: Counts,
 }
 
@@ -111,6 +115,17 @@ impl Walker {
         self.counts.frames += 1;
         if let Some(frame) = Frame::parse(bytes) {
             self.profinet(at, &frame, &mut notes);
+        } else if let Some((source, payload)) = lldp::payload(bytes) {
+            let mut sink = Sink {
+                at,
+                from: self.names.mac(source),
+                to: String::new(),
+                notes: &mut notes,
+            };
+            if let Err(error) = self.neighbours.pdu(source, payload, &mut self.names, &mut sink) {
+                self.counts.malformed += 1;
+                sink.note(Weight::Error, "malformed", format!("LLDP: {error}"));
+            }
         } else if let Some(datagram) = udp::datagram(bytes) {
             let mut sink = Sink {
                 at,

@@ -35,6 +35,8 @@ const MAX_BLOCKS: usize = 512;
 const MAX_SUBMODULES: usize = 256;
 /// Octets of the longest block that expects so many: each in a module of its own, with data both ways.
 const MAX_EXPECTED: usize = 2 + MAX_SUBMODULES * (14 + 8 + 12);
+/// Octets of the longest IOCR block that says where so many lie: each with data and status in an API of its own.
+const MAX_IOCR: usize = 40 + MAX_SUBMODULES * (8 + 6 + 6);
 /// Most IOCR blocks that are looked at; two are served.
 const MAX_IOCRS: usize = 4;
 
@@ -126,7 +128,7 @@ pub(super) fn check(mut reader: Reader<'_>, min_device_interval: u16) -> Result<
                 ar = Some(request);
             }
             BlockType::IOCR_REQUEST => {
-                if iocrs.len() >= MAX_IOCRS {
+                if iocrs.len() >= MAX_IOCRS || block.body.remaining() > MAX_IOCR {
                     return Err(refuse(RPC, OUT_OF_RESOURCES));
                 }
                 iocrs.push(IocrRequest::decode(block.body).map_err(|_| malformed)?);
@@ -134,7 +136,7 @@ pub(super) fn check(mut reader: Reader<'_>, min_device_interval: u16) -> Result<
             BlockType::ALARM_CR_REQUEST => {
                 alarm_crs.push(AlarmCrRequest::decode(block.body).map_err(|_| malformed)?);
             }
-            BlockType::EXPECTED_SUBMODULE if block.body.peek_rest().len() > MAX_EXPECTED => {
+            BlockType::EXPECTED_SUBMODULE if block.body.remaining() > MAX_EXPECTED => {
                 return Err(refuse(RPC, OUT_OF_MEMORY));
             }
             BlockType::EXPECTED_SUBMODULE => {

@@ -430,7 +430,7 @@ impl Endpoint for Device {
         }
         self.started.get_or_insert(now);
         if self.config.neighbourhood {
-            self.port.handle_timeout(now);
+            self.port.handle_timeout(now, self.config.mac);
         }
         self.supervise(now);
         while let Some(index) = self.tools.iter().position(|tool| tool.activity.is_over(now)) {

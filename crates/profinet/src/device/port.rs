@@ -18,6 +18,8 @@ use crate::{Instant, MacAddress};
 
 /// Pause between two LLDP frames.
 pub(super) const INTERVAL: Duration = Duration::from_secs(5);
+/// The first pause is shorter by up to 63 of these.
+const SPREAD: Duration = Duration::from_millis(50);
 /// How many pauses the neighbour waits before it forgets.
 pub(super) const HOLD: u16 = 4;
 /// MAUType: 100BASE-TX full duplex.
@@ -135,9 +137,15 @@ pub(super) struct Port {
 }
 
 impl Port {
-    pub(super) fn handle_timeout(&mut self, now: Instant) {
+    pub(super) fn handle_timeout(&mut self, now: Instant, mac: MacAddress) {
         if now >= self.next {
-            (self.due, self.next) = (true, now + INTERVAL);
+            // stations that start together are not to speak together for ever
+            let early = if self.told.is_empty() {
+                SPREAD * u32::from(mac.0[5] % 64)
+            } else {
+                Duration::ZERO
+            };
+            (self.due, self.next) = (true, now + (INTERVAL - early));
         }
         self.neighbours.handle_timeout(now);
     }

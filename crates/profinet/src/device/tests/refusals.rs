@@ -308,6 +308,7 @@ fn huge() -> Vec<(&'static str, Vec<u8>, PnioStatus)> {
         submodules,
     };
     let none = |subslot| ExpectedSubmodule::new(subslot, 1, 0, 0);
+    let resources = PnioStatus::connect(0x40, 7);
     let memory = PnioStatus::connect(0x40, 8);
     let with = |wish: Wish| wish.blocks();
     let mut one_block = Wish {
@@ -359,13 +360,9 @@ fn huge() -> Vec<(&'static str, Vec<u8>, PnioStatus)> {
         ("modules in one block", one_block, memory),
         ("modules in many blocks", with(many_blocks), memory),
         ("submodules of one module", with(many_subslots), memory),
-        ("APIs of an IOCR", with(many_apis), PnioStatus::connect(2, 27)),
-        (
-            "objects of an IOCR",
-            with(many_objects),
-            PnioStatus::connect(2, 26),
-        ),
-        ("IOCRs", with(many_iocrs), PnioStatus::connect(0x40, 7)),
+        ("APIs of an IOCR", with(many_apis), resources),
+        ("objects of an IOCR", with(many_objects), resources),
+        ("IOCRs", with(many_iocrs), resources),
         ("vendor blocks", many_vendors, memory),
     ]
 }
