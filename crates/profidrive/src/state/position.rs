@@ -131,6 +131,8 @@ pub enum PositionEffect {
     StartTask,
     /// The running task goes on where it was interrupted.
     ContinueTask,
+    /// The running task is done.
+    FinishTask,
     /// The running task is lost.
     DropTask,
     /// Homing begins; the axis is not homed from now on.
@@ -243,7 +245,7 @@ pub static POSITION_TRANSITIONS: &[PositionTransition] = &[
     row(Task, Pause, ANY, &[STOP], PositionEffect::None, 4, "stopped by a command"),
     row(Task, Task, RUN, BY_EDGE, PositionEffect::StartTask, 3, "change on the fly"),
     row(Task, Task, RUN, BY_COMMAND, PositionEffect::StartTask, 3, "change on the fly by a command"),
-    row(Task, Basic, ANY, &[Also::Finished], PositionEffect::None, 2, "task done"),
+    row(Task, Basic, ANY, &[Also::Finished], PositionEffect::FinishTask, 2, "task done"),
     row(Pause, Reject, ANY, &[Also::Failed], PositionEffect::DropTask, 6, "the task cannot go on"),
     row(Pause, Reject, (KEEP, 0), &[], PositionEffect::DropTask, 5, "task rejected"),
     row(Pause, Task, RUN, BY_EDGE, PositionEffect::StartTask, 3, "another task activated"),

@@ -71,7 +71,7 @@ fn next(state: PositionState, asked: &Asked) -> (PositionState, PositionEffect) 
         Task | Pause if inputs.failed || !asked.bit(4) => (Reject, PositionEffect::DropTask),
         Task if !asked.bit(5) || stop => (Pause, PositionEffect::None),
         Task | Pause if asked.takes_task() => (Task, PositionEffect::StartTask),
-        Task if inputs.finished => (Basic, PositionEffect::None),
+        Task if inputs.finished => (Basic, PositionEffect::FinishTask),
         Pause if asked.bit(5) && (!asked.paused_by_command || asked.command(PositionCommand::Continue)) => {
             (Task, PositionEffect::ContinueTask)
         }

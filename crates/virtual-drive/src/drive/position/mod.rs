@@ -28,6 +28,8 @@ mod task;
 mod units;
 
 #[cfg(test)]
+mod seeds;
+#[cfg(test)]
 mod tests;
 
 use profidrive::state::{
@@ -153,6 +155,8 @@ pub(super) struct Positioning {
     brakes: Ramps,
     /// How it jogs: speed with sign and ramps.
     jog: (f64, Ramps),
+    /// The ramps of jogging that were applied last.
+    jog_ramps: Ramps,
     flags: status::Flags,
 }
 
@@ -177,6 +181,7 @@ impl Positioning {
             event: false,
             brakes: DEFAULT,
             jog: (0.0, DEFAULT),
+            jog_ramps: DEFAULT,
             flags: status::Flags::default(),
         }
     }
@@ -200,11 +205,14 @@ impl Positioning {
         self.homing.as_ref().is_some_and(Homing::is_gentle)
     }
 
-    /// S4 in position mode begins.
-    fn enter(&mut self, word: Stw1, rules: &Settings) {
+    /// S4 in position mode begins. An axis that still turns brakes along DRV.DEC, or as steep as it takes to stay inside
+    /// the limits, up to CS.DEC or what could be braked with before.
+    fn enter(&mut self, word: Stw1, axis: &Axis, rules: &Settings) {
         self.leave(word);
         self.active = true;
-        self.brakes = rules.ramps;
+        let ramps = rules.ramps;
+        self.brakes.deceleration = self.brakes.deceleration.max(rules.quick_stop);
+        self.brakes = self.safe_stop(ramps, axis, &rules.position);
         if rules.position.home.automatic && !self.homed {
             self.wish = Some(PositionCommand::Homing);
         }
@@ -331,6 +339,7 @@ impl Positioning {
                     run.fresh = true;
                 }
             }
+            PositionEffect::FinishTask => self.run = None,
             PositionEffect::DropTask => {
                 let ramp = self.run.take().map_or(self.brakes, |run| run.leg.task.ramps());
                 self.brakes = steepened(ramp, rules.quick_stop);
@@ -406,13 +415,14 @@ impl Positioning {
         let way = direction(speed);
         let heading = seen.heading(way);
         let limits = self.limits(setup);
-        // What moves towards a limit keeps at least the ramp that it needs to stop there.
+        // Real-time jogging may change its ramp: what moves towards a limit keeps at least the one that stops it there.
         let needed = limits.needed(seen.command, seen.command_speed).unwrap_or(0.0);
-        if seen.command_speed == 0.0 || needed * MARGIN < ramps.deceleration {
-            self.brakes = ramps;
+        if seen.command_speed == 0.0 || self.jog_ramps != ramps || needed * MARGIN < ramps.deceleration {
+            self.brakes = steepened(ramps, if seen.command_speed == 0.0 { 0.0 } else { needed });
         } else if needed > self.brakes.deceleration * MARGIN {
             self.brakes = steepened(ramps, needed);
         }
+        self.jog_ramps = ramps;
         if seen.is_limited(heading) {
             self.failed = true;
             self.brakes = steepened(self.brakes, rules.quick_stop);
@@ -562,7 +572,7 @@ impl Positioning {
     /// movement that is stopped could have braked.
     pub fn safe_stop(&self, ramps: Ramps, axis: &Axis, setup: &Setup) -> Ramps {
         let needed = self.limits(setup).needed(axis.position(), axis.speed());
-        let most = self.brakes.deceleration * MARGIN * MARGIN;
+        let most = self.brakes.deceleration;
         match needed {
             Some(needed) => steepened(ramps, (needed * MARGIN).min(most)),
             None => ramps,
@@ -638,7 +648,7 @@ impl Drive {
         };
         if active != self.positioning.active {
             if active {
-                self.positioning.enter(word, &self.settings);
+                self.positioning.enter(word, &self.axis, &self.settings);
             } else {
                 self.positioning.leave(word);
             }
@@ -655,7 +665,11 @@ impl Drive {
             (false, Some(PositionCommand::Task)) => Some(self.positioning.wished_task),
             _ => None,
         };
-        let task = number.map(|number| (number, self.permit(number, &seen)));
+        let task = number.map(|number| match number {
+            // Task 0 is not to be selected: it is what MDI makes of it.
+            0 if edge => (0, Err(Refusal::Number)),
+            number => (number, self.permit(number, &seen)),
+        });
         if word.0 & (Stw1::JOG_1 | Stw1::JOG_2 | Stw1::REAL_TIME_JOG).0 != 0 {
             let jog = self.positioning.jog_of(word, || self.mdi(), &self.settings);
             // A ramp of 0 is no ramp: the last one stays.

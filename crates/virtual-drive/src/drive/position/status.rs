@@ -155,7 +155,8 @@ impl Positioning {
     /// Number of the task that runs or waits, as AKTSATZ tells it: 0 for none, bit 15 for MDI.
     pub fn running_task(&self) -> u16 {
         match (self.machine.state().has_task(), self.run) {
-            (true, Some(run)) if run.leg.number & MDI != 0 => MDI,
+            // Task 0 is that of MDI, also when it is started in another way.
+            (true, Some(run)) if run.leg.number & MDI != 0 || run.leg.number == 0 => MDI,
             (true, Some(run)) => run.leg.number,
             _ => 0,
         }

@@ -70,6 +70,16 @@ impl Bench {
         self.status()
     }
 
+    /// A tick without valid outputs, or without any controller.
+    pub fn tick_without(&mut self) {
+        self.now += self.cycle;
+        self.drive.tick(self.now, None, &mut self.inputs);
+    }
+
+    pub fn connect_again(&mut self, telegram: u16) {
+        self.drive.connect(telegram, Duration::from_millis(48)).unwrap();
+    }
+
     /// Sends a control word for some cycles; the last status word.
     pub fn send(&mut self, control: u16, cycles: usize) -> u16 {
         self.set(signal::STW1, i64::from(control));
