@@ -5,10 +5,12 @@
 //! what was decoded encodes to something that decodes to the same.
 
 mod controller;
+mod descriptions;
 mod neighbourhood;
 mod records;
 
 pub use controller::controller;
+pub use descriptions::gsdml;
 pub use neighbourhood::{lldp, snmp};
 pub use records::records;
 
@@ -46,6 +48,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("dcp", dcp),
     ("description", description),
     ("drive", drive),
+    ("gsdml", gsdml),
     ("host", host),
     ("lldp", lldp),
     ("notation", notation),

@@ -126,7 +126,7 @@ fn access_point(w: &mut Writer, point: &AccessPoint) {
         w.ident("ModuleIdentNumber", point.module_ident);
         w.attribute("MinDeviceInterval", point.min_device_interval);
         w.optional("DNS_CompatibleName", point.dns_name.as_ref());
-        w.values("FixedInSlots", &point.fixed_in_slots);
+        w.attribute("FixedInSlots", &point.fixed_in_slots);
         w.attribute("ObjectUUID_LocalIndex", point.object_instance);
         w.optional("RequiredSchemaVersion", point.required_schema);
         w.attribute("MultipleWriteSupported", features.multiple_write);
@@ -244,7 +244,7 @@ fn submodule(w: &mut Writer, element: &str, submodule: &Submodule) {
         w.attribute("ID", &submodule.id);
         w.ident("SubmoduleIdentNumber", submodule.ident);
         w.attribute("API", submodule.api);
-        w.values("FixedInSubslots", &submodule.fixed_in_subslots);
+        w.attribute("FixedInSubslots", &submodule.fixed_in_subslots);
         w.attribute("MayIssueProcessAlarm", submodule.process_alarms);
         w.values("Writeable_IM_Records", &submodule.writable_im);
         io_data(w, &submodule.io);
@@ -351,8 +351,8 @@ fn interface(w: &mut Writer, item: &Interface) {
             w.attribute("NumberOfAR", item.ars);
             w.tokens("StartupMode", &item.start_up);
             w.element("TimingProperties", |w| {
-                w.values("SendClock", &item.send_clocks);
-                w.values("ReductionRatio", &item.reduction_ratios);
+                w.attribute("SendClock", &item.send_clocks);
+                w.attribute("ReductionRatio", &item.reduction_ratios);
             });
         });
     });
