@@ -16,6 +16,16 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("drive-client", &["profidrive", "profinet"]),
     ("network", &["profinet"]),
     (
+        "scenario",
+        &[
+            "profidrive",
+            "profinet",
+            "virtual-drive",
+            "drive-client",
+            "network",
+        ],
+    ),
+    (
         "profidrive-cli",
         &[
             "profidrive",
@@ -24,6 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-drive",
             "drive-client",
             "network",
+            "scenario",
         ],
     ),
     (
@@ -35,6 +46,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-drive",
             "drive-client",
             "network",
+            "scenario",
         ],
     ),
     ("xtask", &[]),
@@ -48,6 +60,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-drive",
             "drive-client",
             "network",
+            "scenario",
             "profidrive-cli",
         ],
     ),
@@ -60,18 +73,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "virtual-drive",
             "drive-client",
             "network",
+            "scenario",
             "system-tests",
-        ],
-    ),
-    (
-        "examples",
-        &[
-            "profidrive",
-            "profinet",
-            "gsdml",
-            "virtual-drive",
-            "drive-client",
-            "network",
         ],
     ),
     ("allocations", &[]),

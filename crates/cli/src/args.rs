@@ -10,7 +10,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use profidrive::notation::Quantity;
 
-use crate::commands::{Gsdml, Home, Jog, Move, Run, Status, Stop, Task};
+use crate::commands::{Gsdml, Home, Inject, Jog, Move, Run, Status, Stop, Task};
 
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]
@@ -109,6 +109,8 @@ pub enum Command {
     Decode(Decode),
     /// Device descriptions (GSDML): write that of a virtual drive, show one, check one
     Gsdml(Gsdml),
+    /// Let something happen to a drive that `simulate` runs: a fault, a load, a pulled cable
+    Inject(Inject),
     /// Put virtual drives on a network
     Simulate(OnNetwork<Simulate>),
     /// Run a virtual drive and a controller on an in-memory network
@@ -339,6 +341,15 @@ pub enum Side {
 
 #[derive(Debug, Args)]
 pub struct Simulate {
+    /// Scenario file: drives, what happens to them and when; instead of the options that describe drives
+    #[arg(value_name = "PLANT.toml", conflicts_with_all = ["name", "count", "ip", "mac", "model", "min_cycle"])]
+    pub plant: Option<PathBuf>,
+    /// Plays the scenario in virtual time, as fast as possible, without a network; the trace goes to stdout
+    #[arg(long, requires = "plant", conflicts_with = "state")]
+    pub virtual_time: bool,
+    /// Ends after this time; else the `duration` of the scenario, or Ctrl-C
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
     /// Drive model
     #[arg(long, value_enum, default_value = "akd")]
     pub model: Model,
@@ -496,6 +507,10 @@ mod tests {
             "profidrive gsdml export --model akd -o folder",
             "profidrive gsdml show file.xml --texts --language de",
             "profidrive gsdml check file.xml --json",
+            "profidrive simulate plant.toml --virtual-time --for 1h",
+            "profidrive simulate plant.toml -i v0 --state folder",
+            "profidrive inject akd-1 fault=439 limit+=on --for 2s",
+            "profidrive inject",
             "profidrive demo --pcap out.pcapng",
         ] {
             assert!(Cli::try_parse_from(line.split(' ')).is_ok(), "{line}");

@@ -8,6 +8,7 @@ mod args;
 mod commands;
 mod connect;
 mod decode;
+mod desk;
 mod failure;
 mod job;
 mod output;

@@ -9,6 +9,7 @@ mod explain;
 mod gsdml;
 mod home;
 mod info;
+mod inject;
 mod jog;
 mod motion;
 mod r#move;
@@ -22,6 +23,7 @@ mod task;
 
 pub use gsdml::Gsdml;
 pub use home::Home;
+pub use inject::Inject;
 pub use jog::Jog;
 pub use r#move::Move;
 pub use run::Run;
@@ -66,6 +68,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Decode(args) => decode::run(args, output),
         Command::Gsdml(args) => gsdml::run(args, output),
         Command::Simulate(on) => simulate::run(&on.args, interface(cli, &on.interface), output),
+        Command::Inject(args) => inject::run(args, output),
         Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),
     }

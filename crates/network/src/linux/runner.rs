@@ -11,7 +11,7 @@ use super::filter::Wanted;
 use super::interface::InterfaceInfo;
 use super::packet::{PacketSocket, PacketStatistics};
 use super::poll::{Watch, now, sharpen_timers};
-use super::stop::Stop;
+use super::stop::{Bell, Stop};
 use crate::deadlines::Deadlines;
 use crate::host::{Station, StationId, addresses};
 use crate::segment::{Tap, finish_all};
@@ -32,6 +32,8 @@ pub enum Turn {
     Idle,
     /// The stop flag is set.
     Stopped,
+    /// The bell has rung.
+    Rung,
 }
 
 /// Runs any number of [`Station`]s on one interface, in the thread of its owner.
@@ -66,6 +68,7 @@ pub struct Runner {
     buffer: Box<[u8]>,
     taps: Vec<Box<dyn Tap>>,
     stop: Option<Stop>,
+    bell: Option<Bell>,
     sharpened: bool,
     /// False from the moment the interface failed until it was opened again.
     online: bool,
@@ -105,6 +108,7 @@ impl Runner {
             buffer: vec![0; 2 * MAX_FRAME].into_boxed_slice(),
             taps: Vec::new(),
             stop: None,
+            bell: None,
             sharpened: false,
             online: true,
             failure: None,
@@ -200,6 +204,21 @@ impl Runner {
         Ok(())
     }
 
+    /// Lets this bell end a step with [`Turn::Rung`].
+    ///
+    /// # Errors
+    /// When the system has no room to watch it.
+    pub fn set_bell(&mut self, bell: Bell) -> Result<(), Error> {
+        if let Some(former) = self.bell.take() {
+            self.watch.remove(former.fd());
+        }
+        self.watch
+            .add(bell.fd())
+            .map_err(Error::system("cannot wait for requests"))?;
+        self.bell = Some(bell);
+        Ok(())
+    }
+
     /// Lets `tap` see every frame received for the stations and sent by them; times are those of [`now`](super::now),
     /// tags that the kernel took out are put in again.
     pub fn add_tap(&mut self, tap: Box<dyn Tap>) {
@@ -214,8 +233,8 @@ impl Runner {
         finish_all(&mut self.taps)
     }
 
-    /// Works until at least one station has handled a frame or a deadline, `until` is reached, or the stop flag is
-    /// set. Sleeps in between.
+    /// Works until at least one station has handled a frame or a deadline, `until` is reached, the bell rings, or the
+    /// stop flag is set. Sleeps in between.
     ///
     /// # Errors
     /// When the interface is down or gone, or the system refuses to wait. The failure is told once; further steps run
@@ -234,6 +253,9 @@ impl Runner {
             }
             let at = now();
             self.work(at)?;
+            if self.bell.as_ref().is_some_and(Bell::heard) {
+                return Ok(Turn::Rung);
+            }
             if !self.touched.is_empty() {
                 return Ok(Turn::Worked);
             }

@@ -1,7 +1,7 @@
 //! Ending a blocking program: Ctrl-C, or another thread.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::os::fd::{AsRawFd, FromRawFd, RawFd};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
@@ -24,7 +24,7 @@ pub struct Stop {
 
 #[derive(Debug)]
 struct Inner {
-    stopped: AtomicBool,
+    set: AtomicBool,
     event: File,
 }
 
@@ -49,22 +49,71 @@ fn is_ignored(signal: libc::c_int) -> io::Result<bool> {
     Ok(present.sa_sigaction == libc::SIG_IGN)
 }
 
+/// A descriptor that is readable once it was written to.
+fn event() -> io::Result<File> {
+    // SAFETY: eventfd takes two numbers and touches no memory of ours.
+    let fd = unsafe { libc::eventfd(0, libc::EFD_CLOEXEC | libc::EFD_NONBLOCK) };
+    if fd < 0 {
+        return Err(io::Error::last_os_error());
+    }
+    // SAFETY: `fd` was just made and belongs to nobody else.
+    Ok(unsafe { File::from_raw_fd(fd) })
+}
+
+/// Wakes a runner again and again, from another thread that has work for it. Clones are the same bell.
+#[derive(Debug, Clone)]
+pub struct Bell {
+    inner: Arc<Inner>,
+}
+
+impl Bell {
+    /// A bell that is silent.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left.
+    pub fn new() -> io::Result<Self> {
+        let inner = Inner {
+            set: AtomicBool::new(false),
+            event: event()?,
+        };
+        Ok(Self {
+            inner: Arc::new(inner),
+        })
+    }
+
+    /// Ends the present or the next wait.
+    pub fn ring(&self) {
+        self.inner.set.store(true, Ordering::SeqCst);
+        // A full counter wakes as well; there is no other failure.
+        let _ = (&self.inner.event).write(&1u64.to_ne_bytes());
+    }
+
+    /// True if it has rung since the last look.
+    pub(super) fn heard(&self) -> bool {
+        let rung = self.inner.set.swap(false, Ordering::SeqCst);
+        if rung {
+            let mut count = [0; 8];
+            let _ = (&self.inner.event).read(&mut count);
+        }
+        rung
+    }
+
+    /// Readable once it has rung.
+    pub(super) fn fd(&self) -> RawFd {
+        self.inner.event.as_raw_fd()
+    }
+}
+
 impl Stop {
     /// A flag that only the program sets.
     ///
     /// # Errors
     /// When the operating system has no descriptor left.
     pub fn new() -> io::Result<Self> {
-        // SAFETY: eventfd takes two numbers and touches no memory of ours.
-        let fd = unsafe { libc::eventfd(0, libc::EFD_CLOEXEC | libc::EFD_NONBLOCK) };
-        if fd < 0 {
-            return Err(io::Error::last_os_error());
-        }
-        // SAFETY: `fd` was just made and belongs to nobody else.
-        let event = unsafe { File::from_raw_fd(fd) };
+        let event = event()?;
         Ok(Self {
             inner: Arc::new(Inner {
-                stopped: AtomicBool::new(false),
+                set: AtomicBool::new(false),
                 event,
             }),
         })
@@ -98,7 +147,7 @@ impl Stop {
 
     /// Sets the flag and wakes whoever waits.
     pub fn stop(&self) {
-        self.inner.stopped.store(true, Ordering::SeqCst);
+        self.inner.set.store(true, Ordering::SeqCst);
         // A full counter wakes as well; there is no other failure.
         let _ = (&self.inner.event).write(&1u64.to_ne_bytes());
     }
@@ -107,11 +156,28 @@ impl Stop {
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         let by_signal = SIGNAL_SEEN.load(Ordering::SeqCst) && SIGNALLED.load(Ordering::SeqCst) == self.fd();
-        by_signal || self.inner.stopped.load(Ordering::SeqCst)
+        by_signal || self.inner.set.load(Ordering::SeqCst)
     }
 
     /// Readable once the flag is set.
     pub(super) fn fd(&self) -> RawFd {
         self.inner.event.as_raw_fd()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bell_is_heard_once_for_any_number_of_rings() {
+        let bell = Bell::new().unwrap();
+        assert!(!bell.heard());
+        bell.clone().ring();
+        bell.ring();
+        assert!(bell.heard());
+        assert!(!bell.heard());
+        bell.ring();
+        assert!(bell.heard());
     }
 }

@@ -132,6 +132,12 @@ impl Controller {
         self.config.ip = ip;
     }
 
+    /// True while [`poll_event`](Self::poll_event) has something to tell.
+    #[must_use]
+    pub fn has_event(&self) -> bool {
+        !self.events.is_empty()
+    }
+
     /// The next thing that happened.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()

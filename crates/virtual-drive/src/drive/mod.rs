@@ -18,7 +18,8 @@ mod writing;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use profidrive::state::{FaultReaction, Machine, SetpointChannel, Stw1};
+use profidrive::catalogue::Scaling;
+use profidrive::state::{FaultReaction, Machine, SetpointChannel, Stw1, Zsw1};
 use profinet::Instant;
 
 pub use injection::{Injection, InjectionError, Key as InjectionKey};
@@ -315,6 +316,24 @@ impl Drive {
         } else {
             Some(self.last + ALONE)
         }
+    }
+
+    /// The control word received last.
+    #[must_use]
+    pub const fn control_word(&self) -> Stw1 {
+        self.process.control
+    }
+
+    /// The status word sent last.
+    #[must_use]
+    pub const fn status_word(&self) -> Zsw1 {
+        Zsw1(self.process.status)
+    }
+
+    /// The values of its parameters that scale others.
+    #[must_use]
+    pub const fn scaling(&self) -> Scaling {
+        self.settings.scaling
     }
 
     /// Profile state.

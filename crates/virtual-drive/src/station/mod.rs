@@ -2,26 +2,27 @@
 
 mod channel;
 pub(crate) mod describe;
+mod event;
 mod remember;
 #[cfg(test)]
 mod tests;
 
+pub use event::StationEvent;
 pub use remember::{network_from_text, network_to_text};
 
 use std::collections::VecDeque;
 use std::net::SocketAddrV4;
 
-use profidrive::state::State;
 use profinet::device::{ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, ResetMode, Stored};
 use profinet::wire::PnioStatus;
 use profinet::wire::rt::Iops;
 use profinet::wire::status::{abort, record as code1};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Traffic, Transmit};
 
+use crate::axis::Plant;
 use crate::description::{self, Description};
 use crate::drive::{Disconnect, Drive, Event as DriveEvent};
 use crate::model::Model;
-use crate::store::ImageError;
 pub use channel::{AnswerFault, NoAnswerFault};
 use channel::{Channels, INDICES};
 
@@ -44,6 +45,8 @@ pub struct StationConfig {
     pub min_device_interval: Option<u16>,
     /// Sends each input frame right behind the controller's frame: saves a wake-up in each cycle on a real network.
     pub follow_controller: bool,
+    /// Motor, load and travel; `None` for those of the model.
+    pub plant: Option<Plant>,
     /// Name, address and I&M data from the last run, or given by the user.
     pub network: Stored,
     /// Text of the saved parameters from the last run.
@@ -60,64 +63,11 @@ impl StationConfig {
             mac,
             min_device_interval: None,
             follow_controller: false,
+            plant: None,
             network: Stored::default(),
             parameters: None,
         }
     }
-}
-
-/// Something its owner should do or may want to know.
-#[derive(Debug, Clone, PartialEq)]
-pub enum StationEvent {
-    /// Keep this over a restart ([`network_to_text`]): name, address and I&M data that were set permanently.
-    PersistNetwork(Stored),
-    /// Keep this text over a restart.
-    PersistParameters {
-        /// Image of the saved parameters.
-        text: String,
-    },
-    /// The saved parameters could not be used; the drive has the values as delivered.
-    ParametersIgnored(ImageError),
-    /// Show which drive this is.
-    Blink,
-    /// A relation was opened.
-    Connected {
-        /// A controller, else a tool that reads and writes parameters.
-        controller: bool,
-        /// Name of the other station.
-        station: String,
-    },
-    /// The controller and the drive exchange data.
-    Exchanging {
-        /// Telegram in use.
-        telegram: u16,
-    },
-    /// The connection of the controller ended.
-    Disconnected {
-        /// Why.
-        cause: PnioStatus,
-    },
-    /// The profile state changed.
-    State {
-        /// Before.
-        from: State,
-        /// Now.
-        to: State,
-    },
-    /// A fault came.
-    Fault {
-        /// Its number.
-        number: u16,
-    },
-    /// The faults were acknowledged.
-    Acknowledged,
-    /// A warning came or went.
-    Warning {
-        /// Its number.
-        number: u16,
-        /// True when it came.
-        active: bool,
-    },
 }
 
 /// A virtual drive with its field bus.
@@ -175,6 +125,9 @@ impl Station {
                 (more_outputs.max(outputs), more_inputs.max(inputs))
             });
             station.drive.plug(module.telegram, outputs, inputs);
+        }
+        if let Some(plant) = config.plant {
+            station.drive.set_plant(plant);
         }
         if let Some(Err(error)) = started {
             station.emit(StationEvent::ParametersIgnored(error));

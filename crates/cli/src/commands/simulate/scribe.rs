@@ -99,16 +99,17 @@ impl Scribe {
                     event,
                 });
             }
-            StationEvent::ParametersIgnored(error) => {
-                let text = format!("saved parameters not used, values as delivered: {error}");
-                self.voice.say(Line {
-                    drive: Arc::clone(drive),
-                    at,
-                    text,
-                    warning: true,
-                });
+            said => {
+                let warning = matches!(said, StationEvent::ParametersIgnored(_));
+                if let Some(text) = said.words(drive.model.catalogue) {
+                    self.voice.say(Line {
+                        drive: Arc::clone(drive),
+                        at,
+                        text,
+                        warning,
+                    });
+                }
             }
-            said => self.say(drive, at, words(said)),
         }
     }
 
@@ -201,41 +202,6 @@ fn talk(lines: &Receiver<Line>, left_out: &AtomicU64, output: &Output) {
     }
 }
 
-fn words(event: &StationEvent) -> String {
-    match event {
-        StationEvent::Blink => "blinks".into(),
-        StationEvent::Connected { controller, station } => {
-            let kind = if *controller {
-                "controller"
-            } else {
-                "parameter tool"
-            };
-            let station = crate::render::table::clean(station);
-            format!("connected: {kind} \"{station}\"")
-        }
-        StationEvent::Exchanging { telegram } => format!("exchanges data, telegram {telegram}"),
-        StationEvent::Disconnected { cause } => format!("disconnected: {cause}"),
-        StationEvent::State { from, to } => format!("{from} -> {to}"),
-        StationEvent::Fault { number } => {
-            let meaning = profidrive::catalogue::AKD
-                .fault(*number, false)
-                .map_or("", |fault| fault.meaning);
-            format!("fault F{number} {meaning}")
-        }
-        StationEvent::Acknowledged => "faults acknowledged".into(),
-        StationEvent::Warning { number, active } => {
-            let meaning = profidrive::catalogue::AKD
-                .fault(*number, true)
-                .map_or("", |warning| warning.meaning);
-            let end = if *active { "" } else { " is gone" };
-            format!("warning n{number} {meaning}{end}")
-        }
-        StationEvent::PersistNetwork(_)
-        | StationEvent::PersistParameters { .. }
-        | StationEvent::ParametersIgnored(_) => String::new(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -244,6 +210,7 @@ mod tests {
 
     fn drive(folder: Option<&std::path::Path>) -> Arc<Keeping> {
         Arc::new(Keeping {
+            model: &virtual_drive::model::AKD,
             key: "akd-1".into(),
             state: DriveState::new(folder, "akd-1"),
         })

@@ -1,0 +1,121 @@
+//! `profidrive inject DRIVE fault=439`: lets something happen to a drive of a running `profidrive simulate`.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use scenario::{Happening, keys};
+
+use crate::args::duration;
+use crate::desk::{Answer, Request, ask, folder};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::render::table::{Table, clean};
+
+/// What to let happen to which virtual drive.
+#[derive(Debug, Args)]
+pub struct Inject {
+    /// Station name, IP address or MAC address of a drive that `profidrive simulate` runs on this computer
+    pub drive: Option<String>,
+    /// What is to happen, in this order; without any: what can happen
+    #[arg(value_name = "KEY=VALUE")]
+    pub happenings: Vec<String>,
+    /// Ends it again after this time
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    pub lasts: Option<Duration>,
+}
+
+pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
+    let Some(drive) = args.drive.as_ref().filter(|_| !args.happenings.is_empty()) else {
+        if args.lasts.is_some() {
+            return Err(Failure::usage("--for needs something that happens: KEY=VALUE"));
+        }
+        tell_keys(output);
+        return Ok(());
+    };
+    for text in &args.happenings {
+        let happening: Happening = text.parse().map_err(|error| Failure::usage(format!("{error}")))?;
+        if args.lasts.is_some() && happening.undo().is_none() {
+            return Err(Failure::usage(format!(
+                "`{happening}` has no end of its own, so --for means nothing for it"
+            )));
+        }
+    }
+    let lasts = args
+        .lasts
+        .map(|lasts| u64::try_from(lasts.as_nanos()).unwrap_or(u64::MAX));
+    let request = Request {
+        drive: drive.clone(),
+        happenings: args.happenings.clone(),
+        lasts,
+    };
+    let mut others = Vec::new();
+    for socket in sockets()? {
+        match ask(&socket, &request) {
+            Ok(Some(Answer::Done(name))) => {
+                let what = args.happenings.join(" ");
+                if output.json() {
+                    output.document(
+                        "inject",
+                        fields! { "drive": name.as_str(), "happened": what.as_str() },
+                    );
+                } else {
+                    output.say(&format!("{}: {what}", clean(&name)));
+                }
+                return Ok(());
+            }
+            Ok(Some(Answer::NotHere(drives))) => others.extend(drives),
+            Ok(Some(Answer::Refused(why))) => {
+                return Err(Failure::new(Exit::Refused, format!("{drive}: {}", clean(&why))));
+            }
+            Ok(None) => {}
+            // left behind by a process that was killed
+            Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
+                let _ = fs::remove_file(&socket);
+            }
+            Err(error) => output.warn(&format!("{}: {error}", socket.display())),
+        }
+    }
+    let failure = Failure::new(
+        Exit::Unreachable,
+        format!("no `profidrive simulate` of yours on this computer has a drive {drive}"),
+    );
+    Err(if others.is_empty() {
+        failure.hint("start one: `profidrive simulate --name akd-1 -i IFACE`")
+    } else {
+        failure.hint(format!("there are: {}", clean(&others.join(", "))))
+    })
+}
+
+/// The sockets of all running simulations, in a stable order.
+fn sockets() -> Result<Vec<PathBuf>, Failure> {
+    let folder = folder()?;
+    let entries = fs::read_dir(&folder)
+        .map_err(|error| Failure::new(Exit::Failed, format!("{}: {error}", folder.display())))?;
+    let mut found: Vec<_> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "sock"))
+        .collect();
+    found.sort();
+    Ok(found)
+}
+
+fn tell_keys(output: &Output) {
+    if output.json() {
+        let all: Vec<_> = keys()
+            .map(|key| fields! { "key": key.key, "example": key.example, "meaning": key.meaning })
+            .collect();
+        output.document("inject", fields! { "keys": all });
+        return;
+    }
+    let mut table = Table::new(&["example", "what happens"]);
+    for key in keys() {
+        table.row([key.example.to_owned(), key.meaning.to_owned()]);
+    }
+    for line in table.lines() {
+        output.line(&line);
+    }
+}

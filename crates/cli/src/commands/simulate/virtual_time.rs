@@ -1,0 +1,73 @@
+//! A scenario in virtual time: the trace on stdout, the same every time.
+
+use std::fs::File;
+use std::path::Path;
+use std::time::Duration;
+
+use network::linux::{Stop, now};
+use network::pcap::Writer;
+use profinet::Instant;
+use scenario::{Entry, Scenario, World};
+
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+
+/// Virtual time between two looks at the stop flag.
+const STRIDE: Duration = Duration::from_millis(500);
+
+pub fn run(
+    scenario: &Scenario,
+    time: Option<Duration>,
+    pcap: Option<&Path>,
+    output: &Output,
+) -> Result<(), Failure> {
+    let Some(time) = time.or(scenario.duration) else {
+        return Err(Failure::usage("how long? Virtual time has no end of its own")
+            .hint("give `duration` in the scenario, or --for TIME"));
+    };
+    let failed =
+        |what: &str, error: &dyn std::fmt::Display| Failure::new(Exit::Failed, format!("{what}: {error}"));
+    let mut world = World::new(scenario).map_err(|error| failed("the scenario cannot start", &error))?;
+    if let Some(path) = pcap {
+        let name = path.display().to_string();
+        let file = File::create(path).map_err(|error| failed(&name, &error))?;
+        let writer = Writer::new(file, "scenario", Duration::ZERO).map_err(|error| failed(&name, &error))?;
+        world.add_tap(Box::new(writer));
+    }
+    let stop = Stop::on_signals().map_err(|error| failed("cannot watch for Ctrl-C", &error))?;
+    let begin = now();
+    let end = Instant::ZERO + time;
+    let mut tell = |entry: Entry| tell(&entry, output);
+    while world.now() < end && !stop.is_stopped() {
+        let until = (world.now() + STRIDE).min(end);
+        world.run_until(until, &mut tell);
+    }
+    world
+        .finish_taps()
+        .map_err(|error| failed("the capture is not complete", &error))?;
+    let (simulated, took) = (
+        (world.now() - Instant::ZERO).as_secs_f64(),
+        (now() - begin).as_secs_f64(),
+    );
+    output.say(&format!(
+        "{simulated} s in {took:.3} s, {:.0} times real time; seed {}, trace {:016x}{}",
+        simulated / took.max(1e-9),
+        scenario.seed,
+        world.trace_hash(),
+        if world.now() < end { "; ended early" } else { "" }
+    ));
+    Ok(())
+}
+
+fn tell(entry: &Entry, output: &Output) {
+    if output.json() {
+        let time = (entry.at - Instant::ZERO).as_secs_f64();
+        output.document(
+            "simulate",
+            fields! { "time": time, "drive": entry.drive.as_str(), "text": entry.what.to_string() },
+        );
+    } else {
+        output.line(&entry.to_string());
+    }
+}

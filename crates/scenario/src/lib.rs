@@ -1,0 +1,25 @@
+//! Plants of virtual drives, and what happens to them.
+//!
+//! A [`Scenario`] is read from a TOML file: drives with model, name, address, motor, load and first parameters, a time
+//! line of what happens to each ([`Happening`]: faults, STO, load steps, a pulled cable, late frames, wrong answers),
+//! and controllers with a program. A [`World`] plays it in virtual time, as fast as the machine can, and gives the same
+//! trace for the same seed every time. On a real interface the owner of the stations plays each drive's [`Timeline`]
+//! itself ([`Timeline::play`]).
+//!
+//! No socket, thread or clock in here.
+
+mod file;
+mod happening;
+mod program;
+mod text;
+mod timeline;
+mod trace;
+mod world;
+
+pub use file::{Cue, DrivePlan, Scenario, ScenarioError, Trigger};
+pub use happening::{Happening, HappeningError, LinkFault, Unit, keys};
+pub use program::{Action, ControllerPlan, Step};
+pub use text::derived_mac;
+pub use timeline::{Played, Timeline};
+pub use trace::{Entry, What};
+pub use world::{World, WorldError};

@@ -1,0 +1,131 @@
+//! Whole scenarios in virtual time.
+
+use std::time::Duration;
+
+use profinet::Instant;
+use scenario::{Entry, Scenario, World};
+
+/// A run at 60 rpm under telegram 1, with these events of the drive.
+fn plant(seed: u64, events: &str) -> Scenario {
+    format!(
+        r#"
+        seed = {seed}
+        [[drive]]
+        name = "press-1"
+        ip = "10.0.0.1/24"
+        event = [{events}]
+        [[controller]]
+        drive = "press-1"
+        telegram = 1
+        step = [
+            {{ at = "0.5s", send = {{ STW1 = "0x047E" }} }},
+            {{ at = "1s", send = {{ STW1 = "0x047F", NSOLL_A = "60rpm" }} }},
+            {{ at = "7s", send = {{ STW1 = "0x04FE" }} }},
+            {{ at = "7.2s", send = {{ STW1 = "0x047E" }} }},
+            {{ at = "7.5s", send = {{ STW1 = "0x047F" }} }},
+        ]
+        "#
+    )
+    .parse()
+    .unwrap()
+}
+
+/// Plays ten seconds; the trace and the hash of all frames.
+fn play(scenario: &Scenario) -> (Vec<Entry>, u64) {
+    let mut world = World::new(scenario).unwrap();
+    let mut trace = Vec::new();
+    world.run_until(Instant::from_millis(10_000), &mut |entry| trace.push(entry));
+    (trace, world.trace_hash())
+}
+
+/// When the trace first says this.
+fn told(trace: &[Entry], words: &str) -> Option<Duration> {
+    let found = trace.iter().find(|entry| entry.to_string().contains(words));
+    found.map(|entry| entry.at - Instant::ZERO)
+}
+
+#[test]
+fn the_same_seed_gives_the_same_trace_and_the_same_frames() {
+    let events = r#"{ at = "2s", do = "loss=10%" }, { at = "2s", do = "jitter=3ms" }"#;
+    let (first, frames) = play(&plant(7, events));
+    assert_eq!(play(&plant(7, events)), (first.clone(), frames));
+    let (_, others) = play(&plant(8, events));
+    assert_ne!(others, frames);
+    assert!(told(&first, "S4 operation").is_some());
+}
+
+#[test]
+fn a_pulled_cable_ends_in_a_stop_and_everybody_finds_back() {
+    let (trace, _) = play(&plant(1, r#"{ at = "3s", do = "cable=pulled", for = "500ms" }"#));
+    let fault = told(&trace, "fault F702").unwrap();
+    assert!(
+        fault > Duration::from_secs(3) && fault < Duration::from_millis(3100),
+        "{fault:?}"
+    );
+    assert!(told(&trace, "controller: connection lost").is_some());
+    assert!(told(&trace, "! cable=plugged").unwrap() == Duration::from_millis(3500));
+    let acknowledged = told(&trace, "faults acknowledged").unwrap();
+    assert!(acknowledged > Duration::from_secs(7));
+    let again = trace
+        .iter()
+        .filter(|entry| entry.to_string().contains("-> S4 operation"));
+    assert_eq!(again.count(), 2, "runs again after the acknowledge");
+}
+
+#[test]
+fn a_place_on_the_way_lets_things_happen() {
+    let (trace, _) = play(&plant(1, r#"{ position = "2.5rev", do = "fault=439" }"#));
+    let happened = told(&trace, "! fault=439").unwrap();
+    // one revolution in a second, from second 1 on
+    let due = Duration::from_millis(3500);
+    assert!(
+        happened.abs_diff(due) < Duration::from_millis(100),
+        "{happened:?}"
+    );
+    assert!(told(&trace, "fault F439").unwrap() >= happened);
+}
+
+#[test]
+fn physical_causes_have_their_effects() {
+    for (event, words) in [
+        (r#"{ at = "3s", do = "sto=on" }"#, "fault F602"),
+        (r#"{ at = "3s", do = "bus=900V", for = "1s" }"#, "fault F501"),
+        (r#"{ at = "3s", do = "feedback=lost" }"#, "fault F408"),
+        (r#"{ at = "3s", do = "limit+=on" }"#, "warning n107"),
+    ] {
+        let (trace, _) = play(&plant(1, event));
+        let at = told(&trace, words).unwrap_or_else(|| panic!("{event}"));
+        assert!(
+            at >= Duration::from_secs(3) && at < Duration::from_secs(4),
+            "{event}: {at:?}"
+        );
+    }
+    let (trace, _) = play(&plant(1, r#"{ at = "3s", do = "load=0.5Nm", for = "1s" }"#));
+    assert!(told(&trace, "! load=0Nm").is_some());
+    assert!(told(&trace, "fault").is_none(), "a small load is held");
+}
+
+#[test]
+fn samples_come_when_they_are_due() {
+    let text = r#"
+        sample = "100ms"
+        [[drive]]
+        name = "press-1"
+    "#;
+    let (trace, _) = play(&text.parse().unwrap());
+    let times: Vec<_> = trace.iter().map(|entry| entry.at - Instant::ZERO).collect();
+    let due: Vec<_> = (1..=100).map(|n| Duration::from_millis(100 * n)).collect();
+    assert_eq!(times, due);
+}
+
+#[test]
+fn a_first_parameter_that_is_refused_is_told() {
+    let text = r#"
+        [[drive]]
+        name = "press-1"
+        ip = "10.0.0.1/30"
+        parameters = { 930 = 7 }
+    "#;
+    let error = World::new(&text.parse().unwrap()).unwrap_err().to_string();
+    assert!(error.contains("press-1") && error.contains("refused"), "{error}");
+}

@@ -1,0 +1,94 @@
+//! What a station has to tell.
+
+use profidrive::catalogue::Catalogue;
+use profidrive::state::State;
+use profinet::device::Stored;
+use profinet::wire::PnioStatus;
+
+use crate::store::ImageError;
+
+/// Something its owner should do or may want to know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StationEvent {
+    /// Keep this over a restart ([`network_to_text`]): name, address and I&M data that were set permanently.
+    PersistNetwork(Stored),
+    /// Keep this text over a restart.
+    PersistParameters {
+        /// Image of the saved parameters.
+        text: String,
+    },
+    /// The saved parameters could not be used; the drive has the values as delivered.
+    ParametersIgnored(ImageError),
+    /// Show which drive this is.
+    Blink,
+    /// A relation was opened.
+    Connected {
+        /// A controller, else a tool that reads and writes parameters.
+        controller: bool,
+        /// Name of the other station.
+        station: String,
+    },
+    /// The controller and the drive exchange data.
+    Exchanging {
+        /// Telegram in use.
+        telegram: u16,
+    },
+    /// The connection of the controller ended.
+    Disconnected {
+        /// Why.
+        cause: PnioStatus,
+    },
+    /// The profile state changed.
+    State {
+        /// Before.
+        from: State,
+        /// Now.
+        to: State,
+    },
+    /// A fault came.
+    Fault {
+        /// Its number.
+        number: u16,
+    },
+    /// The faults were acknowledged.
+    Acknowledged,
+    /// A warning came or went.
+    Warning {
+        /// Its number.
+        number: u16,
+        /// True when it came.
+        active: bool,
+    },
+}
+
+impl StationEvent {
+    /// What happened, in words; the meaning of fault numbers is from `catalogue`. `None` for what only asks to be kept.
+    #[must_use]
+    pub fn words(&self, catalogue: &Catalogue) -> Option<String> {
+        let meaning = |number, warning| catalogue.fault(number, warning).map_or("", |fault| fault.meaning);
+        Some(match self {
+            Self::Blink => "blinks".into(),
+            Self::Connected { controller, station } => {
+                let kind = if *controller {
+                    "controller"
+                } else {
+                    "parameter tool"
+                };
+                format!("connected: {kind} \"{}\"", station.escape_debug())
+            }
+            Self::Exchanging { telegram } => format!("exchanges data, telegram {telegram}"),
+            Self::Disconnected { cause } => format!("disconnected: {cause}"),
+            Self::State { from, to } => format!("{from} -> {to}"),
+            Self::Fault { number } => format!("fault F{number} {}", meaning(*number, false)),
+            Self::Acknowledged => "faults acknowledged".into(),
+            Self::Warning { number, active } => {
+                let end = if *active { "" } else { " is gone" };
+                format!("warning n{number} {}{end}", meaning(*number, true))
+            }
+            Self::ParametersIgnored(error) => {
+                format!("saved parameters not used, values as delivered: {error}")
+            }
+            Self::PersistNetwork(_) | Self::PersistParameters { .. } => return None,
+        })
+    }
+}
