@@ -1,4 +1,5 @@
 //! Whole scenarios in virtual time.
+#![allow(clippy::unwrap_used, clippy::panic)] // a test reports by panicking
 
 use std::time::Duration;
 
