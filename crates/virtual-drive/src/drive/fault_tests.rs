@@ -398,3 +398,40 @@ fn a_brake_that_is_fitted_holds_while_off() {
     bench.send(0x047D, 0, 2);
     assert!(!bench.drive.axis().inputs().brake);
 }
+
+#[test]
+fn a_following_error_warns_then_faults() {
+    for (mode, faults_after) in [(0, 1), (1, 7)] {
+        let mut bench = Bench::new();
+        bench.write("DRV.OPMODE", 2).unwrap();
+        bench.write("PL.ERRMODE", mode).unwrap();
+        bench.write("PL.ERRWTHRESH", 650).unwrap(); // counts, 65,536 of which are a revolution
+        bench.write("PL.ERRFTHRESH", 6_500).unwrap();
+        bench.send(0x047E, 0, 3);
+        bench.send(0x047F, 0, 5);
+        assert_eq!(bench.drive.state(), State::S4);
+        assert_eq!(bench.status & (WARNING | FAULT), 0);
+        // More than the motor can hold.
+        bench.write("IL.LIMITP", 200).unwrap();
+        bench.write("IL.LIMITN", -200).unwrap();
+        bench.drive.inject("load=0.3Nm".parse().unwrap());
+        let (mut warned, mut cycles, mut beyond) = (false, 0, 0);
+        while !bench.drive.has_fault() {
+            bench.send(0x047F, 0, 1);
+            warned |= bench.status & WARNING != 0;
+            beyond += usize::from(bench.read("PL.ERR").abs() > 6_500 || bench.drive.has_fault());
+            cycles += 1;
+            assert!(cycles < 200, "PL.ERR {}", bench.read("PL.ERR"));
+        }
+        assert_eq!(bench.element("947", 0), 439);
+        assert_eq!(bench.drive.state(), State::S1);
+        assert!(beyond >= faults_after, "mode {mode}: {beyond}");
+        assert!(
+            mode == 1 || (warned && beyond == 1),
+            "mode {mode}: {beyond} {warned}"
+        );
+        bench.drive.inject(Injection::Load(0.0));
+        assert_eq!(bench.send(0x047E, 0, 2) & WARNING, 0, "off when disabled");
+        assert_eq!(acknowledge(&mut bench) & FAULT, 0);
+    }
+}

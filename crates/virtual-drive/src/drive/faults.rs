@@ -21,9 +21,6 @@ const MOST_LASTING: usize = 8;
 /// Warnings at one time.
 const MOST_WARNINGS: usize = 16;
 
-/// 2^-32 revolutions of one count of a position, 65,536 of which are a revolution.
-const COUNT: f64 = 65_536.0;
-
 /// Value of FAULTn.ACTION: the fault is ignored.
 const IGNORE: i64 = 1;
 
@@ -285,7 +282,7 @@ impl Drive {
     }
 
     /// A warning of motion is there, or is gone: motion tasks, homing, software limits.
-    pub fn warn(&mut self, number: u16, active: bool) {
+    pub(super) fn warn(&mut self, number: u16, active: bool) {
         self.keep(number, Keeper::Motion, active);
     }
 
@@ -456,10 +453,8 @@ impl Drive {
         let axis = &self.axis;
         let (inputs, electrical) = (axis.inputs(), axis.electrical());
         let yes = |holds: bool| f64::from(u8::from(holds));
-        put(
-            Cause::FollowingError,
-            axis.following_error().unsigned_abs() as f64 / COUNT,
-        );
+        let following = self.settings.position.units.value(axis.following_error());
+        put(Cause::FollowingError, following.abs());
         put(Cause::Overspeed, axis.speed().abs());
         put(Cause::BusHigh, electrical.bus_voltage());
         put(Cause::BusLow, electrical.bus_voltage());

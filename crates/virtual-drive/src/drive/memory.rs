@@ -2,7 +2,7 @@
 //! were saved. Everything else is gone with the power.
 //!
 //! DRV.NVSAVE saves, DRV.NVLOAD fetches what was saved last, DRV.RSTVAR puts the values as delivered into the working
-//! memory and leaves what is saved alone. Source: AKD Parameter Guide 12/2009.
+//! memory and leaves what is saved alone. Motion tasks are kept like parameters. Source: AKD Parameter Guide 12/2009.
 
 use profidrive::catalogue::Scaling;
 use profidrive::parameter::ErrorNumber;
@@ -29,6 +29,7 @@ impl Drive {
     pub fn reset_to_delivery(&mut self) {
         self.request_disable();
         self.values.reset();
+        self.forget_tasks();
         self.reset_telegrams();
         self.apply();
         self.save();
@@ -81,12 +82,17 @@ impl Drive {
             return Err(ErrorNumber::NOT_NOW);
         }
         self.values.reset();
+        self.forget_tasks();
         Ok(())
     }
 
     /// Everything that would be saved now.
     fn image(&self) -> Image {
-        self.values.image(&self.settings.scaling)
+        let mut image = self.values.image(&self.settings.scaling);
+        for (name, text) in self.task_lines() {
+            image.push_text(&name, &text);
+        }
+        image
     }
 
     /// What was saved last; the values as delivered where nothing ever was.
@@ -103,7 +109,12 @@ impl Drive {
             .values
             .restore(image, |values| Settings::new(model, values).scaling)?;
         self.apply();
-        Ok(left_out)
+        self.forget_tasks();
+        let tasks = image.entries();
+        let taken = tasks
+            .filter(|(name, text)| self.take_task_line(name, text))
+            .count();
+        Ok(left_out - taken)
     }
 
     fn keep_saved(&mut self, image: &Image) {

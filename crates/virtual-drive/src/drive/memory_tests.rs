@@ -138,3 +138,37 @@ fn an_address_set_by_dcp_overwrites_the_mode_and_nothing_else() {
     assert!(restarted.drive.starts_with_address());
     assert_eq!(restarted.read("DRV.ACC"), 3_000_000);
 }
+
+#[test]
+fn motion_tasks_are_kept_like_parameters() {
+    let mut bench = Bench::new();
+    for (name, raw) in [
+        ("MT.NUM", 5),
+        ("MT.P", 655_360),
+        ("MT.V", 300_000),
+        ("MT.ACC", 3_000_000),
+        ("MT.DEC", 2_000_000),
+        ("MT.TNEXT", 250),
+        ("MT.SET", 1),
+    ] {
+        bench.write(name, raw).unwrap();
+    }
+    bench.write("DRV.NVSAVE", 1).unwrap();
+    let text = saved(&mut bench).unwrap();
+    assert!(
+        text.contains("\nMT[5] = P 10rev, V 300rpm, ACC 3000rpm/s, "),
+        "{text}"
+    );
+    bench.write("MT.CLEAR", 5).unwrap();
+    for mut bench in [bench, restarted(&text)] {
+        bench.write("DRV.NVLOAD", 1).unwrap();
+        bench.write("MT.NUM", 5).unwrap();
+        bench.write("MT.LOAD", 1).unwrap();
+        let task = ["MT.P", "MT.V", "MT.DEC", "MT.TNEXT"].map(|name| bench.read(name));
+        assert_eq!(task, [655_360, 300_000, 2_000_000, 250]);
+        bench.write("DRV.RSTVAR", 1).unwrap();
+        bench.write("MT.NUM", 5).unwrap();
+        bench.write("MT.LOAD", 1).unwrap();
+        assert_eq!(bench.read("MT.V"), 0, "as delivered there is none");
+    }
+}

@@ -24,6 +24,7 @@ mod run;
 mod service;
 mod setup;
 mod status;
+mod stored;
 mod task;
 mod units;
 
