@@ -25,6 +25,20 @@ impl Channel {
         }
     }
 
+    /// Several parameters in one request, as they are in the request: the response.
+    pub fn ask_many(&mut self, id: u8, addresses: &[u16], value_blocks: &[u8]) -> Vec<u8> {
+        let mut request = vec![0x77, id, 0, u8::try_from(addresses.len()).unwrap()];
+        for pnu in addresses {
+            request.extend([0x10, 1]);
+            request.extend(pnu.to_be_bytes());
+            request.extend([0, 0]);
+        }
+        request.extend(value_blocks);
+        let mut out = [0xEE; 240];
+        let length = self.drive.serve(&request, &mut out).unwrap();
+        out[..length].to_vec()
+    }
+
     /// One parameter in one request; the answer, with everything around it checked.
     pub fn ask(
         &mut self,

@@ -356,3 +356,60 @@ fn commands_are_executed_by_any_value() {
     }
     assert_eq!(found, 28);
 }
+
+/// The block of an answer inside a response to many.
+fn answer_block(row: &Row, answer: &Answer) -> Vec<u8> {
+    match answer {
+        Answer::Values(format, octets) => {
+            let mut block = vec![*format, 1];
+            block.extend(octets);
+            block.resize(2 + row.octets().next_multiple_of(2), 0);
+            block
+        }
+        Answer::Written => vec![0x40, 0],
+        Answer::Error(number) => [&[0x44, 1][..], &number.to_be_bytes()].concat(),
+    }
+}
+
+#[test]
+fn many_parameters_in_one_request_answer_as_each_alone() {
+    let table = Table::load();
+    for (id, failing) in [(1, false), (1, true), (2, false), (2, true)] {
+        let rows = table
+            .rows
+            .iter()
+            .filter(|row| id == 1 || row.access == "rw" || failing && row.access == "ro");
+        let rows: Vec<&Row> = rows.filter(|row| !row.is_array() && row.pnu != 922).collect();
+        for some in rows.chunks(16) {
+            let mut channel = Channel::new();
+            let mut addresses = Vec::new();
+            let (mut blocks, mut expected) = (Vec::new(), Vec::new());
+            let mut refused = false;
+            for (place, row) in some.iter().enumerate() {
+                let unknown = failing && place % 5 == 3;
+                let pnu = if unknown { 0xFFF0 } else { row.pnu };
+                addresses.push(pnu);
+                // The same as it has: writing changes nothing for the others.
+                let value = block(row, row.format(), &[channel.read(row)]);
+                let answer = channel.ask(id, 0x10, 1, pnu, 0, if id == 2 { &value } else { &[] });
+                refused |= matches!(answer, Answer::Error(_));
+                expected.extend(answer_block(row, &answer));
+                if id == 2 {
+                    blocks.extend(value);
+                }
+            }
+            let response = channel.ask_many(id, &addresses, &blocks);
+            let header = [
+                0x77,
+                if refused { id | 0x80 } else { id },
+                0,
+                u8::try_from(some.len()).unwrap(),
+            ];
+            assert_eq!(response[..4], header, "{addresses:?}");
+            match (id, refused) {
+                (2, false) => assert_eq!(response[4..], [0, 0]),
+                _ => assert_eq!(response[4..], expected, "{addresses:?}"),
+            }
+        }
+    }
+}
