@@ -2,7 +2,7 @@
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 
-use profinet::{IpSuite, MAX_FRAME, RPC_PORT};
+use profinet::{IpSuite, MAX_FRAME, RPC_PORT, Traffic};
 use proptest::prelude::*;
 
 use super::*;
@@ -23,6 +23,9 @@ struct Probe {
     frames: Vec<Vec<u8>>,
     datagrams: Vec<(SocketAddrV4, u16, Vec<u8>)>,
     outbox: Vec<(SocketAddrV4, u16, Vec<u8>)>,
+    /// A port it wants datagrams at, beside the usual ones.
+    extra: Option<u16>,
+    traffic: Vec<(Traffic, Vec<u8>)>,
 }
 
 impl Endpoint for Probe {
@@ -37,6 +40,12 @@ impl Endpoint for Probe {
     }
     fn handle_datagram(&mut self, _: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
         self.datagrams.push((source, local_port, payload.to_vec()));
+    }
+    fn serves(&self, port: u16) -> bool {
+        port == RPC_PORT || Some(port) == self.extra
+    }
+    fn note_traffic(&mut self, traffic: Traffic, frame: &[u8]) {
+        self.traffic.push((traffic, frame.to_vec()));
     }
     fn handle_timeout(&mut self, _: Instant) {}
     fn poll_transmit(&mut self, _: Instant, buffer: &mut [u8]) -> Option<Transmit> {
@@ -339,4 +348,42 @@ proptest! {
         receiver.handle_frame(at(0), &frames[0]);
         prop_assert_eq!(&receiver.endpoint().datagrams, &[(SocketAddrV4::new(IP.address, port), RPC_PORT, payload)]);
     }
+}
+
+#[test]
+fn neighbours_are_heard_without_an_address() {
+    let mut host = Host::new(Probe::default());
+    let told = padded("0180c200000e 02504e000099 88cc 0202 0761 0402 0762 0602 0014 0000");
+    host.handle_frame(at(0), &told);
+    assert_eq!(host.endpoint().frames, [told]);
+}
+
+#[test]
+fn a_port_is_open_when_the_endpoint_wants_it() {
+    let mut host = settled();
+    // to port 161, without a checksum
+    let mut question = hex(DATAGRAM);
+    question[36..38].copy_from_slice(&161_u16.to_be_bytes());
+    question[40..42].copy_from_slice(&[0, 0]);
+    host.handle_frame(at(3000), &question);
+    assert!(host.endpoint().datagrams.is_empty());
+    host.endpoint_mut().extra = Some(161);
+    host.handle_frame(at(3000), &question);
+    assert_eq!(host.endpoint().datagrams[0].1, 161);
+}
+
+#[test]
+fn the_endpoint_is_told_of_every_frame_of_its_own() {
+    let mut host = settled();
+    host.endpoint_mut().traffic.clear();
+    let echo = hex(ECHO_REQUEST);
+    host.handle_frame(at(3000), &echo);
+    let mut other = echo.clone();
+    other[5] = 0x77;
+    host.handle_frame(at(3000), &other);
+    let answers = drain(&mut host, at(3000));
+    assert_eq!(
+        host.endpoint().traffic,
+        [(Traffic::Received, echo), (Traffic::Sent, answers[0].clone())]
+    );
 }

@@ -377,3 +377,22 @@ fn an_hour_of_cycles_takes_seconds() {
     }
     assert_eq!(segment.fabric.buffers_in_use(), 0);
 }
+
+#[test]
+fn a_switch_keeps_what_is_for_the_next_bridge() {
+    let group = |last| MacAddress([0x01, 0x80, 0xC2, 0, 0, last]);
+    let heard = |to| {
+        let mut segment = Segment::new(1);
+        segment.attach(Box::new(Host::new(Talker::sending(1, to, CYCLE))));
+        let other = segment.attach(Box::new(Host::new(Talker::new(2))));
+        segment.run_until(ms(100));
+        segment
+            .station::<Host<Talker>>(other)
+            .unwrap()
+            .endpoint()
+            .heard
+            .len()
+    };
+    assert_eq!((heard(group(0x0E)), heard(group(0x00))), (0, 0));
+    assert_eq!((heard(group(0x10)), heard(mac(2))), (6, 6));
+}
