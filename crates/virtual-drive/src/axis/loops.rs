@@ -27,7 +27,7 @@ pub(super) struct Feedback {
 }
 
 /// Gains and limits in the units of the loops, made once for each call.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub(super) struct Gains {
     dt: f64,
     /// Steps in a second.
@@ -44,8 +44,10 @@ pub(super) struct Gains {
     /// A/(rad/s^2)
     inertia: f64,
     /// A and rad/s, as positive numbers.
-    pub negative_current: f64,
-    pub positive_current: f64,
+    negative_current: f64,
+    positive_current: f64,
+    /// Current that the foldback allows now, A.
+    pub limit: f64,
     negative_speed: f64,
     positive_speed: f64,
 }
@@ -68,13 +70,18 @@ impl Gains {
             inertia: reluctance,
             negative_current: tuning.current_negative.max(0.0),
             positive_current: tuning.current_positive.max(0.0),
+            limit: f64::MAX,
             negative_speed: tuning.speed_negative.max(0.0) * RADIANS,
             positive_speed: tuning.speed_positive.max(0.0) * RADIANS,
         }
     }
 
     fn limit_current(&self, current: f64) -> f64 {
-        within(current, -self.negative_current, self.positive_current)
+        within(
+            current,
+            -self.negative_current.min(self.limit),
+            self.positive_current.min(self.limit),
+        )
     }
 
     fn limit_speed(&self, speed: f64) -> f64 {

@@ -59,6 +59,8 @@ const MOST_STEPS: usize = 512;
 /// assert_eq!(axis.position_command(), target);
 /// ```
 #[derive(Debug, Clone)]
+// What one step writes and the next one reads shall not lie across two cache lines.
+#[repr(align(64))]
 pub struct Axis {
     mechanics: Mechanics,
     electrical: Electrical,
@@ -132,7 +134,7 @@ impl Axis {
             let steps = ((seconds / LONGEST_STEP).ceil() as usize).clamp(1, MOST_STEPS);
             (steps, (seconds / steps as f64).min(LONGEST_STEP))
         };
-        let gains = Gains::new(
+        let mut gains = Gains::new(
             dt,
             tuning,
             self.mechanics.authority(),
@@ -141,7 +143,7 @@ impl Axis {
         let command = if self.sto { &Command::Off } else { command };
         self.loops.aim(command, tuning);
         for left in (0..steps).rev() {
-            self.substep(dt, command, tuning, &gains);
+            self.substep(dt, command, tuning, &mut gains);
             if enough(self) {
                 return left as f64 * dt;
             }
@@ -149,16 +151,13 @@ impl Axis {
         0.0
     }
 
-    fn substep(&mut self, dt: f64, command: &Command, tuning: &Tuning, gains: &Gains) {
-        let mut gains = *gains;
-        let limit = self.electrical.foldback_limit();
-        gains.negative_current = gains.negative_current.min(limit);
-        gains.positive_current = gains.positive_current.min(limit);
+    fn substep(&mut self, dt: f64, command: &Command, tuning: &Tuning, gains: &mut Gains) {
+        gains.limit = self.electrical.foldback_limit();
         let seen = Feedback {
             position: self.seen.position.wrapping_add(self.shift),
             ..self.seen
         };
-        let wanted = self.loops.step(command, &gains, seen);
+        let wanted = self.loops.step(command, gains, seen);
         self.current = if self.electrical.can_drive() { wanted } else { 0.0 };
         let before = self.mechanics.position;
         let power = self.current * self.mechanics.plant().torque_constant * self.mechanics.omega;
