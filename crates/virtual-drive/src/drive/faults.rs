@@ -180,6 +180,8 @@ impl Faults {
 pub(super) struct Watching {
     /// In the direction "above": negated for a cause that must be below. Not a number where supervision is off.
     limits: [f64; MOST_CONDITIONS],
+    /// The lowest of these limits by number of the cause: below all of them nothing is wrong.
+    lowest: [f64; Cause::COUNT],
     /// Bit by place in the table: counts while enabled, while disabled.
     enabled: u32,
     disabled: u32,
@@ -192,6 +194,7 @@ impl Watching {
     pub fn new(model: &Model, is_current: bool, value: impl Fn(u16) -> f64) -> Self {
         let mut watching = Self {
             limits: [f64::NAN; MOST_CONDITIONS],
+            lowest: [f64::INFINITY; Cause::COUNT],
             enabled: 0,
             disabled: 0,
             delayed: 0,
@@ -208,6 +211,9 @@ impl Watching {
             };
             if condition.cause.is_below() {
                 *limit = -*limit;
+            }
+            if let Some(lowest) = watching.lowest.get_mut(condition.cause as usize) {
+                *lowest = lowest.min(*limit); // not a number loses
             }
             let (enabled, disabled) = match condition.when {
                 When::Always => (true, true),
@@ -366,12 +372,16 @@ impl Drive {
     pub(super) fn supervise(&mut self) {
         let values = self.watched();
         let watching = &self.settings.watching;
+        let beyond = values.iter().zip(&watching.lowest);
+        let quiet = beyond.fold(true, |quiet, (value, lowest)| quiet & (value <= lowest));
+        if quiet && self.faults.present | self.faults.counting == 0 {
+            return;
+        }
         let now = self.last;
         let mut present = 0_u32;
         let conditions = self.model.conditions.iter().zip(&watching.limits);
         for (place, (condition, limit)) in conditions.enumerate() {
             let value = values.get(condition.cause as usize).copied().unwrap_or(0.0);
-            let value = if condition.cause.is_below() { -value } else { value };
             present |= u32::from(value > *limit) << place;
         }
         let delayed = present & watching.delayed;
@@ -442,7 +452,7 @@ impl Drive {
         self.keep(number, Keeper::Action, false);
     }
 
-    /// The values that conditions look at, by number of the cause.
+    /// The values that conditions look at, by number of the cause; negated where the cause must be below its limit.
     fn watched(&self) -> [f64; Cause::COUNT] {
         let mut values = [0.0; Cause::COUNT];
         let mut put = |cause: Cause, value: f64| {
@@ -457,9 +467,9 @@ impl Drive {
         put(Cause::FollowingError, following.abs());
         put(Cause::Overspeed, axis.speed().abs());
         put(Cause::BusHigh, electrical.bus_voltage());
-        put(Cause::BusLow, electrical.bus_voltage());
-        put(Cause::DriveFoldback, electrical.drive_foldback_limit());
-        put(Cause::MotorFoldback, electrical.motor_foldback_limit());
+        put(Cause::BusLow, -electrical.bus_voltage());
+        put(Cause::DriveFoldback, -electrical.drive_foldback_limit());
+        put(Cause::MotorFoldback, -electrical.motor_foldback_limit());
         put(Cause::MotorSensor, motor_sensor(electrical.motor_temperature()));
         put(Cause::PowerStage, electrical.power_stage_temperature());
         put(Cause::SafeTorqueOff, yes(inputs.sto));
