@@ -58,6 +58,7 @@ fn value(signal: u16, number: i64) -> i64 {
     }
 }
 
+/// What one connection is for.
 struct Round {
     telegram: u16,
     setpoint: Mapping,
@@ -68,30 +69,59 @@ struct Round {
 }
 
 impl Round {
+    /// Any values in all signals; an axis with a speed setpoint turns.
     fn new(telegram: u16) -> Self {
-        let (setpoint, actual) = mappings(telegram);
-        let length = AKD.device.telegram(telegram).unwrap().outputs;
-        let frame = |number: i64, stw1: i64, speed: i64| {
-            let mut data = vec![0; length.into()];
-            for field in setpoint.fields() {
-                let value = match field.signal.number {
-                    signal::STW1 => stw1,
-                    signal::NSOLL_A => speed,
-                    other => value(other, number),
-                };
-                field.set(&mut data, value).unwrap();
-            }
-            data
-        };
-        let mut frames = vec![frame(0, 0x0400, 0), frame(1, 0x0400, -77), frame(2, 0x047E, 0)];
-        if setpoint.has(signal::NSOLL_A) {
-            frames.extend([
-                frame(3, 0x047F, 164),
-                frame(4, 0x047F, -300),
-                frame(5, 0x047E, -300),
-                frame(6, 0x047E, 0),
-            ]);
+        let mut round = Self::without_frames(telegram);
+        for (number, stw1) in [(0, 0x0400), (1, 0x0400), (2, 0x047E)] {
+            round.frame(stw1, |signal| value(signal, number));
         }
+        if round.setpoint.has(signal::NSOLL_A) {
+            for (number, stw1, speed) in [
+                (3, 0x047F, 164),
+                (4, 0x047F, -300),
+                (5, 0x047E, -300),
+                (6, 0x047E, 0),
+            ] {
+                round.frame(stw1, |signal| {
+                    if signal == signal::NSOLL_A {
+                        speed
+                    } else {
+                        value(signal, number)
+                    }
+                });
+            }
+        }
+        round
+    }
+
+    /// Position mode with MDI, manual 5.10.2 and 5.10.3: enable, home where it stands, two turns forward, one turn back on
+    /// the fly, off.
+    fn positioning(telegram: u16) -> Self {
+        let mut round = Self::without_frames(telegram);
+        for (stw1, turns) in [
+            (0x043E, 0),
+            (0x043F, 0),
+            (0x0C3F, 0),
+            (0x043F, 2),
+            (0x047F, 2),
+            (0x043F, 2),
+            (0x047F, -1),
+            (0x043F, -1),
+            (0x043E, 0),
+        ] {
+            round.frame(stw1, |signal| match signal {
+                signal::SATZANW => 0x8000,
+                signal::MDI_TARPOS => turns * 65_536,
+                signal::MDI_VELOCITY => 0x0CCC_CCCD,    // 600 rpm
+                signal::MDI_ACC | signal::MDI_DEC => 8, // 6104 rpm/s
+                _ => 0,
+            });
+        }
+        round
+    }
+
+    fn without_frames(telegram: u16) -> Self {
+        let (setpoint, actual) = mappings(telegram);
         let all = setpoint.fields().iter().chain(actual.fields());
         let signals = all
             .map(|field| field.signal.number)
@@ -101,8 +131,21 @@ impl Round {
             signals: signals.collect(),
             setpoint,
             actual,
-            frames,
+            frames: Vec::new(),
         }
+    }
+
+    fn frame(&mut self, stw1: i64, value: impl Fn(u16) -> i64) {
+        let length = AKD.device.telegram(self.telegram).unwrap().outputs;
+        let mut data = vec![0; length.into()];
+        for field in self.setpoint.fields() {
+            let value = match field.signal.number {
+                signal::STW1 => stw1,
+                other => value(other),
+            };
+            field.set(&mut data, value).unwrap();
+        }
+        self.frames.push(data);
     }
 
     /// Reads them all in one request.
@@ -170,6 +213,7 @@ impl Round {
             let play = match field.signal.number {
                 signal::NIST_A if turning => 3,
                 signal::ITIST_GLATT if turning => 200,
+                signal::XIST_A if turning => 2,
                 _ => 0,
             };
             assert!(
@@ -213,9 +257,16 @@ fn mapping_jobs(telegram: u16) -> Vec<String> {
     jobs
 }
 
-#[test]
-fn every_telegram_with_profinet_py() {
-    let lab = Lab::new("profinetpy-telegrams");
+/// What the script saw of one frame.
+struct Seen {
+    output: Vec<u8>,
+    after: Vec<u8>,
+}
+
+/// Runs the rounds one after the other on one drive, with these jobs before; compares everything, and gives what was
+/// seen, by round.
+fn run(name: &str, jobs: &[String], rounds: &[Round]) -> Vec<Vec<Seen>> {
+    let lab = Lab::new(name);
     let capture = lab.capture("traffic");
     let simulate = [
         "simulate",
@@ -232,62 +283,73 @@ fn every_telegram_with_profinet_py() {
     ];
     let mut drive = lab.spawn(Side::Device, built("profidrive"), simulate);
     drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
-    let rounds: Vec<Round> = [1, 7, 9, 350, 351, 352, 353, 354, 400, 0].map(Round::new).into();
     let script = peer("profinetpy_controller.py");
     let mut line: Vec<String> = vec![script.to_str().unwrap().into()];
     let mut add = |words: &[&str]| line.extend(words.iter().map(|word| (*word).to_owned()));
     add(&["--interface", Side::Controller.interface(), "--mac", DEVICE_MAC]);
-    add(&[
-        "--name",
-        "drive-one",
-        "--ip",
-        "192.168.77.50",
-        "--ratio",
-        "16",
-        "--watchdog",
-        "30",
-    ]);
-    for job in mapping_jobs(400).iter().chain(&mapping_jobs(0)) {
+    add(&["--name", "drive-one", "--ip", "192.168.77.50"]);
+    add(&["--ratio", "16", "--watchdog", "30", "--patience", "1"]);
+    for job in jobs {
         add(&["--job", job]);
     }
-    for round in &rounds {
+    for round in rounds {
         let frames: Vec<String> = round.frames.iter().map(|frame| hex(frame)).collect();
-        add(&[
-            "--round",
-            &format!(
-                "{}|{}|{}",
-                slots(round.telegram),
-                frames.join(","),
-                hex(&round.request())
-            ),
-        ]);
+        let (slots, frames) = (slots(round.telegram), frames.join(","));
+        add(&["--round", &format!("{slots}|{frames}|{}", hex(&round.request()))]);
     }
     add(&["--steps", "find,configure,telegrams"]);
     let finished = lab.run(Side::Controller, python(), line, Duration::from_secs(120));
     let file = capture.stop();
     let steps = finished.ok().json_lines();
 
-    for record in steps.iter().filter(|step| step["step"] == "record") {
+    let records: Vec<_> = steps.iter().filter(|step| step["step"] == "record").collect();
+    assert_eq!(records.len(), jobs.len());
+    for record in records {
         assert_eq!(record["answer"], "010200010000", "{record}");
     }
+    let mut all = Vec::new();
     for (number, round) in rounds.iter().enumerate() {
-        let seen: Vec<_> = steps
-            .iter()
-            .filter(|step| step["step"] == "signals" && step["round"] == number)
-            .collect();
+        let of_round = |name: &'static str| {
+            let fits = move |step: &&serde_json::Value| step["step"] == name && step["round"] == number;
+            steps.iter().filter(fits).collect::<Vec<_>>()
+        };
+        let signals = of_round("signals");
         assert_eq!(
-            seen.len(),
+            signals.len(),
             round.frames.len(),
-            "telegram {}: {seen:?}",
+            "telegram {}: {signals:?}",
             round.telegram
         );
-        for step in seen {
+        let seen = signals.into_iter().map(|step| {
             let part = |name: &str| octets(&step[name]);
-            round.compare(&part("output"), &part("before"), &part("answer"), &part("after"));
+            let (output, after) = (part("output"), part("after"));
+            round.compare(&output, &part("before"), &part("answer"), &after);
+            Seen { output, after }
+        });
+        all.push(seen.collect());
+        let end = of_round("round")[0];
+        assert_eq!(
+            (&end["state"], &end["errors"]),
+            (&"RUNNING".into(), &serde_json::json!([])),
+            "{end}"
+        );
+    }
+    judge::judge(&file).clean().saw("pn_rt", 200).saw("pn_io", 20);
+    drive.interrupt(Duration::from_secs(5)).ok();
+    all
+}
+
+#[test]
+fn every_telegram_with_profinet_py() {
+    let rounds: Vec<Round> = [1, 7, 9, 350, 351, 352, 353, 354, 400, 0].map(Round::new).into();
+    let jobs = [mapping_jobs(400), mapping_jobs(0)].concat();
+    let seen = run("profinetpy-telegrams", &jobs, &rounds);
+    for (round, seen) in rounds.iter().zip(seen) {
+        for Seen { output, after } in seen {
             // It turns where it should, so that what is compared is not 0 everywhere.
-            if let Some(speed) = round.actual.get(&part("after"), signal::NIST_A) {
-                let running = round.setpoint.get(&part("output"), signal::STW1) == Some(0x047F);
-                let wanted = round.setpoint.get(&part("output"), signal::NSOLL_A).unwrap();
+            if let Some(speed) = round.actual.get(&after, signal::NIST_A) {
+                let running = round.setpoint.get(&output, signal::STW1) == Some(0x047F);
+                let wanted = round.setpoint.get(&output, signal::NSOLL_A).unwrap();
                 let wanted = if running { wanted } else { 0 };
                 assert!(
                     speed.abs_diff(wanted) < 8,
@@ -296,16 +358,40 @@ fn every_telegram_with_profinet_py() {
                 );
             }
         }
-        let end = steps
-            .iter()
-            .find(|step| step["step"] == "round" && step["round"] == number)
-            .unwrap();
-        assert_eq!(
-            (&end["state"], &end["errors"]),
-            (&"RUNNING".into(), &serde_json::json!([])),
-            "{end}"
-        );
     }
-    judge::judge(&file).clean().saw("pn_rt", 1000).saw("pn_io", 100);
-    drive.interrupt(Duration::from_secs(5)).ok();
+}
+
+#[test]
+fn positioning_by_mdi_with_profinet_py() {
+    let rounds: Vec<Round> = [9, 352, 353].map(Round::positioning).into();
+    let position_mode = "01020001100103a2000042010002".to_owned();
+    let seen = run("profinetpy-positioning", &[position_mode], &rounds);
+    for (round, seen) in rounds.iter().zip(seen) {
+        let status = |at: usize| round.actual.get(&seen[at].after, signal::ZSW1).unwrap();
+        let position = |at: usize| round.actual.get(&seen[at].after, signal::XIST_A).unwrap();
+        let all: Vec<String> = (0..seen.len())
+            .map(|at| format!("{:#06x} {}", status(at), position(at)))
+            .collect();
+        assert_eq!(
+            (status(0) & 0x0077, status(1) & 0x0077),
+            (0x0031, 0x0037),
+            "{all:?}"
+        );
+        assert_eq!(
+            status(2) & 0x2C00,
+            0x2C00,
+            "homed, at its target, stopped: {all:?}"
+        );
+        assert_eq!(status(4) & 0x1000, 0x1000, "the task is acknowledged: {all:?}");
+        assert_eq!(
+            status(5) & 0x3400,
+            0x2400,
+            "there, the acknowledge is gone: {all:?}"
+        );
+        assert_eq!(status(7) & 0x3400, 0x2400, "{all:?}");
+        let turns = |from: usize, to: usize| (position(to) - position(from)) as f64 / 65_536.0;
+        assert!((turns(3, 5) - 2.0).abs() < 0.02, "{all:?}");
+        assert!((turns(5, 7) + 1.0).abs() < 0.02, "{all:?}");
+        assert_eq!(status(8) & 0x0077, 0x0031, "{all:?}");
+    }
 }
