@@ -5,7 +5,7 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::spawn;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use network::linux::Bell;
 
@@ -30,15 +30,18 @@ pub struct Mailbox {
 impl Mailbox {
     /// Opens the socket; `bell` rings for every request.
     pub fn open(bell: Bell) -> Result<Self, Failure> {
-        let path = folder()?.join(format!("simulate-{}.sock", std::process::id()));
+        // the number of a process alone is not its own: containers that share the folder count for themselves
+        let start = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default()
+            .as_nanos();
+        let path = folder()?.join(format!("simulate-{}-{start:x}.sock", std::process::id()));
         let failed = |error: std::io::Error| {
             Failure::new(
                 Exit::Failed,
                 format!("cannot listen on {}: {error}", path.display()),
             )
         };
-        // of a former process with this number
-        let _ = fs::remove_file(&path);
         let listener = UnixListener::bind(&path).map_err(failed)?;
         let (sender, letters) = sync_channel(WAITING);
         // ends with the process: nothing is lost with it

@@ -182,11 +182,7 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             }
             if let Some(unit) = runner.station_mut::<Unit>(*id) {
                 for played in drive.line.play(at, unit) {
-                    scribe.say(
-                        &drive.keeping,
-                        at - start,
-                        format!("! {}", What::Happened(played)),
-                    );
+                    scribe.say(&drive.keeping, at - start, What::Happened(played).to_string());
                 }
             }
         }
