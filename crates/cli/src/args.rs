@@ -10,7 +10,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use profidrive::notation::Quantity;
 
-use crate::commands::{Gsdml, Home, Inject, Jog, Move, Run, Status, Stop, Task};
+use crate::commands::{Backup, Diff, Faults, Gsdml, Home, Inject, Jog, Move, Restore, Run, Status, Stop, Task};
 
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]
@@ -103,6 +103,14 @@ pub enum Command {
     Ack(OnNetwork<Ack>),
     /// Watch a drive beside its controller; reads only
     Monitor(OnNetwork<Monitor>),
+    /// Show the faults and warnings of a drive, what they mean and what to do
+    Faults(OnNetwork<Faults>),
+    /// Save the settings of a drive as text, one parameter a line
+    Backup(OnNetwork<Backup>),
+    /// Compare the settings of two files, two drives, or a file and a drive
+    Diff(OnNetwork<Diff>),
+    /// Bring saved settings back: shows its plan, writes a way back first, reads back
+    Restore(OnNetwork<Restore>),
     /// Say in words what a number means
     Explain(Explain),
     /// Say in words what a parameter job or a capture file contains
@@ -264,6 +272,9 @@ pub struct Cyclic {
 pub struct Ack {
     /// Station name, IP address or MAC address
     pub drive: String,
+    /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
+    #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
+    pub by_parameter: bool,
     #[command(flatten)]
     pub cyclic: Cyclic,
 }

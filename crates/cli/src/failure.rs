@@ -54,6 +54,15 @@ impl Failure {
         }
     }
 
+    /// An end that the data on stdout tells already: the exit code says it, nothing else does.
+    pub const fn told(exit: Exit) -> Self {
+        Self {
+            exit,
+            message: String::new(),
+            hint: None,
+        }
+    }
+
     /// A mistake on the command line.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::new(Exit::Usage, message)
@@ -145,6 +154,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::Timeout { .. } => Exit::Unreachable,
         Error::Parameter(_) | Error::Misuse(_) => Exit::Usage,
         Error::SpeedLimit { .. } | Error::Objections { .. } | Error::WrongMode { .. } => Exit::Safety,
+        Error::NotAtRest { .. } => Exit::Safety,
         _ => Exit::Failed,
     }
 }

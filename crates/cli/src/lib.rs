@@ -53,6 +53,9 @@ pub fn decode_frames<'a>(frames: impl IntoIterator<Item = (Duration, &'a [u8])>)
 }
 
 fn report(failure: &Failure, output: &Output) -> ExitCode {
+    if failure.message.is_empty() {
+        return ExitCode::from(failure.exit as u8);
+    }
     if output.json() {
         let mut error = fields! { "kind": failure.exit.word(), "message": failure.message.as_str() };
         if let Some(hint) = &failure.hint {

@@ -2,11 +2,14 @@
 
 mod address;
 mod axis;
+mod backup;
 mod completions;
 mod decode;
 mod demo;
+mod diff;
 mod explain;
 mod gsdml;
+mod faults;
 mod home;
 mod info;
 mod inject;
@@ -14,6 +17,7 @@ mod jog;
 mod motion;
 mod r#move;
 mod parameters;
+mod restore;
 mod run;
 mod scan;
 mod simulate;
@@ -22,10 +26,14 @@ mod stop;
 mod task;
 
 pub use gsdml::Gsdml;
+pub use backup::Args as Backup;
+pub use diff::Args as Diff;
+pub use faults::Args as Faults;
 pub use home::Home;
 pub use inject::Inject;
 pub use jog::Jog;
 pub use r#move::Move;
+pub use restore::Args as Restore;
 pub use run::Run;
 pub use status::Status;
 pub use stop::Stop;
@@ -64,6 +72,10 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Status(on) => status::run(&on.args, interface(cli, &on.interface), output),
         Command::Ack(on) => motion::ack(&on.args, interface(cli, &on.interface), output),
         Command::Monitor(on) => motion::monitor(&on.args, interface(cli, &on.interface), output),
+        Command::Faults(on) => faults::run(&on.args, interface(cli, &on.interface), output),
+        Command::Backup(on) => backup::run(&on.args, interface(cli, &on.interface), output),
+        Command::Diff(on) => diff::run(&on.args, interface(cli, &on.interface), output),
+        Command::Restore(on) => restore::run(&on.args, interface(cli, &on.interface), output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => decode::run(args, output),
         Command::Gsdml(args) => gsdml::run(args, output),

@@ -17,6 +17,9 @@ use crate::output::Output;
 use crate::render::{hex16, value, words};
 
 pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    if args.by_parameter {
+        return super::faults::clear(&args.drive, interface, output);
+    }
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
     let faults = session.faults(&mut drive).unwrap_or_default();

@@ -105,7 +105,7 @@ fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
     }
 }
 
-fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
+pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
     let error = fields! {
         "number": refusal.number.0, "meaning": refusal.number.to_string(), "information": refusal.information,
         "remedy": refusal.number.info(ErrorNames::Profile).map(|info| info.remedy),
@@ -328,24 +328,7 @@ fn list_numbers(
     drive: &mut drive_client::Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    let mut numbers: Vec<u16> = Vec::new();
-    for list in 980..990_u16 {
-        let reference: ParameterReference = format!("{list}[0..115]")
-            .parse()
-            .map_err(ParameterProblem::from)?;
-        let selection = drive.parameters.select(&reference)?;
-        let readings = session.read(drive, &[selection])?;
-        let found: Vec<u16> = readings
-            .into_iter()
-            .flatten()
-            .filter_map(|reading| u16::try_from(reading.raw()?).ok())
-            .take_while(|&pnu| pnu != 0)
-            .collect();
-        if found.is_empty() {
-            break;
-        }
-        numbers.extend(found);
-    }
+    let numbers = session.numbers(drive)?;
     session.close()?;
     if output.json() {
         let list: Vec<Value> = numbers

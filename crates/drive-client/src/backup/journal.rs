@@ -4,6 +4,7 @@ use std::fmt;
 
 use profidrive::parameter::ErrorNumber;
 
+use super::print::unit;
 use super::{Backup, Plan, key};
 use crate::parameter::{Content, Reading};
 
@@ -222,5 +223,5 @@ fn value(reading: &Reading) -> String {
         Content::Text(text) => format!("\"{text}\""),
         Content::Octets => format!("{:02X?}", reading.octets),
     };
-    format!("{text} {}", reading.unit).trim_end().to_owned()
+    format!("{text}{}", unit(reading.unit))
 }

@@ -198,6 +198,12 @@ impl Plan {
         Backup::new(self.header.clone(), self.parameters, old)
     }
 
+    /// What a person should know about the drive before it gets the settings of another.
+    #[must_use]
+    pub fn remarks(&self, wanted: &Backup) -> Vec<String> {
+        wanted.header.remarks(&self.header)
+    }
+
     /// How many values are left out for a reason other than that they are the same.
     #[must_use]
     pub fn left_out(&self) -> usize {

@@ -87,7 +87,7 @@ fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> 
     }
     let exact = parameter.engineering(raw, scaling);
     let text = decimal(exact, parameter.decimals());
-    let unit = unit(parameter);
+    let unit = unit(parameter.unit);
     if text.parse() == Ok(exact) {
         return format!("{text}{unit}");
     }
@@ -103,9 +103,9 @@ fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> 
 }
 
 /// The unit behind a value; one that starts with a number would be read as a part of it.
-fn unit(parameter: &Parameter) -> String {
-    match parameter.unit.chars().next() {
-        Some(first) if !first.is_ascii_digit() => format!(" {}", parameter.unit),
+pub fn unit(unit: &str) -> String {
+    match unit.chars().next() {
+        Some(first) if !first.is_ascii_digit() => format!(" {unit}"),
         _ => String::new(),
     }
 }
@@ -148,7 +148,7 @@ fn comment(backup: &Backup, reading: &Reading) -> String {
         None if !reading.bits.is_empty() => reading.bits.join(", "),
         None => String::new(),
     };
-    let steps = if unit(parameter).is_empty() && !parameter.unit.is_empty() {
+    let steps = if unit(parameter.unit).is_empty() && !parameter.unit.is_empty() {
         format!("in steps of {}", parameter.unit)
     } else {
         String::new()

@@ -1,0 +1,133 @@
+//! `profidrive backup DRIVE -o FILE`
+
+use std::path::{Path, PathBuf};
+
+use drive_client::backup::{Backup, MAX_TEXT};
+use network::files::StateFile;
+use serde_json::Value;
+
+use super::parameters::refusal_json;
+use crate::args::Interface;
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::render::value;
+
+/// Arguments of `backup`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// File to write; the settings go to stdout when left out
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Also over a file that is no backup
+    #[arg(long, requires = "output")]
+    pub force: bool,
+}
+
+pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    // what cannot be written is told before anything is read
+    let old = match &args.output {
+        Some(path) => replaceable(path, args.force)?,
+        None => None,
+    };
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let bar = connect::bar(output, 0, "reading");
+    let backup = session.backup(&mut drive, &mut |done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    let backup = backup?;
+    session.close()?;
+    let text = backup.to_string();
+    let label = drive.label();
+    if let Some(path) = &args.output {
+        let same = old.as_deref() == Some(text.as_bytes());
+        if !same {
+            replace(path, &text)?;
+        }
+        let count = backup.readings().len();
+        let unchanged = if same { ", unchanged" } else { "" };
+        output.say(&format!(
+            "{count} settings of {label} in {}{unchanged}",
+            path.display()
+        ));
+    }
+    let refused = backup.refused();
+    if !refused.is_empty() {
+        output.warn(&format!(
+            "{label} refused to tell {} of its settings; they stand in the backup as comments",
+            refused.len()
+        ));
+    }
+    if output.json() {
+        let values: Vec<Value> = backup.readings().iter().map(value::json).collect();
+        let refused: Vec<Value> = refused
+            .iter()
+            .map(|one| Value::Object(refusal_json(one)))
+            .collect();
+        let file = args.output.as_ref().map(|path| path.display().to_string());
+        output.document(
+            "backup",
+            fields! { "drive": label, "model": drive.model.name, "file": file, "parameters": values, "refused": refused },
+        );
+    } else if args.output.is_none() {
+        output.raw(&text);
+    }
+    Ok(())
+}
+
+/// Reads a backup file.
+pub fn read(path: &Path) -> Result<Backup, Failure> {
+    let wrong = |what: String| Failure::new(Exit::Failed, format!("{}: {what}", path.display()));
+    let content = StateFile::new(path)
+        .read()
+        .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?
+        .ok_or_else(|| wrong("there is no such file".to_owned()))?;
+    if content.len() > MAX_TEXT {
+        return Err(wrong(format!("longer than {MAX_TEXT} octets, this is no backup")));
+    }
+    let text = String::from_utf8(content).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let before = error.as_bytes().get(..at).unwrap_or_default();
+        let line = 1 + before.iter().filter(|&&octet| octet == b'\n').count();
+        wrong(format!("line {line}: this is no text (UTF-8)"))
+    })?;
+    Backup::parse(&text).map_err(|error| match error.problems.as_slice() {
+        [one] => wrong(one.to_string()),
+        many => {
+            let lines: Vec<String> = many.iter().map(|problem| format!("\n  {problem}")).collect();
+            wrong(lines.concat())
+        }
+    })
+}
+
+/// The old content, if the file may be replaced: a backup may, anything else only when told so.
+fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
+    if path.is_dir() {
+        return Err(Failure::usage(format!("{} is a folder", path.display())));
+    }
+    let old = match StateFile::new(path).read() {
+        Ok(old) => old,
+        Err(_) if force => return Ok(None),
+        Err(error) => return Err(Failure::new(Exit::Failed, error.to_string())),
+    };
+    let is_backup = old
+        .as_ref()
+        .is_none_or(|old| old.is_empty() || old.starts_with(b"profidrive backup "));
+    if is_backup || force {
+        Ok(old)
+    } else {
+        let message = format!("{} is no backup and is left alone", path.display());
+        Err(Failure::new(Exit::Failed, message).hint("choose another name; --force writes over it"))
+    }
+}
+
+fn replace(path: &Path, text: &str) -> Result<(), Failure> {
+    StateFile::new(path)
+        .replace(text.as_bytes())
+        .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+}

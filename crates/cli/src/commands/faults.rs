@@ -1,0 +1,285 @@
+//! `profidrive faults DRIVE`, and the acknowledge that needs no control
+
+use std::time::Duration;
+
+use drive_client::parameter::Assignment;
+use drive_client::{Drive, FaultEntry, FaultReport, WarningEntry, WriteMode};
+use profidrive::catalogue::Role;
+use profidrive::notation::{Number, ParameterReference, Quantity};
+use serde_json::{Map, Value};
+
+use crate::args::Interface;
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::{Colour, Output};
+use crate::render::words;
+
+/// How long a drive may take to clear its faults, and how often that is looked at.
+const PATIENCE: Duration = Duration::from_secs(1);
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// Arguments of `faults`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// Also the faults that were acknowledged, situation by situation
+    #[arg(long)]
+    pub history: bool,
+}
+
+pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let report = session.fault_report(&mut drive)?;
+    session.close()?;
+    if output.json() {
+        output.document("faults", json(&drive, &report, args.history));
+        return Ok(());
+    }
+    for line in lines(&report, args.history) {
+        match line {
+            Line::Fault(text) => output.line(&output.paint(Colour::Fault, &text)),
+            Line::Warning(text) => output.line(&output.paint(Colour::Warning, &text)),
+            Line::Normal(text) => output.line(&output.paint(Colour::Normal, &text)),
+            Line::Plain(text) => output.line(&text),
+        }
+    }
+    let before = report.faults.iter().filter(|fault| fault.situation > 0).count();
+    if before > 0 && !args.history {
+        output.say(&format!("{before} acknowledged before, --history shows them"));
+    }
+    if report.present().next().is_some() {
+        output.say(&format!(
+            "`profidrive ack {}` acknowledges once the cause is gone",
+            drive.label()
+        ));
+    }
+    Ok(())
+}
+
+#[derive(Debug, PartialEq, Eq)]
+enum Line {
+    Fault(String),
+    Warning(String),
+    Normal(String),
+    Plain(String),
+}
+
+fn lines(report: &FaultReport, history: bool) -> Vec<Line> {
+    let mut lines = Vec::new();
+    let detail = |lines: &mut Vec<Line>, name: &str, text: &str| {
+        if !text.is_empty() {
+            lines.push(Line::Plain(format!("  {name:<9} {text}")));
+        }
+    };
+    for fault in report.present() {
+        lines.push(Line::Fault(title(fault)));
+        describe(fault, &mut |name, text| detail(&mut lines, name, text));
+    }
+    let flags = report.zsw1.unwrap_or(0);
+    if report.present().next().is_none() {
+        lines.push(if words::has_fault(flags) {
+            Line::Fault("ZSW1 bit 3 tells a fault, the fault buffer has none".into())
+        } else {
+            Line::Normal("no fault is present".into())
+        });
+    }
+    for warning in report.warnings.iter().flatten() {
+        let meaning = warning.meaning.unwrap_or("not in the tables");
+        lines.push(Line::Warning(format!("n{} {meaning}", warning.number)));
+        detail(&mut lines, "remedy", warning.remedy.unwrap_or_default());
+    }
+    if words::has_warning(flags) && report.warnings.iter().flatten().next().is_none() {
+        lines.push(Line::Warning(
+            "ZSW1 bit 7 tells a warning, the drive has no number for it".into(),
+        ));
+    }
+    if history {
+        let mut last = 0;
+        for fault in report.faults.iter().filter(|fault| fault.situation > 0) {
+            if fault.situation != last {
+                last = fault.situation;
+                lines.push(Line::Plain(format!("situation {last} (acknowledged)")));
+            }
+            lines.push(Line::Plain(format!("  {}", title(fault))));
+            describe(fault, &mut |name, text| {
+                if !text.is_empty() {
+                    lines.push(Line::Plain(format!("    {name:<9} {text}")));
+                }
+            });
+        }
+        let counter = report.counter;
+        lines.push(Line::Plain(format!(
+            "{counter} changes of the fault buffer so far (PNU 944)"
+        )));
+    }
+    lines
+}
+
+/// `F702 Fieldbus communication lost`
+fn title(fault: &FaultEntry) -> String {
+    format!(
+        "F{} {}",
+        fault.number,
+        fault.meaning.unwrap_or("not in the tables")
+    )
+}
+
+fn describe(fault: &FaultEntry, line: &mut dyn FnMut(&str, &str)) {
+    line("reaction", fault.reaction.map_or("", |reaction| reaction.text()));
+    line("remedy", fault.remedy.unwrap_or_default());
+    line("cleared", fault.cleared.map_or("", |cleared| cleared.text()));
+    let number = |value: Option<i64>| value.map_or_else(String::new, |value| value.to_string());
+    line("time", &number(fault.time));
+    line("value", &number(fault.value));
+}
+
+fn json(drive: &Drive, report: &FaultReport, history: bool) -> Map<String, Value> {
+    let faults: Vec<Value> = report
+        .faults
+        .iter()
+        .filter(|fault| history || fault.situation == 0)
+        .map(|fault| Value::Object(fault_json(fault)))
+        .collect();
+    let warnings = report
+        .warnings
+        .as_ref()
+        .map(|warnings| warnings.iter().map(warning_json).collect::<Vec<Value>>());
+    fields! {
+        "drive": drive.label(), "counter": report.counter, "situations": report.shape.situations,
+        "faults_per_situation": report.shape.faults, "fault_bit": report.zsw1.map(words::has_fault),
+        "warning_bit": report.zsw1.map(words::has_warning), "faults": faults, "warnings": warnings,
+    }
+}
+
+fn fault_json(fault: &FaultEntry) -> Map<String, Value> {
+    fields! {
+        "number": fault.number, "situation": fault.situation, "position": fault.position,
+        "acknowledged": fault.situation > 0, "meaning": fault.meaning,
+        "reaction": fault.reaction.map(|reaction| reaction.text()), "remedy": fault.remedy,
+        "cleared": fault.cleared.map(|cleared| cleared.text()), "time": fault.time, "value": fault.value,
+    }
+}
+
+fn warning_json(warning: &WarningEntry) -> Value {
+    Value::Object(fields! { "number": warning.number, "meaning": warning.meaning, "remedy": warning.remedy })
+}
+
+/// Clears the faults by parameter (DRV.CLRFAULTS), beside whoever has control.
+pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, drive, output)?;
+    let command = drive
+        .model
+        .catalogue
+        .and_then(|tables| tables.with_role(Role::ClearFaults))
+        .ok_or_else(|| {
+            let message = format!("{}: no parameter is known that clears its faults", drive.label());
+            Failure::new(Exit::Failed, message)
+                .hint("without --by-parameter control is taken and STW1 bit 7 does it")
+        })?;
+    let before = session.faults(&mut drive)?;
+    for fault in before.iter().filter(|fault| fault.situation == 0) {
+        output.say(&title(fault));
+    }
+    output.say(&format!("acknowledging with {} (p{})", command.name, command.pnu));
+    let assignment = Assignment {
+        reference: ParameterReference::number(command.pnu),
+        quantity: Quantity {
+            number: Number::Integer(1),
+            unit: None,
+        },
+    };
+    let outcomes = session.write(&mut drive, &[assignment], WriteMode::Write)?;
+    if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
+        let drive = drive.label();
+        return Err(drive_client::Error::Refused { drive, refusal }.into());
+    }
+    // the drive takes the command in its own time
+    let end = session.now() + PATIENCE;
+    let report = loop {
+        let report = session.fault_report(&mut drive)?;
+        if report.present().next().is_none() || session.now() >= end {
+            break report;
+        }
+        session.pass(GLANCE)?;
+    };
+    session.close()?;
+    let left: Vec<String> = report.present().map(title).collect();
+    if output.json() {
+        output.document("ack", json(&drive, &report, false));
+    }
+    if left.is_empty() {
+        output.say("no fault is present");
+        return Ok(());
+    }
+    let message = format!("{}: the fault stays: {}", drive.label(), left.join(", "));
+    Err(Failure::new(Exit::Refused, message).hint("remove the cause, then acknowledge again"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::AKD;
+    use profidrive::fault::Shape;
+
+    fn fault(number: u16, situation: u8) -> FaultEntry {
+        let row = AKD.fault(number, false);
+        FaultEntry {
+            situation,
+            position: 0,
+            number,
+            meaning: row.map(|row| row.meaning),
+            reaction: row.map(|row| row.reaction),
+            remedy: row.map(|row| row.remedy),
+            cleared: row.map(|row| row.cleared),
+            time: None,
+            value: None,
+        }
+    }
+
+    fn report(faults: Vec<FaultEntry>, zsw1: u16) -> FaultReport {
+        FaultReport {
+            counter: 3,
+            shape: Shape::EIGHT_BY_EIGHT,
+            faults,
+            warnings: Some(Vec::new()),
+            zsw1: Some(zsw1),
+        }
+    }
+
+    #[test]
+    fn what_is_present_stands_first_and_history_on_demand() {
+        let both = report(vec![fault(702, 0), fault(439, 1)], 0x0008);
+        let short = lines(&both, false);
+        assert!(
+            matches!(&short[0], Line::Fault(text) if text.starts_with("F702 ")),
+            "{short:?}"
+        );
+        assert!(
+            short.contains(&Line::Plain("  reaction  quick stop".into())),
+            "{short:?}"
+        );
+        assert!(!format!("{short:?}").contains("F439"));
+        let long = format!("{:?}", lines(&both, true));
+        assert!(
+            long.contains("situation 1 (acknowledged)") && long.contains("F439 "),
+            "{long}"
+        );
+    }
+
+    #[test]
+    fn a_bit_without_a_number_is_told() {
+        assert_eq!(
+            lines(&report(Vec::new(), 0), false),
+            [Line::Normal("no fault is present".into())]
+        );
+        let text = format!("{:?}", lines(&report(Vec::new(), 0x0088), false));
+        assert!(
+            text.contains("ZSW1 bit 3 tells a fault") && text.contains("ZSW1 bit 7 tells a warning"),
+            "{text}"
+        );
+        let unknown = lines(&report(vec![fault(9999, 0)], 8), false);
+        assert_eq!(unknown, [Line::Fault("F9999 not in the tables".into())]);
+    }
+}

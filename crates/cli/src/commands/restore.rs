@@ -1,0 +1,371 @@
+//! `profidrive restore DRIVE FILE`
+
+use std::path::{Path, PathBuf};
+
+use drive_client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Step};
+use drive_client::{Drive, Error, describe};
+use network::files::StateFile;
+use serde_json::{Map, Value};
+
+use super::backup;
+use crate::args::Interface;
+use crate::connect::{self, Live, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::render::table::{Table, clean};
+use crate::render::{number, value};
+
+/// Arguments of `restore`.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Station name, IP address or MAC address
+    pub drive: String,
+    /// The backup
+    pub file: PathBuf,
+    /// Only these parameters: a name with * for any part (MOTOR.*) or a number; may be given several times
+    #[arg(long, value_name = "PATTERN")]
+    pub only: Vec<Pattern>,
+    /// Show what would be written, but write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Let the drive keep the values over power-off (DRV.NVSAVE), once all are written and read back
+    #[arg(long)]
+    pub save: bool,
+    /// Where to write the values that the drive has before; FILE.before-1, -2, .. when left out
+    #[arg(long, value_name = "PATH")]
+    pub way_back: Option<PathBuf>,
+    /// Leave out what the drive cannot keep over power-off
+    #[arg(long)]
+    pub saved_only: bool,
+    /// Also what belongs to the connection: telegram, way to get an address
+    #[arg(long)]
+    pub network: bool,
+    /// Also values outside the limits that are known; the drive then decides
+    #[arg(long)]
+    pub beyond_limits: bool,
+    /// Also to a drive of another model, or while a controller is connected
+    #[arg(long)]
+    pub force: bool,
+}
+
+pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let wanted = backup::read(&args.file)?;
+    let way_back = way_back(args)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    if !args.force {
+        fits(&wanted, &drive)?;
+        if !args.dry_run {
+            nobody_connected(&mut session, &drive)?;
+        }
+    }
+    let choice = Choice {
+        only: args.only.clone(),
+        network: args.network,
+        saved_only: args.saved_only,
+        beyond_limits: args.beyond_limits,
+    };
+    let spinner = connect::spinner(output, format!("reading {}", drive.label()));
+    let plan = session.plan(&mut drive, &wanted, &choice);
+    spinner.finish_and_clear();
+    let plan = plan?;
+    for remark in plan.remarks(&wanted) {
+        output.say(&remark);
+    }
+    if plan.changes.is_empty() && plan.skipped.is_empty() {
+        return Err(Failure::usage("--only: nothing in the file fits"));
+    }
+    if !output.json() {
+        show(&plan, output);
+    }
+    if args.dry_run {
+        session.close()?;
+        if output.json() {
+            output.document("restore", document(&drive, args, &Journal::new(&plan), None));
+        }
+        output.say("dry run: nothing was written");
+        return Ok(());
+    }
+    let mut journal = Journal::new(&plan);
+    let result = carry_out(
+        &mut session,
+        &mut drive,
+        &mut journal,
+        args.save,
+        &way_back,
+        output,
+    );
+    // the connection of a drive that is lost ends by itself
+    let closed = session.close();
+    let file = (!plan.changes.is_empty() && way_back.exists()).then_some(way_back.as_path());
+    if output.json() {
+        output.document("restore", document(&drive, args, &journal, file));
+    } else {
+        results(&journal, output);
+    }
+    told(&journal, file, &drive, args, output);
+    result.map_err(|error| failed(error, &journal, file, &drive))?;
+    closed?;
+    ended(&journal, &drive, args)
+}
+
+/// Where the way back goes: never over anything.
+fn way_back(args: &Args) -> Result<PathBuf, Failure> {
+    if let Some(path) = &args.way_back {
+        return if path.exists() {
+            Err(Failure::usage(format!(
+                "--way-back: {} is there already",
+                path.display()
+            )))
+        } else {
+            Ok(path.clone())
+        };
+    }
+    let beside = |number: u32| {
+        let mut name = args.file.file_name().unwrap_or_default().to_owned();
+        name.push(format!(".before-{number}"));
+        args.file.with_file_name(name)
+    };
+    (1..10_000)
+        .map(beside)
+        .find(|path| !path.exists())
+        .ok_or_else(|| {
+            Failure::usage("there are 9999 ways back beside the file; give one with --way-back PATH")
+        })
+}
+
+fn fits(wanted: &Backup, drive: &Drive) -> Result<(), Failure> {
+    match wanted.header.misfit(drive) {
+        Some(misfit) => Err(Failure::new(Exit::Safety, misfit)
+            .hint("--force goes on all the same: names and numbers can mean something else there")),
+        None => Ok(()),
+    }
+}
+
+/// A controller could switch the axis on at any moment.
+fn nobody_connected(session: &mut Live, drive: &Drive) -> Result<(), Failure> {
+    let Some(Some(name)) = session.owner(drive)? else {
+        return Ok(());
+    };
+    session.close()?;
+    let message = format!(
+        "nothing is written to {}: controller \"{}\" is running it",
+        describe(&drive.station),
+        clean(&name)
+    );
+    Err(Failure::new(Exit::Safety, message).hint(
+        "it can switch the axis on while values change; stop it first, or --force goes on while the axis is off",
+    ))
+}
+
+fn show(plan: &Plan, output: &Output) {
+    let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "limits", "kept"]);
+    for change in &plan.changes {
+        let limits = change
+            .limits
+            .map(|(low, high)| format!("{} to {}", number(low), number(high)));
+        table.row([
+            change.new.name.unwrap_or_default().to_owned(),
+            change.new.shown().to_string(),
+            value::value(&change.old),
+            "->".to_owned(),
+            value::value(&change.new),
+            change.new.unit.to_owned(),
+            limits.unwrap_or_default(),
+            kept(change).to_owned(),
+        ]);
+    }
+    if !table.is_empty() {
+        for line in table.lines() {
+            output.line(&line);
+        }
+    }
+    let same = plan.skipped.len() - plan.left_out();
+    let mut table = Table::new(&["left out", "number", ">in the file", "unit", "why"]);
+    for skipped in plan
+        .skipped
+        .iter()
+        .filter(|one| one.why != drive_client::backup::Skip::Same)
+    {
+        let reading = &skipped.reading;
+        table.row([
+            reading.name.unwrap_or_default().to_owned(),
+            reading.shown().to_string(),
+            value::value(reading),
+            reading.unit.to_owned(),
+            skipped.why.to_string(),
+        ]);
+    }
+    if !table.is_empty() {
+        for line in table.lines() {
+            output.line(&line);
+        }
+    }
+    output.say(&format!(
+        "{} to write, {same} same, {} left out",
+        plan.changes.len(),
+        plan.left_out()
+    ));
+}
+
+const fn kept(change: &Change) -> &'static str {
+    match change.saved {
+        Some(true) | None => "",
+        Some(false) => "not over power-off",
+    }
+}
+
+fn carry_out(
+    session: &mut Live,
+    drive: &mut Drive,
+    journal: &mut Journal,
+    save: bool,
+    way_back: &Path,
+    output: &Output,
+) -> Result<(), Error> {
+    let file = StateFile::new(way_back);
+    let bar = connect::bar(output, journal.steps().len(), "writing");
+    let result = session.restore(drive, journal, save, &mut |journal| {
+        let done = journal.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));
+        bar.set_position(done as u64);
+        if journal.steps().is_empty() {
+            // nothing changes, so there is no way back
+            return Ok(());
+        }
+        file.replace(journal.to_string().as_bytes()).map_err(Into::into)
+    });
+    bar.finish_and_clear();
+    result
+}
+
+/// What did not go as planned, one line each.
+fn results(journal: &Journal, output: &Output) {
+    let mut table = Table::new(&["name", "number", ">wanted", "unit", "result"]);
+    for (change, step) in journal.plan().changes.iter().zip(journal.steps()) {
+        if *step == Step::ReadBack {
+            continue;
+        }
+        table.row([
+            change.new.name.unwrap_or_default().to_owned(),
+            change.new.shown().to_string(),
+            value::value(&change.new),
+            change.new.unit.to_owned(),
+            step.to_string(),
+        ]);
+    }
+    if !table.is_empty() {
+        for line in table.lines() {
+            output.line(&line);
+        }
+    }
+}
+
+fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
+    if !journal.steps().is_empty() {
+        output.say(&journal.summary());
+    }
+    let lost = journal
+        .plan()
+        .changes
+        .iter()
+        .zip(journal.steps())
+        .filter(|(change, step)| change.saved == Some(false) && **step == Step::ReadBack)
+        .count();
+    match journal.saved() {
+        Saved::Yes => output.say("saved: the drive keeps them over power-off"),
+        Saved::No if args.save => output.say("not saved, because not every value is as planned"),
+        Saved::No if journal.count(|step| *step == Step::ReadBack) > 0 => output.say(&format!(
+            "not saved: `profidrive write {} DRV.NVSAVE=1` lets the drive keep them over power-off",
+            drive.label()
+        )),
+        Saved::No => {}
+        Saved::InDoubt => output.warn("it is not known whether the drive saved: asked for, not answered"),
+        Saved::Refused(number) => output.warn(&format!("not saved, the drive refused: {number}")),
+    }
+    if journal.saved() == Saved::Yes && lost > 0 {
+        output.say(&format!(
+            "{lost} of them are of a kind that the drive does not keep"
+        ));
+    }
+    if let Some(file) = file {
+        output.say(&format!(
+            "the values before are in {}; `profidrive restore {} {}` brings them back",
+            file.display(),
+            drive.label(),
+            file.display()
+        ));
+    }
+}
+
+fn failed(error: Error, journal: &Journal, file: Option<&Path>, drive: &Drive) -> Failure {
+    let mut failure = Failure::from(error);
+    if let Some(file) = file {
+        failure.message = format!("{}; {}", failure.message, journal.summary());
+        let hint = format!(
+            "{} says which; `profidrive diff {} {}` shows what the drive has now",
+            file.display(),
+            drive.label(),
+            file.display()
+        );
+        failure.hint = Some(hint);
+    }
+    failure
+}
+
+fn ended(journal: &Journal, drive: &Drive, args: &Args) -> Result<(), Failure> {
+    let refused = journal.count(|step| matches!(step, Step::Refused(_)));
+    let label = drive.label();
+    if refused > 0 || matches!(journal.saved(), Saved::Refused(_)) {
+        let message = format!("{label} refused {refused} of {} values", journal.steps().len());
+        return Err(Failure::new(Exit::Refused, message));
+    }
+    if !journal.is_done() || (args.save && journal.saved() != Saved::Yes) {
+        let message = format!("{label} is not as the file says: {}", journal.summary());
+        return Err(Failure::new(Exit::Difference, message)
+            .hint("the drive may round, limit or change values by itself"));
+    }
+    Ok(())
+}
+
+fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) -> Map<String, Value> {
+    let changes = journal.plan().changes.iter().zip(journal.steps());
+    let changes: Vec<Value> = changes
+        .map(|(change, step)| {
+            Value::Object(fields! {
+                "pnu": change.new.pnu, "index": change.new.index, "name": change.new.name,
+                "old": value::json(&change.old), "new": value::json(&change.new),
+                "minimum": change.limits.map(|limits| limits.0), "maximum": change.limits.map(|limits| limits.1),
+                "saved": change.saved, "step": word(*step), "error": match step {
+                    Step::Refused(number) => Some(number.0),
+                    _ => None,
+                },
+            })
+        })
+        .collect();
+    let skipped: Vec<Value> = journal
+        .plan()
+        .skipped
+        .iter()
+        .map(|one| {
+            let mut fields = fields! { "why": one.why.to_string() };
+            fields.insert("file".into(), value::json(&one.reading));
+            Value::Object(fields)
+        })
+        .collect();
+    fields! {
+        "drive": drive.label(), "file": args.file.display().to_string(), "dry_run": args.dry_run,
+        "complete": journal.is_complete(), "saved": journal.saved() == Saved::Yes,
+        "way_back": file.map(|file| file.display().to_string()), "changes": changes, "skipped": skipped,
+    }
+}
+
+const fn word(step: Step) -> &'static str {
+    match step {
+        Step::NotWritten => "not written",
+        Step::InDoubt => "in doubt",
+        Step::Written => "written",
+        Step::ReadBack => "read back",
+        Step::Differs => "differs",
+        Step::Refused(_) => "refused",
+    }
+}

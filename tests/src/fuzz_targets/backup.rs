@@ -1,0 +1,42 @@
+//! Backup files, which anybody may have edited.
+
+use drive_client::backup::{Backup, Choice, Journal, Pattern, Plan, compare};
+
+/// A backup file: what is read prints as something that reads the same, is no different from itself, and is planned onto
+/// itself without a change.
+pub fn backup(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else {
+        return;
+    };
+    if let Some(line) = text.lines().last()
+        && let Ok(pattern) = line.parse::<Pattern>()
+    {
+        let _ = pattern.names("DRV.ACC");
+    }
+    let backup = match Backup::parse(text) {
+        Ok(backup) => backup,
+        Err(error) => {
+            let lines = text.lines().count().max(1);
+            assert!(!error.problems.is_empty() && error.problems.len() <= 20);
+            for problem in &error.problems {
+                assert!((1..=lines).contains(&problem.line), "{problem} of {lines} lines");
+                assert!(!problem.to_string().contains('\n'));
+            }
+            return;
+        }
+    };
+    let printed = backup.to_string();
+    let again = Backup::parse(&printed).unwrap_or_else(|error| panic!("{error}: {printed}"));
+    assert_eq!(again, backup);
+    assert_eq!(again.to_string(), printed);
+    assert!(compare(&again, &backup).is_empty());
+    let choice = Choice {
+        network: true,
+        beyond_limits: true,
+        ..Choice::default()
+    };
+    let plan = Plan::new(&backup, &again, &choice);
+    assert!(plan.changes.is_empty());
+    let journal = Journal::new(&plan).to_string();
+    assert!(Backup::parse(&journal).is_ok(), "{journal}");
+}
