@@ -1,4 +1,5 @@
-//! Reading every parameter of an AKD with the client: in memory, and over a veth pair from a drive in another process.
+//! Reading every parameter of an AKD with the client: in memory, and over a veth pair from a drive in another process;
+//! saving all its settings with the program.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -6,7 +7,7 @@ use drive_client::Session;
 use network::linux::{PacketMedium, ServerPort};
 use profinet::Medium;
 use profinet::controller::ControllerConfig;
-use system_tests::{Lab, Side, memory};
+use system_tests::{Lab, Side, built, memory};
 
 use crate::drives::simulate;
 use crate::table::Row;
@@ -14,6 +15,7 @@ use crate::table::Row;
 const ROUNDS: usize = 5;
 const IN_MEMORY: Duration = Duration::from_millis(10);
 const OVER_VETH: Duration = Duration::from_millis(50);
+const BACKUP: Duration = Duration::from_secs(1);
 
 /// Both ways.
 pub fn compare() -> Vec<Row> {
@@ -40,7 +42,38 @@ pub fn compare() -> Vec<Row> {
     vec![
         row("in memory", in_memory, IN_MEMORY),
         row("over veth", over_veth, OVER_VETH),
+        backup(&lab),
     ]
+}
+
+/// `profidrive backup akd-1 -o FILE` from start to end: finding the drive, reading, writing the file.
+fn backup(lab: &Lab) -> Row {
+    let file = lab.folder().join("akd-1.backup");
+    let file = file.to_str().unwrap();
+    let mut times: Vec<Duration> = (0..ROUNDS)
+        .map(|_| {
+            let _ = std::fs::remove_file(file);
+            let start = Instant::now();
+            let arguments = ["-i", "ctl0", "backup", "akd-1", "-o", file];
+            lab.run(
+                Side::Controller,
+                built("profidrive"),
+                arguments,
+                Duration::from_secs(60),
+            )
+            .ok();
+            start.elapsed()
+        })
+        .collect();
+    times.sort();
+    let settings = std::fs::read_to_string(file).unwrap();
+    let settings = settings.lines().filter(|line| line.starts_with('p')).count() - 1;
+    let time = times[ROUNDS / 2];
+    Row::new(
+        &format!("`profidrive backup` of a whole AKD over veth, {settings} settings (median)"),
+        format!("{:.0} ms", time.as_secs_f64() * 1000.0),
+    )
+    .limit(format!("{} ms", BACKUP.as_millis()), time <= BACKUP)
 }
 
 /// The client over an interface: prints the median time in nanoseconds.

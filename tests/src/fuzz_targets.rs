@@ -4,11 +4,13 @@
 //! A target fails by panicking. Beyond "does not panic" each checks what must hold for every input that is accepted:
 //! what was decoded encodes to something that decodes to the same.
 
+mod backup;
 mod controller;
 mod descriptions;
 mod neighbourhood;
 mod records;
 
+pub use backup::backup;
 pub use controller::controller;
 pub use descriptions::gsdml;
 pub use neighbourhood::{lldp, snmp};
@@ -42,6 +44,7 @@ pub type Target = fn(&[u8]);
 /// All targets by name. `fuzz/fuzz_targets/<name>.rs` and `fuzz/corpus/<name>/` exist for each.
 pub const TARGETS: &[(&str, Target)] = &[
     ("alarm", alarm),
+    ("backup", backup),
     ("blocks", blocks),
     ("capture", capture),
     ("controller", controller),

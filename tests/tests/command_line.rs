@@ -200,3 +200,160 @@ fn a_drive_at_work_is_renamed_addressed_and_reset_by_force_only() {
     assert_ne!(finished.code, Some(0), "its connection was cut: {}", finished.err);
     client(&lab, &["read", "akd-2", "DRV.ACC"]).ok();
 }
+
+/// Saved, changed, compared, restored, saved again; interrupted; faults.
+#[test]
+fn settings_are_saved_compared_and_brought_back() {
+    let lab = Lab::new("command-line-backup");
+    let mut drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let path = |name: &str| lab.folder().join(name).to_str().unwrap().to_owned();
+    let (first, second) = (path("press.backup"), path("again.backup"));
+    let start = std::time::Instant::now();
+    client(&lab, &["backup", "akd-1", "-o", &first]).ok();
+    // the promise is 1 s; a machine at work with other tests gets more
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    let saved = std::fs::read_to_string(&first).unwrap();
+    assert!(saved.contains("\np2108 DRV.ACC = 3000 rpm/s "), "{saved}");
+    client(&lab, &["backup", "akd-1", "-o", &first]).ok();
+    assert_eq!(std::fs::read_to_string(&first).unwrap(), saved);
+    client(&lab, &["diff", &first, "akd-1"]).ok();
+
+    client(
+        &lab,
+        &[
+            "write",
+            "akd-1",
+            "DRV.ACC=5000rpm/s",
+            "USER.INT1=7",
+            "PN.VELSCALING=1000",
+        ],
+    )
+    .ok();
+    let differs = client(&lab, &["diff", &first, "akd-1"]);
+    assert_eq!(differs.code, Some(5), "{differs:?}");
+    for words in ["DRV.ACC", "3000", "5000", "rpm/s", "USER.INT1"] {
+        assert!(differs.out.contains(words), "{differs:?}");
+    }
+    let found = client(&lab, &["--json", "diff", "akd-1", &first]);
+    let found: Value = serde_json::from_str(&found.out).unwrap_or_else(|e| panic!("{e}: {}", found.out));
+    let found = found["differences"].as_array().unwrap();
+    // the jog speeds are scaled by PN.VELSCALING: they are others now
+    let names: Vec<&str> = found.iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(
+        names,
+        ["Jog v1", "Jog v2", "DRV.ACC", "USER.INT1", "PN.VELSCALING"]
+    );
+    assert_eq!(found[2]["left"]["value"], 5000.0, "{found:?}");
+
+    // shown, not done
+    let plan = client(&lab, &["restore", "akd-1", &first, "--dry-run"]).ok();
+    assert!(
+        plan.out.contains("DRV.ACC") && plan.err.contains("dry run"),
+        "{plan:?}"
+    );
+    let part = client(&lab, &["restore", "akd-1", &first, "--only", "USER.*"]).ok();
+    assert!(part.err.contains("1 of 1 written and read back"), "{part:?}");
+    assert_eq!(client(&lab, &["diff", &first, "akd-1"]).code, Some(5));
+    let whole = client(&lab, &["restore", "akd-1", &first, "--save"]).ok();
+    assert!(whole.err.contains("saved: the drive keeps them"), "{whole:?}");
+    client(&lab, &["backup", "akd-1", "-o", &second]).ok();
+    assert_eq!(std::fs::read_to_string(&second).unwrap(), saved);
+    // the way back leads to what was there before
+    let back = path("press.backup.before-2");
+    let text = std::fs::read_to_string(&back).unwrap();
+    assert!(
+        text.contains("p2108 DRV.ACC = 5000 rpm/s") && text.contains("# complete"),
+        "{text}"
+    );
+    client(&lab, &["restore", "akd-1", &back]).ok();
+    let read = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok().out;
+    assert!(read.contains("5000"), "{read}");
+
+    // what cannot be used is told, with its line, and nothing happens
+    std::fs::write(&second, saved.replace("DRV.ACC = 3000 rpm/s", "DRV.ACC = 3000 A")).unwrap();
+    let line = 1 + saved.lines().position(|line| line.starts_with("p2108 ")).unwrap();
+    std::fs::write(path("letter"), "Dear Sir or Madam\n").unwrap();
+    for (arguments, code, words) in [
+        (
+            vec!["restore", "akd-1", &second],
+            1,
+            format!("line {line}: DRV.ACC (p2108): `A` is a unit of current"),
+        ),
+        (
+            vec!["restore", "akd-1", &path("nothing")],
+            1,
+            "there is no such file".into(),
+        ),
+        (
+            vec!["diff", "akd-1", &path("letter")],
+            1,
+            "line 1: this is no backup".into(),
+        ),
+        (
+            vec!["backup", "akd-1", "-o", &path("letter")],
+            1,
+            "is no backup and is left alone".into(),
+        ),
+        (
+            vec!["restore", "akd-1", &first, "--only", "NOSUCH*"],
+            2,
+            "nothing in the file fits".into(),
+        ),
+    ] {
+        let finished = client(&lab, &arguments);
+        assert_eq!(finished.code, Some(code), "{arguments:?}: {}", finished.err);
+        assert!(finished.err.contains(&words), "{arguments:?}: {}", finished.err);
+    }
+    assert_eq!(
+        std::fs::read_to_string(path("letter")).unwrap(),
+        "Dear Sir or Madam\n"
+    );
+
+    let faults = client(&lab, &["faults", "akd-1", "--history"]).ok();
+    assert!(faults.out.contains("no fault is present"), "{faults:?}");
+    assert_eq!(
+        json(&lab, &["faults", "akd-1"])["faults"],
+        Value::Array(Vec::new())
+    );
+    client(&lab, &["ack", "akd-1", "--by-parameter"]).ok();
+
+    // while the axis turns nothing is written, and the controller is named
+    let mut run = lab.spawn(
+        Side::Controller,
+        built("profidrive"),
+        [
+            "-i",
+            "ctl0",
+            "run",
+            "akd-1",
+            "--velocity",
+            "60rpm",
+            "--for",
+            "20s",
+        ],
+    );
+    run.wait_for("S4", SHORT);
+    let refused = client(&lab, &["restore", "akd-1", &first]);
+    assert_eq!(refused.code, Some(6), "{refused:?}");
+    assert!(refused.err.contains("is running it"), "{refused:?}");
+    let refused = client(&lab, &["restore", "akd-1", &first, "--force"]);
+    assert_eq!(refused.code, Some(6), "{refused:?}");
+    assert!(
+        refused.err.contains("the power stage is on, nothing is written"),
+        "{refused:?}"
+    );
+    run.kill();
+    // killed without a word: the drive finds out by its watchdog
+    assert!(wait_until(SHORT, || {
+        json(&lab, &["faults", "akd-1"])["faults"][0]["number"] == 702
+    }));
+    let faults = client(&lab, &["faults", "akd-1"]).ok();
+    assert!(
+        faults.out.contains("F702 ") && faults.out.contains("remedy"),
+        "{faults:?}"
+    );
+    client(&lab, &["ack", "akd-1", "--by-parameter"]).ok();
+    let faults = client(&lab, &["faults", "akd-1", "--history"]).ok();
+    assert!(faults.out.contains("situation 1 (acknowledged)"), "{faults:?}");
+    drive.kill();
+}

@@ -346,6 +346,33 @@ fn restored_read_back_and_saved() {
     assert!(bench.journal(&wanted, &Choice::default()).steps().is_empty());
 }
 
+/// 64-bit values have two numbers; a backup that keeps one half would bring another value back.
+#[test]
+fn both_halves_of_a_value_come_back() {
+    let mut bench = bench();
+    let stop = AKD.by_name("SWLS.LIMIT1").unwrap();
+    let high = stop.high().unwrap();
+    bench.set(high, 0x10);
+    bench.set(stop.pnu, 5);
+    let saved = bench.backup();
+    assert!(
+        saved
+            .to_string()
+            .contains("p2385 SWLS.LIMIT1 = 68719476741 counts "),
+        "{saved}"
+    );
+    bench.set(stop.pnu, 7);
+    assert_eq!(bench.backup().reading(stop.pnu, None).unwrap().raw(), Some(7));
+    let mut journal = bench.journal(&saved, &Choice::default());
+    let (result, kept) = bench.restore(&mut journal, false);
+    result.unwrap();
+    assert!(journal.is_done(), "{kept}");
+    assert_eq!(bench.backup().to_string(), saved.to_string());
+    let low = bench.wire().truth(stop.pnu);
+    let high = bench.wire().station().drive_mut().read(high, 0).unwrap();
+    assert_eq!((high, low), (0x10, 5));
+}
+
 #[test]
 fn interrupted_at_every_point() {
     let wanted = other();
@@ -595,11 +622,18 @@ proptest! {
             let pnu = settings[pick % settings.len()];
             let parameter = AKD.by_pnu(pnu).unwrap();
             let (low, high) = parameter.raw_limits(&bench.drive.parameters.scaling);
-            let raw = low + i64::from(value) % (high - low + 1);
+            let span = i128::from(high) - i128::from(low) + 1;
+            let raw = (i128::from(low) + i128::from(value) % span) as i64;
             let bits = 8 * parameter.size.octets();
             let raw = raw.cast_unsigned() & (u64::MAX >> (64 - bits));
+            let mut wire = bench.wire();
+            let drive = wire.station().drive_mut();
             // some say no, in this state or with that neighbour: that is no setting then
-            let _ = bench.wire().station().drive_mut().write(pnu, 0, raw);
+            if let Some(high) = parameter.high() {
+                let _ = drive.write(high, 0, value.into()).and_then(|()| drive.write(pnu, 0, u64::from(!value)));
+            } else {
+                let _ = drive.write(pnu, 0, raw);
+            }
         }
         let changed = bench.backup();
         let mut journal = bench.journal(&first, &Choice::default());

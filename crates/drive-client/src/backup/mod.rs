@@ -54,13 +54,24 @@ use crate::{Model, Refusal};
 const PROFILE: std::ops::RangeInclusive<u16> = 900..=999;
 
 /// Settings of one drive, by number and element.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Backup {
     /// Whose they are.
     pub header: Header,
     parameters: Parameters,
     readings: Vec<Reading>,
     refused: Vec<Refusal>,
+}
+
+impl std::fmt::Debug for Backup {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        // not the tables
+        f.debug_struct("Backup")
+            .field("header", &self.header)
+            .field("readings", &self.readings)
+            .field("refused", &self.refused)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Two backups are equal when they say the same of the same drive: comments and what was refused do not count.

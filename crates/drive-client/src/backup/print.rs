@@ -3,6 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use profidrive::catalogue::{Parameter, Scaling};
+use profidrive::notation::Quantity;
 use profidrive::parameter::{CodeSpace, Format};
 
 use super::parse::nearest;
@@ -77,29 +78,30 @@ fn value(backup: &Backup, reading: &Reading) -> String {
     }
 }
 
-/// Above this a raw number may have more digits than a value in its unit can say.
-const EXACT: u64 = 1 << 50;
-
 /// A number in its unit; the raw number too where the text does not say it exactly.
 fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> String {
-    if !parameter.bits.is_empty() || raw.unsigned_abs() > EXACT {
+    if !parameter.bits.is_empty() {
         return hex(octets);
     }
     let exact = parameter.engineering(raw, scaling);
     let text = decimal(exact, parameter.decimals());
     let unit = unit(parameter.unit);
-    if text.parse() == Ok(exact) {
+    let says = |text: &str, exactly: bool| {
+        let value = text.parse::<Quantity>().map(|one| one.number.as_f64());
+        value.is_ok_and(|value| (!exactly || value == exact) && nearest(value, parameter, scaling) == Ok(raw))
+    };
+    if says(&text, true) {
         return format!("{text}{unit}");
     }
     let whole = format!("{exact}");
-    let back = |text: &str| {
-        text.parse()
-            .is_ok_and(|value| nearest(value, parameter, scaling) == Ok(raw))
-    };
-    if whole.len() <= SHORT || !back(&text) {
+    if says(&whole, true) && (whole.len() <= SHORT || !says(&text, false)) {
         return format!("{whole}{unit}");
     }
-    format!("{text}{unit} (raw {})", hex(octets))
+    if says(&text, false) {
+        return format!("{text}{unit} (raw {})", hex(octets));
+    }
+    // more digits than a decimal number of a program has
+    hex(octets)
 }
 
 /// The unit behind a value; one that starts with a number would be read as a part of it.

@@ -143,8 +143,8 @@ fn mistakes_are_told_with_their_lines() {
             "line 6: DRV.ACC (p2108): `A` is a unit of current",
         ),
         (
-            "p2108 = 5e18 rpm/s",
-            "line 6: DRV.ACC (p2108): 5000000000000000000 rpm/s does not fit its 8 octets",
+            "p2439 = 5e9 rpm",
+            "line 6: VL.LIMITP_32 (p2439): 5000000000 rpm does not fit its 4 octets",
         ),
         (
             "p2135 = 1.5",

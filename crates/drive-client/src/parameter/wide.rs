@@ -37,10 +37,17 @@ pub(crate) fn join(
     readings: Vec<Result<Reading, Refusal>>,
 ) -> Vec<Result<Reading, Refusal>> {
     let mut joined = Vec::with_capacity(readings.len());
-    let mut readings = readings.into_iter();
+    let mut readings = readings.into_iter().peekable();
+    let pnu = |answer: &Result<Reading, Refusal>| match answer {
+        Ok(reading) => reading.pnu,
+        Err(refusal) => refusal.shown.pnu,
+    };
     for selection in selections {
         if high(selection).is_none() {
-            joined.extend(readings.by_ref().take(selection.count.into()));
+            // as many as came: a refused array is one answer
+            while let Some(answer) = readings.next_if(|answer| pnu(answer) == selection.pnu) {
+                joined.push(answer);
+            }
             continue;
         }
         let (Some(low), upper) = (readings.next(), readings.next()) else {
@@ -173,5 +180,24 @@ mod tests {
         );
         let plain = halves(&select("930"), vec![0, 2]);
         assert_eq!((plain.len(), plain[0].0.pnu), (1, 930));
+    }
+
+    /// A refused array is one answer for all its elements: what follows must not slip.
+    #[test]
+    fn a_refused_array_moves_nothing() {
+        let (array, wide) = (select("947"), select("DRV.ACC"));
+        let upper = Selection {
+            pnu: 2109,
+            parameter: None,
+            ..wide
+        };
+        let answers = vec![
+            refused(&array),
+            read(&wide, &[0, 0, 0, 5]),
+            read(&upper, &[0, 0, 0, 1]),
+        ];
+        let joined = join(&DRIVE, &[array, wide], answers);
+        assert_eq!(joined.len(), 2);
+        assert_eq!(joined[1].as_ref().unwrap().raw(), Some(0x1_0000_0005));
     }
 }

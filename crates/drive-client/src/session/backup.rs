@@ -1,20 +1,20 @@
 //! Saving the settings of a drive, and bringing them back.
 
-use profidrive::catalogue::{Access, Role};
+use profidrive::catalogue::{Access, Phase, Role};
 use profidrive::notation::{Elements, ParameterReference, Target};
-use profidrive::parameter::{CodeSpace, ErrorNumber, Format, Identifier, plan_changes};
+use profidrive::parameter::{ErrorNumber, Format, Identifier, plan_changes};
 use profinet::Medium;
 
 use super::Session;
 use super::parameters::Outgoing;
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, everything};
-use crate::parameter::{Interpretation, Selection};
+use crate::parameter::{Interpretation, Selection, halves};
 use crate::{Drive, Error};
 
 /// The lists of all parameters of a drive.
 const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
 /// Elements of one list: as many words as fit an answer.
-const LIST: u16 = 117;
+const LIST: u16 = 116;
 /// Status word as the profile numbers it, where there are no tables.
 const ZSW1: u16 = 968;
 /// Operation enabled.
@@ -376,20 +376,27 @@ fn kept(drive: &Drive, journal: &Journal, keep: &mut Keep<'_>) -> Result<(), Err
     })
 }
 
-/// Changes that go out in one request each: never of two phases.
+/// Changes that go out in one request each: never of two phases, never one in two requests.
 fn groups(changes: &[Change], due: &[usize], drive: &Drive) -> Vec<Vec<usize>> {
-    let phase = |at: &usize| changes.get(*at).map(|change| change.phase);
-    let mut groups = Vec::new();
-    for run in due.chunk_by(|a, b| phase(a) == phase(b)) {
-        let sizes: Vec<usize> = run
+    let mut groups: Vec<(Phase, Vec<usize>, Vec<usize>)> = Vec::new();
+    for &at in due {
+        let Some(change) = changes.get(at) else { continue };
+        // a 64-bit value goes to two numbers
+        let own: Vec<usize> = halves(&selection(drive, change), change.new.octets.clone())
             .iter()
-            .map(|&at| changes.get(at).map_or(0, |change| change.new.octets.len()))
+            .map(|(_, octets)| octets.len())
             .collect();
-        for group in plan_changes(&sizes, drive.model.dialect) {
-            groups.push(run.get(group).unwrap_or_default().to_vec());
+        if let Some((phase, members, sizes)) = groups.last_mut() {
+            let together = [sizes.as_slice(), &own].concat();
+            if *phase == change.phase && plan_changes(&together, drive.model.dialect).len() == 1 {
+                members.push(at);
+                *sizes = together;
+                continue;
+            }
         }
+        groups.push((change.phase, vec![at], own));
     }
-    groups
+    groups.into_iter().map(|(_, members, _)| members).collect()
 }
 
 fn places(journal: &Journal, which: impl Fn(&Step) -> bool) -> Vec<usize> {
@@ -415,9 +422,8 @@ fn selection(drive: &Drive, change: &Change) -> Selection {
 
 fn outgoing(drive: &Drive, change: &Change) -> Outgoing {
     let format = Format(change.new.format);
-    let space: CodeSpace = drive.model.dialect.code_space;
     let octets = change.new.octets.clone();
-    let count = match Interpretation::of(format, space) {
+    let count = match Interpretation::of(format, drive.model.dialect.code_space) {
         Interpretation::Text | Interpretation::Octets => u8::try_from(octets.len()).unwrap_or(u8::MAX),
         _ => 1,
     };
