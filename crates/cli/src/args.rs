@@ -10,7 +10,9 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use profidrive::notation::Quantity;
 
-use crate::commands::{Backup, Diff, Faults, Gsdml, Home, Inject, Jog, Move, Restore, Run, Status, Stop, Task};
+use crate::commands::{
+    Backup, Diff, Faults, Gsdml, Home, Inject, Jog, Move, Restore, Run, Status, Stop, Task,
+};
 
 /// PROFIdrive and PROFINET drives: find, address, read, write, run, simulate, explain.
 #[derive(Debug, Parser)]
