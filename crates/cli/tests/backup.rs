@@ -1,5 +1,8 @@
 //! Saving, comparing and restoring against virtual drives, in virtual time: interrupted at every point, never a wrong claim.
 
+// helpers of tests fail by panicking, like the tests themselves
+#![allow(clippy::unwrap_used, clippy::panic)]
+
 use std::cell::{Cell, RefCell};
 use std::net::Ipv4Addr;
 use std::rc::Rc;

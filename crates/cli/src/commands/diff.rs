@@ -28,23 +28,17 @@ pub struct Args {
     pub right: String,
 }
 
-/// Where settings come from.
-enum Source {
-    File(Backup),
-    Drive,
-}
-
 pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (left, right) = (source(&args.left)?, source(&args.right)?);
     let (left, right) = match (left, right) {
-        (Source::File(left), Source::File(right)) => (left, right),
+        (Some(left), Some(right)) => (left, right),
         // of a drive, what the file says counts: it may hold a part only
-        (Source::File(file), Source::Drive) => {
+        (Some(file), None) => {
             let drive = like(&file, &args.right, interface, output)?;
             (file, drive)
         }
-        (Source::Drive, Source::File(file)) => (like(&file, &args.left, interface, output)?, file),
-        (Source::Drive, Source::Drive) => {
+        (None, Some(file)) => (like(&file, &args.left, interface, output)?, file),
+        (None, None) => {
             let left = whole(&args.left, interface, output)?;
             (left, whole(&args.right, interface, output)?)
         }
@@ -115,17 +109,17 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     }
 }
 
-/// A file where there is one of this name or the text is a path, else a drive.
-fn source(text: &str) -> Result<Source, Failure> {
+/// The file, where there is one of this name or the text is a path; `None` for a drive.
+fn source(text: &str) -> Result<Option<Backup>, Failure> {
     let path = Path::new(text);
     if path.is_file() || text.contains('/') {
-        backup::read(path).map(Source::File)
+        backup::read(path).map(Some)
     } else if text.parse::<drive_client::DriveAddress>().is_err() {
         Err(Failure::usage(format!(
             "there is no file {text}, and no drive can have this name"
         )))
     } else {
-        Ok(Source::Drive)
+        Ok(None)
     }
 }
 
