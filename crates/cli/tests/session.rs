@@ -2,23 +2,23 @@
 
 mod bench;
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::net::SocketAddrV4;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select};
+use bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select, station};
 use drive_client::axis::{Goal, Trouble};
 use drive_client::parameter::{Assignment, Selection};
-use drive_client::{AxisSettings, Client, Drive, Error, Session, WriteMode};
+use drive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Session, WriteMode};
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive::catalogue::AKD;
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::wire::ethernet::Frame;
-use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium, Transmit};
 use proptest::prelude::*;
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
@@ -220,6 +220,44 @@ fn an_interrupted_connect_is_taken_up_again() {
     session.open(&drive).expect("opens after all");
     let acceleration = select(&drive, "DRV.ACC");
     assert!(session.read(&mut drive, &[acceleration]).expect("read")[0].is_ok());
+}
+
+/// A medium that somebody else keeps, so that it outlives the session.
+struct Kept(Rc<RefCell<SegmentMedium>>);
+
+impl Medium for Kept {
+    type Error = <SegmentMedium as Medium>::Error;
+
+    fn now(&self) -> Instant {
+        self.0.borrow().now()
+    }
+
+    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Self::Error> {
+        self.0.borrow_mut().step(endpoint, until)
+    }
+}
+
+#[test]
+fn a_session_that_is_left_closes_its_connections() {
+    let mut segment = Segment::new(7);
+    let id = segment.attach(station("akd-1", 1));
+    let kept = Rc::new(RefCell::new(SegmentMedium::new(segment, Pace::Virtual)));
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
+    let mut session = Session::new(Kept(Rc::clone(&kept)), config);
+    let drive = session
+        .find(&"akd-1".parse::<DriveAddress>().expect("an address"))
+        .expect("there");
+    session.open(&drive).expect("open");
+    let relations = || {
+        let medium = kept.borrow();
+        let host = medium.segment().station::<Host<Station>>(id).expect("the drive");
+        host.endpoint().device().relations()
+    };
+    assert_eq!(relations(), 1);
+    // as an error does that leaves a command by the shortest way, while the caller wants to stop
+    session.interrupt_with(|| true);
+    drop(session);
+    assert_eq!(relations(), 0);
 }
 
 #[test]
