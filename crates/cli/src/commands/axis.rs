@@ -72,8 +72,24 @@ pub fn within(speed: f64, limit: f64) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Does something with the drive in the mode that is needed: put into it, if that was asked for, and back afterwards,
+/// whatever happened.
+pub fn in_mode(
+    session: &mut Live,
+    drive: &mut Drive,
+    needed: Mode,
+    wanted: &SetMode,
+    output: &Output,
+    work: impl FnOnce(&mut Live, &mut Drive) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let before = enter_mode(session, drive, needed, wanted, output)?;
+    let result = work(session, drive);
+    leave_mode(session, drive, before, output);
+    result
+}
+
 /// Puts the drive into the mode that is needed, if that was asked for; the mode to go back to.
-pub fn enter_mode(
+fn enter_mode(
     session: &mut Live,
     drive: &mut Drive,
     needed: Mode,
@@ -102,8 +118,8 @@ pub fn enter_mode(
     Ok(present)
 }
 
-/// Puts the mode back that was there before, whatever happened in between.
-pub fn leave_mode(session: &mut Live, drive: &mut Drive, before: Option<Mode>, output: &Output) {
+/// Puts the mode back that was there before.
+fn leave_mode(session: &mut Live, drive: &mut Drive, before: Option<Mode>, output: &Output) {
     let Some(mode) = before else { return };
     match session.uninterrupted(|session| session.set_operating_mode(drive, mode)) {
         Ok(()) => output.say(&format!("PNU 930 is {} again", mode_number(mode))),

@@ -34,10 +34,8 @@ pub struct Home {
 pub fn run(args: &Home, interface: &Interface, output: &Output) -> Result<(), Failure> {
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
-    let before = axis::enter_mode(&mut session, &mut drive, Mode::Position, &args.mode, output)?;
-    let result = go(args, &mut session, &mut drive, output);
-    axis::leave_mode(&mut session, &mut drive, before, output);
-    result?;
+    let go = |session: &mut Live, drive: &mut Drive| go(args, session, drive, output);
+    axis::in_mode(&mut session, &mut drive, Mode::Position, &args.mode, output, go)?;
     Ok(session.close()?)
 }
 

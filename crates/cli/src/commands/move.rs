@@ -63,6 +63,9 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
     axis::checked(&args.cyclic)?;
     let need = if args.dry_run { Need::Records } else { Need::Cyclic };
     let (mut session, mut drive) = connect::drive(interface, need, &args.drive, output)?;
+    if !args.mode.set_mode {
+        session.check_mode(&mut drive, Mode::Position)?;
+    }
     if args.dry_run {
         let plan = session.plan_move(&mut drive, &order, limit)?;
         session.close()?;
@@ -76,10 +79,8 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
         }
         return permitted(&plan, &drive);
     }
-    let before = axis::enter_mode(&mut session, &mut drive, Mode::Position, &args.mode, output)?;
-    let result = go(args, &order, limit, &mut session, &mut drive, output);
-    axis::leave_mode(&mut session, &mut drive, before, output);
-    result?;
+    let go = |session: &mut Live, drive: &mut Drive| go(args, &order, limit, session, drive, output);
+    axis::in_mode(&mut session, &mut drive, Mode::Position, &args.mode, output, go)?;
     Ok(session.close()?)
 }
 

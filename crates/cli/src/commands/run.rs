@@ -3,13 +3,14 @@
 use std::time::Duration;
 
 use clap::Args;
+use drive_client::Drive;
 use drive_client::axis::{MotionFacts, Purpose};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 
 use super::axis::{self, End, SetMode};
 use crate::args::{Cyclic, Interface, duration};
-use crate::connect::{self, Need};
+use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 
@@ -38,35 +39,41 @@ pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Fai
     axis::within(speed, limit)?;
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
+    let go = |session: &mut Live, drive: &mut Drive| go(args, speed, limit, session, drive, output);
+    axis::in_mode(&mut session, &mut drive, Mode::Velocity, &args.mode, output, go)?;
+    Ok(session.close()?)
+}
+
+fn go(
+    args: &Run,
+    speed: f64,
+    limit: f64,
+    session: &mut Live,
+    drive: &mut Drive,
+    output: &Output,
+) -> Result<(), Failure> {
     let time = args.time.map_or_else(
         || "until Ctrl-C".into(),
         |time| format!("for {} s", time.as_secs_f64()),
     );
-    let before = axis::enter_mode(&mut session, &mut drive, Mode::Velocity, &args.mode, output)?;
+    let facts = session.motion_facts(drive)?;
+    if let Some(warning) = above(speed, &facts) {
+        output.warn(&warning);
+    }
     output.say(&format!(
         "this moves the axis: {} turns at {speed} rpm {time}; Ctrl-C stops it",
         drive.label()
     ));
     let end = if args.time.is_some() { End::Time } else { End::Open };
-    let facts = session.motion_facts(&mut drive)?;
-    if let Some(warning) = above(speed, &facts) {
-        output.warn(&warning);
-    }
     let settings = axis::settings(&args.cyclic, Purpose::Speed, limit);
-    let result = match session.take_axis(&mut drive, settings) {
-        Ok(mut taken) => {
-            axis::watch(&mut taken, "run", output);
-            let result = taken.enable().and_then(|mut enabled| {
-                enabled.run(speed)?;
-                enabled.hold(args.time.unwrap_or(axis::FOR_EVER))
-            });
-            axis::finish(taken, result, end, "run", serde_json::Map::new(), output)
-        }
-        Err(error) => Err(error),
-    };
-    axis::leave_mode(&mut session, &mut drive, before, output);
-    result.map_err(|error| axis::explained(error, end, &mut session, &mut drive))?;
-    Ok(session.close()?)
+    let mut taken = session.take_axis(drive, settings)?;
+    axis::watch(&mut taken, "run", output);
+    let result = taken.enable().and_then(|mut enabled| {
+        enabled.run(speed)?;
+        enabled.hold(args.time.unwrap_or(axis::FOR_EVER))
+    });
+    axis::finish(taken, result, end, "run", serde_json::Map::new(), output)
+        .map_err(|error| axis::explained(error, end, session, drive))
 }
 
 /// What the drive will make of a speed that is above its own limit, or that leads into a limit switch.

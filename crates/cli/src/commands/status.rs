@@ -2,8 +2,8 @@
 
 use clap::Args;
 use drive_client::status::{Diagnosis, DriveStatus, Verdict, diagnose};
-use profidrive::state::Mode;
-use profidrive::state::bits;
+use profidrive::catalogue::Catalogue;
+use profidrive::state::{Mode, bits};
 use serde_json::{Map, Value};
 
 use super::axis::{told, warned};
@@ -13,7 +13,11 @@ use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
-use crate::render::{hex16, number, words};
+use crate::render::{hex16, words};
+
+/// DRV.DISSOURCES and DRV.MOTIONDISSOURCES.
+const DISABLE_SOURCES: u16 = 2120;
+const MOTION_DISABLE_SOURCES: u16 = 2891;
 
 #[derive(Debug, Args)]
 pub struct Status {
@@ -43,7 +47,7 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
             output.line(&format!("  next: {}", clean(next)));
         }
         if !args.short {
-            for line in lines(&status) {
+            for line in lines(&status, drive.model.catalogue) {
                 output.line(&line);
             }
         }
@@ -63,7 +67,7 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
 }
 
 /// The facts, one a line.
-fn lines(status: &DriveStatus) -> Vec<String> {
+fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
     let mode = status.word_mode();
     let mut lines = Vec::new();
     let mut line = |name: &str, text: Option<String>| {
@@ -105,14 +109,17 @@ fn lines(status: &DriveStatus) -> Vec<String> {
     line("STO", status.torque_allowed.map(allowed));
     line(
         "disabled by",
-        status.disable_sources.filter(|&sources| sources != 0).map(hex16),
+        status
+            .disable_sources
+            .filter(|&sources| sources != 0)
+            .map(|sources| bits_of(tables, DISABLE_SOURCES, sources)),
     );
     line(
         "motion held",
         status
             .motion_disable_sources
             .filter(|&sources| sources != 0)
-            .map(hex16),
+            .map(|sources| bits_of(tables, MOTION_DISABLE_SOURCES, sources)),
     );
     line("limits", limits(status));
     if mode == Mode::Position {
@@ -126,7 +133,7 @@ fn lines(status: &DriveStatus) -> Vec<String> {
         "following",
         status
             .following_error
-            .map(|error| format!("{} counts (PL.ERR)", number(error))),
+            .map(|error| format!("{error:.3} rev (position command minus position)")),
     );
     for fault in &status.faults {
         line("fault", Some(told(fault)));
@@ -135,6 +142,19 @@ fn lines(status: &DriveStatus) -> Vec<String> {
         line("warning", Some(warned(warning)));
     }
     lines
+}
+
+/// `0x0003 (Software disable, Fault present)`
+fn bits_of(tables: Option<&Catalogue>, pnu: u16, word: u16) -> String {
+    let parameter = tables.and_then(|tables| tables.by_pnu(pnu));
+    let names: Vec<&str> = (0..16_u8)
+        .filter(|bit| word >> bit & 1 != 0)
+        .filter_map(|bit| parameter?.bit(bit))
+        .collect();
+    if names.is_empty() {
+        return hex16(word);
+    }
+    format!("{} ({})", hex16(word), names.join(", "))
 }
 
 fn owner(controller: &Option<String>) -> String {
@@ -228,6 +248,7 @@ fn entry(number: u32, meaning: Option<&str>, remedy: Option<&str>) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use profidrive::catalogue::AKD;
     use profidrive::state::{Stw1, Zsw1};
 
     #[test]
@@ -242,9 +263,10 @@ mod tests {
             positive_switch: Some(true),
             software_limits: Some(1),
             position: Some(1.25),
+            disable_sources: Some(3),
             ..DriveStatus::default()
         };
-        let text = lines(&status).join("\n");
+        let text = lines(&status, Some(&AKD)).join("\n");
         for part in [
             "state        S4 operation",
             "ZSW1         0x2337 [READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ, STOPPED]",
@@ -253,6 +275,7 @@ mod tests {
             "limits       positive switch, software limits (SWLS.STATE 1)",
             "homed        no (ZSW1 bit 11)",
             "position     1.250 rev",
+            "disabled by  0x0003 (Software disable, Fault present)",
         ] {
             assert!(text.contains(part), "{part} in\n{text}");
         }

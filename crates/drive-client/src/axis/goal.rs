@@ -193,7 +193,7 @@ impl Default for Limits {
             stop: Duration::from_secs(10),
             standstill: 14,
             accept: Duration::from_secs(2),
-            settle: Duration::from_secs(1),
+            settle: Duration::from_secs(2),
             task_active: Zsw1(0),
         }
     }

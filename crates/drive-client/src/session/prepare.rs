@@ -56,6 +56,21 @@ where
             .and_then(mode_of))
     }
 
+    /// Says whether a drive is in the mode that is needed; one that does not tell is taken at the caller's word.
+    ///
+    /// # Errors
+    /// When it is in another one, or cannot be reached.
+    pub fn check_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<(), Error> {
+        match self.operating_mode(drive)? {
+            Some(present) if present != needed => Err(Error::WrongMode {
+                drive: drive.label(),
+                needed,
+                present: mode_words(present).to_owned(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
     /// Puts a drive into a mode (PNU 930) and reads back.
     ///
     /// # Errors

@@ -20,7 +20,6 @@ const DISABLE_SOURCES: u16 = 2120;
 const MOTION_STATUS: u16 = 2134;
 const NEGATIVE_SWITCH: u16 = 2211;
 const POSITIVE_SWITCH: u16 = 2212;
-const FOLLOWING_ERROR: u16 = 2287;
 const STO: u16 = 2381;
 const SOFTWARE_LIMITS: u16 = 2387;
 const SPEED: u16 = 2428;
@@ -45,7 +44,7 @@ const MAKER: [u16; 11] = [
     MOTION_STATUS,
     NEGATIVE_SWITCH,
     POSITIVE_SWITCH,
-    FOLLOWING_ERROR,
+    signal::kollmorgen::XIST_ERROR,
     STO,
     SOFTWARE_LIMITS,
     SPEED,
@@ -116,7 +115,7 @@ where
             position: own(signal::XIST_A)
                 .and_then(Reading::raw)
                 .map(|raw| f64::from(raw as i32) / drive.counts_per_turn()),
-            following_error: own(FOLLOWING_ERROR).and_then(Reading::number),
+            following_error: own(signal::kollmorgen::XIST_ERROR).and_then(Reading::number),
         })
     }
 }
@@ -153,7 +152,6 @@ mod tests {
             (MOTION_STATUS, "DRV.MOTIONSTAT"),
             (NEGATIVE_SWITCH, "HWLS.NEGSTATE"),
             (POSITIVE_SWITCH, "HWLS.POSSTATE"),
-            (FOLLOWING_ERROR, "PL.ERR"),
             (STO, "STO.STATE"),
             (SOFTWARE_LIMITS, "SWLS.STATE"),
             (SPEED, "VL.FB"),

@@ -57,7 +57,7 @@ pub struct DriveStatus {
     pub speed_actual: Option<f64>,
     /// Position in turns.
     pub position: Option<f64>,
-    /// Following error in the drive's position unit.
+    /// Position command minus position, in turns.
     pub following_error: Option<f64>,
 }
 

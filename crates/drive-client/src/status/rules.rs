@@ -87,9 +87,9 @@ causes! {
         |s| sources(s) & OTHER_SOURCES != 0,
         |s| format!("the drive keeps its power stage off (DRV.DISSOURCES is 0x{:04X})", sources(s)),
         "`profidrive read DRIVE DRV.DISSOURCES` names the bits";
-    /// DRV.CMDSOURCE is not the field bus.
+    /// DRV.CMDSOURCE is not the field bus. Motion tasks come through the service channel, so position mode has it too.
     CommandSource = "command-source", Held,
-        |s| s.command_source.is_some_and(|source| source != 1),
+        |s| s.command_source.is_some_and(|source| source != 1 && !(source == 0 && positioning(s))),
         |s| format!(
             "the drive does not take its setpoints from the field bus (DRV.CMDSOURCE is {}{})",
             s.command_source.unwrap_or_default(),
@@ -248,6 +248,11 @@ causes! {
         |s| positioning(s) && s.lacks(Stw1::NO_INTERMEDIATE_STOP),
         |s| format!("enabled (S4), but {} commands an intermediate stop (STW1 bit 5 is 0)", s.owner()),
         "in the controller: set STW1 bit 5, the task goes on";
+    /// A task is under way, but the axis stands.
+    TaskHeld = "task-held", Held,
+        |s| positioning(s) && s.has(Zsw1::TASK_ACTIVE),
+        |_| "enabled (S4), but its task is held (ZSW1 bits 13 and 14): by DRV.STOP, by a dwell time, or at a limit".into(),
+        "`profidrive write DRIVE MT.CONTINUE=1` goes on after DRV.STOP; a new task replaces it";
     /// The drive could not start the task.
     TaskRefused = "task-refused", Held,
         |s| positioning(s)

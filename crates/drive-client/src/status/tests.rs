@@ -311,6 +311,24 @@ const POSITION: &[(Cause, Verdict, Change, &str)] = &[
     ),
     (Cause::AtTarget, Verdict::Waits, |_| {}, "ZSW1 bit 10"),
     (
+        Cause::AtTarget,
+        Verdict::Waits,
+        |s| s.command_source = Some(0),
+        "ZSW1 bit 10",
+    ),
+    (
+        Cause::CommandSource,
+        Verdict::Held,
+        |s| s.command_source = Some(2),
+        "DRV.CMDSOURCE is 2",
+    ),
+    (
+        Cause::TaskHeld,
+        Verdict::Held,
+        |s| words(s, 0x043F, 0x6B37),
+        "its task is held",
+    ),
+    (
         Cause::NoTask,
         Verdict::Waits,
         |s| words(s, 0x043F, 0x2B37),

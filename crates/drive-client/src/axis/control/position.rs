@@ -109,12 +109,13 @@ impl AxisControl {
                 let released = !seen.task_acknowledged() || waited > self.limits.accept;
                 let settled = released && waited >= self.limits.dwell;
                 let active = self.limits.task_active.0 != 0 && seen.zsw1.has(self.limits.task_active);
-                let stands = settled && seen.stopped() && !active;
-                if stands && seen.reached() {
+                let stands = settled && seen.stopped();
+                if stands && seen.reached() && !active {
                     self.enter(now, Phase::Done);
                     self.progress = Progress::Reached;
                     self.paused = None;
-                } else if self.strays(now, stands) {
+                } else if self.strays(now, stands && (task.is_mdi() || !active)) {
+                    // a task of the drive may stand for its dwell time
                     return self.fail(now, seen, Trouble::TargetNotReached);
                 }
                 command(IDLE)

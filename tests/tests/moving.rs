@@ -1,0 +1,197 @@
+//! The commands that move an axis at both ends of a cable, and what happens when they are killed.
+
+use std::time::Duration;
+
+use serde_json::Value;
+use system_tests::{Finished, Lab, Running, Side, built};
+
+const SHORT: Duration = Duration::from_secs(20);
+
+fn simulate(lab: &Lab) -> Running {
+    let mut drive = lab.spawn(
+        Side::Device,
+        built("profidrive"),
+        [
+            "simulate",
+            "-i",
+            "dev0",
+            "--name",
+            "akd-1",
+            "--ip",
+            "192.168.77.50/24",
+        ],
+    );
+    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
+    drive
+}
+
+/// A machine at work may pause for longer than three update times; what is tested here is not that.
+fn arguments<'a>(verb: &[&'a str]) -> Vec<&'a str> {
+    let mut all = vec!["-i", "ctl0"];
+    all.extend(verb);
+    if matches!(verb[0], "run" | "move" | "home" | "task" | "ack") {
+        all.extend(["--watchdog", "15"]);
+    }
+    all
+}
+
+fn client(lab: &Lab, verb: &[&str]) -> Finished {
+    lab.run(Side::Controller, built("profidrive"), arguments(verb), SHORT)
+}
+
+fn start(lab: &Lab, verb: &[&str]) -> Running {
+    lab.spawn(Side::Controller, built("profidrive"), arguments(verb))
+}
+
+/// The sentence of `status`, and its cause; exit code 5 when something keeps the drive from running.
+#[track_caller]
+fn cause(lab: &Lab) -> String {
+    let finished = client(lab, &["status", "akd-1", "--json"]);
+    let first = finished.out.lines().next().unwrap_or_default();
+    let status: Value = serde_json::from_str(first).unwrap_or_else(|e| panic!("{e}: {finished:?}"));
+    let held = status["verdict"] == "held";
+    assert_eq!(finished.code, Some(if held { 5 } else { 0 }), "{finished:?}");
+    status["cause"].as_str().unwrap_or_default().to_owned()
+}
+
+#[track_caller]
+fn number(lab: &Lab, name: &str) -> f64 {
+    let finished = client(lab, &["read", "akd-1", name, "--json"]).ok();
+    let found: Value = serde_json::from_str(&finished.out).unwrap();
+    found["parameters"][0]["value"]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{found}"))
+}
+
+/// Waits until the axis stands, as read from it.
+#[track_caller]
+fn at_rest(lab: &Lab) {
+    for _ in 0..50 {
+        if number(lab, "VL.FB_32").abs() < 0.5 && number(lab, "DRV.ACTIVE") == 0.0 {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    panic!("{} rpm", number(lab, "VL.FB_32"));
+}
+
+#[test]
+fn a_killed_client_leaves_the_stop_to_the_watchdog() {
+    let lab = Lab::new("moving-killed");
+    let _drive = simulate(&lab);
+    let mut run = start(&lab, &["run", "akd-1", "--velocity", "300rpm"]);
+    run.wait_for("actual   299", SHORT);
+    run.signal("KILL");
+    at_rest(&lab);
+    assert_eq!(number(&lab, "r947[0]"), 702.0);
+    assert_eq!(cause(&lab), "fault");
+    client(&lab, &["ack", "akd-1"]).ok();
+    assert_eq!(cause(&lab), "no-controller");
+}
+
+#[test]
+fn status_and_stop_beside_a_client_that_runs() {
+    let lab = Lab::new("moving-stop");
+    let _drive = simulate(&lab);
+    assert_eq!(cause(&lab), "no-controller");
+    let mut run = start(&lab, &["run", "akd-1", "--velocity", "300rpm"]);
+    run.wait_for("actual   299", SHORT);
+    assert_eq!(cause(&lab), "moves");
+    let stop = client(&lab, &["stop", "akd-1"]).ok();
+    assert!(stop.out.contains("it stands"), "{stop:?}");
+    assert!(stop.err.contains("goes on commanding"), "{stop:?}");
+    assert!(number(&lab, "VL.FB_32").abs() < 1.0);
+    assert_eq!(number(&lab, "DRV.ACTIVE"), 1.0);
+    // off: the client that runs it is told by the drive, and does not switch it on again
+    let stop = client(&lab, &["stop", "akd-1", "--disable"]).ok();
+    assert!(stop.out.contains("the power stage is off"), "{stop:?}");
+    let ended = run.finish(SHORT);
+    assert_eq!(ended.code, Some(3), "{ended:?}");
+    assert!(ended.err.contains("left operation by itself"), "{}", ended.err);
+    at_rest(&lab);
+}
+
+#[test]
+fn from_velocity_mode_to_a_position_and_back() {
+    let lab = Lab::new("moving-position");
+    let _drive = simulate(&lab);
+    let order = ["move", "akd-1", "--to", "5rev", "--velocity", "600rpm"];
+    for verb in [&order[..], &["home", "akd-1"], &["task", "akd-1", "1"]] {
+        let refused = client(&lab, verb);
+        assert_eq!(refused.code, Some(6), "{refused:?}");
+        assert!(
+            refused.err.contains("profidrive write akd-1 930=2"),
+            "{}",
+            refused.err
+        );
+    }
+    let refused = client(&lab, &[&order[..], &["--set-mode"]].concat());
+    assert_eq!(refused.code, Some(6), "{refused:?}");
+    assert!(refused.err.contains("not homed"), "{}", refused.err);
+    assert_eq!(number(&lab, "930"), 1.0, "not changed without being told to");
+
+    // homed and moved with the mode lent and given back
+    let homed = client(&lab, &["home", "akd-1", "--set-mode"]).ok();
+    assert!(homed.err.contains("homed (ZSW1 bit 11)"), "{homed:?}");
+    assert!(homed.err.contains("PNU 930 is 1 again"), "{homed:?}");
+    assert_eq!(number(&lab, "930"), 1.0);
+
+    client(&lab, &["write", "akd-1", "930=2"]).ok();
+    client(&lab, &["home", "akd-1"]).ok();
+    let dry = client(&lab, &[&order[..], &["--dry-run"]].concat()).ok();
+    assert!(dry.err.contains("nothing moves"), "{dry:?}");
+    let moved = client(&lab, &order).ok();
+    assert!(
+        moved.err.contains("telegram 9") && moved.err.contains("target reached: 5 rev"),
+        "{moved:?}"
+    );
+    assert!(
+        moved.out.contains("STW1 0x047F"),
+        "the edge of the handshake: {moved:?}"
+    );
+    let target = number(&lab, "PL.FB");
+    assert!((target - 327_680.0).abs() < 700.0, "{target}");
+    at_rest(&lab);
+    assert_eq!(number(&lab, "r947[0]"), 0.0);
+
+    let refused = client(&lab, &["move", "akd-1", "--to", "5rev", "--velocity", "4000rpm"]);
+    assert_eq!(refused.code, Some(6), "{refused:?}");
+    let refused = client(&lab, &["task", "akd-1", "9"]);
+    assert_eq!(refused.code, Some(3), "{refused:?}");
+    assert!(
+        refused.err.contains("does not accept the traversing task"),
+        "{}",
+        refused.err
+    );
+    at_rest(&lab);
+}
+
+#[test]
+fn a_move_that_is_interrupted_or_killed_ends_at_rest() {
+    let lab = Lab::new("moving-doors");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "930=2"]).ok();
+    client(&lab, &["home", "akd-1"]).ok();
+    let order = ["move", "akd-1", "--to", "1000rev", "--velocity", "300rpm"];
+    let mut moving = start(&lab, &order);
+    moving.wait_for("ZSW1 0x4", SHORT);
+    assert_eq!(cause(&lab), "moves");
+    let ended = moving.interrupt(SHORT);
+    assert_eq!(ended.code, Some(1), "{ended:?}");
+    assert!(
+        ended
+            .err
+            .contains("stopped by Ctrl-C, the target was not reached"),
+        "{ended:?}"
+    );
+    at_rest(&lab);
+    assert_eq!(number(&lab, "r947[0]"), 0.0, "a ramp stop, no fault");
+
+    let mut moving = start(&lab, &order);
+    moving.wait_for("ZSW1 0x4", SHORT);
+    moving.signal("KILL");
+    at_rest(&lab);
+    assert_eq!(number(&lab, "r947[0]"), 702.0);
+    client(&lab, &["ack", "akd-1"]).ok();
+    assert_eq!(cause(&lab), "no-controller");
+}
