@@ -312,6 +312,7 @@ fn the_bits_of_drive_inputs() {
 
 mod free {
     use super::*;
+    use proptest::prelude::*;
 
     fn chosen(telegram: i64) -> Drive {
         let mut drive = Drive::new(&AKD);
@@ -516,5 +517,50 @@ mod free {
         line.outputs[..6].copy_from_slice(&[0x04, 0, 0, 10, 0, 20]);
         line.cycle();
         assert_eq!(line.drive.process.signal(5), 10);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// Whatever is mapped and whatever a controller sends: what is in the frames is what the parameters say.
+        #[test]
+        fn any_mapping_and_any_outputs(
+            writes in prop::collection::vec((any::<bool>(), 1..14_u16, prop_oneof![0..40_i64, 95..112_i64, Just(52)]), 0..40),
+            frames in prop::collection::vec(prop::collection::vec(any::<u8>(), 24), 1..30),
+            mode in 0..3_i64,
+        ) {
+            let mut drive = chosen(400);
+            write(&mut drive, 2135, 0, mode).unwrap();
+            for (setpoint, word, number) in writes {
+                let pnu = if setpoint { 915 } else { 916 };
+                let before = words(&drive, pnu);
+                if write(&mut drive, pnu, word, number).is_err() {
+                    prop_assert_eq!(words(&drive, pnu), before);
+                }
+            }
+            let (setpoints, actuals) = (words(&drive, 915), words(&drive, 916));
+            prop_assert_eq!((setpoints[0], actuals[0]), (1, 2));
+            let mut line = Line::with(drive, 400);
+            for mut frame in frames {
+                // Mostly with control by PLC and without OFF2 and OFF3, so that it runs now and then.
+                frame[0] = frame[0] & 0x3B | 0x04;
+                frame[1] |= 0x06;
+                line.outputs.copy_from_slice(&frame);
+                line.cycle();
+                let setpoint = line.setpoint;
+                for field in setpoint.fields() {
+                    let number = field.signal.number;
+                    let first = setpoint.position_of(number) == Some(usize::from(field.offset));
+                    if first && number != 1 {
+                        prop_assert_eq!(Some(line.drive.process.signal(number)), field.get(&frame));
+                    }
+                }
+                for field in line.actual.fields().to_vec() {
+                    if let Some(value) = line.drive.parameter(field.signal.number) {
+                        prop_assert_eq!(field.get(&line.inputs), Some(value), "{}", field.signal.name);
+                    }
+                }
+            }
+        }
     }
 }
