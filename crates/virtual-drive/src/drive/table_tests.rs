@@ -58,7 +58,14 @@ fn every_known_limit_is_enforced() {
             if !range.contains(&raw) {
                 continue;
             }
-            let expected = if allowed { Ok(()) } else { Err(ErrorNumber::LIMIT) };
+            // An enumeration takes what it names and nothing else.
+            let named = parameter.choices.is_empty() || parameter.choice(raw).is_some();
+            let expected = match (allowed, named) {
+                (true, true) => Ok(()),
+                (true, false) => Err(ErrorNumber::VALUE),
+                (false, _) => Err(ErrorNumber::LIMIT),
+            };
+            let allowed = allowed && named;
             assert_eq!(
                 drive.set_element(position, 0, raw),
                 expected,
@@ -70,6 +77,26 @@ fn every_known_limit_is_enforced() {
         checked += 1;
     }
     assert!(checked > 550, "{checked}");
+}
+
+#[test]
+fn enumerations_take_what_they_name() {
+    let mut bench = Bench::new();
+    for (raw, answer) in [
+        (0, Ok(())),
+        (1, Ok(())),
+        (2, Err(ErrorNumber::VALUE)),
+        (3, Err(ErrorNumber::VALUE)),
+        (4, Ok(())),
+        (255, Err(ErrorNumber::VALUE)),
+    ] {
+        assert_eq!(bench.write("FAULT702.ACTION", raw), answer, "{raw}");
+    }
+    assert_eq!(
+        bench.write("DRV.OPMODE", 3),
+        Err(ErrorNumber::LIMIT),
+        "limits come first"
+    );
 }
 
 #[test]

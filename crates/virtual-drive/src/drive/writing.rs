@@ -69,6 +69,9 @@ impl Drive {
             }
             _ => {
                 self.within_limits(parameter, raw)?;
+                if !parameter.choices.is_empty() && parameter.choice(raw).is_none() {
+                    return Err(ErrorNumber::VALUE);
+                }
                 self.values.set_at(position, raw);
             }
         }

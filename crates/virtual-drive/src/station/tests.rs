@@ -110,6 +110,14 @@ impl Plant {
     }
 
     fn connect(&mut self, telegram: u16) -> profinet::controller::ArId {
+        let ar = self.begin(telegram);
+        self.seconds(0.5);
+        assert!(self.events.contains(&Event::Running { ar }), "{:?}", self.events);
+        ar
+    }
+
+    /// Only asks for the connection.
+    fn begin(&mut self, telegram: u16) -> profinet::controller::ArId {
         let device = &AKD.catalogue.device;
         let module = device.telegram(telegram).unwrap();
         let sub = |subslot, ident| SubmoduleConfig {
@@ -152,10 +160,7 @@ impl Plant {
         let timing = Timing::for_interval(Duration::from_millis(16)).unwrap();
         let mut config = ConnectConfig::new(modules, timing);
         config.resolve = Resolve::Trust;
-        let ar = self.controller.connect(self.now, target, config).unwrap();
-        self.seconds(0.5);
-        assert!(self.events.contains(&Event::Running { ar }), "{:?}", self.events);
-        ar
+        self.controller.connect(self.now, target, config).unwrap()
     }
 
     fn send(&mut self, ar: profinet::controller::ArId, control: u16, speed: i16, seconds: f64) -> (u16, i16) {
@@ -405,4 +410,72 @@ fn a_drive_that_shall_not_use_the_address_of_dcp_starts_without_one() {
             .any(|event| matches!(event, StationEvent::PersistNetwork(stored) if stored.ip == suite(7)))
     );
     assert_eq!(Station::new(config(text.unwrap())).ip(), suite(1));
+}
+
+#[test]
+fn only_a_connection_that_exchanged_data_can_be_lost() {
+    let (mut broken, mut lost) = (0, 0);
+    for cut in 0..60_u32 {
+        let mut plant = Plant::new();
+        plant.begin(1);
+        plant.run(Duration::from_micros(500) * cut);
+        let known = plant
+            .happenings
+            .iter()
+            .any(|event| matches!(event, StationEvent::Connected { .. }));
+        plant.cable = false;
+        plant.seconds(2.0);
+        let exchanged = plant
+            .happenings
+            .iter()
+            .any(|event| matches!(event, StationEvent::Exchanging { .. }));
+        assert_eq!(
+            plant.station.drive().has_fault(),
+            exchanged,
+            "cut after {cut} half milliseconds"
+        );
+        broken += usize::from(known && !exchanged);
+        lost += usize::from(exchanged);
+    }
+    assert!(broken > 0 && lost > 0, "{broken} broken off, {lost} lost");
+}
+
+#[test]
+fn resets_clear_what_their_mode_says() {
+    for (mode, keeps_name, keeps_parameters) in [
+        (ResetMode::ApplicationData, true, false),
+        (ResetMode::Communication, false, true),
+        (ResetMode::AllStored, false, false),
+        (ResetMode::Device, false, false),
+    ] {
+        let mut plant = Plant::new();
+        let now = plant.now;
+        let drive = plant.station.drive_mut();
+        // DRV.ACC 5000 rpm/s, then DRV.NVSAVE
+        let change = [
+            1, 2, 0, 1, 0x10, 1, 0x08, 0x3C, 0, 0, 0x43, 1, 0, 0x4C, 0x4B, 0x40,
+        ];
+        drive.serve(&change, &mut [0; 240]).unwrap();
+        let save = [1, 2, 0, 1, 0x10, 1, 0x09, 0xA5, 0, 0, 0x42, 1, 0, 1];
+        drive.serve(&save, &mut [0; 240]).unwrap();
+        plant.station.settle(now);
+        plant
+            .station
+            .device_event(now, DeviceEvent::FactoryReset { mode });
+        plant.station.settle(now);
+        let happenings: Vec<StationEvent> = core::iter::from_fn(|| plant.station.poll_event()).collect();
+        let network = happenings.iter().rev().find_map(|event| match event {
+            StationEvent::PersistNetwork(stored) => Some(stored.clone()),
+            _ => None,
+        });
+        let parameters = happenings.iter().rev().find_map(|event| match event {
+            StationEvent::PersistParameters { text } => Some(text.clone()),
+            _ => None,
+        });
+        let network = network.unwrap();
+        assert_eq!(network.name == "akd-1", keeps_name, "{mode:?}");
+        assert_eq!(network.ip == suite(1), keeps_name, "{mode:?}");
+        let text = parameters.unwrap();
+        assert_eq!(text.contains("DRV.ACC = 5000.000"), keeps_parameters, "{mode:?}");
+    }
 }
