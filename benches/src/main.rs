@@ -11,6 +11,7 @@ mod drives;
 mod parameters;
 mod round_trip;
 mod table;
+mod virtual_time;
 
 use std::process::ExitCode;
 
@@ -21,6 +22,7 @@ const SECTIONS: &[Section] = &[
     ("cpu", cycles::cpu),
     ("start", cycles::start),
     ("parameters", parameters::compare),
+    ("virtual-time", virtual_time::compare),
 ];
 
 fn main() -> ExitCode {
