@@ -45,11 +45,11 @@ fn permitted(row: &Row, raw: i64) -> &'static [Answer] {
     }
 }
 
-/// Commands as delivered, disabled, with the field bus as command source: DRV.EN needs the service channel, DRV.NVLOAD
-/// something that was saved, and what moves the axis needs operation.
+/// Commands as delivered, disabled, with the field bus as command source: DRV.EN needs the service channel, and what
+/// moves the axis needs operation.
 fn executed(row: &Row) -> &'static [Answer] {
     match row.name.as_str() {
-        "DRV.EN" | "DRV.NVLOAD" | "HOME.MOVE" | "MT.CONTINUE" => &[Answer::Error(NOT_NOW)],
+        "DRV.EN" | "HOME.MOVE" | "MT.CONTINUE" => &[Answer::Error(NOT_NOW)],
         _ => &[Answer::Written],
     }
 }
