@@ -489,7 +489,7 @@ impl AccessPoint {
         self.virtual_submodules
             .iter()
             .map(|submodule| octets(&submodule.io))
-            .fold((plain, plain), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+            .fold((plain, plain), sum)
     }
 }
 
@@ -500,7 +500,7 @@ impl Module {
         self.virtual_submodules
             .iter()
             .map(|submodule| octets(&submodule.io))
-            .fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+            .fold((0, 0), sum)
     }
 }
 
@@ -516,6 +516,11 @@ fn octets(io: &IoData) -> (u32, u32) {
         data(input) + own(none, iops) + own(output > 0, iocs),
         data(output) + own(none || input > 0, iocs),
     )
+}
+
+/// Both halves of two pairs, as far as the numbers go.
+const fn sum(one: (u32, u32), other: (u32, u32)) -> (u32, u32) {
+    (one.0.saturating_add(other.0), one.1.saturating_add(other.1))
 }
 
 fn count(number: usize) -> u32 {

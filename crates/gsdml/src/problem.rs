@@ -129,14 +129,21 @@ pub(crate) struct Problems {
 }
 
 impl Problems {
-    pub fn add(&mut self, problem: Problem) {
-        // the first one that forbids the use must be in the list, however many warnings came before
-        let first = problem.severity == Severity::Unusable
+    /// Whether another one of this severity finds room; else it is only counted. The first one that forbids the use is
+    /// in the list however many warnings came before.
+    pub fn wants(&mut self, severity: Severity) -> bool {
+        let first = severity == Severity::Unusable
             && self.list.iter().all(|known| known.severity < Severity::Unusable);
-        if self.list.len() < MOST || first {
-            self.list.push(problem);
-        } else {
+        let room = self.list.len() < MOST || first;
+        if !room {
             self.left_out += 1;
+        }
+        room
+    }
+
+    pub fn add(&mut self, problem: Problem) {
+        if self.wants(problem.severity) {
+            self.list.push(problem);
         }
     }
 }

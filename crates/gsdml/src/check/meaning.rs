@@ -1,8 +1,9 @@
 //! Rules beyond the schema: what values must agree with each other.
 
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
+use alloc::vec::Vec;
 
 use roxmltree::Node;
 
@@ -20,9 +21,6 @@ const PROFIDRIVE: u32 = 0x3A00;
 const RECORD: u32 = 4068;
 /// Most octets of cyclic data in one frame.
 const FRAME: u16 = 1440;
-/// Most slots that are looked at one by one.
-const SLOTS: usize = 0x8000;
-
 /// First octet of each element with an identifier.
 type Places<'a> = BTreeMap<(&'a str, &'a str), usize>;
 
@@ -30,9 +28,13 @@ type Places<'a> = BTreeMap<(&'a str, &'a str), usize>;
 struct Check<'r, 's, 'a> {
     reader: &'r mut Reader<'s>,
     places: Places<'a>,
+    /// Modules with the octets they need, by their identifiers.
+    modules: BTreeMap<&'a str, (u32, u32)>,
+    /// Modules that an access point names.
+    used: BTreeSet<&'a str>,
 }
 
-pub(super) fn check(reader: &mut Reader<'_>, root: Node<'_, '_>, gsdml: &Gsdml) {
+pub(super) fn check<'a>(reader: &mut Reader<'_>, root: Node<'a, 'a>, gsdml: &'a Gsdml) {
     let mut places = Places::new();
     let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
     for node in root.descendants().filter(Node::is_element) {
@@ -49,14 +51,23 @@ pub(super) fn check(reader: &mut Reader<'_>, root: Node<'_, '_>, gsdml: &Gsdml) 
             reader.problem(Severity::Error, Rule::Identifier, at, message);
         }
     }
-    let mut check = Check { reader, places };
+    let modules = gsdml.modules.iter();
+    let references = gsdml.access_points.iter().flat_map(|point| &point.modules);
+    let mut check = Check {
+        reader,
+        places,
+        modules: modules
+            .map(|module| (module.id.as_str(), module.own_octets()))
+            .collect(),
+        used: references.map(|reference| reference.target.as_str()).collect(),
+    };
     check.header(root);
     check.whole(root, gsdml);
     for point in &gsdml.access_points {
         check.access_point(gsdml, point);
     }
     for module in &gsdml.modules {
-        check.module(gsdml, module);
+        check.module(module);
     }
     for submodule in &gsdml.submodules {
         check.submodule("SubmoduleItem", submodule);
@@ -129,9 +140,9 @@ impl Check<'_, '_, '_> {
 
     fn access_point(&mut self, gsdml: &Gsdml, point: &AccessPoint) {
         let at = self.at("DeviceAccessPointItem", &point.id);
-        let slot = |slots: &ValueList| slots.ranges().to_vec();
-        for (first, last) in slot(&point.fixed_in_slots) {
-            if !covers(&point.physical_slots, first, last) {
+        let physical = merged(&point.physical_slots);
+        for (first, last) in point.fixed_in_slots.ranges() {
+            if !covers(&physical, *first, *last) {
                 let message = format!("FixedInSlots {first}..{last} is not within PhysicalSlots");
                 self.error(Rule::Value, at, message);
             }
@@ -153,9 +164,9 @@ impl Check<'_, '_, '_> {
             self.error(Rule::Value, at, "AddressAssignment has no DCP");
         }
         self.versions(gsdml, point, at);
-        self.lengths(gsdml, point, at);
+        self.lengths(point, at);
         for reference in &point.modules {
-            self.module_slots(point, reference, at);
+            self.module_slots(&physical, reference, at);
         }
         self.subslots(&point.virtual_submodules, at);
         for submodule in &point.virtual_submodules {
@@ -164,14 +175,14 @@ impl Check<'_, '_, '_> {
         if let Some(interface) = &point.interface {
             self.interface(point, interface);
         }
-        for (number, port) in point.ports.iter().enumerate() {
+        let mut subslots = BTreeSet::new();
+        for port in &point.ports {
             let at = self.at("PortSubmoduleItem", &port.id);
             if !(0x8001..=0x8FFF).contains(&port.subslot) {
                 let message = format!("subslot {:#06x} is none of a port", port.subslot);
                 self.error(Rule::Value, at, message);
             }
-            let before = point.ports.get(..number).unwrap_or_default();
-            if before.iter().any(|other| other.subslot == port.subslot) {
+            if !subslots.insert(port.subslot) {
                 let message = format!("two ports in subslot {:#06x}", port.subslot);
                 self.error(Rule::Value, at, message);
             }
@@ -220,7 +231,7 @@ impl Check<'_, '_, '_> {
     }
 
     /// The most octets of cyclic data are enough for each module.
-    fn lengths(&mut self, gsdml: &Gsdml, point: &AccessPoint, at: usize) {
+    fn lengths(&mut self, point: &AccessPoint, at: usize) {
         let limits = point.io_limits;
         for (name, most) in [
             ("MaxInputLength", limits.input),
@@ -232,16 +243,15 @@ impl Check<'_, '_, '_> {
             }
         }
         let own = point.own_octets();
-        let largest = point.modules.iter().filter_map(|reference| {
-            let module = gsdml.module(&reference.target)?;
-            Some((module.own_octets(), module))
-        });
-        for (octets, module) in largest {
-            let needed = (own.0 + octets.0, own.1 + octets.1);
+        for reference in &point.modules {
+            let Some(octets) = self.modules.get(reference.target.as_str()) else {
+                continue;
+            };
+            let needed = (own.0.saturating_add(octets.0), own.1.saturating_add(octets.1));
             if needed.0 > u32::from(limits.input) || needed.1 > u32::from(limits.output) {
                 let message = format!(
                     "module `{}` needs {} octets of input and {} of output with all status octets, IOConfigData allows {} and {}",
-                    shortened(&module.id),
+                    shortened(&reference.target),
                     needed.0,
                     needed.1,
                     limits.input,
@@ -252,14 +262,14 @@ impl Check<'_, '_, '_> {
         }
     }
 
-    fn module_slots(&mut self, point: &AccessPoint, reference: &ModuleRef, at: usize) {
+    fn module_slots(&mut self, physical: &[(u32, u32)], reference: &ModuleRef, at: usize) {
         let lists = [&reference.allowed, &reference.used, &reference.fixed];
         if lists.iter().all(|list| list.is_empty()) {
             let message = format!("module `{}` fits nowhere", shortened(&reference.target));
             self.error(Rule::Value, at, message);
         }
         for (first, last) in lists.iter().flat_map(|list| list.ranges()) {
-            if !covers(&point.physical_slots, *first, *last) {
+            if !covers(physical, *first, *last) {
                 let message = format!(
                     "module `{}` in slots {first}..{last}, which are not within PhysicalSlots",
                     shortened(&reference.target)
@@ -305,7 +315,7 @@ impl Check<'_, '_, '_> {
         }
     }
 
-    fn module(&mut self, gsdml: &Gsdml, module: &Module) {
+    fn module(&mut self, module: &Module) {
         let at = self.at("ModuleItem", &module.id);
         self.subslots(&module.virtual_submodules, at);
         let mut apis = module.virtual_submodules.iter().map(|submodule| submodule.api);
@@ -320,13 +330,7 @@ impl Check<'_, '_, '_> {
         if module.virtual_submodules.is_empty() && module.submodules.is_empty() {
             self.warning(Rule::Element, at, "a module without any submodule");
         }
-        let used = gsdml.access_points.iter().any(|point| {
-            point
-                .modules
-                .iter()
-                .any(|reference| reference.target == module.id)
-        });
-        if !used {
+        if !self.used.contains(module.id.as_str()) {
             self.warning(Rule::Reference, at, "no access point names this module");
         }
         for submodule in &module.virtual_submodules {
@@ -373,17 +377,19 @@ impl Check<'_, '_, '_> {
 
     /// No two submodules in one subslot.
     fn subslots(&mut self, submodules: &[Submodule], at: usize) {
-        let mut taken = alloc::collections::BTreeSet::new();
-        for submodule in submodules {
-            for subslot in submodule.fixed_in_subslots.iter().take(SLOTS) {
-                if !taken.insert(subslot) {
-                    let message = format!(
-                        "submodule `{}` in subslot {subslot}, where another one is",
-                        shortened(&submodule.id)
-                    );
-                    self.error(Rule::Value, at, message);
-                    break;
-                }
+        let ranges = submodules.iter().flat_map(|submodule| {
+            let ranges = submodule.fixed_in_subslots.ranges();
+            ranges.iter().map(move |range| (*range, submodule.id.as_str()))
+        });
+        let mut ranges: Vec<((u32, u32), &str)> = ranges.collect();
+        ranges.sort();
+        for pair in ranges.windows(2) {
+            if let [((_, end), _), ((first, _), id)] = pair
+                && first <= end
+            {
+                let id = shortened(id);
+                let message = format!("submodule `{id}` in subslot {first}, where another one is");
+                self.error(Rule::Value, at, message);
             }
         }
     }
@@ -411,22 +417,26 @@ impl Check<'_, '_, '_> {
     }
 }
 
-/// Whether all numbers of a range are in a list.
-fn covers(list: &ValueList, first: u32, last: u32) -> bool {
-    // ranges of a list may touch each other
-    let mut next = first;
-    for _ in 0..=list.ranges().len() {
-        let holding = list
-            .ranges()
-            .iter()
-            .find(|(start, end)| (*start..=*end).contains(&next));
-        match holding {
-            Some((_, end)) if *end >= last => return true,
-            Some((_, end)) => next = end + 1,
-            None => return false,
+/// The ranges of a list in order, those that touch put together.
+fn merged(list: &ValueList) -> Vec<(u32, u32)> {
+    let mut ranges = list.ranges().to_vec();
+    ranges.sort_unstable();
+    let mut merged: Vec<(u32, u32)> = Vec::new();
+    for (first, last) in ranges {
+        match merged.last_mut() {
+            Some((_, end)) if first <= end.saturating_add(1) => *end = last.max(*end),
+            _ => merged.push((first, last)),
         }
     }
-    false
+    merged
+}
+
+/// Whether all numbers of a range are in merged ranges.
+fn covers(merged: &[(u32, u32)], first: u32, last: u32) -> bool {
+    let at = merged.partition_point(|(_, end)| *end < first);
+    merged
+        .get(at)
+        .is_some_and(|(start, end)| *start <= first && last <= *end)
 }
 
 /// Name of station: labels of a-z, 0-9 and hyphens inside, between dots.

@@ -448,3 +448,49 @@ fn no_gsdml_is_told_as_such() {
         assert!(!report.problems[0].to_string().is_empty());
     }
 }
+
+/// Everything that could take the square of the file's size, at the size where that would be seen.
+#[test]
+fn large_files_take_time_in_proportion() {
+    let many = 40_000;
+    let text = sound();
+    let lists = "0..70000 ".repeat(2000);
+    let references: String = (0..many)
+        .map(|n| alloc::format!("<ModuleItemRef ModuleItemTarget=\"X{n}\" AllowedInSlots=\"1\"/>"))
+        .collect();
+    let modules: String = (0..many)
+        .map(|n| alloc::format!("<ModuleItem ID=\"X{n}\" ModuleIdentNumber=\"{n}\"/>"))
+        .collect();
+    let ports: String = (0..many)
+        .map(|n| {
+            alloc::format!(
+                "<PortSubmoduleItem ID=\"Q{n}\" SubmoduleIdentNumber=\"3\" SubslotNumber=\"40000\"/>"
+            )
+        })
+        .collect();
+    let wide: String = (0..200)
+        .map(|n| {
+            alloc::format!(
+                "<ModuleItem ID=\"W{n}\" ModuleIdentNumber=\"1\"><VirtualSubmoduleList><VirtualSubmoduleItem ID=\"WS{n}\" \
+                 SubmoduleIdentNumber=\"1\" FixedInSubslots=\"0..4294967295\"/></VirtualSubmoduleList></ModuleItem>"
+            )
+        })
+        .collect();
+    let text = text
+        .replace("</UseableModules>", &(references + "</UseableModules>"))
+        .replace("</ModuleList>", &(modules + &wide + "</ModuleList>"))
+        .replace(
+            "</SystemDefinedSubmoduleList>",
+            &(ports + "</SystemDefinedSubmoduleList>"),
+        )
+        .replace(
+            "PhysicalSlots=\"0..1\"",
+            &alloc::format!("PhysicalSlots=\"{lists}\""),
+        );
+    let report = check(text.as_bytes(), Some(NAME));
+    assert_eq!(
+        report.description.map(|read| read.modules.len()),
+        Some(2 + many + 200)
+    );
+    assert!(report.left_out > many);
+}

@@ -86,14 +86,16 @@ impl<'s> Reader<'s> {
         }
     }
 
-    /// Remembers a problem at an octet.
+    /// Remembers a problem at an octet. Its place is looked for only when it is kept: that takes time.
     pub fn problem(&mut self, severity: Severity, rule: Rule, at: usize, message: impl Into<String>) {
-        self.problems.add(Problem {
-            severity,
-            rule,
-            position: self.source.position(at),
-            message: message.into(),
-        });
+        if self.problems.wants(severity) {
+            self.problems.list.push(Problem {
+                severity,
+                rule,
+                position: self.source.position(at),
+                message: message.into(),
+            });
+        }
     }
 
     /// A problem at an element.

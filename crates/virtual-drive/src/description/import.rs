@@ -1,5 +1,7 @@
 //! Identity and modules from a maker's device description.
 
+use std::collections::BTreeMap;
+
 use gsdml::{AccessPoint, Gsdml, Module, Submodule, SubmoduleRef};
 use profidrive::catalogue::Catalogue;
 use profinet::device::{Identity, ModuleDescription, ResetMode, SubmoduleDescription};
@@ -9,8 +11,11 @@ use super::mapping::{Found, telegram_of};
 use super::{Description, TelegramModule};
 use crate::model::Model;
 
-/// Most modules of one virtual drive.
+/// Most modules of one virtual drive, and most submodules of one module.
 const MOST_MODULES: usize = 512;
+/// Most modules, submodules and access points of a file, and most references of an access point to modules: far more
+/// than a drive has.
+const MOST_ITEMS: usize = 4096;
 /// Longest order number and name of a product.
 const ORDER: usize = 20;
 const STATION_TYPE: usize = 25;
@@ -114,8 +119,30 @@ impl Description {
                 there: gsdml.access_points.iter().map(|point| point.id.clone()).collect(),
             });
         };
+        let references = gsdml.access_points.iter().map(|point| point.modules.len());
+        let items = [
+            gsdml.modules.len(),
+            gsdml.submodules.len(),
+            gsdml.access_points.len(),
+            references.sum(),
+        ];
+        if let Some(items) = items.into_iter().find(|items| *items > MOST_ITEMS) {
+            return Err(ImportError::Unsupported {
+                item: first.id.clone(),
+                reason: format!("a drive with {items} modules; at most {MOST_ITEMS} are taken"),
+            });
+        }
+        let modules: BTreeMap<&str, &Module> = gsdml
+            .modules
+            .iter()
+            .map(|module| (module.id.as_str(), module))
+            .collect();
+        let submodules = gsdml.submodules.iter();
         let mut reader = Reader {
             gsdml,
+            submodules: submodules
+                .map(|submodule| (submodule.id.as_str(), submodule))
+                .collect(),
             catalogue,
             api: own.api,
             telegrams: Vec::new(),
@@ -133,13 +160,13 @@ impl Description {
                 let slot = slot
                     .and_then(|slot| u16::try_from(slot).ok())
                     .filter(|slot| *slot > 0);
-                if let (Some(module), Some(slot)) = (gsdml.module(&reference.target), slot) {
+                if let (Some(module), Some(slot)) = (modules.get(reference.target.as_str()), slot) {
                     reader.module(module, slot)?;
                 }
             }
         }
         let Reader {
-            mut telegrams,
+            telegrams,
             mut others,
             left_out,
             ..
@@ -150,14 +177,12 @@ impl Description {
                 left_out,
             });
         }
-        telegrams.truncate(MOST_MODULES);
         // a slot with a telegram has no other module from the start
         others.retain(|other| {
             !telegrams
                 .iter()
                 .any(|telegram| other.slots.contains(&telegram.slot))
         });
-        others.truncate(MOST_MODULES);
         let intervals = points.iter().map(|point| point.min_device_interval);
         let shortest = intervals.filter(|interval| *interval > 0).min();
         Ok(Import {
@@ -233,12 +258,19 @@ fn slot_zero(point: &AccessPoint) -> Result<ModuleDescription, ImportError> {
         output_length: 0,
     };
     let mut submodules = Vec::new();
-    for submodule in &point.virtual_submodules {
+    for submodule in point.virtual_submodules.iter().take(MOST_MODULES) {
         submodules.extend(at_its_subslots(submodule)?);
+        submodules.truncate(MOST_MODULES);
     }
     let interface = point.interface.iter();
     submodules.extend(interface.map(|interface| plain(interface.subslot, interface.ident)));
-    submodules.extend(point.ports.iter().map(|port| plain(port.subslot, port.ident)));
+    submodules.extend(
+        point
+            .ports
+            .iter()
+            .take(MOST_MODULES)
+            .map(|port| plain(port.subslot, port.ident)),
+    );
     if submodules.is_empty() {
         return Err(ImportError::Unsupported {
             item: point.id.clone(),
@@ -281,6 +313,8 @@ fn described(submodule: &Submodule, subslot: u32) -> Result<SubmoduleDescription
 /// Goes over the modules of a file.
 struct Reader<'a> {
     gsdml: &'a Gsdml,
+    /// Pluggable submodules by their identifiers.
+    submodules: BTreeMap<&'a str, &'a Submodule>,
     catalogue: &'static Catalogue,
     api: u32,
     telegrams: Vec<TelegramModule>,
@@ -290,13 +324,21 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn module(&mut self, module: &Module, slot: u16) -> Result<(), ImportError> {
+        let count = module.virtual_submodules.len().max(module.submodules.len());
+        if count > MOST_MODULES {
+            return Err(ImportError::Unsupported {
+                item: module.id.clone(),
+                reason: format!("a module with {count} submodules"),
+            });
+        }
         let mut fixed: Vec<(u32, &Submodule)> = Vec::new();
         for submodule in &module.virtual_submodules {
             let subslots = submodule.fixed_in_subslots.iter().take(MOST_MODULES);
             fixed.extend(subslots.map(|subslot| (subslot, submodule)));
+            fixed.truncate(MOST_MODULES);
         }
         let pluggable = |reference: &SubmoduleRef| {
-            let submodule = self.gsdml.submodule(&reference.target);
+            let submodule = self.submodules.get(reference.target.as_str()).copied();
             let subslots = [&reference.fixed, &reference.used, &reference.allowed];
             let subslot = subslots.into_iter().find_map(gsdml::ValueList::first);
             Some((subslot?, submodule?, !reference.fixed.is_empty()))
@@ -317,7 +359,8 @@ impl Reader<'_> {
             self.variant(module, slot, &fixed, subslot, submodule)?;
         } else if choices.is_empty() {
             let module = self.assembled(module, slot, &fixed)?;
-            if !module.submodules.is_empty() && !self.others.contains(&module) {
+            let room = self.others.len() < MOST_MODULES;
+            if room && !module.submodules.is_empty() && !self.others.contains(&module) {
                 self.others.push(module);
             }
         }
@@ -363,14 +406,14 @@ impl Reader<'_> {
                     slot,
                     subslot: described(submodule, subslot)?.subslot,
                 };
-                if !self.telegrams.contains(&made) {
+                if self.telegrams.len() < MOST_MODULES && !self.telegrams.contains(&made) {
                     self.telegrams.push(made);
                 }
                 Ok(())
             }
             Found::Unknown(reason) => {
                 let reason = format!("{label}: {reason}");
-                if !self.left_out.contains(&reason) {
+                if self.left_out.len() < MOST_MODULES && !self.left_out.contains(&reason) {
                     self.left_out.push(reason);
                 }
                 Ok(())

@@ -1,5 +1,7 @@
 //! `profidrive gsdml show FILE`
 
+use std::collections::BTreeMap;
+
 use gsdml::{AccessPoint, Gsdml, Module, ModuleInfo, Submodule, TextId, ValueList};
 use serde_json::{Map, Value};
 
@@ -26,10 +28,7 @@ pub fn run(args: &Show, output: &Output) -> Result<(), Failure> {
             false => failure.hint(format!("it has {}", there.join(", "))),
         });
     }
-    let view = View {
-        gsdml: &description,
-        language: args.language.as_deref(),
-    };
+    let view = View::new(&description, args.language.as_deref());
     if output.json() {
         output.document("gsdml show", view.json());
         return Ok(());
@@ -55,6 +54,10 @@ pub fn run(args: &Show, output: &Output) -> Result<(), Failure> {
 struct View<'a> {
     gsdml: &'a Gsdml,
     language: Option<&'a str>,
+    /// Slots of each module at all access points.
+    slots: BTreeMap<&'a str, Vec<String>>,
+    /// Pluggable submodules by their identifiers.
+    submodules: BTreeMap<&'a str, &'a Submodule>,
 }
 
 /// A submodule of a module with where it may be.
@@ -65,6 +68,28 @@ struct Place<'a> {
 }
 
 impl<'a> View<'a> {
+    fn new(gsdml: &'a Gsdml, language: Option<&'a str>) -> Self {
+        let mut slots: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+        for reference in gsdml.access_points.iter().flat_map(|point| &point.modules) {
+            let lists = [&reference.fixed, &reference.used, &reference.allowed];
+            let text = lists.into_iter().rev().find(|list| !list.is_empty());
+            let text = text.map(ValueList::to_string).unwrap_or_default();
+            let known = slots.entry(&reference.target).or_default();
+            if known.last() != Some(&text) {
+                known.push(text);
+            }
+        }
+        let submodules = gsdml.submodules.iter();
+        Self {
+            gsdml,
+            language,
+            slots,
+            submodules: submodules
+                .map(|submodule| (submodule.id.as_str(), submodule))
+                .collect(),
+        }
+    }
+
     fn text(&self, id: Option<&TextId>) -> &'a str {
         let found = id.and_then(|id| match self.language {
             Some(language) => self.gsdml.texts.in_language(language, id),
@@ -198,7 +223,7 @@ impl<'a> View<'a> {
             Some(Place {
                 subslots: subslots.map(ValueList::to_string).unwrap_or_default(),
                 pluggable: reference.fixed.is_empty(),
-                submodule: self.gsdml.submodule(&reference.target)?,
+                submodule: self.submodules.get(reference.target.as_str()).copied()?,
             })
         });
         fixed.chain(pluggable).collect()
@@ -206,17 +231,8 @@ impl<'a> View<'a> {
 
     /// Slots of a module at all access points.
     fn slots(&self, module: &Module) -> String {
-        let mut slots: Vec<String> = Vec::new();
-        let references = self.gsdml.access_points.iter().flat_map(|point| &point.modules);
-        for reference in references.filter(|reference| reference.target == module.id) {
-            let lists = [&reference.fixed, &reference.used, &reference.allowed];
-            let text = lists.into_iter().rev().find(|list| !list.is_empty());
-            let text = text.map(ValueList::to_string).unwrap_or_default();
-            if !slots.contains(&text) {
-                slots.push(text);
-            }
-        }
-        slots.join(" ")
+        let slots = self.slots.get(module.id.as_str());
+        slots.map(|slots| slots.join(" ")).unwrap_or_default()
     }
 
     fn modules(&self) -> Table {
