@@ -16,6 +16,7 @@ use network::host::StationId;
 use network::segment::SegmentMedium;
 use profidrive::notation::Position;
 use profidrive::state::Mode;
+use proptest::prelude::*;
 use virtual_drive::drive::Injection;
 
 const LONG: Option<Duration> = Some(Duration::from_secs(60));
@@ -432,4 +433,73 @@ fn a_blocked_axis_is_told() {
         matches!(error, Error::Axis { .. } | Error::NotInTime { .. }),
         "{error}"
     );
+}
+
+/// What a program may ask of an enabled axis.
+#[derive(Debug, Clone, Copy)]
+enum Wish {
+    Start(i32),
+    Pause,
+    Resume,
+    Halt,
+    Home,
+    Jog,
+    Pass(u16),
+}
+
+fn wishes() -> impl Strategy<Value = Vec<Wish>> {
+    let wish = prop_oneof![
+        4 => (-40..40_i32).prop_map(Wish::Start),
+        1 => Just(Wish::Pause),
+        2 => Just(Wish::Resume),
+        1 => Just(Wish::Halt),
+        1 => Just(Wish::Home),
+        1 => Just(Wish::Jog),
+        4 => (1..1500_u16).prop_map(Wish::Pass),
+    ];
+    prop::collection::vec(wish, 1..12)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    /// Whatever is asked for in whatever order: it comes about or is told, the last target is reached where one is
+    /// under way, and the end is at rest without a fault.
+    #[test]
+    fn any_order_of_wishes_ends_at_rest(wishes in wishes()) {
+        let mut bench = homed();
+        let id = bench.1;
+        with_axis(&mut bench, Purpose::Move, |axis| {
+            let mut under_way = None;
+            for wish in &wishes {
+                let result = match *wish {
+                    Wish::Start(turns) => axis.plan(&to(turns.into())).and_then(|plan| axis.start(&plan)),
+                    Wish::Pause => axis.pause(),
+                    Wish::Resume => axis
+                        .resume()
+                        .and_then(|()| axis.hold(Duration::from_secs(3))),
+                    Wish::Halt => axis.halt(),
+                    Wish::Home => axis.home(LONG),
+                    Wish::Jog => axis.jog(Jog::One),
+                    Wish::Pass(millis) => axis.hold(Duration::from_millis(millis.into())),
+                };
+                match (wish, result) {
+                    // only where a task is held
+                    (Wish::Resume, Err(Error::Misuse(_))) => {}
+                    (_, result) => result.unwrap_or_else(|error| unreachable!("{wish:?}: {error}")),
+                }
+                under_way = match *wish {
+                    Wish::Start(turns) => Some(turns),
+                    Wish::Pass(_) | Wish::Resume => under_way,
+                    Wish::Pause | Wish::Halt | Wish::Home | Wish::Jog => None,
+                };
+            }
+            if let Some(turns) = under_way {
+                axis.wait(LONG).expect("the target");
+                let at = axis.status().and_then(|status| status.position).expect("a position");
+                assert!(near(at, turns.into()), "{at} instead of {turns}");
+            }
+        });
+        prop_assert!(!drive_at(&bench.0, id).drive().has_fault());
+    }
 }

@@ -10,7 +10,7 @@ use profinet::controller::{
 };
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
-use crate::axis::{AxisControl, Command, Goal, Progress, Seen, Wiring};
+use crate::axis::{AxisControl, Command, Goal, Progress, Seen, Traverse, Wiring};
 use crate::mapper::{Mapper, Registered};
 
 /// Most results that are kept for nobody.
@@ -93,6 +93,8 @@ pub struct AxisView {
     pub at_rest: bool,
     /// True once the drive has accepted the task, or has begun to home.
     pub accepted: bool,
+    /// The task that an intermediate stop holds.
+    pub held: Option<Traverse>,
     /// What the drive is for, as the control was told.
     pub mode: Mode,
 }
@@ -218,6 +220,7 @@ impl Client {
             seen: axis.seen,
             at_rest: axis.control.is_at_rest(),
             accepted: axis.control.is_accepted(),
+            held: axis.control.held(),
             mode: axis.control.mode(),
         })
     }

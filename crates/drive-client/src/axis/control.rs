@@ -155,6 +155,15 @@ impl AxisControl {
         matches!(self.phase, Phase::UnderWay | Phase::Done)
     }
 
+    /// The task that an intermediate stop holds.
+    #[must_use]
+    pub const fn held(&self) -> Option<Traverse> {
+        match self.goal {
+            Goal::Pause => self.paused,
+            _ => None,
+        }
+    }
+
     /// What is being sent.
     #[must_use]
     pub const fn command(&self) -> Command {

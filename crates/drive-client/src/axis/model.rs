@@ -7,7 +7,7 @@ use std::time::Duration;
 use profidrive::state::{Mode, State, Stw1, Zsw1};
 use profinet::Instant;
 
-use super::{AxisControl, Command, Goal, Limits, Progress, Seen};
+use super::{AxisControl, Command, Goal, Limits, Progress, Seen, Traverse};
 pub use positioner::Positioner;
 
 pub struct Bench {
@@ -171,6 +171,10 @@ impl Bench {
 
     pub fn speed(&self) -> i16 {
         self.speed
+    }
+
+    pub fn held(&self) -> Option<Traverse> {
+        self.axis.held()
     }
 
     pub fn is_accepted(&self) -> bool {

@@ -161,10 +161,9 @@ where
     /// When no task is held, or the axis is not enabled any more.
     pub fn resume(&mut self) -> Result<(), Error> {
         let status = self.axis.look()?;
-        let held = status.view.command.traverse;
-        if status.view.goal != Goal::Pause || held == Traverse::default() {
-            return Err(profinet::controller::Misuse::Range("resume without a paused task").into());
-        }
+        let held = status.view.held.ok_or(profinet::controller::Misuse::Range(
+            "resume without a paused task",
+        ))?;
         self.pursue_enabled(Goal::Traverse(held))
     }
 

@@ -112,6 +112,24 @@ fn a_pause_keeps_the_task_and_enabled_discards_it() {
 }
 
 #[test]
+fn a_pause_without_a_task_holds_none() {
+    let mut bench = Bench::positioning();
+    bench.pursue(Goal::Enabled);
+    bench.until(Progress::Reached);
+    bench.pursue(Goal::Pause);
+    bench.until(Progress::Reached);
+    assert_eq!(bench.held(), None);
+    bench.pursue(to(5000));
+    bench.until(Progress::Reached);
+    bench.pursue(Goal::Pause);
+    assert_eq!(bench.held(), None, "at its target it is over");
+    bench.pursue(to(0));
+    bench.cycles(60);
+    bench.pursue(Goal::Pause);
+    assert!(bench.held().is_some_and(|task| task.target == 0));
+}
+
+#[test]
 fn a_task_just_accepted_is_discarded_though_the_axis_still_stands() {
     let mut bench = Bench::positioning();
     bench.pursue(to(50_000));
