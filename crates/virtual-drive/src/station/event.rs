@@ -10,7 +10,7 @@ use crate::store::ImageError;
 /// Something its owner should do or may want to know.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StationEvent {
-    /// Keep this over a restart ([`network_to_text`]): name, address and I&M data that were set permanently.
+    /// Keep this over a restart ([`network_to_text`](super::network_to_text)): name, address and I&M data that were set permanently.
     PersistNetwork(Stored),
     /// Keep this text over a restart.
     PersistParameters {
