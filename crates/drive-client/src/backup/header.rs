@@ -114,6 +114,9 @@ impl Header {
         value: &str,
         scaling: &mut Option<Scaling>,
     ) -> Result<(), String> {
+        if let Some(wrong) = value.chars().find(|c| c.is_control()) {
+            return Err(format!("`{key}:` has {wrong:?} in it, which is no text"));
+        }
         match key {
             "model" => value.clone_into(&mut self.model),
             "vendor" => self.vendor_id = number(value)?,

@@ -224,6 +224,8 @@ fn decide(
     let now = present.parameters();
     let rule = rule(now, reading.pnu);
     match rule.role {
+        // what need not be written needs no reason why it is not
+        Role::Network if unchanged(wanted, present, reading) => return Err(Skip::Same),
         Role::Setting => {}
         Role::Network if choice.network => {}
         Role::Network => return Err(Skip::Network(rule.why)),
@@ -294,6 +296,16 @@ fn decide(
         limits: selection.parameter.map(|parameter| now.limits(parameter)),
         saved,
         phase: rule.phase,
+    })
+}
+
+/// The drive has the same number, and it means the same there.
+fn unchanged(wanted: &Backup, present: &Backup, reading: &Reading) -> bool {
+    present.reading(reading.pnu, reading.index).is_some_and(|old| {
+        old.raw() == reading.raw()
+            && old.number() == reading.number()
+            && (old.raw().is_some() || old.octets == reading.octets)
+            && wanted.parameters().catalogue.is_some() == present.parameters().catalogue.is_some()
     })
 }
 
