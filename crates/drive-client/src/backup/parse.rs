@@ -30,7 +30,10 @@ pub struct Problem {
 
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}", self.line, self.what)
+        // words of a file that is anybody's must not move the cursor
+        let clean = |c: char| if c.is_control() { '.' } else { c };
+        let what: String = self.what.chars().map(clean).collect();
+        write!(f, "line {}: {what}", self.line)
     }
 }
 
