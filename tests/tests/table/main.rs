@@ -27,7 +27,7 @@ const COUNT: u16 = 0x18;
 const TEXT_FIXED: u16 = 0x20;
 
 /// Answers that depend on more than the limits; every other row answers by its limits alone.
-fn permitted(row: &Row, raw: i64) -> &'static [Answer] {
+fn permitted(table: &Table, row: &Row, raw: i64) -> &'static [Answer] {
     const WRITTEN: &[Answer] = &[Answer::Written];
     const NOW: &[Answer] = &[Answer::Error(NOT_NOW)];
     const NO_SUCH: &[Answer] = &[Answer::Error(VALUE)];
@@ -37,7 +37,7 @@ fn permitted(row: &Row, raw: i64) -> &'static [Answer] {
         // The mapping of telegram 1, which is in use as delivered, is fixed (manual 5.11).
         915 | 916 => NOW,
         922 if ![0, 1, 7, 9, 350, 351, 352, 353, 354, 400].contains(&raw) => NO_SUCH,
-        930 if ![1, 2].contains(&raw) => NO_SUCH,
+        _ if table.is_nameless(row, raw) => NO_SUCH,
         // MT.CLEAR: a task of the table, or all of them by -1. MT.MOVE starts a task, which needs a homed axis in operation.
         2265 if !(-1..=128).contains(&raw) => OUTSIDE,
         2272 => NOW_OR_OUTSIDE,
@@ -282,7 +282,10 @@ fn writing_at_and_beside_the_limits() {
             let mut channel = Channel::new();
             let before = channel.read(row);
             let answer = channel.write(row, raw);
-            assert!(permitted(row, raw).contains(&answer), "{raw}: {answer:?} {row:?}");
+            assert!(
+                permitted(&table, row, raw).contains(&answer),
+                "{raw}: {answer:?} {row:?}"
+            );
             let expected = if answer == Answer::Written { raw } else { before };
             assert_eq!(channel.read(row), expected, "{row:?}");
         }
@@ -304,12 +307,40 @@ fn writing_at_and_beside_the_limits() {
         if !row.is_array() {
             let answer = channel.ask(2, 0x10, 1, row.pnu, 0, &block(row, row.data_type(), &[before]));
             assert!(
-                permitted(row, before).contains(&answer) || !limits.contains(&before),
+                permitted(&table, row, before).contains(&answer) || !limits.contains(&before),
                 "{answer:?} {row:?}"
             );
         }
     }
     assert!(limited > 600, "{limited}");
+}
+
+#[test]
+fn enumerations_take_the_values_that_have_a_name() {
+    let table = Table::load();
+    let mut nameless = 0;
+    for row in table
+        .rows
+        .iter()
+        .filter(|row| row.access == "rw" && !row.is_array())
+    {
+        let limits = table.limits(row);
+        let first = (*limits.start()).max(-2);
+        let some = first..=(first + 64).min(*limits.end());
+        if some.clone().all(|raw| !table.is_nameless(row, raw)) {
+            continue; // no enumeration, or all values have a name
+        }
+        let mut channel = Channel::new();
+        for raw in some {
+            let answer = channel.write(row, raw);
+            assert!(
+                permitted(&table, row, raw).contains(&answer),
+                "{raw}: {answer:?} {row:?}"
+            );
+            nameless += u32::from(answer == Answer::Error(VALUE));
+        }
+    }
+    assert!(nameless > 100, "{nameless}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
 const PARAMETERS: &str = include_str!("../../../data/akd/parameters.csv");
+const MEANINGS: &str = include_str!("../../../data/akd/meanings.csv");
 const DEVICE: &str = include_str!("../../../data/akd/device.toml");
 
 /// One row of the table.
@@ -92,6 +93,8 @@ impl Row {
 /// The table, and the values of the drive's size.
 pub struct Table {
     pub rows: Vec<Row>,
+    /// Values that have a name, by parameter; `DINx.MODE` stands for `DIN1.MODE` and so on.
+    choices: HashMap<String, Vec<i64>>,
     sized: HashMap<String, f64>,
 }
 
@@ -127,7 +130,19 @@ impl Table {
                 let value = rest.split('#').next()?.trim();
                 Some((name.to_owned(), value.parse().unwrap()))
             });
+        let mut choices: HashMap<String, Vec<i64>> = HashMap::new();
+        for line in MEANINGS.lines().skip(1) {
+            if let [name, kind, value, ..] = &cells(line)[..]
+                && kind == "choice"
+            {
+                choices
+                    .entry(name.clone())
+                    .or_default()
+                    .push(value.parse().unwrap());
+            }
+        }
         Self {
+            choices,
             rows: rows.collect(),
             sized: sized.collect(),
         }
@@ -135,6 +150,19 @@ impl Table {
 
     pub fn row(&self, pnu: u16) -> &Row {
         self.rows.iter().find(|row| row.pnu == pnu).unwrap()
+    }
+
+    /// True when the table names values of this parameter and this one is none of them.
+    pub fn is_nameless(&self, row: &Row, raw: i64) -> bool {
+        let general = row.name.split_once('.').map(|(group, rest)| {
+            let letters = group.trim_end_matches(|c: char| c.is_ascii_digit());
+            format!("{letters}x.{rest}")
+        });
+        let named = self
+            .choices
+            .get(&row.name)
+            .or_else(|| self.choices.get(&general?));
+        named.is_some_and(|values| !values.contains(&raw))
     }
 
     /// What a fresh drive has there, where the table tells it.
