@@ -233,6 +233,11 @@ impl Homing {
                 self.failure = Some(FAILED);
             }
         }
+        self.command(setup)
+    }
+
+    /// What the axis has to do in the present phase.
+    pub fn command(&mut self, setup: &HomeSetup) -> Command {
         self.fresh = false;
         let slow = self.phase == Phase::Seek || (self.phase == Phase::Approach && self.reference == Index);
         let speed = if slow {

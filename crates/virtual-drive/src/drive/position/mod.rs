@@ -29,6 +29,10 @@ mod task;
 mod units;
 
 #[cfg(test)]
+mod chain_tests;
+#[cfg(test)]
+mod homing_tests;
+#[cfg(test)]
 mod seeds;
 #[cfg(test)]
 mod tests;
@@ -398,7 +402,7 @@ impl Positioning {
             axis.shift_position(setup.position.wrapping_sub(place));
             self.flags.found = true;
             // What was to be done is to be done at the new numbers.
-            command = homing.step(setup, &Seen::new(axis, rules.standstill));
+            command = homing.command(setup);
         }
         self.finished = homing.finished;
         self.failed = homing.failure.is_some();

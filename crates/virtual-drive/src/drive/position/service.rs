@@ -155,7 +155,10 @@ impl Drive {
     /// HOME.SET: the axis is homed where it stands, and that place is HOME.P; not while it moves.
     pub(in crate::drive) fn set_home(&mut self) -> Result<(), ErrorNumber> {
         let seen = Seen::new(&self.axis, self.settings.standstill);
-        let idle = matches!(self.positioning.state(), None | Some(PositionState::Basic));
+        let idle = self
+            .positioning
+            .state()
+            .is_none_or(|state| !state.has_task() && !state.is_jogging() && state != PositionState::Homing);
         if !idle || !seen.standing {
             return Err(ErrorNumber::NOT_NOW);
         }
