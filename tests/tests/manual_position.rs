@@ -165,7 +165,7 @@ fn program_mode_5_10_1() {
     // SATZANW to the number, bits 4 and 5 true, bit 6 from 0 to 1.
     let answers = program.send(&[0x04, 0x3F, 0x00, 0x0C], 3);
     assert_eq!(answers.last().unwrap()[..], [0x2F, 0x37, 0x00, 0x00]);
-    let answers = program.until(&[0x04, 0x7F, 0x00, 0x0C], 0x0400, 0x0400);
+    let answers = program.until(&[0x04, 0x7F, 0x00, 0x0C], 0x1400, 0x1400);
     // Bit 13 goes from one to zero when the axis starts moving; bit 10 is set after the target is reached.
     let course = course(&answers, 0xFFFF);
     let started = course.iter().position(|bits| bits & 0x4000 != 0).unwrap();
@@ -251,7 +251,7 @@ fn mdi_with_the_handshake_of_the_figure_5_10_2() {
     let second = 0x0000_8000;
     let answers = program.until(&to(0x047F, second), 0x1000, 0x1000);
     assert_eq!(word(answers.last().unwrap()) & 0x7C00, 0x5800);
-    let answers = program.until(&to(0x043F, second), 0x0400, 0x0400);
+    let answers = program.until(&to(0x043F, second), 0x1400, 0x0400);
     assert!(
         answers
             .iter()

@@ -502,6 +502,26 @@ fn set_load_clear_and_move() {
 }
 
 #[test]
+fn saved_tasks_survive_and_others_do_not() {
+    let mut bench = Bench::homed(7);
+    bench.task(5, 2.5, 60.0, 1000.0, 0x11);
+    bench.write("DRV.NVSAVE", 1);
+    bench.task(6, 1.0, 60.0, 1000.0, 0);
+    bench.send(0x0430, 3);
+    bench.write("DRV.NVLOAD", 1);
+    bench.write("MT.NUM", 6);
+    bench.write("MT.LOAD", 1);
+    assert_eq!(bench.read("MT.P"), 0);
+    bench.write("MT.NUM", 5);
+    bench.write("MT.LOAD", 1);
+    assert_eq!((bench.read("MT.P"), bench.read("MT.CNTL")), (163_840, 0x11));
+    bench.write("DRV.RSTVAR", 1);
+    bench.write("MT.NUM", 5);
+    bench.write("MT.LOAD", 1);
+    assert_eq!(bench.read("MT.P"), 0);
+}
+
+#[test]
 fn the_feedrate_slows_down_what_runs() {
     let mut bench = Bench::homed(7);
     bench.task(1, 50.0, 600.0, 20_000.0, 0);

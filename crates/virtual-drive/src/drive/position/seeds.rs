@@ -5,11 +5,11 @@
 
 use core::time::Duration;
 
+use profidrive::state::{PositionState, State};
 use profidrive::telegram::signal;
 
 use super::tests::{Bench, READY};
 use super::units::REVOLUTION;
-use super::*;
 use crate::drive::Disconnect;
 
 /// Small, fast and the same on every machine.

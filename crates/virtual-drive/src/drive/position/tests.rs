@@ -3,13 +3,13 @@
 use core::time::Duration;
 
 use profidrive::parameter::ErrorNumber;
-use profidrive::telegram::Mapping;
+use profidrive::state::State;
+use profidrive::telegram::{Mapping, signal};
 use profinet::Instant;
 
 use super::units::REVOLUTION;
-use super::*;
 use crate::axis::Plant;
-use crate::drive::Disconnect;
+use crate::drive::{Disconnect, Drive};
 use crate::model::AKD;
 
 /// Ready in S4: bits 0 to 5 and 10.
