@@ -4,11 +4,11 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
+use drive_client::modules_of;
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profinet::controller::{
-    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve,
-    SubmoduleConfig, Target,
+    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve, Target,
 };
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
@@ -38,35 +38,7 @@ fn address(last: u8) -> IpSuite {
 #[must_use]
 pub fn modules(telegram: u16) -> Vec<ModuleConfig> {
     let device = &AKD.catalogue.device;
-    let module = device.telegram(telegram).expect("a telegram of the AKD");
-    let sub = |subslot, ident| SubmoduleConfig {
-        subslot,
-        ident,
-        input_length: 0,
-        output_length: 0,
-    };
-    vec![
-        ModuleConfig {
-            api: 0,
-            slot: 0,
-            ident: device.access_point_module,
-            submodules: vec![
-                sub(1, device.access_point_submodule),
-                sub(0x8000, device.interface_submodule),
-                sub(0x8001, device.port_submodule),
-            ],
-        },
-        ModuleConfig {
-            api: device.api.into(),
-            slot: 1,
-            ident: module.module,
-            submodules: vec![SubmoduleConfig {
-                input_length: module.inputs,
-                output_length: module.outputs,
-                ..sub(1, module.submodule)
-            }],
-        },
-    ]
+    modules_of(device, device.telegram(telegram).expect("a telegram of the AKD"))
 }
 
 /// The two of them and the wire between.

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use drive_client::modules_of;
 use network::host::Host;
 use network::segment::{Conditions, Segment, StationId};
 use profidrive::catalogue::AKD;
@@ -9,8 +10,7 @@ use profidrive::parameter::{
     Answer, Dialect, Format, NewValue, ParameterAddress, RequestId, Response, encode_change, encode_read,
 };
 use profinet::controller::{
-    ArId, CallId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve,
-    SubmoduleConfig, Target,
+    ArId, CallId, ConnectConfig, Controller, ControllerConfig, Event, RecordAddress, Resolve, Target,
 };
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
@@ -146,31 +146,7 @@ impl World {
 
     fn connect(&mut self) {
         let device = &AKD.device;
-        let telegram = device.telegram(1).unwrap();
-        let sub = |subslot, ident, input_length, output_length| SubmoduleConfig {
-            subslot,
-            ident,
-            input_length,
-            output_length,
-        };
-        let modules = vec![
-            ModuleConfig {
-                api: 0,
-                slot: 0,
-                ident: device.access_point_module,
-                submodules: vec![
-                    sub(1, device.access_point_submodule, 0, 0),
-                    sub(0x8000, device.interface_submodule, 0, 0),
-                    sub(0x8001, device.port_submodule, 0, 0),
-                ],
-            },
-            ModuleConfig {
-                api: device.api.into(),
-                slot: 1,
-                ident: telegram.module,
-                submodules: vec![sub(1, telegram.submodule, 4, 4)],
-            },
-        ];
+        let modules = modules_of(device, device.telegram(1).unwrap());
         let mut config = ConnectConfig::new(modules, Timing::for_interval(CYCLE).unwrap());
         config.resolve = Resolve::Check;
         config.watchdog_factor = self.hold;

@@ -20,6 +20,7 @@ mod client;
 mod drive;
 mod error;
 mod mapper;
+mod modules;
 pub mod parameter;
 mod session;
 pub mod status;
@@ -29,6 +30,7 @@ pub use client::{AxisView, Client, Connection};
 pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use mapper::Registered;
+pub use modules::modules_of;
 pub use session::{
     Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info, Peer,
     PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WriteMode,

@@ -2,15 +2,14 @@
 
 use std::time::Duration;
 
+use drive_client::modules_of;
 use drive_client::parameter::{ParameterProblem, Parameters};
 use network::host::Host;
 use network::segment::{Segment, StationId, Tap};
 use profidrive::catalogue::Catalogue;
 use profidrive::parameter::{ErrorNumber, ParameterAccess};
 use profidrive::state::Zsw1;
-use profinet::controller::{
-    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, Resolve, SubmoduleConfig, Target,
-};
+use profinet::controller::{ArId, ConnectConfig, Controller, ControllerConfig, Event, Resolve, Target};
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
 use profinet::{Instant, IpSuite};
@@ -408,37 +407,10 @@ fn free_address(scenario: &Scenario, beside: IpSuite, number: usize) -> Option<I
 impl Desk {
     fn new(id: StationId, plan: &ControllerPlan, drive: &DrivePlan) -> Self {
         let device = &drive.model.catalogue.device;
+        // the file was checked: only telegrams of the model come here
         let module = device.telegram(plan.telegram);
-        let (inputs, outputs) = module.map_or((0, 0), |module| (module.inputs, module.outputs));
-        let submodule = |subslot, ident, input_length, output_length| SubmoduleConfig {
-            subslot,
-            ident,
-            input_length,
-            output_length,
-        };
-        let modules = vec![
-            ModuleConfig {
-                api: 0,
-                slot: 0,
-                ident: device.access_point_module,
-                submodules: vec![
-                    submodule(1, device.access_point_submodule, 0, 0),
-                    submodule(0x8000, device.interface_submodule, 0, 0),
-                    submodule(0x8001, device.port_submodule, 0, 0),
-                ],
-            },
-            ModuleConfig {
-                api: device.api.into(),
-                slot: 1,
-                ident: module.map_or(0, |module| module.module),
-                submodules: vec![submodule(
-                    1,
-                    module.map_or(0, |module| module.submodule),
-                    inputs,
-                    outputs,
-                )],
-            },
-        ];
+        let modules = module.map_or_else(Vec::new, |module| modules_of(device, module));
+        let outputs = module.map_or(0, |module| module.outputs);
         // the file was checked: only update times that exist come here
         let timing = Timing::for_interval(plan.cycle).unwrap_or(Timing {
             send_clock_factor: 32,

@@ -9,10 +9,8 @@ use profinet::wire::record::{Identification, IdentifiedModule, index};
 
 use super::Session;
 use crate::drive::PROFIDRIVE_API;
+use crate::modules::{PLACE, modules_of};
 use crate::{Drive, Error};
-
-/// Slot and subslot of the telegram where a device does not tell.
-const PLACE: (u16, u16) = (1, 1);
 
 /// What is plugged, as far as the device tells (RealIdentificationData).
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -94,39 +92,19 @@ impl Plugged {
             input_length: telegram.inputs,
             output_length: telegram.outputs,
         };
-        let access_point = match &self.access_point {
-            Some(module) => ModuleConfig {
-                api: 0,
-                slot: 0,
-                ident: module.ident,
-                submodules: module
-                    .submodules
-                    .iter()
-                    .map(|submodule| plain(submodule.subslot, submodule.ident))
-                    .collect(),
-            },
-            None => ModuleConfig {
-                api: 0,
-                slot: 0,
-                ident: device.access_point_module,
-                submodules: vec![
-                    plain(1, device.access_point_submodule),
-                    plain(0x8000, device.interface_submodule),
-                    plain(0x8001, device.port_submodule),
-                ],
-            },
+        let mut modules = modules_of(device, telegram);
+        let [access_point, drive] = modules.as_mut_slice() else {
+            return None;
         };
-        let (drive, place) = match self.drive.as_ref().filter(|module| !is_ours(device, module)) {
-            None => {
-                let (slot, subslot) = PLACE;
-                let module = ModuleConfig {
-                    api: PROFIDRIVE_API,
-                    slot,
-                    ident: telegram.module,
-                    submodules: vec![data(subslot, telegram.submodule)],
-                };
-                (module, PLACE)
-            }
+        if let Some(module) = &self.access_point {
+            access_point.ident = module.ident;
+            let submodules = module.submodules.iter();
+            access_point.submodules = submodules
+                .map(|submodule| plain(submodule.subslot, submodule.ident))
+                .collect();
+        }
+        let place = match self.drive.as_ref().filter(|module| !is_ours(device, module)) {
+            None => PLACE,
             Some(_) if reported != Some(telegram.telegram) => return None,
             Some(module) => {
                 // where parameter access has a submodule of its own, it comes first
@@ -138,19 +116,16 @@ impl Plugged {
                         plain(submodule.subslot, submodule.ident)
                     }
                 });
-                let config = ModuleConfig {
+                *drive = ModuleConfig {
                     api: PROFIDRIVE_API,
                     slot: module.slot,
                     ident: module.ident,
                     submodules: submodules.collect(),
                 };
-                (config, (module.slot, carrier))
+                (module.slot, carrier)
             }
         };
-        Some(Layout {
-            modules: vec![access_point, drive],
-            place,
-        })
+        Some(Layout { modules, place })
     }
 }
 
