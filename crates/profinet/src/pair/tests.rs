@@ -311,6 +311,23 @@ fn a_record_written_at_once_after_the_start_up_is_taken() {
     assert_eq!(done, [(write, Ok(vec![])), (job, Ok(b"job".to_vec()))]);
 }
 
+/// The record length that a device description promises, both ways.
+#[test]
+fn the_longest_record_of_a_description_goes_both_ways() {
+    let mut p = pair();
+    let ar = connected(&mut p, config(512));
+    let record: Vec<u8> = (0..4068_u32).map(|n| (n % 251) as u8).collect();
+    let call = p.a.parameter_job(p.now, ar, CHANNEL, &record).unwrap();
+    let done = event(&mut p, 5 * SECOND);
+    assert_eq!(
+        done,
+        Some(Event::RecordDone {
+            call,
+            result: Ok(record)
+        })
+    );
+}
+
 #[test]
 fn a_new_device_gets_name_and_address_and_is_used() {
     let mut p = pair();
