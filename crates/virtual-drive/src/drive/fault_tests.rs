@@ -435,3 +435,16 @@ fn a_following_error_warns_then_faults() {
         assert_eq!(acknowledge(&mut bench) & FAULT, 0);
     }
 }
+
+#[test]
+fn without_a_controller_the_status_word_follows_at_once() {
+    let mut bench = Bench::new();
+    bench.drive.disconnect(Disconnect::Released);
+    bench.drive.inject_fault(439, false);
+    assert!(bench.drive.next_tick().is_some(), "somebody has to look after it");
+    bench.drive.tick(Instant::from_millis(5000), None, &mut []);
+    assert_eq!(bench.drive.status_word().0 & FAULT, FAULT);
+    bench.write("DRV.CLRFAULTS", 1).unwrap();
+    assert_eq!(bench.drive.status_word().0 & FAULT, 0);
+    assert!(bench.drive.next_tick().is_some());
+}

@@ -9,7 +9,7 @@ use profidrive::fault::{Fault, FaultBuffer};
 use profidrive::state::FaultReaction;
 use profinet::Instant;
 
-use super::{Drive, Event};
+use super::{Drive, Event, RESTLESS};
 use crate::model::{Cause, Limit, MOST_CONDITIONS, Model, When};
 
 /// Faults shown by DRV.FAULT1 and following; a situation of the buffer holds eight of them.
@@ -346,9 +346,12 @@ impl Drive {
     /// last; those come straight back, as a new situation. Source: AKD Parameter Guide 12/2009.
     pub(super) fn clear_faults(&mut self) {
         self.end_actions();
+        // without a controller nobody else asks for the next tick
+        self.restless = RESTLESS;
         if !self.faults.any() || !self.a_cause_lasts() {
             self.clear_requested = true;
-            self.decide();
+            let status = self.decide();
+            self.process.status = status | self.application_status();
             return;
         }
         let mut back = Numbers::<MOST_ACTIVE>::NONE;
