@@ -88,6 +88,25 @@ fn what_happens_to_a_drive_is_seen_by_its_client() {
     });
     assert!(back, "the cable is plugged in again");
 
+    // a second drive of the name: which one is meant must be said
+    let second = lab.spawn(
+        Side::Device,
+        built("profidrive"),
+        [
+            "simulate",
+            "--name",
+            "press-1",
+            "--mac",
+            "02:50:4e:00:00:77",
+            "-i",
+            "dev0",
+        ],
+    );
+    let both = wait_until(SHORT, || inject(&lab, &["press-1", "sto=on"]).code == Some(2));
+    assert!(both, "two drives go by this name");
+    inject(&lab, &["02:50:4e:00:00:77", "sto=on"]).ok();
+    drop(second);
+
     for (arguments, code, words) in [
         (&["press-9", "fault=439"][..], 4, "press-1"),
         (&["press-1", "fualt=439"], 2, "keys: fault"),

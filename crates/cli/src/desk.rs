@@ -24,7 +24,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 pub struct Request {
     /// Station name, IP or MAC address.
     pub drive: String,
-    /// What, in the notation of scenarios.
+    /// What, in the notation of scenarios; nothing asks who has the drive.
     pub happenings: Vec<String>,
     /// How long, in nanoseconds.
     pub lasts: Option<u64>,
@@ -33,7 +33,7 @@ pub struct Request {
 /// What became of a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// It happened to this drive.
+    /// It happened to this drive, or would.
     Done(String),
     /// This process has no such drive; these are its drives.
     NotHere(Vec<String>),

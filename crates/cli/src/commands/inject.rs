@@ -52,21 +52,39 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
         happenings: args.happenings.clone(),
         lasts,
     };
-    let mut others = Vec::new();
-    for socket in sockets()? {
-        match ask(&socket, &request) {
-            Ok(Some(Answer::Done(name))) => {
-                let what = args.happenings.join(" ");
-                if output.json() {
-                    output.document(
-                        "inject",
-                        fields! { "drive": name.as_str(), "happened": what.as_str() },
-                    );
-                } else {
-                    output.say(&format!("{}: {what}", clean(&name)));
-                }
-                return Ok(());
+    let socket = owner(&request, output)?;
+    let refused = |why: &str| Failure::new(Exit::Refused, format!("{drive}: {}", clean(why)));
+    match ask(&socket, &request) {
+        Ok(Some(Answer::Done(name))) => {
+            let what = args.happenings.join(" ");
+            if output.json() {
+                output.document(
+                    "inject",
+                    fields! { "drive": name.as_str(), "happened": what.as_str() },
+                );
+            } else {
+                output.say(&format!("{}: {what}", clean(&name)));
             }
+            Ok(())
+        }
+        Ok(Some(Answer::Refused(why))) => Err(refused(&why)),
+        Ok(Some(Answer::NotHere(_)) | None) => Err(refused("the simulation does not know it any more")),
+        Err(error) => Err(refused(&error.to_string())),
+    }
+}
+
+/// The socket of the one simulation that has the drive.
+fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
+    let question = Request {
+        happenings: Vec::new(),
+        lasts: None,
+        ..request.clone()
+    };
+    let drive = &request.drive;
+    let (mut found, mut others) = (Vec::new(), Vec::new());
+    for socket in sockets()? {
+        match ask(&socket, &question) {
+            Ok(Some(Answer::Done(who))) => found.push((socket, who)),
             Ok(Some(Answer::NotHere(drives))) => others.extend(drives),
             Ok(Some(Answer::Refused(why))) => {
                 return Err(Failure::new(Exit::Refused, format!("{drive}: {}", clean(&why))));
@@ -78,6 +96,18 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
             }
             Err(error) => output.warn(&format!("{}: {error}", socket.display())),
         }
+    }
+    if found.len() > 1 {
+        let all: Vec<_> = found.iter().map(|(_, who)| clean(who)).collect();
+        return Err(Failure::usage(format!(
+            "{} simulations have a drive {drive}: {}",
+            all.len(),
+            all.join("; ")
+        ))
+        .hint("say which one by its IP or MAC address"));
+    }
+    if let Some((socket, _)) = found.pop() {
+        return Ok(socket);
     }
     let failure = Failure::new(
         Exit::Unreachable,

@@ -5,6 +5,9 @@ use core::f64::consts::TAU;
 /// Position counts of one revolution inside the axis.
 pub(super) const REVOLUTION: f64 = 4_294_967_296.0;
 
+/// What no shaft exceeds, whatever pulls at it, rad/s: 100,000 rpm.
+const FASTEST: f64 = 100_000.0 / 60.0 * TAU;
+
 /// Motor and load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plant {
@@ -208,7 +211,7 @@ impl Mechanics {
             return;
         }
         let torque = current * self.plant.torque_constant - self.load;
-        self.omega = self.next_speed(torque, dt);
+        self.omega = self.next_speed(torque, dt).clamp(-FASTEST, FASTEST);
         let counts = self.omega * (dt * (REVOLUTION / TAU)) + self.remainder;
         let whole = counts as i64;
         self.remainder = counts - whole as f64;

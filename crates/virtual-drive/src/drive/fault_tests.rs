@@ -448,3 +448,32 @@ fn without_a_controller_the_status_word_follows_at_once() {
     assert_eq!(bench.drive.status_word().0 & FAULT, 0);
     assert!(bench.drive.next_tick().is_some());
 }
+
+#[test]
+fn no_load_breaks_the_drive_for_good() {
+    for torque in [1e99, -1e99, f64::NAN, f64::INFINITY, 9999.0] {
+        let mut bench = Bench::new();
+        bench.run(4000);
+        bench.drive.inject(Injection::Load(torque));
+        bench.send(0x047F, 4000, 200);
+        assert!(bench.drive.axis().speed().abs() <= 100_001.0, "{torque}");
+        bench.drive.inject(Injection::Load(0.0));
+        bench.send(0x047E, 0, 4000);
+        assert_eq!(acknowledge(&mut bench) & FAULT, 0, "{torque}");
+        assert_eq!(bench.drive.axis().speed(), 0.0, "{torque}");
+        bench.run(4000);
+        assert_eq!(bench.drive.state(), State::S4, "{torque}");
+    }
+}
+
+#[test]
+fn values_have_an_end() {
+    for (text, words) in [
+        ("load=1e99Nm", "-10000Nm to 10000Nm"),
+        ("bus=-1V", "0V to 2000V"),
+        ("motor-temperature=5000degC", "to 1000degC"),
+    ] {
+        let error = text.parse::<Injection>().unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}

@@ -145,6 +145,8 @@ enum Form {
     /// A value with a unit, or `auto` where the drive can go on by itself.
     Value {
         unit: &'static str,
+        /// Lowest and highest; what lies outside is no drive any more.
+        range: [f64; 2],
         auto: bool,
         make: fn(Option<f64>) -> Injection,
         take: fn(&Injection) -> Option<Option<f64>>,
@@ -214,6 +216,7 @@ static ROWS: &[Row] = &[
         meaning: "torque against positive rotation",
         form: Form::Value {
             unit: "Nm",
+            range: [-10_000.0, 10_000.0],
             auto: false,
             make: |torque| Injection::Load(torque.unwrap_or(0.0)),
             take: |injection| match *injection {
@@ -304,6 +307,7 @@ static ROWS: &[Row] = &[
         meaning: "voltage of the DC bus; auto: as mains and motor make it",
         form: Form::Value {
             unit: "V",
+            range: [0.0, 2000.0],
             auto: true,
             make: Injection::BusVoltage,
             take: |injection| match *injection {
@@ -336,6 +340,7 @@ static ROWS: &[Row] = &[
         meaning: "temperature of the motor winding; auto: as the current makes it",
         form: Form::Value {
             unit: "degC",
+            range: [-273.0, 1000.0],
             auto: true,
             make: Injection::MotorTemperature,
             take: |injection| match *injection {
@@ -350,6 +355,7 @@ static ROWS: &[Row] = &[
         meaning: "temperature of the power stage; auto: as the current makes it",
         form: Form::Value {
             unit: "degC",
+            range: [-273.0, 1000.0],
             auto: true,
             make: Injection::PowerTemperature,
             take: |injection| match *injection {
@@ -409,7 +415,13 @@ impl Form {
                 "auto" => Ok(make(None)),
                 _ => Err("write on, off or auto".to_owned()),
             },
-            Self::Value { unit, auto, make, .. } => {
+            Self::Value {
+                unit,
+                range: [low, high],
+                auto,
+                make,
+                ..
+            } => {
                 if auto && text == "auto" {
                     return Ok(make(None));
                 }
@@ -417,10 +429,10 @@ impl Form {
                     .parse()
                     .map_err(|error: profidrive::notation::QuantityError| error.to_string())?;
                 let value = quantity.in_unit(unit).map_err(|error| error.to_string())?;
-                if value.is_finite() {
+                if (low..=high).contains(&value) {
                     Ok(make(Some(value)))
                 } else {
-                    Err("a number that ends belongs there".to_owned())
+                    Err(format!("write {low}{unit} to {high}{unit}"))
                 }
             }
         }
@@ -563,13 +575,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn numbers_and_values_come_back(number in 1_u16.., lasting: bool, value in -1e6..1e6_f64) {
+        fn numbers_and_values_come_back(number in 1_u16.., lasting: bool, value in -1e4..1e4_f64) {
             for injection in [
                 Injection::Fault { number, lasting },
                 Injection::ClearCause { number },
                 Injection::Load(value),
-                Injection::BusVoltage(Some(value)),
-                Injection::PowerTemperature(Some(value)),
+                Injection::BusVoltage(Some(value.abs() / 5.0)),
+                Injection::PowerTemperature(Some(value / 50.0)),
             ] {
                 prop_assert_eq!(parse(&injection.to_string()), Ok(injection));
             }

@@ -211,13 +211,37 @@ fn inject(request: &Request, runner: &Runner, drives: &mut BTreeMap<StationId, R
             || station.mac().to_string().eq_ignore_ascii_case(&request.drive)
             || station.ip().is_set() && station.ip().address.to_string() == request.drive
     };
-    let found = drives.iter_mut().find(|(id, drive)| {
-        let unit = runner.station::<Unit>(**id);
-        drive.keeping.key == request.drive || unit.is_some_and(|unit| is_meant(unit.inner().endpoint()))
-    });
-    let Some((_, drive)) = found else {
+    let found: Vec<StationId> = drives
+        .iter()
+        .filter(|(id, drive)| {
+            let unit = runner.station::<Unit>(**id);
+            drive.keeping.key == request.drive || unit.is_some_and(|unit| is_meant(unit.inner().endpoint()))
+        })
+        .map(|(id, _)| *id)
+        .collect();
+    if found.len() > 1 {
+        return Answer::Refused(format!(
+            "{} drives of this simulation go by this name; say which one by its IP or MAC address",
+            found.len()
+        ));
+    }
+    let found = found.first().and_then(|id| Some((*id, drives.get_mut(id)?)));
+    let Some((id, drive)) = found else {
         return Answer::NotHere(drives.values().map(|drive| drive.keeping.key.clone()).collect());
     };
+    let who = runner.station::<Unit>(id).map_or_else(String::new, |unit| {
+        let station = unit.inner().endpoint();
+        let ip = station.ip();
+        let ip = if ip.is_set() {
+            ip.address.to_string()
+        } else {
+            "no IP address".into()
+        };
+        format!("{} ({}, {ip})", drive.keeping.key, station.mac())
+    });
+    if request.happenings.is_empty() {
+        return Answer::Done(who);
+    }
     let happenings: Result<Vec<Happening>, _> = request.happenings.iter().map(|text| text.parse()).collect();
     match happenings {
         Err(error) => Answer::Refused(error.to_string()),
