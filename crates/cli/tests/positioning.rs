@@ -105,6 +105,38 @@ fn homed_then_to_a_position_and_back_by_a_distance() {
 }
 
 #[test]
+fn a_modulo_axis_is_planned_inside_its_range_whichever_end_comes_first() {
+    for ends in [
+        ["PL.MODP1=0", "PL.MODP2=196608"],
+        ["PL.MODP1=196608", "PL.MODP2=0"],
+    ] {
+        let mut bench = homed();
+        write(&mut bench.0, &mut bench.2, &ends);
+        write(&mut bench.0, &mut bench.2, &["PL.MODPEN=1"]);
+        let (session, _, drive) = &mut bench;
+        let outside = session.plan_move(drive, &to(4.0), 3000.0).expect("a plan");
+        let range = Objection::ModuloRange {
+            target: 4.0,
+            low: 0.0,
+            high: 3.0,
+        };
+        assert_eq!(outside.objections, [range]);
+        with_axis(&mut bench, Purpose::Move, |axis| {
+            axis.move_to(&to(2.0)).expect("inside the range");
+            let by = Move::by(Position::Turns(2.0), 300.0).with_ramps(Some(3052.0), Some(3052.0));
+            let plan = axis.plan(&by).expect("a plan");
+            let end = plan.target.expect("a target");
+            assert!(near(end, 1.0), "over the end: {end}");
+            axis.move_to(&by).expect("over the end");
+            let status = axis.status().expect("a status");
+            assert!(status.position.is_some_and(|at| near(at, end)), "{status:?}");
+            let error = axis.move_to(&to(4.0)).expect_err("outside");
+            assert!(matches!(error, Error::Objections { .. }), "{error}");
+        });
+    }
+}
+
+#[test]
 fn an_axis_that_is_not_homed_is_not_moved() {
     let (mut session, id, mut drive) = positioning();
     let before = turns(&session, id);

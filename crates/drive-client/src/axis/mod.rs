@@ -14,6 +14,6 @@ pub use choose::{Choice, NoTelegram, Purpose, ReportedTelegram, choose_telegram}
 pub use command::{Command, Traverse};
 pub use control::AxisControl;
 pub use goal::{Goal, Jog, Limits, Progress, Trouble};
-pub use order::{MotionFacts, Move, MovePlan, Objection, plan_move};
+pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};
 pub use seen::Seen;
 pub use wiring::{Wiring, WiringError};

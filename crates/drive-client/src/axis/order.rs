@@ -78,6 +78,8 @@ pub struct MotionFacts {
     pub highest: Option<f64>,
     /// The position is reckoned modulo: an absolute target has no end of travel.
     pub modulo: bool,
+    /// The range of such an axis, where it is known.
+    pub modulo_range: Option<ModuloRange>,
     /// Highest speed in positive direction, rpm.
     pub forward_limit: Option<f64>,
     /// Highest speed in negative direction as a positive number, rpm.
@@ -90,6 +92,43 @@ pub struct MotionFacts {
     pub acceleration: Option<f64>,
     /// DRV.DEC in rpm/s.
     pub deceleration: Option<f64>,
+}
+
+/// The range in which the position of a modulo axis stays, in turns.
+/// Source: AKD PL.MODP1, PL.MODP2 (either may be the lower end), PL.MODPDIR.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModuloRange {
+    low: f64,
+    high: f64,
+    way: i64,
+}
+
+impl ModuloRange {
+    /// Between two ends, with the number of PL.MODPDIR: 1 positive, 2 negative, 3 the shorter way, else never over the
+    /// end of the range. `None` for an empty range.
+    #[must_use]
+    pub fn new(one: f64, other: f64, way: i64) -> Option<Self> {
+        let (low, high) = (one.min(other), one.max(other));
+        (high - low > 0.0 && (high - low).is_finite()).then_some(Self { low, high, way })
+    }
+
+    /// The place in the range.
+    fn wrap(self, position: f64) -> f64 {
+        self.low + (position - self.low).rem_euclid(self.high - self.low)
+    }
+
+    /// How far it is from one position to another one inside the range.
+    fn distance(self, from: f64, target: f64) -> f64 {
+        let length = self.high - self.low;
+        let way = target - self.wrap(from);
+        match self.way {
+            1 if way < 0.0 => way + length,
+            2 if way > 0.0 => way - length,
+            3 if way > length / 2.0 => way - length,
+            3 if way < -length / 2.0 => way + length,
+            _ => way,
+        }
+    }
 }
 
 /// A move as it will travel, in both views.
@@ -129,6 +168,15 @@ pub enum Objection {
         limit: f64,
         /// True for the upper one.
         upper: bool,
+    },
+    /// An absolute target outside of the range of a modulo axis.
+    ModuloRange {
+        /// Target in turns.
+        target: f64,
+        /// Lower end in turns, inside the range.
+        low: f64,
+        /// Upper end in turns, the first position outside.
+        high: f64,
     },
     /// The limit switch in the direction of the move is hit.
     LimitSwitch {
@@ -181,6 +229,10 @@ impl fmt::Display for Objection {
                 if *upper { "above" } else { "below" },
                 if *upper { "SWLS.LIMIT1" } else { "SWLS.LIMIT0" },
             ),
+            Self::ModuloRange { target, low, high } => write!(
+                f,
+                "the target {target:.3} rev is outside of the modulo range of {low:.3} to {high:.3} rev (PL.MODP1, PL.MODP2)"
+            ),
             Self::LimitSwitch { positive } => write!(
                 f,
                 "the {} limit switch is hit, the move leads further into it",
@@ -220,6 +272,9 @@ impl Objection {
             Self::SoftwareLimit { .. } => {
                 "`profidrive read DRIVE SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1` shows the limits"
             }
+            Self::ModuloRange { .. } => {
+                "a target lies inside the range, its upper end not included; --relative goes on over the end"
+            }
             Self::LimitSwitch { .. } => "move the other way",
             Self::Range { .. } => "a distance (--relative) may be shorter than a position",
             Self::NoSpeed { .. } => "give a speed above 0; the direction is that of the target",
@@ -249,12 +304,22 @@ pub fn plan_move(
         objections.push(Objection::Range { counts });
     }
     let wanted = f64::from(wire.unwrap_or(0)) / per_turn;
-    let target = if order.relative {
-        facts.position.map(|position| position + wanted)
+    let range = facts.modulo_range.filter(|_| facts.modulo);
+    let (target, distance) = if order.relative {
+        let end = facts.position.map(|position| position + wanted);
+        let target = range.map_or(end, |range| end.map(|end| range.wrap(end)));
+        (target, facts.position.map(|_| wanted))
     } else {
-        Some(wanted)
+        if let Some(range) = range.filter(|range| !(range.low..range.high).contains(&wanted)) {
+            objections.push(Objection::ModuloRange {
+                target: wanted,
+                low: range.low,
+                high: range.high,
+            });
+        }
+        let distance = |from| range.map_or(wanted - from, |range| range.distance(from, wanted));
+        (Some(wanted), facts.position.map(distance))
     };
-    let distance = target.zip(facts.position).map(|(target, from)| target - from);
     speed_objections(order.speed, distance, facts, speed_limit, &mut objections);
     let field = |number, value| {
         let parameter = tables.by_pnu(number);
@@ -434,6 +499,61 @@ mod tests {
             (blind.target, blind.duration, blind.objections),
             (None, None, vec![])
         );
+    }
+
+    #[test]
+    fn a_modulo_axis_has_a_range_and_a_way_to_its_targets() {
+        // 0 to 3 rev, either end first; it stands at 2 rev
+        let table = |way| MotionFacts {
+            modulo: true,
+            modulo_range: ModuloRange::new(3.0, 0.0, way),
+            ..facts()
+        };
+        let outside = |target| Objection::ModuloRange {
+            target,
+            low: 0.0,
+            high: 3.0,
+        };
+        for target in [4.0, 3.0, -0.5] {
+            assert_eq!(plan(&turns(target), &table(0)).objections, [outside(target)]);
+        }
+        assert!(
+            outside(4.0)
+                .to_string()
+                .contains("modulo range of 0.000 to 3.000 rev")
+        );
+        let by = plan(&Move::by(Position::Turns(2.0), 300.0), &table(0));
+        assert_eq!((by.target, by.objections), (Some(1.0), vec![]));
+        assert_eq!(by.traverse.target, 131_072);
+        // the time tells which way it goes: 0.25 rev is 1.75 back, 1.25 on
+        let seconds = |way| plan(&turns(0.25), &table(way)).duration.unwrap();
+        let ramps = (3052.0, 763.0);
+        let of = |distance| duration(distance, 300.0, ramps.0, ramps.1);
+        for (way, distance) in [(0, 1.75), (1, 1.25), (2, 1.75), (3, 1.25)] {
+            assert!(
+                (seconds(way) - of(distance)).abs() < 1e-3,
+                "{way}: {}",
+                seconds(way)
+            );
+        }
+        // a switch in the way counts, one behind does not
+        let switch = |way| MotionFacts {
+            positive_switch: Some(true),
+            ..table(way)
+        };
+        assert_eq!(plan(&turns(0.25), &switch(0)).objections, []);
+        assert_eq!(
+            plan(&turns(0.25), &switch(3)).objections,
+            [Objection::LimitSwitch { positive: true }]
+        );
+        assert_eq!(ModuloRange::new(1.0, 1.0, 0), None);
+        assert_eq!(ModuloRange::new(f64::NAN, 1.0, 0), None);
+        // without a known range nothing is made up
+        let unknown = MotionFacts {
+            modulo_range: None,
+            ..table(0)
+        };
+        assert_eq!(plan(&turns(4.0), &unknown).objections, []);
     }
 
     #[test]

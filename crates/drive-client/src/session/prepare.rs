@@ -9,7 +9,7 @@ use profinet::Medium;
 use super::Session;
 use super::plugged::Layout;
 use crate::axis::{
-    MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, Wiring, choose_telegram, plan_move,
+    ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, Wiring, choose_telegram, plan_move,
 };
 use crate::error::mode_words;
 use crate::parameter::{Assignment, Reading, Selection};
@@ -27,6 +27,9 @@ const DRV_ACC: u16 = 2108;
 const DRV_DEC: u16 = 2115;
 const NEGATIVE_SWITCH: u16 = 2211;
 const POSITIVE_SWITCH: u16 = 2212;
+const MODULO_END_1: u16 = 2303;
+const MODULO_END_2: u16 = 2305;
+const MODULO_WAY: u16 = 2307;
 const MODULO: u16 = 2308;
 const LIMITS_ON: u16 = 2382;
 const LIMIT_0: u16 = 2383;
@@ -149,6 +152,9 @@ where
                 DRV_DEC,
                 NEGATIVE_SWITCH,
                 POSITIVE_SWITCH,
+                MODULO_END_1,
+                MODULO_END_2,
+                MODULO_WAY,
                 MODULO,
                 LIMITS_ON,
                 LIMIT_0,
@@ -184,10 +190,11 @@ where
             ..MotionFacts::default()
         };
         let units = units_per_turn(raw);
-        let limit = |bit: i64, pnu| {
-            let limit = number(pnu).filter(|_| on & bit != 0);
-            limit.zip(units).map(|(limit, units)| limit / units)
-        };
+        let place = |pnu| number(pnu).zip(units).map(|(place, units)| place / units);
+        facts.modulo_range = place(MODULO_END_1)
+            .zip(place(MODULO_END_2))
+            .and_then(|(one, other)| ModuloRange::new(one, other, raw(MODULO_WAY).unwrap_or(0)));
+        let limit = |bit: i64, pnu| place(pnu).filter(|_| on & bit != 0);
         (facts.lowest, facts.highest) = match (limit(1, LIMIT_0), limit(2, LIMIT_1)) {
             // which of the two is the upper one is up to who set them
             (Some(one), Some(other)) => (Some(one.min(other)), Some(one.max(other))),
@@ -323,6 +330,9 @@ mod tests {
             (DRV_DEC, "DRV.DEC"),
             (NEGATIVE_SWITCH, "HWLS.NEGSTATE"),
             (POSITIVE_SWITCH, "HWLS.POSSTATE"),
+            (MODULO_END_1, "PL.MODP1"),
+            (MODULO_END_2, "PL.MODP2"),
+            (MODULO_WAY, "PL.MODPDIR"),
             (MODULO, "PL.MODPEN"),
             (LIMITS_ON, "SWLS.EN"),
             (LIMIT_0, "SWLS.LIMIT0"),

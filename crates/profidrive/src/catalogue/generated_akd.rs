@@ -479,6 +479,20 @@ static PL_FBSOURCE_CHOICES: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+static PL_MODPDIR_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Inside the range, never over its end" },
+    Meaning { value: 1, text: "Positive direction" },
+    Meaning { value: 2, text: "Negative direction" },
+    Meaning { value: 3, text: "The shorter way" },
+];
+
+#[rustfmt::skip]
+static PL_MODPEN_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Linear axis" },
+    Meaning { value: 1, text: "Modulo axis" },
+];
+
+#[rustfmt::skip]
 static REC_TRIGSLOPE_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "Negative" },
     Meaning { value: 1, text: "Positive" },
@@ -517,6 +531,24 @@ static UNIT_ACCROTARY_CHOICES: &[Meaning] = &[
     Meaning { value: 1, text: "rps/s" },
     Meaning { value: 2, text: "deg/s^2" },
     Meaning { value: 3, text: "custom" },
+];
+
+#[rustfmt::skip]
+static UNIT_PLINEAR_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "counts 32 bit" },
+    Meaning { value: 1, text: "mm" },
+    Meaning { value: 2, text: "um" },
+    Meaning { value: 3, text: "custom" },
+    Meaning { value: 4, text: "counts 16 bit" },
+];
+
+#[rustfmt::skip]
+static UNIT_PROTARY_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "counts, 2^32 per revolution" },
+    Meaning { value: 1, text: "rad" },
+    Meaning { value: 2, text: "deg" },
+    Meaning { value: 3, text: "custom, UNIT.PIN / UNIT.POUT per revolution" },
+    Meaning { value: 4, text: "counts, 2^16 per revolution" },
 ];
 
 #[rustfmt::skip]
@@ -909,8 +941,8 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 2302, name: "PL.KP", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "(rev/s)/rev", scale: Milli, minimum: Some(0.0), maximum: Some(2147483.008), default: Some(100.0), choices: &[], bits: &[], description: "Proportional gain of the position loop", source: SOURCES[2] },
     Parameter { pnu: 2303, name: "PL.MODP1", size: Dword, elements: 1, signed: true, access: ReadWrite, saved: true, wide: true, unit: "counts", scale: Position, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "One end of the modulo range", source: SOURCES[7] },
     Parameter { pnu: 2305, name: "PL.MODP2", size: Dword, elements: 1, signed: true, access: ReadWrite, saved: true, wide: true, unit: "counts", scale: Position, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Other end of the modulo range", source: SOURCES[7] },
-    Parameter { pnu: 2307, name: "PL.MODPDIR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Direction rule of absolute moves in the modulo range", source: SOURCES[7] },
-    Parameter { pnu: 2308, name: "PL.MODPEN", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: &[], bits: &[], description: "Switches modulo positioning on or off", source: SOURCES[7] },
+    Parameter { pnu: 2307, name: "PL.MODPDIR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: PL_MODPDIR_CHOICES, bits: &[], description: "Direction rule of absolute moves in the modulo range", source: SOURCES[7] },
+    Parameter { pnu: 2308, name: "PL.MODPEN", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: None, maximum: None, default: None, choices: PL_MODPEN_CHOICES, bits: &[], description: "Switches modulo positioning on or off", source: SOURCES[7] },
     Parameter { pnu: 2309, name: "PLS.EN", size: Word, elements: 1, signed: false, access: ReadWrite, saved: false, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(65535.0), default: Some(0.0), choices: &[], bits: &[], description: "Bit mask enabling the position limit switches", source: SOURCES[2] },
     Parameter { pnu: 2310, name: "PLS.MODE", size: Word, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(65535.0), default: Some(0.0), choices: &[], bits: &[], description: "Bit mask: 0 switch fires once, 1 is monitored continuously", source: SOURCES[2] },
     Parameter { pnu: 2311, name: "PLS.P1", size: Dword, elements: 1, signed: true, access: ReadWrite, saved: true, wide: true, unit: "counts", scale: Raw, minimum: Some(-5188146770730811.0), maximum: Some(5188146770729811.0), default: Some(0.0), choices: &[], bits: &[], description: "Compare position of the position limit switch", source: SOURCES[2] },
@@ -972,9 +1004,9 @@ static PARAMETERS: &[Parameter] = &[
     Parameter { pnu: 2388, name: "UNIT.ACCLINEAR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(3.0), default: Some(0.0), choices: UNIT_ACCLINEAR_CHOICES, bits: &[], description: "Linear acceleration unit: 0 custom, 1 mm/s^2, 2 um/s^2, 3 counts/s^2", source: SOURCES[2] },
     Parameter { pnu: 2389, name: "UNIT.ACCROTARY", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(3.0), default: Some(0.0), choices: UNIT_ACCROTARY_CHOICES, bits: &[], description: "Rotary acceleration unit: 0 rpm/s, 1 rps/s, 2 deg/s^2, 3 custom", source: SOURCES[2] },
     Parameter { pnu: 2390, name: "UNIT.PIN", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(65535.0), default: Some(100.0), choices: &[], bits: &[], description: "Numerator of the custom unit", source: SOURCES[2] },
-    Parameter { pnu: 2391, name: "UNIT.PLINEAR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(4.0), default: Some(0.0), choices: &[], bits: &[], description: "Linear position unit: 0 counts 32 bit, 1 mm, 2 um, 3 custom, 4 counts 16 bit", source: SOURCES[2] },
+    Parameter { pnu: 2391, name: "UNIT.PLINEAR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(4.0), default: Some(0.0), choices: UNIT_PLINEAR_CHOICES, bits: &[], description: "Linear position unit: 0 counts 32 bit, 1 mm, 2 um, 3 custom, 4 counts 16 bit", source: SOURCES[2] },
     Parameter { pnu: 2392, name: "UNIT.POUT", size: Dword, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(65535.0), default: Some(100.0), choices: &[], bits: &[], description: "Denominator of the custom unit", source: SOURCES[2] },
-    Parameter { pnu: 2393, name: "UNIT.PROTARY", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(4.0), default: Some(4.0), choices: &[], bits: &[], description: "Rotary position unit: 0 counts 32 bit, 1 rad, 2 deg, 3 custom, 4 counts 16 bit", source: SOURCES[2] },
+    Parameter { pnu: 2393, name: "UNIT.PROTARY", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(4.0), default: Some(4.0), choices: UNIT_PROTARY_CHOICES, bits: &[], description: "Rotary position unit: 0 counts 32 bit, 1 rad, 2 deg, 3 custom, 4 counts 16 bit", source: SOURCES[2] },
     Parameter { pnu: 2394, name: "UNIT.VLINEAR", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(3.0), default: Some(0.0), choices: UNIT_VLINEAR_CHOICES, bits: &[], description: "Linear velocity unit: 0 custom/s, 1 um/s, 2 mm/s, 3 counts/s", source: SOURCES[2] },
     Parameter { pnu: 2395, name: "UNIT.VROTARY", size: Byte, elements: 1, signed: false, access: ReadWrite, saved: true, wide: false, unit: "", scale: Raw, minimum: Some(0.0), maximum: Some(3.0), default: Some(0.0), choices: UNIT_VROTARY_CHOICES, bits: &[], description: "Rotary velocity unit: 0 rpm, 1 rps, 2 deg/s, 3 custom/s", source: SOURCES[2] },
     Parameter { pnu: 2397, name: "VBUS.OVFTHRESH", size: Word, elements: 1, signed: false, access: ReadOnly, saved: false, wide: false, unit: "V", scale: Raw, minimum: Some(0.0), maximum: Some(900.0), default: Some(420.0), choices: &[], bits: &[], description: "DC bus overvoltage fault level", source: SOURCES[2] },
@@ -1620,7 +1652,7 @@ static FAULTS: &[Fault] = &[
     Fault { number: 161, warning: true, meaning: "Homing failed", reaction: Reaction::None, remedy: "check HOME.* settings and switches, then home again", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
     Fault { number: 163, warning: true, meaning: "MT.NUM above its limit", reaction: Reaction::None, remedy: "choose a task number that exists", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
     Fault { number: 164, warning: true, meaning: "Motion task not initialised", reaction: Reaction::None, remedy: "set the motion task up (MT.SET) before it is started", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
-    Fault { number: 165, warning: true, meaning: "Motion task target out of range", reaction: Reaction::None, remedy: "correct the target of the task to the range of the axis", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
+    Fault { number: 165, warning: true, meaning: "Motion task target out of range", reaction: Reaction::None, remedy: "correct the target of the task to the range of the axis: the software limits (SWLS.*) or, on a modulo axis, PL.MODP1 to PL.MODP2", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
     Fault { number: 168, warning: true, meaning: "Invalid bits in MT.CNTL", reaction: Reaction::None, remedy: "correct MT.CNTL", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
     Fault { number: 169, warning: true, meaning: "Profile cannot be started on the fly", reaction: Reaction::None, remedy: "let the running task end before this one is started", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
     Fault { number: 170, warning: true, meaning: "Customer profile table not initialised", reaction: Reaction::None, remedy: "load the table of the customer profile", cleared: Cleared::ByItself, recalled: true, assumed: "", source: "published AKD fault card, from memory" },
