@@ -101,7 +101,7 @@ pub enum Command {
     Stop(OnNetwork<Stop>),
     /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
     Status(OnNetwork<Status>),
-    /// Acknowledge the fault of a drive (sends STW1 0x04FE)
+    /// Acknowledge the fault of a drive (STW1 bit 7, as its controller for a moment)
     Ack(OnNetwork<Ack>),
     /// Watch a drive beside its controller; reads only
     Monitor(OnNetwork<Monitor>),

@@ -253,6 +253,23 @@ fn software_limits_are_told_before_anything_is_sent() {
 }
 
 #[test]
+fn a_command_with_an_argument_that_reads_back_something_else_is_no_difference() {
+    let (mut session, _, mut drive) = homed();
+    let mut outcome = |text: &str| {
+        let assignment: Assignment = text.parse().expect("an assignment");
+        let mut outcomes = session
+            .write(&mut drive, &[assignment], WriteMode::Write)
+            .expect("reached");
+        outcomes.remove(0)
+    };
+    let cleared = outcome("MT.CLEAR=3");
+    assert!(matches!(cleared.written, Some(Ok(()))), "{cleared:?}");
+    assert!(cleared.acts && !cleared.differs(), "{cleared:?}");
+    let setting = outcome("MT.NUM=3");
+    assert!(!setting.acts && !setting.differs(), "{setting:?}");
+}
+
+#[test]
 fn tasks_of_the_drive() {
     let mut bench = homed();
     let (session, _, drive) = &mut bench;

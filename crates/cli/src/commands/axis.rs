@@ -166,7 +166,7 @@ pub fn finish(
     let released = axis.release();
     let interrupted = matches!(result, Err(Error::Interrupted));
     if interrupted && end != End::Open {
-        output.say("stopped by Ctrl-C before the end");
+        output.say("stopped before the end by Ctrl-C or a signal");
     }
     let result = match (result, end) {
         (Err(Error::Interrupted), End::Open | End::Time) => Ok(()),
@@ -236,7 +236,7 @@ pub fn told(fault: &FaultEntry) -> String {
     )
 }
 
-/// `n107 Positive software limit reached`
+/// `n107 Positive limit reached: limit switch or software limit`
 pub fn warned(warning: &WarningEntry) -> String {
     format!(
         "n{} {}",

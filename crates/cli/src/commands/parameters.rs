@@ -178,6 +178,7 @@ fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
         (None, _) => "would be written".into(),
         (Some(Err(refusal)), _) => format!("refused: {}", refusal.number),
         (Some(Ok(())), None) => "executed".into(),
+        (Some(Ok(())), Some(_)) if outcome.acts => "executed".into(),
         (Some(Ok(())), Some(Ok(_))) if !outcome.differs() => "written, read back".into(),
         (Some(Ok(())), Some(Ok(back))) => format!("written, but reads back {}", value::full(back)),
         (Some(Ok(())), Some(Err(refusal))) => format!("written, not readable: {}", refusal.number),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use profidrive::catalogue::{Parameter, Scale, Scaling, Size};
+use profidrive::catalogue::{Parameter, Role, Scale, Scaling, Size};
 use profidrive::notation::Shown;
 use profidrive::parameter::{
     Answer, Description, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change,
@@ -49,12 +49,17 @@ pub struct ChangeOutcome {
     pub written: Option<Result<(), Refusal>>,
     /// The value read back; `None` for a command, a dry run or a refused write.
     pub new: Option<Result<Reading, Refusal>>,
+    /// Writing it does something (MT.CLEAR, MT.MOVE): what it reads as afterwards says nothing about success.
+    pub acts: bool,
 }
 
 impl ChangeOutcome {
-    /// True when the value read back is another one than written.
+    /// True when the value read back is another one than written; never for something that acts.
     #[must_use]
     pub fn differs(&self) -> bool {
+        if self.acts {
+            return false;
+        }
         let Some(Ok(new)) = &self.new else { return false };
         match new.content {
             Content::Number { raw, .. } => raw != self.change.value.raw,
@@ -263,11 +268,14 @@ where
                 } else {
                     old.next()
                 };
+                let pnu = change.selection.pnu;
+                let role = drive.model.catalogue.map(|tables| tables.backup_rule(pnu).role);
                 ChangeOutcome {
                     change,
                     old,
                     written: None,
                     new: None,
+                    acts: matches!(role, Some(Role::Action | Role::Save | Role::ClearFaults)),
                 }
             })
             .collect();
@@ -584,6 +592,7 @@ mod tests {
             old: None,
             written: None,
             new: None,
+            acts: false,
         }
     }
 

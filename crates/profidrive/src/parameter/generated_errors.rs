@@ -83,7 +83,7 @@ pub static ERRORS: &[ErrorInfo] = &[
     ErrorInfo { number: 0x0e, meaning: "name cannot be read in cyclic transmission", remedy: "read the name acyclically", subindex: false, source: "Danfoss MCA 101 p.30" },
     ErrorInfo { number: 0x0f, meaning: "no text array available", remedy: "the parameter has no texts", subindex: false, source: "SINAMICS DCM, G130 p.230" },
     ErrorInfo { number: 0x10, meaning: "no read access", remedy: "the parameter is protected in the drive", subindex: false, source: "SINAMICS G130 p.230" },
-    ErrorInfo { number: 0x11, meaning: "not executable in the present operating state", remedy: "disable the drive or stop the axis, then try again", subindex: false, source: "SINAMICS DCM, G130 p.230" },
+    ErrorInfo { number: 0x11, meaning: "not executable in the present operating state", remedy: "most settings need the drive disabled or the axis at rest, a command that moves it needs the drive enabled", subindex: false, source: "SINAMICS DCM, G130 p.230" },
     ErrorInfo { number: 0x12, meaning: "other error", remedy: "look at the drive's own display or log", subindex: false, source: "Danfoss MCA 101 p.30" },
     ErrorInfo { number: 0x14, meaning: "value impermissible", remedy: "the value is inside the limits but not one of the allowed ones", subindex: true, source: "SINAMICS DCM, G130 p.230" },
     ErrorInfo { number: 0x15, meaning: "response too long", remedy: "ask for fewer parameters or elements at once", subindex: false, source: "SINAMICS DCM, Danfoss MCA 101 p.30" },

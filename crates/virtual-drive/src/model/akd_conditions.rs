@@ -57,7 +57,7 @@ pub(super) const CONDITIONS: &[Condition] = &[
     fault(602, Cause::SafeTorqueOff, Limit::Present, When::Enabled),
     warning(602, Cause::SafeTorqueOff, Limit::Present, When::Disabled),
     fault(408, Cause::FeedbackLost, Limit::Present, When::Always), // FB1.IDENTIFIED 41, a smart feedback
-    // The card has numbers for the software limits only; the switches use those of their direction. Ours.
+    // The card has one number for each direction; the switches use it too, and its text names both. Ours.
     warning(107, Cause::PositiveSwitch, Limit::Present, When::Always),
     warning(108, Cause::NegativeSwitch, Limit::Present, When::Always),
     fault(307, Cause::BrakeClosed, Limit::Present, When::Enabled),
@@ -93,6 +93,24 @@ mod tests {
             );
         }
         assert!(CONDITIONS.len() <= crate::model::MOST_CONDITIONS);
+    }
+
+    #[test]
+    fn the_warning_of_a_limit_switch_names_the_switch() {
+        let switches = CONDITIONS
+            .iter()
+            .filter(|condition| matches!(condition.cause, Cause::PositiveSwitch | Cause::NegativeSwitch));
+        let mut seen = 0;
+        for condition in switches {
+            let fault = AKD.catalogue.fault(condition.number, condition.warning).unwrap();
+            assert!(fault.meaning.contains("limit switch"), "{fault:?}");
+            assert!(
+                fault.remedy.contains("HWLS.") && fault.remedy.contains("SWLS."),
+                "{fault:?}"
+            );
+            seen += 1;
+        }
+        assert_eq!(seen, 2);
     }
 
     #[test]
