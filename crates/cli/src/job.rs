@@ -73,6 +73,8 @@ fn guess(data: &[u8]) -> Side {
     let addresses = HEADER + ADDRESS * usize::from(data.get(3).copied().unwrap_or(0));
     match id {
         1 if data.len() == addresses => Side::Request,
+        // the head alone, padded or not: a change that was carried out
+        2 if matches!(data.get(HEADER..), Some([] | [0, 0])) => Side::Response,
         2 if data.len() > HEADER + 2
             && Request::parse(data, CodeSpace::V4).is_ok_and(|job| values_fit(&job)) =>
         {
@@ -512,6 +514,8 @@ mod tests {
         assert_eq!(lines[0], "read request 2, axis 1, 1 parameter");
         let lines = words("05 02 00 01 00 00", None);
         assert_eq!(lines, ["change response 5, axis 0, 1 parameter", "  written"]);
+        let lines = words("01 02 01 01", None);
+        assert_eq!(lines, ["change response 1, axis 1, 1 parameter", "  written"]);
         let lines = words("01 82 01 01 44 01 00 01", None);
         assert!(
             lines[1].starts_with("  refused: 0x01 parameter value cannot be changed"),
