@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use drive_client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Step};
+use drive_client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
 use drive_client::{Drive, Error, describe};
 use network::files::StateFile;
 use serde_json::{Map, Value};
@@ -38,7 +38,7 @@ pub struct Args {
     /// Leave out what the drive cannot keep over power-off
     #[arg(long)]
     pub saved_only: bool,
-    /// Also what belongs to the connection: telegram, way to get an address
+    /// Also what belongs to the connection: telegram, command source, way to get an address
     #[arg(long)]
     pub network: bool,
     /// Also values outside the limits that are known; the drive then decides
@@ -182,19 +182,11 @@ fn show(plan: &Plan, output: &Output) {
     }
     let same = plan.skipped.len() - plan.left_out();
     let mut table = Table::new(&["left out", "number", ">in the file", "unit", "why"]);
-    for skipped in plan
-        .skipped
-        .iter()
-        .filter(|one| one.why != drive_client::backup::Skip::Same)
-    {
-        let reading = &skipped.reading;
-        table.row([
-            reading.name.unwrap_or_default().to_owned(),
-            reading.shown().to_string(),
-            value::value(reading),
-            reading.unit.to_owned(),
-            skipped.why.to_string(),
-        ]);
+    let left_out: Vec<&Skipped> = plan.skipped.iter().filter(|one| one.why != Skip::Same).collect();
+    for group in left_out.chunk_by(|a, b| one_line(a, b)) {
+        if let [first, rest @ ..] = group {
+            table.row(left_out_row(first, rest));
+        }
     }
     if !table.is_empty() {
         for line in table.lines() {
@@ -206,6 +198,37 @@ fn show(plan: &Plan, output: &Output) {
         plan.changes.len(),
         plan.left_out()
     ));
+}
+
+/// Elements of one parameter, next to each other and left out for one reason, are one line.
+fn one_line(a: &Skipped, b: &Skipped) -> bool {
+    let next = a
+        .reading
+        .index
+        .is_some_and(|index| b.reading.index == index.checked_add(1));
+    next && a.reading.pnu == b.reading.pnu && a.why == b.why
+}
+
+fn left_out_row(first: &Skipped, rest: &[&Skipped]) -> [String; 5] {
+    let reading = &first.reading;
+    let (mut number, mut content) = (reading.shown().to_string(), value::value(reading));
+    if let Some(last) = rest.last() {
+        number = format!(
+            "{}..{}]",
+            number.trim_end_matches(']'),
+            last.reading.index.unwrap_or(0)
+        );
+        if rest.iter().any(|one| value::value(&one.reading) != content) {
+            content = format!("{} values", rest.len() + 1);
+        }
+    }
+    [
+        reading.name.unwrap_or_default().to_owned(),
+        number,
+        content,
+        reading.unit.to_owned(),
+        first.why.to_string(),
+    ]
 }
 
 const fn kept(change: &Change) -> &'static str {
@@ -367,5 +390,43 @@ const fn word(step: Step) -> &'static str {
         Step::ReadBack => "read back",
         Step::Differs => "differs",
         Step::Refused(_) => "refused",
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn backup(lines: &str) -> Backup {
+        let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n";
+        Backup::parse(&format!("{head}{lines}\n")).unwrap()
+    }
+
+    #[test]
+    fn elements_left_out_for_one_reason_are_one_line() {
+        let wanted =
+            backup("p0915[0] = 1\np915[1] = 5\np915[2] = 7\np915[5] = 7\np916[0] = 2\np916[1] = 2\np922 = 1");
+        let present =
+            backup("p0915[0] = 0\np915[1] = 0\np915[2] = 0\np915[5] = 0\np916[0] = 0\np916[1] = 0\np922 = 9");
+        let plan = Plan::new(&wanted, &present, &Choice::default());
+        let skipped: Vec<&Skipped> = plan.skipped.iter().collect();
+        let rows: Vec<[String; 5]> = skipped
+            .chunk_by(|a, b| one_line(a, b))
+            .map(|group| left_out_row(group[0], &group[1..]))
+            .collect();
+        let shown: Vec<(&str, &str)> = rows
+            .iter()
+            .map(|row| (row[1].as_str(), row[2].as_str()))
+            .collect();
+        assert_eq!(
+            shown,
+            [
+                ("p0915[0..2]", "3 values"),
+                ("p0915[5]", "7"),
+                ("p0916[0..1]", "2"),
+                ("p0922", "1")
+            ]
+        );
     }
 }

@@ -49,8 +49,10 @@ impl Header {
     #[must_use]
     pub fn misfit(&self, drive: &Drive) -> Option<String> {
         let station = &drive.station;
-        let same = (self.vendor_id, self.device_id) == (station.vendor_id, station.device_id);
-        (!same).then(|| {
+        let same_numbers = (self.vendor_id, self.device_id) == (station.vendor_id, station.device_id);
+        // a text may be written by hand without the name
+        let same_name = self.model.is_empty() || self.model == drive.model.name;
+        (!(same_numbers && same_name)).then(|| {
             format!(
                 "the settings are of a {} (vendor 0x{:04X}, device 0x{:04X}), {} is a {} (vendor 0x{:04X}, device 0x{:04X})",
                 self.model,

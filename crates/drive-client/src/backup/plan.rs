@@ -14,7 +14,7 @@ use crate::session::take_scale;
 pub struct Choice {
     /// Only what one of these means; everything when there is none.
     pub only: Vec<Pattern>,
-    /// Also what belongs to the connection: telegram, way to get an address.
+    /// Also what belongs to the connection: telegram, command source, way to get an address.
     pub network: bool,
     /// Only what the drive keeps when it is switched off.
     pub saved_only: bool,

@@ -276,7 +276,7 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
 fn a_plan_says_what_it_leaves_out_and_why() {
     let present = drive(Scaling::default(), &[]);
     let wanted = file(
-        "p2108 = 5000 rpm/s\np2115 = 3000 rpm/s\np922 = 353\nIP.MODE = 0\np930 = 2\nNSOLL_A = 5 rpm\nMOTOR.BRAKERLS = 1\n\
+        "p2108 = 5000 rpm/s\np2115 = 3000 rpm/s\np922 = 353\nDRV.CMDSOURCE = 0\nIP.MODE = 0\np930 = 2\nNSOLL_A = 5 rpm\nMOTOR.BRAKERLS = 1\n\
          MT.P = 5 counts\nDRV.ACTIVE = 1\nDRV.NVSAVE = 1\nVL.LIMITP_32 = 12001 rpm\nDRV.DIR = 1\nFB1.INITPSAVED = 3",
     );
     let plan = Plan::new(&wanted, &present, &Choice::default());
@@ -302,6 +302,7 @@ fn a_plan_says_what_it_leaves_out_and_why() {
             "Telegram selection belongs to the connection: the controller decides it when it connects",
             "Operating mode the same as DRV.OPMODE",
             "DRV.ACTIVE read-only",
+            "DRV.CMDSOURCE belongs to the connection: the telegram decides it",
             "DRV.DEC same value",
             "MOTOR.BRAKERLS writing it does something: it releases the brake",
             "MT.P shows one row of a table of the drive",
@@ -311,7 +312,7 @@ fn a_plan_says_what_it_leaves_out_and_why() {
             "FB1.INITPSAVED the drive itself writes it",
         ]
     );
-    assert_eq!(plan.left_out(), 10);
+    assert_eq!(plan.left_out(), 11);
     let back = plan.way_back();
     assert_eq!(back.readings().len(), 2);
     assert_eq!(back.reading(2108, None).unwrap().number(), Some(3000.0));
@@ -328,7 +329,7 @@ fn a_plan_says_what_it_leaves_out_and_why() {
     };
     let plan = Plan::new(&wanted, &present, &choice);
     let changed: Vec<&str> = plan.changes.iter().filter_map(|change| change.new.name).collect();
-    assert_eq!(changed, ["VL.LIMITP_32", "DRV.ACC"]);
+    assert_eq!(changed, ["DRV.CMDSOURCE", "VL.LIMITP_32", "DRV.ACC"]);
     assert!(
         plan.skipped
             .iter()
@@ -339,6 +340,33 @@ fn a_plan_says_what_it_leaves_out_and_why() {
             .iter()
             .any(|one| one.reading.name == Some("DRV.DIR") && one.why == Skip::NotSaved)
     );
+}
+
+#[test]
+fn settings_of_another_model_do_not_fit_whatever_its_numbers() {
+    let station = profinet::controller::Station {
+        name: "akd-1".into(),
+        vendor_id: AKD.device.vendor_id,
+        device_id: AKD.device.device_id,
+        ..profinet::controller::Station::default()
+    };
+    let drive = crate::Drive::new(station);
+    assert_eq!(header().misfit(&drive), None);
+    let vlt = Header {
+        model: "VLT".into(),
+        ..header()
+    };
+    assert!(vlt.misfit(&drive).unwrap().contains("of a VLT"));
+    let unnamed = Header {
+        model: String::new(),
+        ..header()
+    };
+    assert_eq!(unnamed.misfit(&drive), None);
+    let other = Header {
+        device_id: 9,
+        ..header()
+    };
+    assert!(other.misfit(&drive).is_some());
 }
 
 #[test]

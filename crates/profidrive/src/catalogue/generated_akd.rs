@@ -1812,7 +1812,7 @@ static BACKUP: &[BackupRule] = &[
     BackupRule { pnu: 2107, role: Role::Setpoint, phase: Phase::Value, why: "it drives an output" },
     BackupRule { pnu: 2110, role: Role::Active, phase: Phase::Value, why: "" },
     BackupRule { pnu: 2111, role: Role::ClearFaults, phase: Phase::Value, why: "" },
-    BackupRule { pnu: 2113, role: Role::Setting, phase: Phase::Mode, why: "" },
+    BackupRule { pnu: 2113, role: Role::Network, phase: Phase::Mode, why: "the telegram decides it" },
     BackupRule { pnu: 2117, role: Role::Setting, phase: Phase::Mode, why: "" },
     BackupRule { pnu: 2135, role: Role::Setting, phase: Phase::Mode, why: "" },
     BackupRule { pnu: 2139, role: Role::Action, phase: Phase::Value, why: "it arms a procedure that moves the axis" },
