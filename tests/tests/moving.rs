@@ -195,3 +195,22 @@ fn a_move_that_is_interrupted_or_killed_ends_at_rest() {
     client(&lab, &["ack", "akd-1"]).ok();
     assert_eq!(cause(&lab), "no-controller");
 }
+
+#[test]
+fn a_signal_that_comes_twice_still_ends_in_a_ramp_stop() {
+    let lab = Lab::new("twice");
+    let _drive = simulate(&lab);
+    let program = built("profidrive");
+    let program = program.to_str().unwrap();
+    for signal in ["TERM", "INT"] {
+        // both at once to the whole group, as `timeout` and an impatient hand do
+        let script = format!(
+            "setsid {program} -i ctl0 run akd-1 --velocity 600rpm --for 20s --watchdog 15 & \
+             sleep 2; kill -{signal} $!; kill -{signal} $!; sleep 0.05; kill -{signal} $!; wait $!"
+        );
+        let ended = lab.run(Side::Controller, "bash", ["-c", &script], SHORT);
+        assert!(ended.err.contains("axis at rest"), "{signal}: {ended:?}");
+        assert!(ended.err.contains("stopped by"), "{signal}: {ended:?}");
+        assert_eq!(number(&lab, "r947[0]"), 0.0, "{signal}: no F702");
+    }
+}

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::os::fd::{AsRawFd, FromRawFd, RawFd};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
 
 /// A flag that wakes whoever waits in a runner or medium it was given to. Clones are the same flag.
 ///
@@ -32,7 +32,30 @@ struct Inner {
 static SIGNALLED: AtomicI32 = AtomicI32::new(-1);
 static SIGNAL_SEEN: AtomicBool = AtomicBool::new(false);
 
-extern "C" fn on_signal(_: libc::c_int) {
+/// When the first signal came, in milliseconds of the monotonic clock; 0 while none has.
+static FIRST: AtomicU64 = AtomicU64::new(0);
+
+/// A signal again within this time, ms, means the same as the first: a hasty Ctrl-C, a program that ends its whole group.
+const SAME: u64 = 1000;
+
+extern "C" fn on_signal(signal: libc::c_int) {
+    let mut time = libc::timespec {
+        tv_sec: 0,
+        tv_nsec: 0,
+    };
+    // SAFETY: clock_gettime is async-signal-safe; `time` is a valid place on this stack.
+    unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
+    let now = 1 + time.tv_sec as u64 * 1000 + time.tv_nsec as u64 / 1_000_000;
+    if let Err(first) = FIRST.compare_exchange(0, now, Ordering::SeqCst, Ordering::SeqCst)
+        && now.saturating_sub(first) > SAME
+    {
+        // SAFETY: both are async-signal-safe. The signal is blocked in here; it ends the program on the way out.
+        unsafe {
+            libc::signal(signal, libc::SIG_DFL);
+            libc::raise(signal);
+        }
+        return;
+    }
     SIGNAL_SEEN.store(true, Ordering::SeqCst);
     let one = 1u64.to_ne_bytes();
     // SAFETY: write is async-signal-safe; the buffer lives on this stack. A failure (no descriptor) does not matter.
@@ -120,7 +143,7 @@ impl Stop {
     }
 
     /// A flag that Ctrl-C (SIGINT), SIGTERM and a terminal that goes away (SIGHUP, unless ignored as by `nohup`) set.
-    /// The second signal ends the program at once, as without this.
+    /// Signals of the first second count as one; a later one ends the program at once, as without this.
     ///
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
@@ -136,7 +159,6 @@ impl Stop {
             // SAFETY: an all-zero sigaction is a valid one (no flags, empty mask).
             let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
             action.sa_sigaction = on_signal as *const () as libc::sighandler_t;
-            action.sa_flags = libc::SA_RESETHAND;
             // SAFETY: the handler only does what is async-signal-safe; `action` is read during the call only.
             if unsafe { libc::sigaction(signal, &raw const action, std::ptr::null_mut()) } != 0 {
                 return Err(io::Error::last_os_error());
