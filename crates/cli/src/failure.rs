@@ -121,8 +121,13 @@ impl From<drive_client::parameter::ParameterProblem> for Failure {
 
 fn exit_of(error: &drive_client::Error) -> Exit {
     use drive_client::Error;
+    use drive_client::axis::Trouble;
     use profinet::controller::{DcpError, LostCause, ServiceError};
     match error {
+        Error::Axis {
+            trouble: Trouble::StillTurns | Trouble::QuickStopUsed | Trouble::NotStopped,
+            ..
+        } => Exit::Safety,
         Error::Dcp {
             error: DcpError::Refused { .. } | DcpError::NotSupported,
             ..

@@ -4,8 +4,8 @@ mod bench;
 
 use std::time::Duration;
 
-use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller};
-use drive_client::axis::{Move, Objection, Purpose};
+use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
+use drive_client::axis::{Move, Objection, Purpose, Trouble};
 use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Verdict, diagnose};
 use drive_client::{AxisSettings, Drive, Error, StopWay, WriteMode};
@@ -292,4 +292,48 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
         matches!(error, Error::ForeignModule { plugged, wanted, .. } if (plugged, wanted) == expected),
         "{error}"
     );
+}
+
+/// A load that pulls, no brake: when the power stage is off the axis turns, and nobody says it rests.
+#[test]
+fn an_axis_that_turns_without_power_is_not_called_at_rest() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    for (torque, rests) in [(0.0, true), (1.0, false)] {
+        let load = format!("load={torque}Nm").parse().expect("a load");
+        with_drive(&mut session, ids[0], |drive| drive.inject(load));
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        let mut enabled = axis.enable().expect("enabled");
+        enabled.run(60.0).expect("runs");
+        enabled.hold(Duration::from_secs(1)).expect("keeps running");
+        drop(enabled);
+        let released = axis.release();
+        match released {
+            Ok(()) => assert!(rests, "it turns"),
+            Err(Error::Axis {
+                trouble: Trouble::StillTurns,
+                ..
+            }) => assert!(!rests, "it stands"),
+            Err(error) => panic!("{error}"),
+        }
+    }
+}
+
+/// A ramp that takes too long: the quick stop that ends it is told.
+#[test]
+fn a_quick_stop_in_place_of_the_ramp_is_told() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["DRV.DEC=10rpm/s"]);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(600.0).expect("runs");
+    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    drop(enabled);
+    let error = axis.release().expect_err("not as asked");
+    assert!(error.to_string().contains("quick stop (OFF3)"), "{error}");
 }

@@ -91,6 +91,10 @@ pub struct AxisView {
     pub seen: Option<Seen>,
     /// True when the axis stands with the pulses off.
     pub at_rest: bool,
+    /// True when a quick stop was commanded because the ramp stop took too long.
+    pub quick_stop: bool,
+    /// True when the drive tells that the axis moves, whether it is driven or not.
+    pub turns: bool,
     /// True once the drive has accepted the task, or has begun to home.
     pub accepted: bool,
     /// The task that an intermediate stop holds.
@@ -219,6 +223,8 @@ impl Client {
             command: axis.control.command(),
             seen: axis.seen,
             at_rest: axis.control.is_at_rest(),
+            quick_stop: axis.control.stops_quickly(),
+            turns: axis.seen.is_some_and(|seen| axis.control.turns(seen)),
             accepted: axis.control.is_accepted(),
             held: axis.control.held(),
             mode: axis.control.mode(),

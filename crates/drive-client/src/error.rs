@@ -354,6 +354,7 @@ impl Error {
                     "check enable inputs, STO and DC bus: `profidrive read DRIVE DRV.DISSOURCES`"
                 }
                 Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
+                Trouble::StillTurns => "keep clear of it; apply a brake (MOTOR.BRAKE) or take the load away",
                 Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
                 Trouble::NoInputs => "the telegram module is not usable in this drive: `profidrive info DRIVE`",
                 Trouble::OtherMode { .. } => "`profidrive read DRIVE p930` shows the mode",

@@ -161,3 +161,10 @@ pub fn drive_mut(session: &mut Bench, id: StationId) -> &mut virtual_drive::driv
         .station_mut::<Host<Station>>(id);
     host.expect("the drive").endpoint_mut().drive_mut()
 }
+
+/// Does something to the drive itself, as a hand at the machine would.
+pub fn with_drive(session: &mut Bench, id: StationId, act: impl FnOnce(&mut virtual_drive::drive::Drive)) {
+    let segment = session.medium_mut().segment_mut();
+    let host = segment.station_mut::<Host<Station>>(id).expect("the drive");
+    act(host.endpoint_mut().drive_mut());
+}

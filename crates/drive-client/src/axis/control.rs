@@ -426,6 +426,23 @@ impl AxisControl {
         }
     }
 
+    /// The ramp stop has been given up for a quick stop.
+    pub(crate) const fn stops_quickly(&self) -> bool {
+        self.quick
+    }
+
+    /// The axis moves for certain, whatever is wanted of it; a telegram that tells neither speed nor standstill says
+    /// nothing.
+    pub(crate) fn turns(&self, seen: Seen) -> bool {
+        match self.mode {
+            Mode::Velocity => {
+                let above = |speed: i16| speed.unsigned_abs() > self.limits.standstill;
+                seen.nist_a.is_some_and(above)
+            }
+            Mode::Position => !seen.stopped(),
+        }
+    }
+
     fn took(&self, now: Instant) -> Duration {
         now - self.since
     }

@@ -122,6 +122,9 @@ pub enum Trouble {
     /// Neither ramp stop nor quick stop ended in time.
     #[error("the axis did not come to a standstill")]
     NotStopped,
+    /// The power stage is off, but the axis is not at rest.
+    #[error("the power stage is off, but the axis turns: something pulls at it and no brake holds it")]
+    StillTurns,
     /// The goal belongs to the other mode of the drive.
     #[error("the drive is not in the mode for this ({})", mode_words(*needed))]
     OtherMode {

@@ -135,6 +135,8 @@ where
     /// The trouble there is was returned to the caller.
     told: bool,
     finished: bool,
+    /// A quick stop ended what should have been a ramp stop.
+    quick: bool,
 }
 
 impl<M: Medium> std::fmt::Debug for Axis<'_, M>
@@ -215,6 +217,7 @@ where
             watcher: None,
             told: false,
             finished: false,
+            quick: false,
             session: self,
         };
         let drive = axis.drive.clone();
@@ -513,7 +516,21 @@ where
         while self.session.now() < end && self.session.client.connection(self.ar) == Connection::Running {
             self.session.step(end)?;
         }
-        stopped
+        stopped?;
+        if self.quick {
+            return Err(Error::Axis {
+                drive: self.drive.label(),
+                trouble: Trouble::QuickStopUsed,
+            });
+        }
+        // the power stage is off by now: a load that hangs on the shaft shows
+        if control_taken && self.status().is_some_and(|status| status.view.turns) {
+            return Err(Error::Axis {
+                drive: self.drive.label(),
+                trouble: Trouble::StillTurns,
+            });
+        }
+        Ok(())
     }
 
     /// What became of the connection.
@@ -533,10 +550,11 @@ where
     fn ramp_down(&mut self) -> Result<(), Error> {
         self.pursue(Goal::Stop);
         loop {
+            // a quick stop that took over is waited for as well, and told with the release
+            self.quick |= self.status().is_some_and(|status| status.view.quick_stop);
             match self.look() {
                 Ok(status) if status.view.at_rest => return Ok(()),
                 Ok(_) => {}
-                // the quick stop took over: its end is still waited for
                 Err(Error::Axis {
                     trouble: Trouble::QuickStopUsed,
                     ..
