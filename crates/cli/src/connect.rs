@@ -12,6 +12,7 @@ use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 use crate::args::Interface;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
+use crate::reach::{Reach, far, reach};
 
 /// What a command needs of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -193,7 +194,29 @@ pub fn drive(
     let spinner = spinner(output, format!("looking for {address}"));
     let found = session.find(&address);
     spinner.finish_and_clear();
-    Ok((session, found?))
+    let drive = found.map_err(|error| not_found(error, session.medium(), &address))?;
+    if let (AnyMedium::Packet(medium), true) = (session.medium(), need != Need::Discovery) {
+        let info = medium.interface();
+        match reach(&info.name, &info.addresses, &drive.label(), drive.station.ip)? {
+            Reach::Near => {}
+            Reach::Routed(words) => output.warn(&words),
+        }
+    }
+    Ok((session, drive))
+}
+
+/// Nobody answered; without discovery the address may be the reason.
+fn not_found(error: drive_client::Error, medium: &AnyMedium, address: &DriveAddress) -> Failure {
+    let failure = Failure::from(error);
+    let (AnyMedium::Udp(_), DriveAddress::Ip(ip)) = (medium, address) else {
+        return failure;
+    };
+    let own = InterfaceInfo::list().unwrap_or_default();
+    let own: Vec<IpSuite> = own.into_iter().flat_map(|info| info.addresses).collect();
+    match far(&own, *ip) {
+        Some(words) if failure.exit == Exit::Unreachable => failure.hint(words),
+        _ => failure,
+    }
 }
 
 /// Something is going on; nothing where nobody watches.

@@ -12,6 +12,7 @@ mod desk;
 mod failure;
 mod job;
 mod output;
+mod reach;
 mod render;
 mod state;
 

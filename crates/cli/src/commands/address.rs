@@ -85,10 +85,9 @@ fn not_at_work(session: &mut Live, drive: &Drive, force: bool, done: &str) -> Re
 /// Whether records can be read from a station: not where no answer can come.
 fn in_reach(ip: IpSuite) -> Result<bool, Failure> {
     Ok(ip.is_set()
-        && InterfaceInfo::list()?.iter().any(|info| {
-            let own = info.ip();
-            own.is_set() && own.is_local(ip.address)
-        }))
+        && InterfaceInfo::list()?
+            .iter()
+            .any(|info| info.ip_towards(ip.address).is_some()))
 }
 
 fn at_work(station: &str, controller: &str, done: &str) -> Failure {
@@ -158,12 +157,9 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
     Ok(())
 }
 
-/// The address of this machine would make both unreachable.
+/// An address of this machine would make both unreachable.
 fn not_our_own(address: Ipv4Addr) -> Result<(), Failure> {
-    match InterfaceInfo::list()?
-        .into_iter()
-        .find(|info| info.ip().address == address)
-    {
+    match InterfaceInfo::list()?.into_iter().find(|info| info.owns(address)) {
         Some(own) => {
             let message = format!("the address {address} is this machine's own, on {}", own.name);
             Err(Failure::new(Exit::Failed, message).hint("choose a free address"))

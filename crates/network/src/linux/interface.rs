@@ -44,9 +44,9 @@ impl InterfaceInfo {
         while let Some(entry) = unsafe { next.as_ref() } {
             next = entry.ifa_next;
             // SAFETY: `ifa_name` is a NUL-terminated string that lives as long as the list.
-            let name = unsafe { CStr::from_ptr(entry.ifa_name) }
-                .to_string_lossy()
-                .into_owned();
+            let label = unsafe { CStr::from_ptr(entry.ifa_name) }.to_string_lossy();
+            // an address may carry a label of its own, `eth0:1`; no interface has a colon in its name
+            let name = label.split(':').next().unwrap_or_default().to_owned();
             let flags = entry.ifa_flags as i32;
             let info = found.entry(name.clone()).or_insert_with(|| Self {
                 name,
@@ -119,10 +119,31 @@ impl InterfaceInfo {
     }
 
     /// The first IPv4 address, [`IpSuite::NONE`] if there is none.
+    ///
+    /// An interface may have several; which of them leads to a station is [`InterfaceInfo::ip_towards`].
     #[must_use]
     pub fn ip(&self) -> IpSuite {
         self.addresses.first().copied().unwrap_or_default()
     }
+
+    /// The address in the subnet of `other`, in the smallest one where several contain it.
+    #[must_use]
+    pub fn ip_towards(&self, other: Ipv4Addr) -> Option<IpSuite> {
+        towards(&self.addresses, other)
+    }
+
+    /// Whether `address` is one of the interface's own.
+    #[must_use]
+    pub fn owns(&self, address: Ipv4Addr) -> bool {
+        self.addresses.iter().any(|own| own.address == address)
+    }
+}
+
+/// Which of several own addresses has `other` in its subnet; the longest mask wins, as in a routing table.
+pub(super) fn towards(own: &[IpSuite], other: Ipv4Addr) -> Option<IpSuite> {
+    let near = own.iter().copied().filter(|own| own.is_local(other));
+    // of equals the first: the kernel lists the main address before the others
+    near.rev().max_by_key(|own| u32::from(own.mask))
 }
 
 /// The IPv4 address in a socket address; 0.0.0.0 if there is none.
@@ -147,6 +168,28 @@ mod tests {
         let lo = InterfaceInfo::find("lo").unwrap();
         assert!(lo.loopback && lo.index > 0);
         assert!(matches!(lo.usable(), Err(Error::NotEthernet { .. })));
+    }
+
+    #[test]
+    fn the_smallest_subnet_with_the_other_station_decides() {
+        let suite = |address: [u8; 4], mask: [u8; 4]| IpSuite {
+            address: address.into(),
+            mask: mask.into(),
+            gateway: Ipv4Addr::UNSPECIFIED,
+        };
+        let wide = suite([10, 0, 0, 1], [255, 0, 0, 0]);
+        let narrow = suite([10, 0, 5, 1], [255, 255, 255, 0]);
+        let second = suite([10, 0, 5, 2], [255, 255, 255, 0]);
+        let other = suite([192, 168, 77, 1], [255, 255, 255, 0]);
+        let own = [wide, narrow, second, other];
+        for (station, expected) in [
+            ([10, 0, 0, 11], Some(wide)),
+            ([10, 0, 5, 11], Some(narrow)),
+            ([192, 168, 77, 11], Some(other)),
+            ([192, 168, 5, 11], None),
+        ] {
+            assert_eq!(towards(&own, station.into()), expected, "{station:?}");
+        }
     }
 
     #[test]

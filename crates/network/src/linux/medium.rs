@@ -2,7 +2,7 @@
 
 use std::net::Ipv4Addr;
 
-use profinet::{Endpoint, Instant, MAX_FRAME, Medium, RPC_PORT, Transmit};
+use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, Medium, Transmit};
 
 use super::error::Error;
 use super::filter::Wanted;
@@ -34,9 +34,9 @@ pub enum ServerPort {
 }
 
 /// Carries an endpoint on an Ethernet interface: PROFINET frames through a raw socket, datagrams through the
-/// kernel's UDP from the interface's own address.
+/// kernel's UDP from the interface's own address in the subnet of the receiver.
 ///
-/// The endpoint must use the interface's Ethernet address and IP address: see [`InterfaceInfo`].
+/// The endpoint must use the interface's Ethernet address: see [`InterfaceInfo`].
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -80,11 +80,8 @@ impl PacketMedium {
         let mut packet = PacketSocket::open(interface, Wanted::Profinet)?;
         let mac = packet.interface().usable()?;
         packet.add_address(mac)?;
-        let own = packet.interface().ip();
-        let udp = own
-            .is_set()
-            .then(|| with_server(own.address, server))
-            .transpose()?;
+        let own = packet.interface().addresses.clone();
+        let udp = (!own.is_empty()).then(|| with_server(own, server)).transpose()?;
         Ok(Self {
             packet,
             udp,
@@ -221,8 +218,12 @@ impl UdpMedium {
     /// # Errors
     /// The address is not ours, the UDP port is in use.
     pub fn open(address: Ipv4Addr, server: ServerPort) -> Result<Self, Error> {
+        let everywhere = IpSuite {
+            address,
+            ..IpSuite::NONE
+        };
         Ok(Self {
-            udp: Some(with_server(address, server)?),
+            udp: Some(with_server(vec![everywhere], server)?),
             common: Common::new(),
             dropped: 0,
         })
@@ -366,19 +367,9 @@ impl Common {
     }
 }
 
-/// The sockets of `address`, the server port among them if wanted.
-fn with_server(address: Ipv4Addr, server: ServerPort) -> Result<Ports, Error> {
-    let mut ports = Ports::new(address);
-    match (
-        server,
-        if server == ServerPort::None {
-            Ok(())
-        } else {
-            ports.open(RPC_PORT)
-        },
-    ) {
-        (ServerPort::IfFree, Err(Error::PortOccupied { .. })) => {}
-        (_, result) => result?,
-    }
+/// The sockets of the own addresses, the server ports among them if wanted.
+fn with_server(own: Vec<IpSuite>, server: ServerPort) -> Result<Ports, Error> {
+    let mut ports = Ports::new(own, server);
+    ports.listen()?;
     Ok(ports)
 }

@@ -4,42 +4,72 @@ use std::io;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
 use std::os::fd::{AsRawFd, RawFd};
 
-use profinet::RPC_PORT;
+use profinet::{IpSuite, RPC_PORT};
 
 use super::error::Error;
+use super::interface::towards;
+use super::medium::ServerPort;
 
-/// Most local ports open at once; the one unused for longest makes room.
+/// Most local ports open at once beside those of the server; the one unused for longest makes room.
 const MAX_PORTS: usize = 32;
 
 #[derive(Debug)]
 struct Port {
+    address: Ipv4Addr,
     number: u16,
     socket: UdpSocket,
     used: u64,
 }
 
-/// The sockets of one local address, made when first needed.
+/// The sockets of all local addresses, made when first needed.
+///
+/// A datagram leaves from the address in whose subnet its receiver is: a station answers, and calls back, where it was
+/// spoken to from.
 #[derive(Debug)]
 pub(super) struct Ports {
-    address: Ipv4Addr,
+    own: Vec<IpSuite>,
+    server: ServerPort,
     open: Vec<Port>,
     uses: u64,
     unsent: u64,
 }
 
 impl Ports {
-    pub(super) fn new(address: Ipv4Addr) -> Self {
+    pub(super) fn new(own: Vec<IpSuite>, server: ServerPort) -> Self {
         Self {
-            address,
+            own,
+            server,
             open: Vec::new(),
             uses: 0,
             unsent: 0,
         }
     }
 
-    /// Opens a port now, to receive on it.
-    pub(super) fn open(&mut self, number: u16) -> Result<(), Error> {
-        self.find_or_open(number).map(|_| ())
+    /// Opens the server port of every address where it is free, if wanted at all.
+    ///
+    /// # Errors
+    /// [`Error::PortOccupied`] where it is required and free at no address. Where it is free at some, an occupied one
+    /// is an error only once a datagram is to leave from there.
+    pub(super) fn listen(&mut self) -> Result<(), Error> {
+        if self.server == ServerPort::None {
+            return Ok(());
+        }
+        let mut occupied = None;
+        for index in 0..self.own.len() {
+            let Some(own) = self.own.get(index) else { break };
+            match self.open(own.address, RPC_PORT) {
+                Err(error @ Error::PortOccupied { .. }) => occupied = occupied.or(Some(error)),
+                other => other?,
+            }
+        }
+        match occupied {
+            Some(error) if self.server == ServerPort::Required && self.open.is_empty() => Err(error),
+            _ => Ok(()),
+        }
+    }
+
+    fn open(&mut self, address: Ipv4Addr, number: u16) -> Result<(), Error> {
+        self.find_or_open(address, number).map(|_| ())
     }
 
     /// Sends one datagram. What the network does not take is counted, as any datagram may be lost.
@@ -49,11 +79,28 @@ impl Ports {
         destination: SocketAddrV4,
         payload: &[u8],
     ) -> Result<(), Error> {
-        let port = self.find_or_open(source_port)?;
+        let address = self.source(destination);
+        if self.server == ServerPort::Required {
+            // whoever is spoken to may call back
+            self.open(address, RPC_PORT)?;
+        }
+        let port = self.find_or_open(address, source_port)?;
         if port.socket.send_to(payload, destination).is_err() {
             self.unsent += 1;
         }
         Ok(())
+    }
+
+    /// The own address a datagram leaves from: of the receiver's subnet, else the one the kernel's routes lead through.
+    fn source(&self, destination: SocketAddrV4) -> Ipv4Addr {
+        let first = || self.own.first().map_or(Ipv4Addr::UNSPECIFIED, |own| own.address);
+        match (towards(&self.own, *destination.ip()), self.own.len()) {
+            (Some(own), _) => own.address,
+            (None, 0 | 1) => first(),
+            (None, _) => routed(destination)
+                .filter(|address| self.own.iter().any(|own| own.address == *address))
+                .unwrap_or_else(first),
+        }
     }
 
     /// Datagrams the network did not take: no route, queue full.
@@ -79,14 +126,19 @@ impl Ports {
         }
     }
 
-    fn find_or_open(&mut self, number: u16) -> Result<&Port, Error> {
+    fn find_or_open(&mut self, address: Ipv4Addr, number: u16) -> Result<&Port, Error> {
         self.uses += 1;
-        let index = match self.open.iter().position(|port| port.number == number) {
+        let found = self
+            .open
+            .iter()
+            .position(|port| port.number == number && port.address == address);
+        let index = match found {
             Some(index) => index,
             None => {
+                let socket = bind(address, number)?;
                 self.make_room();
-                let socket = bind(self.address, number)?;
                 self.open.push(Port {
+                    address,
                     number,
                     socket,
                     used: 0,
@@ -94,7 +146,7 @@ impl Ports {
                 self.open.len() - 1
             }
         };
-        let (address, uses) = (self.address, self.uses);
+        let uses = self.uses;
         match self.open.get_mut(index) {
             Some(port) => {
                 port.used = uses;
@@ -108,18 +160,28 @@ impl Ports {
     }
 
     fn make_room(&mut self) {
-        if self.open.len() < MAX_PORTS {
+        let clients = || {
+            self.open
+                .iter()
+                .enumerate()
+                .filter(|(_, port)| port.number != RPC_PORT)
+        };
+        if clients().count() < MAX_PORTS {
             return;
         }
-        let oldest = self
-            .open
-            .iter()
-            .enumerate()
-            .filter(|(_, port)| port.number != RPC_PORT)
-            .min_by_key(|(_, port)| port.used);
-        if let Some((index, _)) = oldest {
+        if let Some((index, _)) = clients().min_by_key(|(_, port)| port.used) {
             self.open.swap_remove(index);
         }
+    }
+}
+
+/// The address the kernel would send from; nothing is sent to find out.
+fn routed(destination: SocketAddrV4) -> Option<Ipv4Addr> {
+    let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;
+    socket.connect(destination).ok()?;
+    match socket.local_addr().ok()? {
+        SocketAddr::V4(own) => Some(*own.ip()),
+        SocketAddr::V6(_) => None,
     }
 }
 
@@ -148,24 +210,34 @@ fn bind(address: Ipv4Addr, number: u16) -> Result<UdpSocket, Error> {
 mod tests {
     use super::*;
 
+    fn ports(address: Ipv4Addr, server: ServerPort) -> Ports {
+        let mask = Ipv4Addr::UNSPECIFIED;
+        let own = IpSuite {
+            address,
+            mask,
+            ..IpSuite::NONE
+        };
+        Ports::new(vec![own], server)
+    }
+
     #[test]
     fn an_occupied_port_is_told_by_number() {
         let taken = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let number = taken.local_addr().unwrap().port();
-        let error = Ports::new(Ipv4Addr::LOCALHOST).open(number).unwrap_err();
+        let home = Ipv4Addr::LOCALHOST;
+        let error = ports(home, ServerPort::None).open(home, number).unwrap_err();
         assert!(matches!(error, Error::PortOccupied { port, .. } if port == number));
         let foreign = Ipv4Addr::new(203, 0, 113, 9);
-        assert!(
-            matches!(Ports::new(foreign).open(0), Err(Error::NotOurAddress { address }) if address == foreign)
-        );
+        let error = ports(foreign, ServerPort::None).open(foreign, 0).unwrap_err();
+        assert!(matches!(error, Error::NotOurAddress { address } if address == foreign));
     }
 
     #[test]
     fn the_number_of_open_ports_is_bounded() {
-        let mut ports = Ports::new(Ipv4Addr::LOCALHOST);
+        let mut ports = ports(Ipv4Addr::LOCALHOST, ServerPort::None);
         let mut opened = 0;
         for number in 50_000..50_200 {
-            opened += usize::from(ports.open(number).is_ok());
+            opened += usize::from(ports.open(Ipv4Addr::LOCALHOST, number).is_ok());
         }
         assert!(opened > MAX_PORTS);
         assert_eq!(ports.len(), MAX_PORTS);

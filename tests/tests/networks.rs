@@ -1,0 +1,174 @@
+//! What a network can have that a laboratory with one drive has not: two subnets, two stations of one name or address, a
+//! user without the right to raw sockets.
+
+use std::time::Duration;
+
+use system_tests::{Finished, Lab, Running, Side, built, judge};
+
+const SHORT: Duration = Duration::from_secs(20);
+/// Shorter than any wait for an answer that cannot come.
+const AT_ONCE: Duration = Duration::from_secs(3);
+
+fn simulate(lab: &Lab, more: &[&str]) -> Running {
+    let mut arguments = vec!["simulate", "-i", "dev0"];
+    arguments.extend(more);
+    let mut drives = lab.spawn(Side::Device, built("profidrive"), arguments);
+    drives.wait_for("Ctrl-C ends", Duration::from_secs(5));
+    drives
+}
+
+fn client(lab: &Lab, arguments: &[&str]) -> Finished {
+    let mut all = vec!["-i", "ctl0"];
+    all.extend(arguments);
+    lab.run(Side::Controller, built("profidrive"), all, SHORT)
+}
+
+#[track_caller]
+fn refused(finished: &Finished, code: i32, words: &[&str]) {
+    assert_eq!(finished.code, Some(code), "{finished:?}");
+    for words in words {
+        assert!(finished.err.contains(words), "{words}: {finished:?}");
+    }
+}
+
+/// A second address on the interface, and the drive in its subnet.
+#[test]
+fn the_own_address_is_that_of_the_subnet_of_the_drive() {
+    let lab = Lab::new("networks-second");
+    lab.address(Side::Controller, "10.0.5.1/24");
+    let capture = lab.capture("traffic");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "10.0.5.11/24"]);
+    for address in ["akd-1", "10.0.5.11"] {
+        let read = client(&lab, &["read", address, "DRV.ACC"]).ok();
+        assert!(read.out.contains("3000"), "{read:?}");
+    }
+    // the drive calls back when the connection is ready: at the address it was spoken to from
+    let run = [
+        "run",
+        "akd-1",
+        "--velocity",
+        "60rpm",
+        "--for",
+        "1s",
+        "--watchdog",
+        "15",
+    ];
+    client(&lab, &run).ok();
+    // both addresses of this machine are its own
+    for own in ["192.168.77.11/24", "10.0.5.1/24"] {
+        let taken = client(&lab, &["ip", "akd-1", own]);
+        refused(&taken, 1, &["this machine's own, on ctl0"]);
+    }
+    // and from one subnet to the other
+    client(&lab, &["ip", "akd-1", "192.168.77.50/24"]).ok();
+    client(&lab, &["read", "akd-1", "DRV.ACC"]).ok();
+    judge::judge(&capture.stop()).clean().saw("pn_io", 100);
+}
+
+#[test]
+fn a_drive_in_another_subnet_is_told_before_anything_is_asked() {
+    let lab = Lab::new("networks-far");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.5.11/24"]);
+    for verb in [
+        &["read", "akd-1", "DRV.ACC"][..],
+        &["run", "192.168.5.11", "--velocity", "60rpm"],
+    ] {
+        let mut all = vec!["-i", "ctl0"];
+        all.extend(verb);
+        let told = lab.run(Side::Controller, built("profidrive"), all, AT_ONCE);
+        refused(
+            &told,
+            4,
+            &[
+                "akd-1 has 192.168.5.11/24, ctl0 has 192.168.77.11/24: two subnets",
+                "profidrive ip akd-1 A.B.C.D/NN",
+                "ip address add A.B.C.D/24 dev ctl0",
+            ],
+        );
+        assert!(!told.err.contains("moves the axis"), "{told:?}");
+    }
+    // what the hint says helps
+    lab.address(Side::Controller, "192.168.5.1/24");
+    client(&lab, &["read", "akd-1", "DRV.ACC"]).ok();
+}
+
+#[test]
+fn two_drives_of_one_name_are_told_apart_by_mac() {
+    let lab = Lab::new("networks-name");
+    let (first, second) = ("02:50:4e:00:00:71", "02:50:4e:00:00:72");
+    let _one = simulate(
+        &lab,
+        &["--name", "akd-1", "--ip", "192.168.77.50/24", "--mac", first],
+    );
+    let _two = simulate(
+        &lab,
+        &["--name", "akd-1", "--ip", "192.168.77.51/24", "--mac", second],
+    );
+    for verb in [
+        &["read", "akd-1", "DRV.ACC"][..],
+        &["write", "akd-1", "DRV.ACC=100rpm/s"],
+        &["run", "akd-1", "--velocity", "60rpm"],
+        &["name", "akd-1", "akd-3"],
+    ] {
+        refused(&client(&lab, verb), 4, &[first, second, "use the MAC address"]);
+    }
+    let scan = client(&lab, &["scan"]).ok();
+    assert!(scan.err.contains("2 stations have the name akd-1"), "{scan:?}");
+    client(&lab, &["write", second, "DRV.ACC=100rpm/s"]).ok();
+    for (drive, acceleration) in [(first, "3000"), (second, "100"), ("192.168.77.51", "100")] {
+        let read = client(&lab, &["read", drive, "DRV.ACC"]).ok().out;
+        assert!(read.contains(acceleration), "{drive}: {read}");
+    }
+    client(&lab, &["name", second, "akd-2"]).ok();
+    let read = client(&lab, &["read", "akd-2", "DRV.ACC"]).ok().out;
+    assert!(read.contains("100"), "{read}");
+}
+
+#[test]
+fn without_the_right_to_raw_sockets_records_go_by_udp_and_the_rest_is_explained() {
+    let lab = Lab::new("networks-right");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let program = built("profidrive");
+    let client = |verb: &[&str]| {
+        let mut all = vec!["--bounding-set", "-net_raw", program.to_str().unwrap()];
+        all.extend(["-i", "ctl0"]);
+        all.extend(verb);
+        lab.run(Side::Controller, "setpriv", all, SHORT)
+    };
+    let read = client(&["read", "192.168.77.50", "DRV.ACC"]).ok();
+    assert!(read.out.contains("3000"), "{read:?}");
+    assert!(read.err.contains("going by UDP alone"), "{read:?}");
+    client(&["write", "192.168.77.50", "DRV.ACC=100rpm/s"]).ok();
+    let read = client(&["read", "192.168.77.50", "DRV.ACC"]).ok();
+    assert!(read.out.contains("100"), "{read:?}");
+    for verb in [
+        &["scan"][..],
+        &["read", "akd-1", "DRV.ACC"],
+        &["run", "192.168.77.50", "--velocity", "60rpm"],
+        &["name", "192.168.77.50", "akd-2"],
+    ] {
+        let told = client(verb);
+        assert!(told.code.is_some_and(|code| code != 0), "{told:?}");
+        for words in ["cap_net_raw", "given by its IP needs no right"] {
+            let err = told.err.to_lowercase();
+            assert!(err.contains(&words.to_lowercase()), "{verb:?}: {told:?}");
+        }
+    }
+    let told = lab.run(
+        Side::Device,
+        "setpriv",
+        [
+            "--bounding-set",
+            "-net_raw",
+            program.to_str().unwrap(),
+            "simulate",
+            "--name",
+            "akd-2",
+            "-i",
+            "dev0",
+        ],
+        SHORT,
+    );
+    assert!(told.code.is_some_and(|code| code != 0), "{told:?}");
+    assert!(told.err.to_lowercase().contains("cap_net_raw"), "{told:?}");
+}
