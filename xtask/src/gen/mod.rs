@@ -6,7 +6,6 @@ use std::process::{Command, Stdio};
 
 use crate::Outcome;
 
-mod backup;
 mod catalogue;
 mod parameter;
 mod profile;
@@ -23,9 +22,9 @@ pub enum Mode {
 /// One generated file.
 pub struct Generated {
     /// Path below the workspace folder.
-    pub path: &'static str,
+    pub path: String,
     /// Where its facts are, for the first line of the file.
-    pub from: &'static str,
+    pub from: String,
     /// Rust source, unformatted, without the first line.
     pub text: String,
 }
@@ -45,7 +44,7 @@ pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
             ),
         )
         .map_err(|error| format!("{}: {error}", file.path))?;
-        let path = root.join(file.path);
+        let path = root.join(&file.path);
         let present = std::fs::read_to_string(&path).unwrap_or_default();
         if present == text {
             continue;
@@ -53,6 +52,9 @@ pub fn run(root: &Path, mode: Mode) -> Outcome<()> {
         match mode {
             Mode::Check => stale.push(file.path),
             Mode::Write => {
+                if let Some(folder) = path.parent() {
+                    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", file.path))?;
+                }
                 std::fs::write(&path, text).map_err(|error| format!("{}: {error}", file.path))?;
                 println!("wrote {}", file.path);
             }

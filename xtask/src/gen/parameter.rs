@@ -15,13 +15,13 @@ const ERRORS: &str = "data/profile/parameter-errors.toml";
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
     Ok(vec![
         Generated {
-            path: "crates/profidrive/src/parameter/generated_formats.rs",
-            from: FORMATS,
+            path: "crates/profidrive/src/parameter/generated_formats.rs".into(),
+            from: FORMATS.into(),
             text: formats(&read(root, FORMATS)?)?,
         },
         Generated {
-            path: "crates/profidrive/src/parameter/generated_errors.rs",
-            from: ERRORS,
+            path: "crates/profidrive/src/parameter/generated_errors.rs".into(),
+            from: ERRORS.into(),
             text: errors(&read(root, ERRORS)?)?,
         },
     ])

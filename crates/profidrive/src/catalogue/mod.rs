@@ -1,6 +1,7 @@
 //! What a drive model knows about itself: its parameters, fault numbers and modules, as tables.
 //!
-//! Generated from `data/` (`cargo run -p xtask -- gen`); the code here only finds things in the tables.
+//! The tables of a model are generated from its folder in `data/` (`cargo run -p xtask -- gen`); the code here only finds
+//! things in them.
 //!
 //! ```
 //! use profidrive::catalogue::{AKD, Scaling};
@@ -14,17 +15,17 @@
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
+mod akd;
 mod backup;
 mod device;
 mod fault;
-mod generated_akd;
 mod nearest;
 mod parameter;
 
+pub use akd::AKD;
 pub use backup::{BackupRule, Phase, Role};
 pub use device::{DescriptionFacts, Device, TelegramModule, Words};
 pub use fault::{Cleared, Fault, Reaction};
-pub use generated_akd::AKD;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
 
 /// The tables of one drive model.

@@ -78,7 +78,10 @@ pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
             return Err(format!("{place}: {pattern:?} names nothing that no row before it names").into());
         }
     }
-    let mut text = String::from("#[rustfmt::skip]\nstatic BACKUP: &[BackupRule] = &[\n");
+    let mut text = String::from(
+        "use crate::catalogue::{BackupRule, Phase, Role};\n\n\
+         #[rustfmt::skip]\npub static BACKUP: &[BackupRule] = &[\n",
+    );
     for rule in found.values() {
         writeln!(text, "{rule}")?;
     }
@@ -127,7 +130,7 @@ mod tests {
     fn the_first_row_counts_and_patterns_leave_out_what_is_read_only() {
         let rules = "pattern,role,phase,of,why\nA.EN,alias,,B.EN,\nA.FB,active,,,\np922,network,,,w\n*.EN,setting,enable,,\n";
         let text = render(&Table::parse("r", rules).unwrap(), &parameters()).unwrap();
-        let lines: Vec<&str> = text.lines().skip(2).map(str::trim).collect();
+        let lines: Vec<&str> = text.lines().skip(4).map(str::trim).collect();
         assert_eq!(
             lines,
             [

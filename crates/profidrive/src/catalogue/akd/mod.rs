@@ -1,0 +1,21 @@
+// Generated from data/akd/ by `cargo run -p xtask -- gen`.
+
+use super::Catalogue;
+
+mod backup;
+mod device;
+mod faults;
+mod index;
+mod meanings;
+mod parameters;
+
+/// Kollmorgen AKD with PROFINET, firmware 1.17.
+pub static AKD: Catalogue = Catalogue {
+    model: "AKD",
+    parameters: parameters::PARAMETERS,
+    index: index::INDEX,
+    names: index::NAMES,
+    faults: faults::FAULTS,
+    device: device::DEVICE,
+    backup: backup::BACKUP,
+};

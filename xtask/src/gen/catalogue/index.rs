@@ -1,0 +1,43 @@
+//! Where a number or a name is in the table of parameters.
+
+use std::fmt::Write as _;
+
+use crate::Outcome;
+
+/// Position of each PNU in the table plus one (0: none), and the positions in the order of the names.
+///
+/// Of two parameters with one name, the one of the maker's own range (`own_from` and above) comes first.
+pub fn render(numbers: &[(u16, String)], own_from: u16) -> Outcome<String> {
+    let highest = numbers.last().map_or(0, |(pnu, _)| usize::from(*pnu));
+    let mut index = vec![0_usize; highest + 1];
+    for (position, (pnu, _)) in numbers.iter().enumerate() {
+        index[usize::from(*pnu)] = position + 1;
+    }
+    let mut names: Vec<usize> = (0..numbers.len()).collect();
+    names.sort_by_key(|position| {
+        let (pnu, name) = &numbers[*position];
+        (name.to_ascii_uppercase(), *pnu < own_from, *pnu)
+    });
+    let mut text = String::new();
+    for (label, values) in [("INDEX", index), ("NAMES", names)] {
+        writeln!(text, "\n#[rustfmt::skip]\npub static {label}: &[u16] = &[")?;
+        for line in values.chunks(24) {
+            let line: Vec<String> = line.iter().map(usize::to_string).collect();
+            writeln!(text, "    {},", line.join(", "))?;
+        }
+        text.push_str("];\n");
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_index_prefers_the_drives_own_range_for_a_double_name() {
+        let text = render(&[(1, "B".into()), (3, "a".into()), (2000, "B".into())], 2000).unwrap();
+        assert!(text.contains("0, 1, 0, 2"), "{text}");
+        assert!(text.contains("NAMES: &[u16] = &[\n    1, 2, 0,\n"), "{text}");
+    }
+}

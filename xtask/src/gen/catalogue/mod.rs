@@ -1,0 +1,120 @@
+//! Tables of the drive models: one row of [`MODELS`] and one folder of `data/` each, all made by the same code.
+
+use std::path::Path;
+
+use super::Generated;
+use crate::Outcome;
+use crate::table::Table;
+
+mod backup;
+mod device;
+mod faults;
+mod index;
+mod meanings;
+mod parameters;
+
+/// A drive model whose tables are in `data/`.
+struct Model {
+    /// Folder of its tables below `data/`, and of the generated module.
+    folder: &'static str,
+    /// Name of the model and of the generated catalogue.
+    name: &'static str,
+    /// One line about it.
+    about: &'static str,
+    /// First parameter number of the maker's own range: a name that two numbers have means the one from there on.
+    own_from: u16,
+}
+
+/// Every model. A further one is a row here, its tables in `data/` and a line in `profidrive::catalogue`.
+const MODELS: &[Model] = &[Model {
+    folder: "akd",
+    name: "AKD",
+    about: "Kollmorgen AKD with PROFINET, firmware 1.17.",
+    own_from: 2000,
+}];
+
+/// The generated files of the drive models.
+pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
+    let mut files = Vec::new();
+    for model in MODELS {
+        files.extend(model.files(root)?);
+    }
+    Ok(files)
+}
+
+impl Model {
+    /// One file for each idea, and `mod.rs` that puts them together.
+    fn files(&self, root: &Path) -> Outcome<Vec<Generated>> {
+        let data = |file: &str| format!("data/{}/{file}", self.folder);
+        let parameters = Table::read(root, &data("parameters.csv"))?;
+        let numbers = parameters::numbers(&parameters)?;
+        let meanings = meanings::Meanings::read(root, &data("meanings.csv"))?;
+        let faults = Table::read(root, &data("faults.csv"))?;
+        let rules = Table::read(root, &data("backup.csv"))?;
+        let mut device = device::DeviceFile::read(root, &data("device.toml"))?;
+        let table = parameters::render(&parameters, &meanings, &mut device.values)?;
+        if let Some(name) = device.values.keys().next() {
+            return Err(format!("{}: [values] {name} is no parameter", data("device.toml")).into());
+        }
+        let made = |file: &str, from: &str, text: String| Generated {
+            path: format!("crates/profidrive/src/catalogue/{}/{file}.rs", self.folder),
+            from: data(from),
+            text,
+        };
+        Ok(vec![
+            made("mod", "", self.render()),
+            made("device", "device.toml", device::render(&device)),
+            made("meanings", "meanings.csv", meanings.render()),
+            made("index", "parameters.csv", index::render(&numbers, self.own_from)?),
+            made("faults", "faults.csv", faults::render(&faults)?),
+            made(
+                "backup",
+                "backup.csv",
+                backup::render(&rules, &backup::known(&parameters)?)?,
+            ),
+            made("parameters", "parameters.csv", table),
+        ])
+    }
+
+    /// The module that puts the tables together.
+    fn render(&self) -> String {
+        let Self { name, about, .. } = self;
+        format!(
+            "use super::Catalogue;\n\n\
+             mod backup;\nmod device;\nmod faults;\nmod index;\nmod meanings;\nmod parameters;\n\n\
+             /// {about}\n\
+             pub static {name}: Catalogue = Catalogue {{ model: {name:?}, parameters: parameters::PARAMETERS, \
+             index: index::INDEX, names: index::NAMES, faults: faults::FAULTS, device: device::DEVICE, \
+             backup: backup::BACKUP }};\n"
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_folder_with_a_device_is_a_model_and_its_files_are_its_own() {
+        let root = crate::root();
+        let mut folders: Vec<String> = std::fs::read_dir(root.join("data"))
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.join("device.toml").exists())
+            .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
+            .collect();
+        folders.sort();
+        let mut models: Vec<&str> = MODELS.iter().map(|model| model.folder).collect();
+        models.sort_unstable();
+        assert_eq!(models, folders);
+        for model in MODELS {
+            let files = model.files(&root).unwrap();
+            assert_eq!(files.len(), 7);
+            for file in &files {
+                let home = format!("crates/profidrive/src/catalogue/{}/", model.folder);
+                assert!(file.path.starts_with(&home), "{}", file.path);
+                assert!(root.join(&file.from).exists(), "{}", file.from);
+            }
+        }
+    }
+}
