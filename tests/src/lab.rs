@@ -30,6 +30,15 @@ impl Side {
         }
     }
 
+    /// The MAC of the interface at this end.
+    #[must_use]
+    pub const fn mac(self) -> &'static str {
+        match self {
+            Self::Controller => "02:50:4e:00:00:02",
+            Self::Device => "02:50:4e:00:00:01",
+        }
+    }
+
     const fn namespace(self) -> &'static str {
         match self {
             Self::Controller => "controller",

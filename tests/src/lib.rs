@@ -7,15 +7,18 @@
 
 pub mod bus;
 pub mod compare;
+mod ends;
 pub mod fuzz_targets;
 pub mod judge;
 mod lab;
 pub mod memory;
 mod process;
+pub mod profinetpy;
 mod programs;
 pub mod rewrite;
 pub mod traffic;
 
+pub use ends::{client, simulate, simulate_at};
 pub use lab::{Capture, Lab, Side};
-pub use process::{Finished, Running};
+pub use process::{Finished, Running, step};
 pub use programs::{built, capture_files, peer, python, root, undisturbed, wait_until};

@@ -57,6 +57,15 @@ impl Finished {
     }
 }
 
+/// The line of a peer about one of its steps; the test fails when the step did not happen.
+#[track_caller]
+pub fn step<'a>(steps: &'a [serde_json::Value], name: &str) -> &'a serde_json::Value {
+    steps
+        .iter()
+        .find(|step| step["step"] == name)
+        .unwrap_or_else(|| panic!("step {name} did not happen: {steps:?}"))
+}
+
 impl Running {
     /// Starts `command`; its output goes to `<log>.out` and `<log>.err`. `entered` says that the command is a tool that
     /// forks the program proper.

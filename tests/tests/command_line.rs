@@ -4,23 +4,9 @@ use std::time::Duration;
 
 use profidrive::parameter::Dialect;
 use serde_json::Value;
-use system_tests::{Finished, Lab, Running, Side, built, compare, judge, memory, wait_until};
+use system_tests::{Lab, Side, built, client, compare, judge, memory, simulate, wait_until};
 
 const SHORT: Duration = Duration::from_secs(20);
-
-fn simulate(lab: &Lab, more: &[&str]) -> Running {
-    let mut arguments = vec!["simulate", "--model", "akd", "-i", "dev0"];
-    arguments.extend(more);
-    let mut drives = lab.spawn(Side::Device, built("profidrive"), arguments);
-    drives.wait_for("Ctrl-C ends", Duration::from_secs(5));
-    drives
-}
-
-fn client(lab: &Lab, arguments: &[&str]) -> Finished {
-    let mut all = vec!["-i", "ctl0"];
-    all.extend(arguments);
-    lab.run(Side::Controller, built("profidrive"), all, SHORT)
-}
 
 #[track_caller]
 fn json(lab: &Lab, arguments: &[&str]) -> Value {

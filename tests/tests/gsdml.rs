@@ -5,9 +5,9 @@ use std::process::{Command, Output};
 use std::time::Duration;
 
 use profidrive::catalogue::AKD;
-use system_tests::{Lab, Side, built, peer, python, root};
+use system_tests::profinetpy::controller;
+use system_tests::{Lab, Side, built, peer, python, root, step};
 
-const DEVICE_MAC: &str = "02:50:4e:00:00:01";
 const MODULES: &str = "GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
 const SUBMODULES: &str = "GSDML-V2.32-Kollmorgen-DriveObject-20170601-103000.xml";
 
@@ -190,46 +190,28 @@ fn both_readers_agree_on_the_files_of_makers() {
 
 /// profinet-py, configured from nothing but the file, exchanges data with the drive that is simulated by it.
 fn connects(lab: &Lab, file: &Path, simulate: &[&str], project: &[&str], ratio: &str) {
-    let mut line = vec![
-        "simulate",
-        "-i",
-        "dev0",
+    let at = [
         "--mac",
-        DEVICE_MAC,
+        Side::Device.mac(),
         "--name",
         "drive-one",
+        "--ip",
+        "192.168.77.50/24",
     ];
-    line.extend(["--ip", "192.168.77.50/24"]);
-    line.extend(simulate);
-    let mut drive = lab.spawn(Side::Device, built("profidrive"), line);
-    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
-    let script = peer("profinetpy_controller.py");
-    let mut line = vec![
-        script.to_str().unwrap(),
-        "--interface",
-        Side::Controller.interface(),
-    ];
-    line.extend([
-        "--mac",
-        DEVICE_MAC,
+    let drive = system_tests::simulate(lab, &[&at, simulate].concat());
+    let line = [
         "--name",
         "drive-one",
         "--ip",
         "192.168.77.50",
-    ]);
-    line.extend([
         "--gsdml",
         file.to_str().unwrap(),
-        "--ratio",
-        ratio,
-        "--seconds",
-        "1",
-    ]);
-    line.extend(project);
-    line.extend(["--steps", "find,connect,im0_connected,exchange,release"]);
-    let finished = lab.run(Side::Controller, python(), line, Duration::from_secs(30));
+    ];
+    let seconds = ["--ratio", ratio, "--seconds", "1"];
+    let steps = ["--steps", "find,connect,im0_connected,exchange,release"];
+    let finished = controller(lab, &[&line[..], &seconds, project, &steps].concat(), 30);
     let steps = finished.ok().json_lines();
-    let exchange = steps.iter().find(|step| step["step"] == "exchange").unwrap();
+    let exchange = step(&steps, "exchange");
     assert_eq!(exchange["state"], "RUNNING", "{exchange}");
     assert_eq!(exchange["errors"], serde_json::json!([]), "{exchange}");
     assert!(exchange["received"].as_u64().unwrap() > 10, "{exchange}");

@@ -8,27 +8,12 @@ use system_tests::{Finished, Lab, Running, Side, built};
 const SHORT: Duration = Duration::from_secs(20);
 
 fn simulate(lab: &Lab) -> Running {
-    let mut drive = lab.spawn(
-        Side::Device,
-        built("profidrive"),
-        [
-            "simulate",
-            "-i",
-            "dev0",
-            "--name",
-            "akd-1",
-            "--ip",
-            "192.168.77.50/24",
-        ],
-    );
-    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
-    drive
+    system_tests::simulate(lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"])
 }
 
 /// A machine at work may pause for longer than three update times; what is tested here is not that.
-fn arguments<'a>(verb: &[&'a str]) -> Vec<&'a str> {
-    let mut all = vec!["-i", "ctl0"];
-    all.extend(verb);
+fn patient<'a>(verb: &[&'a str]) -> Vec<&'a str> {
+    let mut all = verb.to_vec();
     if matches!(verb[0], "run" | "move" | "home" | "task" | "ack") {
         all.extend(["--watchdog", "15"]);
     }
@@ -36,11 +21,12 @@ fn arguments<'a>(verb: &[&'a str]) -> Vec<&'a str> {
 }
 
 fn client(lab: &Lab, verb: &[&str]) -> Finished {
-    lab.run(Side::Controller, built("profidrive"), arguments(verb), SHORT)
+    system_tests::client(lab, &patient(verb))
 }
 
 fn start(lab: &Lab, verb: &[&str]) -> Running {
-    lab.spawn(Side::Controller, built("profidrive"), arguments(verb))
+    let all = [&["-i", Side::Controller.interface()], patient(verb).as_slice()].concat();
+    lab.spawn(Side::Controller, built("profidrive"), all)
 }
 
 /// The sentence of `status`, and its cause; exit code 5 when something keeps the drive from running.

@@ -3,25 +3,11 @@
 
 use std::time::Duration;
 
-use system_tests::{Finished, Lab, Running, Side, built, judge};
+use system_tests::{Finished, Lab, Side, built, client, judge, simulate};
 
 const SHORT: Duration = Duration::from_secs(20);
 /// Shorter than any wait for an answer that cannot come.
 const AT_ONCE: Duration = Duration::from_secs(3);
-
-fn simulate(lab: &Lab, more: &[&str]) -> Running {
-    let mut arguments = vec!["simulate", "-i", "dev0"];
-    arguments.extend(more);
-    let mut drives = lab.spawn(Side::Device, built("profidrive"), arguments);
-    drives.wait_for("Ctrl-C ends", Duration::from_secs(5));
-    drives
-}
-
-fn client(lab: &Lab, arguments: &[&str]) -> Finished {
-    let mut all = vec!["-i", "ctl0"];
-    all.extend(arguments);
-    lab.run(Side::Controller, built("profidrive"), all, SHORT)
-}
 
 #[track_caller]
 fn refused(finished: &Finished, code: i32, words: &[&str]) {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use system_tests::{Lab, Running, Side, built, judge, traffic, undisturbed};
+use system_tests::{Lab, Running, Side, built, judge, step, traffic, undisturbed};
 
 fn device(lab: &Lab) -> Running {
     let mut device = lab.spawn(
@@ -12,13 +12,6 @@ fn device(lab: &Lab) -> Running {
     );
     device.wait_for("ready", Duration::from_secs(5));
     device
-}
-
-fn step<'a>(steps: &'a [serde_json::Value], name: &str) -> &'a serde_json::Value {
-    steps
-        .iter()
-        .find(|s| s["step"] == name)
-        .unwrap_or_else(|| panic!("step {name} did not happen: {steps:?}"))
 }
 
 #[test]

@@ -5,57 +5,24 @@ use std::time::Duration;
 use profidrive::catalogue::AKD;
 use profidrive::parameter::Dialect;
 use profinet::MacAddress;
-use system_tests::{Finished, Lab, Side, built, compare, judge, peer, python, traffic};
-
-const DEVICE_MAC: &str = "02:50:4e:00:00:01";
-
-fn controller(lab: &Lab, arguments: &[&str], limit: u64) -> Finished {
-    let script = peer("profinetpy_controller.py");
-    let mut line = vec![
-        script.to_str().unwrap(),
-        "--interface",
-        Side::Controller.interface(),
-    ];
-    line.extend(arguments);
-    lab.run(Side::Controller, python(), line, Duration::from_secs(limit))
-}
-
-fn step<'a>(steps: &'a [serde_json::Value], name: &str) -> &'a serde_json::Value {
-    steps
-        .iter()
-        .find(|s| s["step"] == name)
-        .unwrap_or_else(|| panic!("step {name} did not happen: {steps:?}"))
-}
+use system_tests::profinetpy::{controller, slots};
+use system_tests::{Lab, Side, built, compare, judge, simulate, step, traffic};
 
 /// The virtual AKD and an independent controller, from a drive without name and address to 60 rpm and back.
 #[test]
 fn the_virtual_drive_serves_profinet_py() {
     let lab = Lab::new("profinetpy-akd");
     let device = &AKD.device;
-    let module = device.telegram(1).unwrap();
-    let slots = format!(
-        "0:1:0:{dap}:{dap_sub}:0:0,0:0x8000:0:{dap}:{interface}:0:0,0:0x8001:0:{dap}:{port}:0:0,1:1:{api}:{tel}:{tel_sub}:4:4",
-        dap = device.access_point_module,
-        dap_sub = device.access_point_submodule,
-        interface = device.interface_submodule,
-        port = device.port_submodule,
-        api = device.api,
-        tel = module.module,
-        tel_sub = module.submodule,
-    );
+    let slots = slots(device, 1);
     let capture = lab.capture("traffic");
     // no name and no address: as it comes out of its box
-    let simulate = ["simulate", "--model", "akd", "-i", "dev0", "--mac", DEVICE_MAC];
-    let mut drive = lab.spawn(Side::Device, built("profidrive"), simulate);
-    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
+    let drive = simulate(&lab, &["--model", "akd", "--mac", Side::Device.mac()]);
     let set_mode = "05 02 00 01 10 01 03 A2 00 00 42 01 00 02";
     let set_mode_back = "06 02 00 01 10 01 03 A2 00 00 42 01 00 01";
     let read_mode = "07 01 00 01 10 01 03 A2 00 00";
     let two = "08 01 00 02 10 01 03 A2 00 00 10 06 03 C4 00 00";
     let unknown = "09 01 00 01 10 01 FF F0 00 00";
     let arguments = [
-        "--mac",
-        DEVICE_MAC,
         "--name",
         "drive-one",
         "--ip",
@@ -157,7 +124,7 @@ fn the_virtual_drive_serves_profinet_py() {
     assert!(verdict.warnings.is_empty(), "{:?}", verdict.warnings);
     assert!(compare::same_parameters(&file, &Dialect::AKD) >= 26);
     if step(&steps, "exchange")["attempts"] == 1 {
-        let device: MacAddress = DEVICE_MAC.parse().unwrap();
+        let device: MacAddress = Side::Device.mac().parse().unwrap();
         for ((_, source, _), stream) in traffic::streams(&file, 512) {
             assert!(source != device || stream.lost == 0, "{stream:?}");
         }
@@ -180,8 +147,6 @@ fn the_script_works_with_another_device() {
     let slots = "0:1:0:0x1:0x1:0:0,0:0x8000:0:0x1:0x8000:0:0,0:0x8001:0:0x1:0x8001:0:0,\
         1:1:0:0x101:0x1:64:0,2:1:0:0x102:0x1:4:0,3:1:0:0x103:0x1:0:64,4:1:0:0x104:0x1:0:4";
     let arguments = [
-        "--mac",
-        DEVICE_MAC,
         "--name",
         "pnio-dev",
         "--ip",

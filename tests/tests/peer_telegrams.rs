@@ -6,30 +6,12 @@ use std::time::Duration;
 
 use profidrive::catalogue::AKD;
 use profidrive::telegram::{Direction, KOLLMORGEN, Mapping, Telegram, signal};
-use system_tests::{Lab, Side, built, judge, peer, python};
-
-const DEVICE_MAC: &str = "02:50:4e:00:00:01";
+use system_tests::profinetpy::{controller, slots};
+use system_tests::{Lab, Side, judge, simulate};
 
 /// Mappings for the free telegrams: what no fixed one has.
 const SETPOINTS: [u16; 12] = [1, 5, 101, 102, 103, 108, 109, 100, 100, 35, 35, 0];
 const ACTUALS: [u16; 12] = [2, 6, 28, 28, 52, 104, 104, 105, 105, 106, 33, 4];
-
-fn slots(telegram: u16) -> String {
-    let device = &AKD.device;
-    let module = device.telegram(telegram).unwrap();
-    format!(
-        "0:1:0:{dap}:{dap_sub}:0:0,0:0x8000:0:{dap}:{interface}:0:0,0:0x8001:0:{dap}:{port}:0:0,1:1:{api}:{tel}:{tel_sub}:{inputs}:{outputs}",
-        dap = device.access_point_module,
-        dap_sub = device.access_point_submodule,
-        interface = device.interface_submodule,
-        port = device.port_submodule,
-        api = device.api,
-        tel = module.module,
-        tel_sub = module.submodule,
-        inputs = module.inputs,
-        outputs = module.outputs,
-    )
-}
 
 fn mappings(telegram: u16) -> (Mapping, Mapping) {
     let fixed = Telegram::find(telegram, KOLLMORGEN).unwrap();
@@ -268,25 +250,17 @@ struct Seen {
 fn run(name: &str, jobs: &[String], rounds: &[Round]) -> Vec<Vec<Seen>> {
     let lab = Lab::new(name);
     let capture = lab.capture("traffic");
-    let simulate = [
-        "simulate",
-        "--model",
-        "akd",
-        "-i",
-        "dev0",
+    let at = [
         "--mac",
-        DEVICE_MAC,
+        Side::Device.mac(),
         "--name",
         "drive-one",
         "--ip",
         "192.168.77.50/24",
     ];
-    let mut drive = lab.spawn(Side::Device, built("profidrive"), simulate);
-    drive.wait_for("Ctrl-C ends", Duration::from_secs(5));
-    let script = peer("profinetpy_controller.py");
-    let mut line: Vec<String> = vec![script.to_str().unwrap().into()];
+    let drive = simulate(&lab, &at);
+    let mut line: Vec<String> = Vec::new();
     let mut add = |words: &[&str]| line.extend(words.iter().map(|word| (*word).to_owned()));
-    add(&["--interface", Side::Controller.interface(), "--mac", DEVICE_MAC]);
     add(&["--name", "drive-one", "--ip", "192.168.77.50"]);
     add(&["--ratio", "16", "--watchdog", "30", "--patience", "1"]);
     for job in jobs {
@@ -294,11 +268,11 @@ fn run(name: &str, jobs: &[String], rounds: &[Round]) -> Vec<Vec<Seen>> {
     }
     for round in rounds {
         let frames: Vec<String> = round.frames.iter().map(|frame| hex(frame)).collect();
-        let (slots, frames) = (slots(round.telegram), frames.join(","));
+        let (slots, frames) = (slots(&AKD.device, round.telegram), frames.join(","));
         add(&["--round", &format!("{slots}|{frames}|{}", hex(&round.request()))]);
     }
     add(&["--steps", "find,configure,telegrams"]);
-    let finished = lab.run(Side::Controller, python(), line, Duration::from_secs(120));
+    let finished = controller(&lab, &line, 120);
     let file = capture.stop();
     let steps = finished.ok().json_lines();
 

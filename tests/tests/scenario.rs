@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use system_tests::{Finished, Lab, Running, Side, built, wait_until};
+use system_tests::{Finished, Lab, Running, Side, built, client, wait_until};
 
 const SHORT: Duration = Duration::from_secs(20);
 
@@ -24,12 +24,6 @@ fn start(lab: &Lab, plant: &str) -> Running {
     );
     drives.wait_for("Ctrl-C ends", Duration::from_secs(5));
     drives
-}
-
-fn client(lab: &Lab, arguments: &[&str]) -> Finished {
-    let mut all = vec!["-i", "ctl0"];
-    all.extend(arguments);
-    lab.run(Side::Controller, built("profidrive"), all, SHORT)
 }
 
 fn inject(lab: &Lab, arguments: &[&str]) -> Finished {

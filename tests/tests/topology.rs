@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use serde_json::Value;
-use system_tests::{Finished, Lab, Running, Side, built, judge, wait_until};
+use system_tests::{Finished, Lab, Side, built, judge, simulate_at, wait_until};
 
 const SHORT: Duration = Duration::from_secs(20);
 /// LLDP goes out every 5 s; twice that, and the start of the programs.
@@ -16,14 +16,6 @@ const REMOTE_NAME: &str = ".1.0.8802.1.1.2.1.4.1.1.9.";
 const LOCAL_CHASSIS: &str = ".1.0.8802.1.1.2.1.3.2.0";
 const LOCAL_PORT: &str = ".1.0.8802.1.1.2.1.3.7.1.3.1";
 const SYSTEM_NAME: &str = ".1.3.6.1.2.1.1.5.0";
-
-fn simulate(lab: &Lab, side: Side, more: &[&str]) -> Running {
-    let mut arguments = vec!["simulate", "--model", "akd", "-i", side.interface()];
-    arguments.extend(more);
-    let mut drives = lab.spawn(side, built("profidrive"), arguments);
-    drives.wait_for("Ctrl-C ends", Duration::from_secs(5));
-    drives
-}
 
 fn ask(lab: &Lab, side: Side, program: &str, version: &str, address: &str, rest: &[&str]) -> Finished {
     // what it keeps goes with the laboratory
@@ -73,12 +65,12 @@ fn two_drives_at_one_cable_see_each_other() {
     let lab = Lab::new("topology-cable");
     lab.address(Side::Device, "192.168.77.12/24");
     let capture = lab.capture("traffic");
-    let _one = simulate(
+    let _one = simulate_at(
         &lab,
         Side::Device,
         &["--name", "akd-1", "--ip", "192.168.77.50/24"],
     );
-    let _two = simulate(
+    let _two = simulate_at(
         &lab,
         Side::Controller,
         &["--name", "akd-2", "--ip", "192.168.77.60/24"],
@@ -182,7 +174,7 @@ fn lldpd_sees_the_drives_and_they_see_it() {
     };
     ask_speaker(&["configure", "lldp", "tx-interval", "1"]);
     let drives = ["--name", "akd", "--count", "2", "--ip", "192.168.77.50/24"];
-    let drives = simulate(&lab, Side::Device, &drives);
+    let drives = simulate_at(&lab, Side::Device, &drives);
 
     let mut seen = BTreeMap::new();
     let found = wait_until(HEARD, || {

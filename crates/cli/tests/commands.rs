@@ -1,23 +1,8 @@
 //! The binary as a user meets it: arguments in, output and exit code out.
 
-use std::process::{Command, Output};
+mod binary;
 
-fn profidrive(line: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_profidrive"))
-        .args(line)
-        .env_remove("PROFIDRIVE_INTERFACE")
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the binary runs")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("text")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("text")
-}
+use binary::{profidrive, profidrive_on, stderr, stdout};
 
 #[test]
 fn explain_a_control_word() {
@@ -270,22 +255,14 @@ fn the_interface_is_asked_for_only_where_there_is_one() {
         assert!(!help.contains("--interface"), "{help}");
     }
     assert!(stdout(&profidrive(&["read", "--help"])).contains("--interface"));
-    let output = Command::new(env!("CARGO_BIN_EXE_profidrive"))
-        .arg("read")
-        .env("PROFIDRIVE_INTERFACE", "nosuch0")
-        .output()
-        .expect("the binary runs");
+    let output = profidrive_on("nosuch0", &["read"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
         stderr(&output).contains("Usage: profidrive read <DRIVE> <PARAM>..."),
         "{}",
         stderr(&output)
     );
-    let output = Command::new(env!("CARGO_BIN_EXE_profidrive"))
-        .arg("scan")
-        .env("PROFIDRIVE_INTERFACE", "nosuch0")
-        .output()
-        .expect("the binary runs");
+    let output = profidrive_on("nosuch0", &["scan"]);
     assert_eq!(output.status.code(), Some(4));
     assert!(stderr(&output).contains("nosuch0"), "{}", stderr(&output));
 }

@@ -2,29 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod binary;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-fn profidrive(line: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_profidrive"))
-        .args(line)
-        .env_remove("PROFIDRIVE_INTERFACE")
-        .env("NO_COLOR", "1")
-        .output()
-        .expect("the binary runs")
-}
-
-fn out(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("text")
-}
-
-fn err(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("text")
-}
+use binary::{profidrive, stderr, stdout};
 
 fn json(line: &[&str]) -> serde_json::Value {
     let output = profidrive(&[&["--json"], line].concat());
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", out(&output)))
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", stdout(&output)))
 }
 
 /// A folder of its own for a test.
@@ -45,8 +31,8 @@ fn maker(name: &str) -> String {
 fn exported(name: &str) -> PathBuf {
     let folder = folder(name);
     let output = profidrive(&["gsdml", "export", "-o", folder.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{}", err(&output));
-    let written = out(&output);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let written = stdout(&output);
     let lines: Vec<&str> = written.lines().collect();
     assert_eq!(lines.len(), 2, "{written}");
     assert!(lines.iter().all(|line| Path::new(line).is_file()));
@@ -59,18 +45,18 @@ fn export_check_show() {
     let path = file.to_str().unwrap();
     let output = profidrive(&["gsdml", "check", path]);
     assert_eq!(
-        (output.status.code(), out(&output).as_str()),
+        (output.status.code(), stdout(&output).as_str()),
         (Some(0), ""),
         "{}",
-        err(&output)
+        stderr(&output)
     );
     assert!(
-        err(&output).contains("nothing against the rules\n"),
+        stderr(&output).contains("nothing against the rules\n"),
         "{}",
-        err(&output)
+        stderr(&output)
     );
 
-    let shown = out(&profidrive(&["gsdml", "show", path]));
+    let shown = stdout(&profidrive(&["gsdml", "show", path]));
     assert!(shown.contains("vendor   0x0105 Kollmorgen"), "{shown}");
     assert!(shown.contains("update time    16 ms and longer"), "{shown}");
     assert!(
@@ -78,7 +64,7 @@ fn export_check_show() {
         "{shown}"
     );
     assert!(!shown.contains("T_SIG_STW1"), "{shown}");
-    let shown = out(&profidrive(&[
+    let shown = stdout(&profidrive(&[
         "gsdml",
         "show",
         path,
@@ -136,7 +122,7 @@ fn check_tells_all_problems_with_their_places() {
     let path = broken.to_str().unwrap();
     let output = profidrive(&["gsdml", "check", path]);
     assert_eq!(output.status.code(), Some(5));
-    let problems = out(&output);
+    let problems = stdout(&output);
     let lines: Vec<&str> = problems.lines().collect();
     // the name stands at the module and at its submodule
     assert_eq!(lines.len(), 4, "{problems}");
@@ -153,9 +139,9 @@ fn check_tells_all_problems_with_their_places() {
         "{problems}"
     );
     assert!(
-        err(&output).contains("4 errors; the file can be used here"),
+        stderr(&output).contains("4 errors; the file can be used here"),
         "{}",
-        err(&output)
+        stderr(&output)
     );
 
     let output = profidrive(&["--json", "gsdml", "check", path]);
@@ -172,10 +158,10 @@ fn pictures_are_looked_for_beside_the_file() {
     let picture = file.with_file_name("GSDML-0105-0001-AKD-profidrive.bmp");
     let path = file.to_str().unwrap();
     std::fs::write(&picture, b"BM").unwrap();
-    assert!(out(&profidrive(&["gsdml", "check", path])).contains("is no bitmap"));
+    assert!(stdout(&profidrive(&["gsdml", "check", path])).contains("is no bitmap"));
     std::fs::remove_file(&picture).unwrap();
     let output = profidrive(&["gsdml", "check", path]);
-    assert!(out(&output).contains("there is no GSDML-0105-0001-AKD-profidrive.bmp beside the file"));
+    assert!(stdout(&output).contains("there is no GSDML-0105-0001-AKD-profidrive.bmp beside the file"));
     assert_eq!(output.status.code(), Some(0));
 }
 
@@ -200,18 +186,18 @@ fn hostile_files_are_refused_in_a_moment() {
         std::fs::write(&file, content).unwrap();
         let output = profidrive(&["gsdml", "show", file.to_str().unwrap()]);
         assert_eq!(output.status.code(), Some(1), "{name}");
-        assert!(err(&output).contains(words), "{name}: {}", err(&output));
+        assert!(stderr(&output).contains(words), "{name}: {}", stderr(&output));
         let output = profidrive(&["gsdml", "check", file.to_str().unwrap()]);
         assert_eq!(output.status.code(), Some(5), "{name}");
     }
     let output = profidrive(&["gsdml", "show", folder.join("none.xml").to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(err(&output).contains("cannot read"), "{}", err(&output));
+    assert!(stderr(&output).contains("cannot read"), "{}", stderr(&output));
 }
 
 #[test]
 fn files_of_makers_are_shown() {
-    let shown = out(&profidrive(&[
+    let shown = stdout(&profidrive(&[
         "gsdml",
         "show",
         &maker("GSDML-V2.32-Kollmorgen-DriveObject-20170601-103000.xml"),
@@ -225,8 +211,8 @@ fn files_of_makers_are_shown() {
         "fr",
     ]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(err(&output).contains("it has de"), "{}", err(&output));
-    let german = out(&profidrive(&[
+    assert!(stderr(&output).contains("it has de"), "{}", stderr(&output));
+    let german = stdout(&profidrive(&[
         "gsdml",
         "show",
         &maker("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml"),
@@ -247,13 +233,13 @@ fn simulate_refuses_a_file_that_does_not_fit_before_it_touches_the_network() {
         .replace("VendorID=\"0x0105\"", "VendorID=\"0x0080\"");
     std::fs::write(&file, text).unwrap();
     let output = profidrive(&["simulate", "-i", "lo", "--gsdml", file.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(1), "{}", err(&output));
-    assert!(err(&output).contains("vendor 0x0080"), "{}", err(&output));
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("vendor 0x0080"), "{}", stderr(&output));
     let file = maker("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
     let output = profidrive(&["simulate", "-i", "lo", "--gsdml", &file, "--access-point", "DAP"]);
     assert!(
-        err(&output).contains("it has ID_DAP_NEW, ID_DAP_OLD"),
+        stderr(&output).contains("it has ID_DAP_NEW, ID_DAP_OLD"),
         "{}",
-        err(&output)
+        stderr(&output)
     );
 }
