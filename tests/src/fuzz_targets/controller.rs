@@ -12,7 +12,7 @@ use profinet::wire::Uuid;
 use profinet::wire::rpc::{Header, PacketType, operation};
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, RPC_PORT, Transmit};
 
-use super::{Step, Steps};
+use super::steps::{Step, Steps};
 
 const DEVICE: MacAddress = MacAddress([2, 0x50, 0x4E, 0, 0, 1]);
 const OWN: MacAddress = MacAddress([2, 0x50, 0x4E, 0, 0, 2]);

@@ -12,7 +12,7 @@ use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
-use super::{Step, Steps};
+use super::steps::{Step, Steps};
 
 const NEIGHBOUR: MacAddress = MacAddress([2, 0, 0, 0, 0, 9]);
 
