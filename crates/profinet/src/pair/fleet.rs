@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use core::net::SocketAddrV4;
 use core::time::Duration;
 
-use super::tests::{PLC, Station, config, ip, target};
+use super::station::{PLC, Station, config, ip, target};
 use crate::controller::{ConnectConfig, Controller, ControllerConfig, Event, Phase, Resolve};
 use crate::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 

@@ -209,4 +209,5 @@ impl<A: Endpoint, B: Endpoint> Pair<A, B> {
 }
 
 mod fleet;
+mod station;
 mod tests;

@@ -6,8 +6,10 @@
 
 use core::net::Ipv4Addr;
 
-use super::{DecodeError, Problem, Reader, Writer};
 use crate::MacAddress;
+
+mod read;
+mod write;
 
 /// EtherType of LLDP.
 pub const ETHERTYPE: u16 = 0x88CC;
@@ -122,51 +124,16 @@ pub struct Lldpdu<'a> {
 
 /// Types of TLVs.
 mod kind {
-    pub(super) const END: u8 = 0;
-    pub(super) const CHASSIS: u8 = 1;
-    pub(super) const PORT: u8 = 2;
-    pub(super) const TTL: u8 = 3;
-    pub(super) const PORT_DESCRIPTION: u8 = 4;
-    pub(super) const SYSTEM_NAME: u8 = 5;
-    pub(super) const SYSTEM_DESCRIPTION: u8 = 6;
-    pub(super) const CAPABILITIES: u8 = 7;
-    pub(super) const MANAGEMENT: u8 = 8;
-    pub(super) const ORGANISATION: u8 = 127;
-}
-
-/// Reads type and content of the next TLV.
-fn tlv<'a>(r: &mut Reader<'a>) -> Result<(u8, Reader<'a>), DecodeError> {
-    let head = r.u16("TLV")?;
-    let content = r.sub(usize::from(head & 0x01FF), "TLV content")?;
-    Ok(((head >> 9) as u8, content))
-}
-
-/// Reads one of the three TLVs that stand in front.
-fn mandatory<'a>(r: &mut Reader<'a>, wanted: u8, what: &'static str) -> Result<Reader<'a>, DecodeError> {
-    let start = *r;
-    let (found, content) = tlv(r)?;
-    if found == wanted {
-        Ok(content)
-    } else {
-        let (expected, found) = (wanted.into(), found.into());
-        Err(start.error(what, 0, Problem::Expected { expected, found }))
-    }
-}
-
-fn id<'a>(mut r: Reader<'a>, what: &'static str) -> Result<Id<'a>, DecodeError> {
-    let subtype = r.u8(what)?;
-    let value = r.rest();
-    if (1..=255).contains(&value.len()) {
-        Ok(Id { subtype, value })
-    } else {
-        Err(r.error(
-            what,
-            value.len(),
-            Problem::Invalid {
-                found: value.len() as u64,
-            },
-        ))
-    }
+    pub const END: u8 = 0;
+    pub const CHASSIS: u8 = 1;
+    pub const PORT: u8 = 2;
+    pub const TTL: u8 = 3;
+    pub const PORT_DESCRIPTION: u8 = 4;
+    pub const SYSTEM_NAME: u8 = 5;
+    pub const SYSTEM_DESCRIPTION: u8 = 6;
+    pub const CAPABILITIES: u8 = 7;
+    pub const MANAGEMENT: u8 = 8;
+    pub const ORGANISATION: u8 = 127;
 }
 
 impl<'a> Lldpdu<'a> {
@@ -190,150 +157,6 @@ impl<'a> Lldpdu<'a> {
             discarded: 0,
             unknown: 0,
         }
-    }
-
-    /// Reads an LLDPDU, the payload of an Ethernet frame. What stands behind its end is padding.
-    ///
-    /// # Errors
-    /// When one of the first three TLVs is not what it must be or comes twice, or a TLV runs past the end: 802.1AB
-    /// discards the whole LLDPDU then.
-    pub fn decode(mut r: Reader<'a>) -> Result<Self, DecodeError> {
-        let chassis = id(mandatory(&mut r, kind::CHASSIS, "chassis id")?, "chassis id")?;
-        let port = id(mandatory(&mut r, kind::PORT, "port id")?, "port id")?;
-        let ttl = mandatory(&mut r, kind::TTL, "time to live")?.u16("time to live")?;
-        let mut told = Self {
-            ttl,
-            ..Self::new(chassis, port)
-        };
-        while !r.is_empty() {
-            let start = r;
-            let (found, content) = tlv(&mut r)?;
-            match found {
-                kind::END => break,
-                kind::CHASSIS | kind::PORT | kind::TTL => {
-                    let found = found.into();
-                    return Err(start.error("second mandatory TLV", 0, Problem::Invalid { found }));
-                }
-                _ => told.take(found, content),
-            }
-        }
-        Ok(told)
-    }
-
-    /// Takes an optional TLV; the first of a kind counts.
-    fn take(&mut self, found: u8, mut r: Reader<'a>) {
-        let taken = match found {
-            kind::PORT_DESCRIPTION => keep(&mut self.port_description, text(r)),
-            kind::SYSTEM_NAME => keep(&mut self.system_name, text(r)),
-            kind::SYSTEM_DESCRIPTION => keep(&mut self.system_description, text(r)),
-            kind::CAPABILITIES => keep(&mut self.capabilities, pair(r)),
-            kind::MANAGEMENT => match management(r) {
-                // several addresses are allowed; the others are not needed here
-                Some(_) if self.management.is_some() => true,
-                other => keep(&mut self.management, other),
-            },
-            kind::ORGANISATION => match (r.array("OUI"), r.u8("subtype")) {
-                (Ok(oui), Ok(subtype)) => return self.take_special(oui, subtype, r),
-                _ => false,
-            },
-            _ => {
-                self.unknown = self.unknown.saturating_add(1);
-                return;
-            }
-        };
-        if !taken {
-            self.discarded = self.discarded.saturating_add(1);
-        }
-    }
-
-    fn take_special(&mut self, oui: [u8; 3], subtype: u8, mut r: Reader<'a>) {
-        let taken = match (oui, subtype) {
-            (OUI_PROFINET, 1) => keep(&mut self.delays, delays(r)),
-            (OUI_PROFINET, 2) => keep(&mut self.port_status, pair(r)),
-            (OUI_PROFINET, 5) => {
-                let mac = r.array("chassis MAC").ok().filter(|_| r.is_empty());
-                keep(&mut self.chassis_mac, mac.map(MacAddress))
-            }
-            (OUI_ETHERNET, 1) => keep(&mut self.mac_phy, mac_phy(r)),
-            (OUI_ETHERNET, 4) => {
-                let length = r.u16("frame length").ok().filter(|_| r.is_empty());
-                keep(&mut self.max_frame, length)
-            }
-            _ => {
-                self.unknown = self.unknown.saturating_add(1);
-                return;
-            }
-        };
-        if !taken {
-            self.discarded = self.discarded.saturating_add(1);
-        }
-    }
-
-    /// Writes chassis id and port id: what names a port among all ports.
-    pub fn encode_ids(&self, out: &mut impl Writer) {
-        for (kind, id) in [(kind::CHASSIS, self.chassis), (kind::PORT, self.port)] {
-            write_tlv(out, kind, |out| {
-                out.u8(id.subtype);
-                out.bytes(id.value);
-            });
-        }
-    }
-
-    /// Writes the LLDPDU.
-    pub fn encode(&self, out: &mut impl Writer) {
-        self.encode_ids(out);
-        write_tlv(out, kind::TTL, |out| out.u16(self.ttl));
-        for (kind, text) in [
-            (kind::PORT_DESCRIPTION, self.port_description),
-            (kind::SYSTEM_NAME, self.system_name),
-            (kind::SYSTEM_DESCRIPTION, self.system_description),
-        ] {
-            if let Some(text) = text {
-                write_tlv(out, kind, |out| out.bytes(text));
-            }
-        }
-        if let Some((there, used)) = self.capabilities {
-            write_tlv(out, kind::CAPABILITIES, |out| {
-                out.u16(there);
-                out.u16(used);
-            });
-        }
-        if let Some(management) = &self.management {
-            write_tlv(out, kind::MANAGEMENT, |out| {
-                out.u8(octet(management.address.len() + 1));
-                out.u8(management.family);
-                out.bytes(management.address);
-                out.u8(management.numbering);
-                out.u32(management.interface);
-                out.u8(octet(management.object.len()));
-                out.bytes(management.object);
-            });
-        }
-        if let Some(delays) = self.delays {
-            special(out, OUI_PROFINET, 1, |out| {
-                delays.iter().for_each(|delay| out.u32(*delay))
-            });
-        }
-        if let Some((class2, class3)) = self.port_status {
-            special(out, OUI_PROFINET, 2, |out| {
-                out.u16(class2);
-                out.u16(class3);
-            });
-        }
-        if let Some(mac) = self.chassis_mac {
-            special(out, OUI_PROFINET, 5, |out| out.bytes(&mac.0));
-        }
-        if let Some(mac_phy) = self.mac_phy {
-            special(out, OUI_ETHERNET, 1, |out| {
-                out.u8(mac_phy.autonegotiation);
-                out.u16(mac_phy.advertised);
-                out.u16(mac_phy.mau_type);
-            });
-        }
-        if let Some(length) = self.max_frame {
-            special(out, OUI_ETHERNET, 4, |out| out.u16(length));
-        }
-        out.u16(0);
     }
 
     /// Name of the neighbour's port and of its station as PROFINET uses them: either the port id holds both
@@ -370,86 +193,10 @@ pub fn payload(frame: &[u8]) -> Option<(MacAddress, &[u8])> {
     Some((MacAddress([s0, s1, s2, s3, s4, s5]), payload))
 }
 
-/// Keeps the first value of a kind; false if there is nothing to keep or it is a second one.
-fn keep<T>(place: &mut Option<T>, value: Option<T>) -> bool {
-    let first = place.is_none() && value.is_some();
-    if first {
-        *place = value;
-    }
-    first
-}
-
-fn text(mut r: Reader<'_>) -> Option<&[u8]> {
-    Some(r.rest()).filter(|text| text.len() <= 255)
-}
-
-fn pair(mut r: Reader<'_>) -> Option<(u16, u16)> {
-    let pair = (r.u16("first").ok()?, r.u16("second").ok()?);
-    r.is_empty().then_some(pair)
-}
-
-fn delays(mut r: Reader<'_>) -> Option<Delays> {
-    let mut delays = [0; 5];
-    for delay in &mut delays {
-        *delay = r.u32("delay").ok()?;
-    }
-    r.is_empty().then_some(delays)
-}
-
-fn mac_phy(mut r: Reader<'_>) -> Option<MacPhy> {
-    let mac_phy = MacPhy {
-        autonegotiation: r.u8("autonegotiation").ok()?,
-        advertised: r.u16("abilities").ok()?,
-        mau_type: r.u16("MAU type").ok()?,
-    };
-    r.is_empty().then_some(mac_phy)
-}
-
-fn management<'a>(mut r: Reader<'a>) -> Option<Management<'a>> {
-    let length = usize::from(r.u8("address length").ok()?);
-    let mut address = r.sub(length, "address").ok()?;
-    let family = address.u8("address family").ok()?;
-    let address = address.rest();
-    let numbering = r.u8("interface numbering").ok()?;
-    let interface = r.u32("interface number").ok()?;
-    let length = usize::from(r.u8("object length").ok()?);
-    let object = r.bytes(length, "object").ok()?;
-    let fits = (1..=31).contains(&address.len()) && object.len() <= 128 && r.is_empty();
-    fits.then_some(Management {
-        family,
-        address,
-        numbering,
-        interface,
-        object,
-    })
-}
-
-fn octet(length: usize) -> u8 {
-    u8::try_from(length).unwrap_or(u8::MAX)
-}
-
-/// Writes a TLV around what `content` writes.
-fn write_tlv<W: Writer>(out: &mut W, kind: u8, content: impl FnOnce(&mut W)) {
-    let start = out.position();
-    out.u16(0);
-    content(out);
-    let length = u16::try_from(out.position() - start - 2)
-        .unwrap_or(u16::MAX)
-        .min(0x01FF);
-    out.patch(start, &(u16::from(kind) << 9 | length).to_be_bytes());
-}
-
-fn special<W: Writer>(out: &mut W, oui: [u8; 3], subtype: u8, content: impl FnOnce(&mut W)) {
-    write_tlv(out, kind::ORGANISATION, |out| {
-        out.bytes(&oui);
-        out.u8(subtype);
-        content(out);
-    });
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::Reader;
     use alloc::vec;
     use alloc::vec::Vec;
     use proptest::collection;
