@@ -45,7 +45,7 @@ pub struct BitMeaning {
 
 /// The bits of STW1 in this mode.
 #[must_use]
-pub fn stw1(mode: Mode) -> &'static [Bit; 16] {
+pub const fn stw1(mode: Mode) -> &'static [Bit; 16] {
     match mode {
         Mode::Velocity => &STW1_VELOCITY,
         Mode::Position => &STW1_POSITION,
@@ -54,7 +54,7 @@ pub fn stw1(mode: Mode) -> &'static [Bit; 16] {
 
 /// The bits of ZSW1 in this mode.
 #[must_use]
-pub fn zsw1(mode: Mode) -> &'static [Bit; 16] {
+pub const fn zsw1(mode: Mode) -> &'static [Bit; 16] {
     match mode {
         Mode::Velocity => &ZSW1_VELOCITY,
         Mode::Position => &ZSW1_POSITION,
@@ -75,7 +75,7 @@ pub fn describe(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = Bi
     })
 }
 
-const fn bit(number: u8, name: &'static str, on: &'static str, off: &'static str) -> Bit {
+pub(super) const fn bit(number: u8, name: &'static str, on: &'static str, off: &'static str) -> Bit {
     Bit {
         number,
         name,
@@ -85,7 +85,7 @@ const fn bit(number: u8, name: &'static str, on: &'static str, off: &'static str
     }
 }
 
-const fn inverse(number: u8, name: &'static str, on: &'static str, off: &'static str) -> Bit {
+pub(super) const fn inverse(number: u8, name: &'static str, on: &'static str, off: &'static str) -> Bit {
     Bit {
         number,
         name,

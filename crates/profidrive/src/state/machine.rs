@@ -58,6 +58,16 @@ impl Path {
         self.rows.into_iter().flatten()
     }
 
+    /// These transitions and then those, as far as there is room.
+    #[must_use]
+    pub(super) fn then(mut self, next: Self) -> Self {
+        let free = self.rows.iter_mut().filter(|place| place.is_none());
+        for (place, row) in free.zip(next.iter()) {
+            *place = Some(row);
+        }
+        self
+    }
+
     /// True when the state did not change.
     #[must_use]
     pub fn is_empty(&self) -> bool {
@@ -156,6 +166,21 @@ impl Machine {
     pub fn forget_word(&mut self) {
         self.word = Stw1(0);
         self.acknowledge_level = true;
+    }
+
+    /// Gives OFF, as often as it takes, so that the word of `inputs` starts the motor in the next step: twice, as taking
+    /// control leads to S1 and OFF from there to S2. For who starts by a level and knows no OFF: a service channel, or a
+    /// control word profile ([`Start::ByLevel`](super::Start)). A new fault and an acknowledge in `inputs` do not count.
+    pub fn rearm(&mut self, inputs: &Inputs) -> Path {
+        let off = Inputs {
+            stw1: inputs.stw1.without(Stw1::ON),
+            local: inputs.local.map(|word| word.without(Stw1::ON)),
+            fault: None,
+            acknowledge: false,
+            ..*inputs
+        };
+        let first = self.step(&off).path;
+        first.then(self.step(&off).path)
     }
 
     /// One drive cycle. Does not allocate; at most [`MOST_TRANSITIONS`] transitions.

@@ -6,7 +6,8 @@
 //!
 //! The facts are tables ([`TRANSITIONS`], the bit tables in [`bits`]); [`Machine`] walks them. It has no clock and does
 //! nothing by itself: each drive cycle calls [`Machine::step`] once. What happens inside S4 of an axis in position mode
-//! is a table and a machine of its own, [`POSITION_TRANSITIONS`] and [`PositionMachine`].
+//! is a table and a machine of its own, [`POSITION_TRANSITIONS`] and [`PositionMachine`]. Makers with control words of
+//! their own have a [`Profile`], a translation to and from the same machine.
 //!
 //! ```
 //! use profidrive::state::{Inputs, Machine, Motion, State, Stw1, Zsw1};
@@ -22,6 +23,7 @@
 pub mod bits;
 mod machine;
 mod position;
+mod profile;
 mod setpoint;
 mod transition;
 mod word;
@@ -35,6 +37,7 @@ pub use position::{
     POSITION_TRANSITIONS, PositionCommand, PositionCondition, PositionEffect, PositionFacts, PositionInputs,
     PositionMachine, PositionOutput, PositionState, PositionTransition,
 };
+pub use profile::{Conditions, Correction, Orders, Profile, Start};
 pub use setpoint::{Jog, SETPOINT_RULES, Setpoint, SetpointChannel, SetpointRule, SpeedCommand};
 pub use transition::{Condition, FaultReaction, MOST_TRANSITIONS, Reason, TRANSITIONS, Transition};
 pub use word::{Stw1, Zsw1};

@@ -64,17 +64,15 @@ impl Drive {
         output.zsw1.0
     }
 
-    /// The control word of the service channel: ready twice (taking control leads to S1, then OFF to S2), then run.
+    /// The control word of the service channel, which knows no OFF: run.
     fn local_word(&mut self) -> Option<Stw1> {
         if self.service == Service::Starting {
             self.service = Service::On;
-            let ready = Inputs {
-                local: Some(Stw1::READY),
+            self.machine.rearm(&Inputs {
+                local: Some(Stw1::RUN),
                 standstill: true,
                 ..Inputs::default()
-            };
-            self.machine.step(&ready);
-            self.machine.step(&ready);
+            });
         }
         (self.service == Service::On).then_some(Stw1::RUN)
     }
