@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use drive_client::backup::{Backup, MAX_TEXT};
+use drive_client::backup::{Backup, MAX_TEXT, Task, TasksTold};
 use network::files::StateFile;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::parameters::refusal_json;
 use crate::args::Interface;
@@ -51,10 +51,19 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         }
         let count = backup.readings().len();
         let unchanged = if same { ", unchanged" } else { "" };
+        let tasks = match (&backup.header.tasks, backup.task_count()) {
+            (_, 0) => String::new(),
+            (TasksTold::All, 1) => " and 1 motion task".to_owned(),
+            (TasksTold::All, count) => format!(" and {count} motion tasks"),
+            _ => String::new(),
+        };
         output.say(&format!(
-            "{count} settings of {label} in {}{unchanged}",
+            "{count} settings{tasks} of {label} in {}{unchanged}",
             path.display()
         ));
+    }
+    if let TasksTold::LeftOut(why) = &backup.header.tasks {
+        output.warn(&format!("the motion tasks of {label} are left out: {why}"));
     }
     let refused = backup.refused();
     if !refused.is_empty() {
@@ -72,12 +81,36 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         let file = args.output.as_ref().map(|path| path.display().to_string());
         output.document(
             "backup",
-            fields! { "drive": label, "model": drive.model.name, "file": file, "parameters": values, "refused": refused },
+            fields! { "drive": label, "model": drive.model.name, "file": file, "parameters": values, "refused": refused,
+                "tasks": tasks_json(&backup) },
         );
     } else if args.output.is_none() {
         output.raw(&text);
     }
     Ok(())
+}
+
+/// The motion tasks, in their order; none where they are left out.
+fn tasks_json(backup: &Backup) -> Option<Vec<Value>> {
+    let told = backup.header.tasks == TasksTold::All;
+    told.then(|| {
+        let numbers = backup.task_numbers().into_iter();
+        numbers
+            .filter_map(|number| Some((number, backup.task(number)?)))
+            .filter(|(_, task)| **task != Task::Empty)
+            .map(|(number, task)| {
+                let mut fields = fields! { "number": number };
+                fields.extend(task_json(task));
+                Value::Object(fields)
+            })
+            .collect()
+    })
+}
+
+/// The values of a motion task; none of an empty one.
+pub fn task_json(task: &Task) -> Map<String, Value> {
+    let values: Vec<Value> = task.values().iter().map(value::json).collect();
+    fields! { "empty": *task == Task::Empty, "values": values }
 }
 
 /// Reads a backup file.

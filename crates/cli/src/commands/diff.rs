@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use drive_client::backup::{Backup, Side, compare};
+use drive_client::backup::{Backup, Side, TasksTold, compare, compare_tasks};
 use drive_client::{Drive, Refusal};
 use profidrive::parameter::ErrorNumber;
 use serde_json::{Map, Value};
 
-use super::backup;
+use super::backup::{self, task_json};
 use super::parameters::refusal_json;
 use crate::args::Interface;
 use crate::connect::{self, Need};
@@ -57,7 +57,15 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
                 .replace("in the drive", "on the right"),
         );
     }
+    for (name, one, other) in [(&args.left, &left, &right), (&args.right, &right, &left)] {
+        if let (TasksTold::LeftOut(why), false) = (&one.header.tasks, other.task_numbers().is_empty()) {
+            output.warn(&format!(
+                "motion tasks are not compared: they are left out of {name}: {why}"
+            ));
+        }
+    }
     let differences = compare(&left, &right);
+    let tasks = compare_tasks(&left, &right);
     if output.json() {
         let list: Vec<Value> = differences
             .iter()
@@ -70,9 +78,19 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
                 Value::Object(fields)
             })
             .collect();
+        let tasks: Vec<Value> = tasks
+            .iter()
+            .map(|one| {
+                let mut fields = fields! { "number": one.number };
+                fields.insert("left".into(), Value::Object(task_json(&one.left)));
+                fields.insert("right".into(), Value::Object(task_json(&one.right)));
+                Value::Object(fields)
+            })
+            .collect();
         output.document(
             "diff",
-            fields! { "left": args.left.as_str(), "right": args.right.as_str(), "differences": list },
+            fields! { "left": args.left.as_str(), "right": args.right.as_str(), "differences": list,
+            "tasks": tasks },
         );
     } else if !differences.is_empty() {
         let mut table = Table::new(&["name", "number", ">left", ">right", "unit", "meaning"]);
@@ -96,7 +114,14 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
             output.line(&line);
         }
     }
-    match differences.len() {
+    if !output.json() {
+        for one in &tasks {
+            output.line(&format!("MT[{}]", one.number));
+            output.line(&format!("  left   {}", one.left.text(left.parameters())));
+            output.line(&format!("  right  {}", one.right.text(right.parameters())));
+        }
+    }
+    match differences.len() + tasks.len() {
         0 => {
             output.say("no difference");
             Ok(())
@@ -141,7 +166,7 @@ fn like(file: &Backup, text: &str, interface: &Interface, output: &Output) -> Re
     let (mut session, mut drive) = connect::drive(interface, Need::Records, text, output)?;
     fits(file, &drive)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let backup = session.backup_of(&mut drive, &file.selections(), &mut |_, _| {});
+    let backup = session.backup_like(&mut drive, file);
     spinner.finish_and_clear();
     let backup = backup?;
     session.close()?;

@@ -72,7 +72,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     for remark in plan.remarks(&wanted) {
         output.say(&remark);
     }
-    if plan.changes.is_empty() && plan.skipped.is_empty() {
+    if plan.is_nothing() {
         return Err(Failure::usage("--only: nothing in the file fits"));
     }
     if !output.json() {
@@ -97,7 +97,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     );
     // the connection of a drive that is lost ends by itself
     let closed = session.close();
-    let file = (!plan.changes.is_empty() && way_back.exists()).then_some(way_back.as_path());
+    let file = (journal.total() > 0 && way_back.exists()).then_some(way_back.as_path());
     if output.json() {
         output.document("restore", document(&drive, args, &journal, file));
     } else {
@@ -180,7 +180,17 @@ fn show(plan: &Plan, output: &Output) {
             output.line(&line);
         }
     }
-    let same = plan.skipped.len() - plan.left_out();
+    for change in &plan.tasks {
+        output.line(&format!("MT[{}]", change.number));
+        output.line(&format!("  old  {}", change.old.text(plan.parameters())));
+        output.line(&format!("  new  {}", change.new.text(plan.parameters())));
+    }
+    for skipped in plan.tasks_skipped.iter().filter(|one| one.why != Skip::Same) {
+        output.line(&format!("MT[{}] left out: {}", skipped.number, skipped.why));
+    }
+    if let Some(why) = &plan.tasks_left_out {
+        output.warn(&format!("the motion tasks are left out: {why}"));
+    }
     let mut table = Table::new(&["left out", "number", ">in the file", "unit", "why"]);
     let left_out: Vec<&Skipped> = plan.skipped.iter().filter(|one| one.why != Skip::Same).collect();
     for group in left_out.chunk_by(|a, b| one_line(a, b)) {
@@ -194,8 +204,9 @@ fn show(plan: &Plan, output: &Output) {
         }
     }
     output.say(&format!(
-        "{} to write, {same} same, {} left out",
-        plan.changes.len(),
+        "{} to write, {} same, {} left out",
+        plan.changes.len() + plan.tasks.len(),
+        plan.same(),
         plan.left_out()
     ));
 }
@@ -247,11 +258,11 @@ fn carry_out(
     output: &Output,
 ) -> Result<(), Error> {
     let file = StateFile::new(way_back);
-    let bar = connect::bar(output, journal.steps().len(), "writing");
+    let bar = connect::bar(output, journal.total(), "writing");
     let result = session.restore(drive, journal, save, &mut |journal| {
         let done = journal.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));
         bar.set_position(done as u64);
-        if journal.steps().is_empty() {
+        if journal.total() == 0 {
             // nothing changes, so there is no way back
             return Ok(());
         }
@@ -281,10 +292,15 @@ fn results(journal: &Journal, output: &Output) {
             output.line(&line);
         }
     }
+    for (change, step) in journal.plan().tasks.iter().zip(journal.task_steps()) {
+        if *step != Step::ReadBack {
+            output.line(&format!("MT[{}]: {step}", change.number));
+        }
+    }
 }
 
 fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
-    if !journal.steps().is_empty() {
+    if journal.total() > 0 {
         output.say(&journal.summary());
     }
     let lost = journal
@@ -339,7 +355,7 @@ fn ended(journal: &Journal, drive: &Drive, args: &Args) -> Result<(), Failure> {
     let refused = journal.count(|step| matches!(step, Step::Refused(_)));
     let label = drive.label();
     if refused > 0 || matches!(journal.saved(), Saved::Refused(_)) {
-        let message = format!("{label} refused {refused} of {} values", journal.steps().len());
+        let message = format!("{label} refused {refused} of {} values", journal.total());
         return Err(Failure::new(Exit::Refused, message));
     }
     if !journal.is_done() || (args.save && journal.saved() != Saved::Yes) {
@@ -365,6 +381,20 @@ fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) 
             })
         })
         .collect();
+    let tasks = journal.plan().tasks.iter().zip(journal.task_steps());
+    let tasks: Vec<Value> = tasks
+        .map(|(change, step)| {
+            let mut fields = fields! {
+                "number": change.number, "step": word(*step), "error": match step {
+                    Step::Refused(number) => Some(number.0),
+                    _ => None,
+                },
+            };
+            fields.insert("old".into(), Value::Object(backup::task_json(&change.old)));
+            fields.insert("new".into(), Value::Object(backup::task_json(&change.new)));
+            Value::Object(fields)
+        })
+        .collect();
     let skipped: Vec<Value> = journal
         .plan()
         .skipped
@@ -379,6 +409,7 @@ fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) 
         "drive": drive.label(), "file": args.file.display().to_string(), "dry_run": args.dry_run,
         "complete": journal.is_complete(), "saved": journal.saved() == Saved::Yes,
         "way_back": file.map(|file| file.display().to_string()), "changes": changes, "skipped": skipped,
+        "tasks": tasks, "tasks_left_out": journal.plan().tasks_left_out.as_deref(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use profidrive::catalogue::Scaling;
 
+use super::TasksTold;
 use crate::{Drive, Identity, Model};
 
 /// Whose settings they are. No date: the same settings give the same text.
@@ -21,6 +22,8 @@ pub struct Header {
     pub serial_number: String,
     /// Software revision, for example `V1.17.0`.
     pub software: String,
+    /// What is said about the motion tasks as a whole.
+    pub tasks: TasksTold,
 }
 
 impl Header {
@@ -36,6 +39,7 @@ impl Header {
             order_id: text(|identity| &identity.order_id),
             serial_number: text(|identity| &identity.serial_number),
             software: text(|identity| &identity.software_revision),
+            tasks: TasksTold::Nothing,
         }
     }
 
@@ -106,6 +110,7 @@ impl Header {
                 scaling.peak_current
             ));
         }
+        lines.extend(self.tasks.line().as_deref().map(line));
         lines
     }
 
@@ -127,6 +132,7 @@ impl Header {
             "order number" => value.clone_into(&mut self.order_id),
             "serial number" => value.clone_into(&mut self.serial_number),
             "software" => value.clone_into(&mut self.software),
+            "tasks" => self.tasks = TasksTold::parse(value)?,
             "scaling" => *scaling = Some(read_scaling(value)?),
             _ => return Err(format!("`{key}:` is no line of the head of a backup")),
         }

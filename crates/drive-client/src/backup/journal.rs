@@ -5,7 +5,7 @@ use std::fmt;
 use profidrive::parameter::ErrorNumber;
 
 use super::print::unit;
-use super::{Backup, Plan, key};
+use super::{Backup, Plan, Task, key};
 use crate::parameter::{Content, Reading};
 
 /// How far one value is.
@@ -57,6 +57,8 @@ pub struct Journal {
     way_back: Backup,
     /// In the order of the plan.
     steps: Vec<Step>,
+    /// The same for the motion tasks.
+    task_steps: Vec<Step>,
     plan: Plan,
     saved: Saved,
     /// Why it ended before its end.
@@ -71,6 +73,7 @@ impl Journal {
         Self {
             way_back: plan.way_back(),
             steps: vec![Step::NotWritten; plan.changes.len()],
+            task_steps: vec![Step::NotWritten; plan.tasks.len()],
             plan: plan.clone(),
             saved: Saved::No,
             ended: None,
@@ -90,6 +93,23 @@ impl Journal {
         &self.steps
     }
 
+    /// How far each motion task of the plan is, in its order.
+    #[must_use]
+    pub fn task_steps(&self) -> &[Step] {
+        &self.task_steps
+    }
+
+    /// How far everything is: values, then motion tasks.
+    fn all(&self) -> impl Iterator<Item = &Step> {
+        self.steps.iter().chain(&self.task_steps)
+    }
+
+    /// How many values and motion tasks are to be written.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.steps.len() + self.task_steps.len()
+    }
+
     /// Whether the new values were saved.
     #[must_use]
     pub const fn saved(&self) -> Saved {
@@ -105,13 +125,13 @@ impl Journal {
     /// True when the drive has every new value.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        self.steps.iter().all(|step| *step == Step::ReadBack)
+        self.all().all(|step| *step == Step::ReadBack)
     }
 
     /// How many changes are at a step that `which` says.
     #[must_use]
     pub fn count(&self, which: impl Fn(&Step) -> bool) -> usize {
-        self.steps.iter().filter(|step| which(step)).count()
+        self.all().filter(|step| which(step)).count()
     }
 
     /// The old values: restoring them undoes what was done.
@@ -126,7 +146,7 @@ impl Journal {
         let mut parts = vec![format!(
             "{} of {} written and read back",
             self.count(|step| *step == Step::ReadBack),
-            self.steps.len()
+            self.total()
         )];
         for (count, what) in [
             (
@@ -150,6 +170,12 @@ impl Journal {
 
     pub(crate) fn set(&mut self, at: usize, step: Step) {
         if let Some(place) = self.steps.get_mut(at) {
+            *place = step;
+        }
+    }
+
+    pub(crate) fn set_task(&mut self, at: usize, step: Step) {
+        if let Some(place) = self.task_steps.get_mut(at) {
             *place = step;
         }
     }
@@ -202,10 +228,27 @@ impl Journal {
     }
 }
 
+impl Journal {
+    fn told(&self, number: u16) -> String {
+        let planned = self.plan.tasks.iter().zip(&self.task_steps);
+        let mut found = planned.filter(|(change, _)| change.number == number);
+        found.next().map_or_else(String::new, |(change, step)| {
+            let now = if change.new == Task::Empty {
+                "empty"
+            } else {
+                "another task"
+            };
+            format!("-> {now}: {step}")
+        })
+    }
+}
+
 impl fmt::Display for Journal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.way_back
-            .write(f, &self.remarks(), &|reading| self.comment(reading))
+            .write(f, &self.remarks(), &|reading| self.comment(reading), &|number| {
+                self.told(number)
+            })
     }
 }
 

@@ -35,8 +35,11 @@ mod parse;
 mod pattern;
 mod plan;
 mod print;
+mod task;
 #[cfg(test)]
 mod tests;
+
+use std::collections::BTreeMap;
 
 use profidrive::catalogue::{BackupRule, Role};
 
@@ -45,7 +48,9 @@ pub use header::Header;
 pub use journal::{Journal, Saved, Step};
 pub use parse::{BackupError, MAX_TEXT, Problem};
 pub use pattern::{Pattern, PatternError};
-pub use plan::{Change, Choice, Plan, Skip, Skipped};
+pub use plan::{Change, Choice, Plan, Skip, Skipped, TaskChange, TaskSkipped};
+pub(crate) use task::Window;
+pub use task::{Task, TaskDifference, TasksTold, compare_tasks};
 
 use crate::parameter::{Parameters, Reading, Selection};
 use crate::{Model, Refusal};
@@ -61,6 +66,8 @@ pub struct Backup {
     parameters: Parameters,
     readings: Vec<Reading>,
     refused: Vec<Refusal>,
+    /// Motion tasks by number; the header says what one means that is not here.
+    tasks: BTreeMap<u16, Task>,
 }
 
 impl std::fmt::Debug for Backup {
@@ -70,6 +77,7 @@ impl std::fmt::Debug for Backup {
             .field("header", &self.header)
             .field("readings", &self.readings)
             .field("refused", &self.refused)
+            .field("tasks", &self.tasks)
             .finish_non_exhaustive()
     }
 }
@@ -87,6 +95,12 @@ impl PartialEq for Backup {
         self.header == other.header
             && self.readings.len() == other.readings.len()
             && self.readings.iter().zip(&other.readings).all(same)
+            && self.tasks.len() == other.tasks.len()
+            && self
+                .tasks
+                .iter()
+                .zip(&other.tasks)
+                .all(|(a, b)| a.0 == b.0 && a.1.is_as(b.1))
     }
 }
 
@@ -113,6 +127,7 @@ impl Backup {
             parameters,
             readings,
             refused,
+            tasks: BTreeMap::new(),
         }
     }
 
@@ -195,12 +210,6 @@ pub fn everything(model: &Model) -> Vec<Selection> {
             parameter.access == profidrive::catalogue::Access::ReadWrite
                 && matches!(rule.role, Role::Setting | Role::Network)
         })
-        .map(|parameter| Selection {
-            pnu: parameter.pnu,
-            first: 0,
-            count: parameter.elements.max(1),
-            indexed: parameter.is_array(),
-            parameter: Some(parameter),
-        })
+        .map(Selection::of)
         .collect()
 }

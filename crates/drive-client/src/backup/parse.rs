@@ -9,7 +9,8 @@ use profidrive::parameter::{CodeSpace, Format};
 
 use super::header::Header;
 use super::print::{FORM, MAGIC};
-use super::{Backup, key};
+use super::task::{self, Name};
+use super::{Backup, Task, key};
 use crate::parameter::{Interpretation, ParameterProblem, Parameters, Reading, Selection};
 
 /// Longest text that is read: far more than any drive needs.
@@ -120,13 +121,21 @@ impl Backup {
             catalogue: header.known().catalogue,
             scaling: scaling.unwrap_or_default(),
         };
+        let (of_tasks, lines): (Vec<_>, Vec<_>) = lines
+            .into_iter()
+            .partition(|line| Name::parse(line.what).is_some());
         let readings = read_lines(&lines, &parameters, scaling.is_some(), &mut problems);
+        let tasks = read_tasks(&of_tasks, &parameters, scaling.is_some(), &mut problems);
         if !problems.is_empty() {
             problems.sort_by_key(|problem| problem.line);
             problems.truncate(MOST_PROBLEMS);
             return Err(BackupError { problems });
         }
-        Ok(Self::new(header, parameters, readings.into_iter().map(Ok)))
+        let mut backup = Self::new(header, parameters, readings.into_iter().map(Ok));
+        for (number, task) in tasks {
+            backup.put_task(number, task);
+        }
+        Ok(backup)
     }
 }
 
@@ -178,6 +187,36 @@ fn read_lines(
         }
     }
     readings
+}
+
+fn read_tasks(
+    lines: &[Line<'_>],
+    parameters: &Parameters,
+    scaled: bool,
+    problems: &mut Vec<Problem>,
+) -> Vec<(u16, Task)> {
+    let mut seen: HashMap<u16, usize> = HashMap::new();
+    let mut tasks = Vec::new();
+    for line in lines {
+        let number = Name::parse(line.what).unwrap_or_else(|| Err(String::new()));
+        let read = number.and_then(|number| {
+            let task = task::parse(number, line.value, parameters, |text, parameter| {
+                self::number(text, parameter, parameter.name, parameters, scaled)
+            })?;
+            match seen.insert(number, line.number) {
+                Some(before) => Err(format!("{} stands in line {before} already", line.what)),
+                None => Ok((number, task)),
+            }
+        });
+        match read {
+            Ok(task) => tasks.push(task),
+            Err(what) => problems.push(Problem {
+                line: line.number,
+                what,
+            }),
+        }
+    }
+    tasks
 }
 
 fn read_line(line: &Line<'_>, parameters: &Parameters, scaled: bool) -> Result<Reading, String> {

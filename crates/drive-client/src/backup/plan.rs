@@ -4,7 +4,7 @@ use profidrive::catalogue::{Parameter, Phase, Role, Scaling};
 use profidrive::notation::Shown;
 use profidrive::parameter::{CodeSpace, Format};
 
-use super::{Backup, Header, Pattern, rule, selection};
+use super::{Backup, Header, Pattern, Task, TasksTold, rule, selection, task};
 use crate::Refusal;
 use crate::parameter::{Content, Interpretation, Parameters, Reading, Selection};
 use crate::session::take_scale;
@@ -133,6 +133,26 @@ pub struct Skipped {
     pub why: Skip,
 }
 
+/// One motion task that is to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskChange {
+    /// Its number.
+    pub number: u16,
+    /// As it is now.
+    pub old: Task,
+    /// As it shall be.
+    pub new: Task,
+}
+
+/// A motion task of the file that is not written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TaskSkipped {
+    /// Its number.
+    pub number: u16,
+    /// Why.
+    pub why: Skip,
+}
+
 /// What restoring will do, in this order.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -140,6 +160,12 @@ pub struct Plan {
     pub changes: Vec<Change>,
     /// What is not, by number.
     pub skipped: Vec<Skipped>,
+    /// Motion tasks that are written after everything else.
+    pub tasks: Vec<TaskChange>,
+    /// Motion tasks that are not.
+    pub tasks_skipped: Vec<TaskSkipped>,
+    /// Why the motion tasks of the file are left out all together, where they are.
+    pub tasks_left_out: Option<String>,
     /// Tables and scaling of the drive as they are now.
     pub(crate) parameters: Parameters,
     /// The drive now.
@@ -154,6 +180,9 @@ impl Plan {
         let mut plan = Self {
             changes: Vec::new(),
             skipped: Vec::new(),
+            tasks: Vec::new(),
+            tasks_skipped: Vec::new(),
+            tasks_left_out: None,
             parameters: *present.parameters(),
             header: present.header.clone(),
         };
@@ -188,14 +217,54 @@ impl Plan {
             .sort_by_key(|change| (change.phase, change.new.pnu, change.new.index));
         plan.skipped
             .sort_by_key(|skipped| (skipped.reading.pnu, skipped.reading.index));
+        plan.plan_tasks(wanted, present, choice, scaling);
         plan
+    }
+
+    fn plan_tasks(&mut self, wanted: &Backup, present: &Backup, choice: &Choice, scaling: Scaling) {
+        let numbers = wanted.task_numbers();
+        let meant = numbers
+            .into_iter()
+            .filter(|&number| task::is_meant(&choice.only, number));
+        let here = Parameters {
+            scaling,
+            ..*present.parameters()
+        };
+        for number in meant {
+            let Some(new) = wanted.task(number) else { continue };
+            let Some(old) = present.task(number) else {
+                if let TasksTold::LeftOut(why) = &present.header.tasks {
+                    self.tasks_left_out = Some(why.clone());
+                }
+                continue;
+            };
+            if (new, old) == (&Task::Empty, &Task::Empty) {
+                continue;
+            }
+            match decide_task(wanted, present, new, old, choice, &here) {
+                Ok(new) => self.tasks.push(TaskChange {
+                    number,
+                    old: old.clone(),
+                    new,
+                }),
+                Err(why) => self.tasks_skipped.push(TaskSkipped { number, why }),
+            }
+        }
     }
 
     /// The values that the plan will change, as they are now: restoring this undoes it.
     #[must_use]
     pub fn way_back(&self) -> Backup {
         let old = self.changes.iter().map(|change| Ok(change.old.clone()));
-        Backup::new(self.header.clone(), self.parameters, old)
+        let header = Header {
+            tasks: TasksTold::Nothing,
+            ..self.header.clone()
+        };
+        let mut backup = Backup::new(header, self.parameters, old);
+        for change in &self.tasks {
+            backup.put_task(change.number, change.old.clone());
+        }
+        backup
     }
 
     /// What a person should know about the drive before it gets the settings of another.
@@ -204,12 +273,36 @@ impl Plan {
         wanted.header.remarks(&self.header)
     }
 
-    /// How many values are left out for a reason other than that they are the same.
+    /// Tables and scaling of the drive as they are now.
+    #[must_use]
+    pub const fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// True when nothing of the file fits what was chosen.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.changes.is_empty()
+            && self.skipped.is_empty()
+            && self.tasks.is_empty()
+            && self.tasks_skipped.is_empty()
+            && self.tasks_left_out.is_none()
+    }
+
+    /// How many values and motion tasks the drive has as the file has them.
+    #[must_use]
+    pub fn same(&self) -> usize {
+        self.skipped.len() + self.tasks_skipped.len() - self.left_out()
+    }
+
+    /// How many values and motion tasks are left out for a reason other than that they are the same.
     #[must_use]
     pub fn left_out(&self) -> usize {
         self.skipped
             .iter()
-            .filter(|skipped| skipped.why != Skip::Same)
+            .map(|skipped| &skipped.why)
+            .chain(self.tasks_skipped.iter().map(|skipped| &skipped.why))
+            .filter(|why| **why != Skip::Same)
             .count()
     }
 }
@@ -297,6 +390,35 @@ fn decide(
         saved,
         phase: rule.phase,
     })
+}
+
+/// The task as the drive shall have it, in its numbers.
+fn decide_task(
+    wanted: &Backup,
+    present: &Backup,
+    new: &Task,
+    old: &Task,
+    choice: &Choice,
+    here: &Parameters,
+) -> Result<Task, Skip> {
+    let now = present.parameters();
+    let target = task::scaled(new, wanted.parameters(), here);
+    let tables = now.catalogue;
+    let parameter = |value: &Reading| tables.and_then(|tables| tables.by_pnu(value.pnu));
+    let scaled_anew = old
+        .values()
+        .iter()
+        .filter_map(parameter)
+        .any(|parameter| !now.scales_as(parameter, &here.scaling));
+    if target.is_as(old) && !scaled_anew {
+        return Err(Skip::Same);
+    }
+    for value in target.values() {
+        if let (Some(parameter), Some(raw)) = (parameter(value), value.raw()) {
+            within(parameter, raw, choice, here)?;
+        }
+    }
+    Ok(target)
 }
 
 /// The drive has the same number, and it means the same there.

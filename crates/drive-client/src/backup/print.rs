@@ -7,8 +7,9 @@ use profidrive::notation::Quantity;
 use profidrive::parameter::{CodeSpace, Format};
 
 use super::parse::nearest;
+use super::task::Name;
 use super::{Backup, selection};
-use crate::parameter::{Content, Reading};
+use crate::parameter::{Content, Parameters, Reading};
 
 /// Version of the form, the number in the first line.
 pub const FORM: u32 = 1;
@@ -21,17 +22,18 @@ const SHORT: usize = 10;
 
 impl fmt::Display for Backup {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.write(f, &[], &|reading| comment(self, reading))
+        self.write(f, &[], &|reading| comment(self, reading), &|_| String::new())
     }
 }
 
 impl Backup {
-    /// The text, with remarks under the head and a comment behind each value.
+    /// The text, with remarks under the head, a comment behind each value, and what is told about each task.
     pub(super) fn write(
         &self,
         out: &mut dyn fmt::Write,
         remarks: &[String],
         comment: &dyn Fn(&Reading) -> String,
+        told: &dyn Fn(u16) -> String,
     ) -> fmt::Result {
         writeln!(out, "{MAGIC} {FORM}")?;
         let scaling = self.parameters.catalogue.map(|_| &self.parameters.scaling);
@@ -51,6 +53,13 @@ impl Backup {
             }
             writeln!(out, "{line}")?;
         }
+        for (number, task) in &self.tasks {
+            let line = format!("{} = {}", Name(*number), task.text(&self.parameters));
+            match one_line(&told(*number)) {
+                words if words.is_empty() => writeln!(out, "{line}")?,
+                words => writeln!(out, "{line}  # {words}")?,
+            }
+        }
         for refusal in &self.refused {
             writeln!(out, "# {}", one_line(&refusal.to_string()))?;
         }
@@ -62,17 +71,14 @@ impl Backup {
 fn assignment(backup: &Backup, reading: &Reading) -> String {
     let shown = selection(&backup.parameters, reading).shown(0);
     let name = reading.name.map(|name| format!(" {name}")).unwrap_or_default();
-    format!("{shown}{name} = {}", value(backup, reading))
+    format!("{shown}{name} = {}", value(&backup.parameters, reading))
 }
 
-fn value(backup: &Backup, reading: &Reading) -> String {
-    let parameter = backup
-        .parameters
-        .catalogue
-        .and_then(|tables| tables.by_pnu(reading.pnu));
+pub(super) fn value(parameters: &Parameters, reading: &Reading) -> String {
+    let parameter = parameters.catalogue.and_then(|tables| tables.by_pnu(reading.pnu));
     match (&reading.content, parameter) {
         (Content::Number { raw, .. }, Some(parameter)) => {
-            number(parameter, *raw, &reading.octets, &backup.parameters.scaling)
+            number(parameter, *raw, &reading.octets, &parameters.scaling)
         }
         _ => hex(&reading.octets),
     }
@@ -166,7 +172,7 @@ fn comment(backup: &Backup, reading: &Reading) -> String {
 }
 
 /// A comment ends with its line.
-fn one_line(text: &str) -> String {
+pub(super) fn one_line(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { ' ' } else { c })
         .collect()

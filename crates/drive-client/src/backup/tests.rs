@@ -17,6 +17,7 @@ fn header() -> Header {
         order_id: "AKD-P00306-NBPN-0000".into(),
         serial_number: "V-000001".into(),
         software: "V1.17.0".into(),
+        tasks: TasksTold::Nothing,
     }
 }
 

@@ -10,7 +10,7 @@ pub use reading::{Content, Interpretation, Reading};
 pub use select::Selection;
 pub(crate) use wide::{halves, join, split};
 
-use profidrive::catalogue::{Catalogue, Scaling};
+use profidrive::catalogue::{Catalogue, Parameter, Scaling};
 use profidrive::notation::{QuantityError, ReferenceError, UnitMismatch};
 
 /// What is known about the parameters of one drive: its tables, if there are any, and the values that scale others.
@@ -20,6 +20,22 @@ pub struct Parameters {
     pub catalogue: Option<&'static Catalogue>,
     /// Values of the drive that scale other values.
     pub scaling: Scaling,
+}
+
+impl Parameters {
+    /// The number that means here what `raw` means under another scaling.
+    pub(crate) fn converted(&self, parameter: &Parameter, raw: i64, from: &Scaling) -> i64 {
+        if self.scales_as(parameter, from) {
+            raw
+        } else {
+            parameter.raw(parameter.engineering(raw, from), &self.scaling)
+        }
+    }
+
+    /// True when the numbers of a parameter mean the same under both scalings.
+    pub(crate) fn scales_as(&self, parameter: &Parameter, other: &Scaling) -> bool {
+        self.scaling.linear(parameter.scale) == other.linear(parameter.scale)
+    }
 }
 
 /// A parameter or value that cannot be used, found before anything was sent.

@@ -21,6 +21,18 @@ pub struct Selection {
 }
 
 impl Selection {
+    /// All of one parameter of the tables.
+    #[must_use]
+    pub fn of(parameter: &'static Parameter) -> Self {
+        Self {
+            pnu: parameter.pnu,
+            first: 0,
+            count: parameter.elements.max(1),
+            indexed: parameter.is_array(),
+            parameter: Some(parameter),
+        }
+    }
+
     /// True when it can be written, as far as is known.
     #[must_use]
     pub fn writable(&self) -> Option<bool> {

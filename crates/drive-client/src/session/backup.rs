@@ -7,7 +7,7 @@ use profinet::Medium;
 
 use super::Session;
 use super::parameters::Outgoing;
-use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, everything};
+use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
 use crate::parameter::{Interpretation, Selection, halves};
 use crate::{Drive, Error};
 
@@ -93,7 +93,10 @@ where
             .collect())
     }
 
-    /// Reads all settings of a drive. Nothing is written. `progress` is told how many parameters of how many were read.
+    /// Reads all settings of a drive and its motion tasks. No setting is written; to see the tasks they are loaded into
+    /// their edit window, which gets back what it had, and that only while the power stage is off and no controller is
+    /// connected: else the header says why they are left out. `progress` is told how many parameters of how many were
+    /// read.
     ///
     /// # Errors
     /// When the drive cannot be reached. A refused parameter stands in the backup as refused.
@@ -103,10 +106,41 @@ where
         progress: &mut dyn FnMut(usize, usize),
     ) -> Result<Backup, Error> {
         let settings = self.settings(drive)?;
-        self.backup_of(drive, &settings, progress)
+        let mut backup = self.backup_of(drive, &settings, progress)?;
+        let window = drive.model.catalogue.and_then(Window::of);
+        let rows: Vec<u16> = window.map_or_else(Vec::new, |window| window.rows().collect());
+        self.read_tasks(drive, &mut backup, &rows)?;
+        Ok(backup)
     }
 
-    /// The same for chosen parameters.
+    /// What a drive has where `like` says something: its parameters and motion tasks.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn backup_like(&mut self, drive: &mut Drive, like: &Backup) -> Result<Backup, Error> {
+        // what the file calls a parameter is one of this drive
+        let selections: Vec<Selection> = like
+            .selections()
+            .into_iter()
+            .map(|selection| Selection {
+                parameter: drive
+                    .model
+                    .catalogue
+                    .and_then(|tables| tables.by_pnu(selection.pnu)),
+                ..selection
+            })
+            .filter(|selection| {
+                selection
+                    .parameter
+                    .is_none_or(|one| one.access != Access::WriteOnly)
+            })
+            .collect();
+        let mut backup = self.backup_of(drive, &selections, &mut |_, _| {})?;
+        self.read_tasks(drive, &mut backup, &like.task_numbers())?;
+        Ok(backup)
+    }
+
+    /// The same for chosen parameters, without motion tasks. Nothing is written.
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -138,24 +172,7 @@ where
     /// # Errors
     /// When the drive cannot be reached.
     pub fn plan(&mut self, drive: &mut Drive, wanted: &Backup, choice: &Choice) -> Result<Plan, Error> {
-        // what the file calls a parameter is one of this drive
-        let selections: Vec<Selection> = wanted
-            .selections()
-            .into_iter()
-            .map(|selection| Selection {
-                parameter: drive
-                    .model
-                    .catalogue
-                    .and_then(|tables| tables.by_pnu(selection.pnu)),
-                ..selection
-            })
-            .filter(|selection| {
-                selection
-                    .parameter
-                    .is_none_or(|one| one.access != Access::WriteOnly)
-            })
-            .collect();
-        let present = self.backup_of(drive, &selections, &mut |_, _| {})?;
+        let present = self.backup_like(drive, wanted)?;
         Ok(Plan::new(wanted, &present, choice))
     }
 
@@ -228,6 +245,7 @@ where
                 break;
             }
         }
+        self.restore_tasks(drive, journal, keep)?;
         if save && journal.is_done() {
             self.save(drive, journal, keep)?;
         }
@@ -356,7 +374,7 @@ where
         Ok(())
     }
 
-    fn at_rest(&mut self, drive: &mut Drive) -> Result<(), Error> {
+    pub(super) fn at_rest(&mut self, drive: &mut Drive) -> Result<(), Error> {
         let what = match self.is_enabled(drive)? {
             Some(false) => return Ok(()),
             Some(true) => "the power stage is on",
@@ -369,7 +387,7 @@ where
     }
 }
 
-fn kept(drive: &Drive, journal: &Journal, keep: &mut Keep<'_>) -> Result<(), Error> {
+pub(super) fn kept(drive: &Drive, journal: &Journal, keep: &mut Keep<'_>) -> Result<(), Error> {
     keep(journal).map_err(|source| Error::Journal {
         drive: drive.label(),
         source,

@@ -13,6 +13,7 @@ mod plugged;
 mod prepare;
 mod status;
 mod stop;
+mod tasks;
 
 use std::time::Duration;
 
