@@ -17,6 +17,8 @@ use profinet::{Instant, IpSuite, MacAddress, Medium};
 use virtual_drive::model::AKD;
 use virtual_drive::station::{Station, StationConfig};
 
+use crate::{judge, memory};
+
 /// Ethernet address of the drive.
 pub const DRIVE: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 1]);
 /// Ethernet address of the controller.
@@ -246,6 +248,13 @@ impl Bus {
         let [e, f] = value.to_be_bytes();
         let answer = self.job(&[1, 2, 0, 1, 0x10, 1, a, b, c, d, 0x42, 1, e, f]);
         (answer[1] == 0x82).then(|| u16::from_be_bytes([answer[6], answer[7]]))
+    }
+
+    /// Ends it, and lets the dissector judge every frame since the last call of [`Bus::frames`]: `target/system/<name>`.
+    #[track_caller]
+    pub fn judged(self, name: &str) {
+        let file = memory::save(&format!("{name}.pcapng"), &self.frames.borrow());
+        judge::judge(&file).clean().saw("pn_io", 10).saw("pn_rt", 10);
     }
 
     /// Every frame since the last call, as it was on the wire.

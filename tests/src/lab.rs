@@ -94,12 +94,6 @@ impl Lab {
             .unwrap_or_else(|complaint| panic!("no network namespaces on this machine: {complaint}"))
     }
 
-    /// The same without a user namespace, for programs that change their user; `None` unless the test runs as root.
-    #[must_use]
-    pub fn as_root(name: &str) -> Option<Self> {
-        Self::start(name, &[false]).ok()
-    }
-
     fn start(name: &str, ways: &[bool]) -> Result<Self, String> {
         let turn = ONE_AT_A_TIME
             .lock()

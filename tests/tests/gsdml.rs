@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use profidrive::catalogue::AKD;
 use system_tests::profinetpy::controller;
-use system_tests::{Lab, Side, built, peer, python, root, step};
+use system_tests::{Lab, Side, built, judge, peer, python, root, step};
 
 const MODULES: &str = "GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
 const SUBMODULES: &str = "GSDML-V2.32-Kollmorgen-DriveObject-20170601-103000.xml";
@@ -189,6 +189,7 @@ fn both_readers_agree_on_the_files_of_makers() {
 }
 
 /// profinet-py, configured from nothing but the file, exchanges data with the drive that is simulated by it.
+/// The dissector finds nothing wrong in what they say.
 fn connects(lab: &Lab, file: &Path, simulate: &[&str], project: &[&str], ratio: &str) {
     let at = [
         "--mac",
@@ -198,8 +199,16 @@ fn connects(lab: &Lab, file: &Path, simulate: &[&str], project: &[&str], ratio: 
         "--ip",
         "192.168.77.50/24",
     ];
-    let drive = system_tests::simulate(lab, &[&at, simulate].concat());
+    connects_to(lab, file, &[&at, simulate].concat(), project, ratio);
+}
+
+/// The same with everything that `simulate` is told.
+fn connects_to(lab: &Lab, file: &Path, simulate: &[&str], project: &[&str], ratio: &str) {
+    let capture = lab.capture(&project.join("").replace(['-', ':'], ""));
+    let drive = system_tests::simulate(lab, simulate);
     let line = [
+        "--mac",
+        Side::Device.mac(),
         "--name",
         "drive-one",
         "--ip",
@@ -217,6 +226,10 @@ fn connects(lab: &Lab, file: &Path, simulate: &[&str], project: &[&str], ratio: 
     assert!(exchange["received"].as_u64().unwrap() > 10, "{exchange}");
     let finished = drive.interrupt(Duration::from_secs(5)).ok();
     assert!(finished.out.contains("telegram"), "{}", finished.out);
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }
 
 #[test]
@@ -240,4 +253,31 @@ fn profinet_py_connects_by_the_file_of_a_maker() {
     let simulate = ["--gsdml", file.to_str().unwrap()];
     let plugged = ["--module", "M_DO", "--submodule", "2:S_MDI"];
     connects(&lab, &file, &simulate, &plugged, "16");
+}
+
+/// The drives of a scenario take the description too; in virtual time, where our own controllers are, they cannot.
+#[test]
+fn a_scenario_of_drives_of_a_maker() {
+    let lab = Lab::new("gsdml-plant");
+    let plant = lab.folder().join("plant.toml");
+    let text = format!(
+        "[[drive]]\nname = \"drive-one\"\nmac = \"{}\"\nip = \"192.168.77.50/24\"\n\
+         event = [{{ at = \"100ms\", do = \"warning=107\" }}]\n",
+        Side::Device.mac()
+    );
+    std::fs::write(&plant, text).unwrap();
+    let (plant, file) = (plant.to_str().unwrap(), maker(MODULES));
+    let simulate = [plant, "--gsdml", file.to_str().unwrap()];
+    connects_to(&lab, &file, &simulate, &["--module", "ID_MOD_9"], "16");
+    let virtual_time = [&["simulate"], &simulate[..], &["--virtual-time", "--for", "1s"]].concat();
+    let refused = Command::new(built("profidrive"))
+        .args(virtual_time)
+        .output()
+        .unwrap();
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    let words = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        words.contains("--virtual-time") && words.contains("--gsdml"),
+        "{words}"
+    );
 }

@@ -25,8 +25,9 @@ fn told(change: impl Fn(&mut Vec<ModuleConfig>)) -> (Bus, Vec<DiffModule>) {
     (bus, diff.expect("a difference").modules)
 }
 
-/// The controller that wants what there is gets it, on the same drive.
-fn works_afterwards(mut bus: Bus) {
+/// The controller that wants what there is gets it, on the same drive; the dissector finds nothing wrong in all of it.
+#[track_caller]
+fn works_afterwards(mut bus: Bus, name: &str) {
     bus.release();
     bus.connect(9);
     assert_eq!(bus.read(922, 0), 9);
@@ -34,6 +35,7 @@ fn works_afterwards(mut bus: Bus) {
         bus.send(&[&[0x04, 0x7E][..], &[0; 18]].concat(), 4)[..2],
         [0x02, 0x31]
     );
+    bus.judged(name);
 }
 
 #[test]
@@ -50,7 +52,7 @@ fn a_module_that_does_not_exist() {
         )
     );
     assert!(module.submodules.is_empty());
-    works_afterwards(bus);
+    works_afterwards(bus, "modules-a-module-that-does-not-exist");
 }
 
 #[test]
@@ -60,7 +62,7 @@ fn the_access_point_in_slot_1() {
         (diff.len(), diff[0].slot, diff[0].state),
         (1, 1, ModuleState::WRONG)
     );
-    works_afterwards(bus);
+    works_afterwards(bus, "modules-the-access-point-in-slot-1");
 }
 
 #[test]
@@ -70,7 +72,7 @@ fn a_telegram_in_a_slot_that_the_drive_does_not_have() {
         (diff.len(), diff[0].slot, diff[0].ident, diff[0].state),
         (1, 2, 0, ModuleState::NO_MODULE)
     );
-    works_afterwards(bus);
+    works_afterwards(bus, "modules-a-telegram-in-a-slot-that-the-drive-does-not-have");
 }
 
 #[test]
@@ -100,7 +102,7 @@ fn a_wrong_submodule_a_wrong_length_and_a_wrong_api() {
             state: SubmoduleState::WRONG,
         };
         assert_eq!(module.submodules, [expected], "{number}");
-        works_afterwards(bus);
+        works_afterwards(bus, &format!("modules-wrong-{number}"));
     }
 }
 
@@ -116,7 +118,7 @@ fn a_subslot_that_the_module_does_not_have() {
         (diff.len(), diff[0].state, &diff[0].submodules[..]),
         (1, ModuleState::PROPER, &[expected][..])
     );
-    works_afterwards(bus);
+    works_afterwards(bus, "modules-a-subslot-that-the-module-does-not-have");
 }
 
 #[test]
@@ -136,7 +138,7 @@ fn one_right_and_one_wrong_submodule() {
     );
     let inputs = bus.send(&[&[0x04, 0x7E][..], &[0; 18]].concat(), 4);
     assert_eq!(inputs[..2], [0x02, 0x31], "subslot 1 is exchanged");
-    works_afterwards(bus);
+    works_afterwards(bus, "modules-one-right-and-one-wrong-submodule");
 }
 
 #[test]
@@ -145,6 +147,7 @@ fn a_drive_without_its_telegram_does_not_run_and_raises_nothing() {
     bus.run(std::time::Duration::from_secs(2));
     let drive = bus.station().drive();
     assert!(!drive.is_enabled() && !drive.has_fault());
+    bus.judged("modules-without-telegram");
 }
 
 #[test]
@@ -159,5 +162,5 @@ fn no_module_in_slot_1_at_all() {
         "nothing is wrong with what is expected"
     );
     assert!(!bus.station().drive().has_fault());
-    works_afterwards(bus);
+    works_afterwards(bus, "modules-no-module-in-slot-1-at-all");
 }

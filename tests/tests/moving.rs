@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use serde_json::Value;
-use system_tests::{Finished, Lab, Running, Side, built};
+use system_tests::{Finished, Lab, Running, Side, built, judge};
 
 const SHORT: Duration = Duration::from_secs(20);
 
@@ -64,6 +64,7 @@ fn at_rest(lab: &Lab) {
 #[test]
 fn a_killed_client_leaves_the_stop_to_the_watchdog() {
     let lab = Lab::new("moving-killed");
+    let capture = lab.capture("traffic");
     let _drive = simulate(&lab);
     let mut run = start(&lab, &["run", "akd-1", "--velocity", "300rpm"]);
     run.wait_for("actual   299", SHORT);
@@ -73,11 +74,16 @@ fn a_killed_client_leaves_the_stop_to_the_watchdog() {
     assert_eq!(cause(&lab), "fault");
     client(&lab, &["ack", "akd-1"]).ok();
     assert_eq!(cause(&lab), "no-controller");
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }
 
 #[test]
 fn status_and_stop_beside_a_client_that_runs() {
     let lab = Lab::new("moving-stop");
+    let capture = lab.capture("traffic");
     let _drive = simulate(&lab);
     assert_eq!(cause(&lab), "no-controller");
     let mut run = start(&lab, &["run", "akd-1", "--velocity", "300rpm"]);
@@ -95,11 +101,16 @@ fn status_and_stop_beside_a_client_that_runs() {
     assert_eq!(ended.code, Some(3), "{ended:?}");
     assert!(ended.err.contains("left operation by itself"), "{}", ended.err);
     at_rest(&lab);
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }
 
 #[test]
 fn from_velocity_mode_to_a_position_and_back() {
     let lab = Lab::new("moving-position");
+    let capture = lab.capture("traffic");
     let _drive = simulate(&lab);
     let order = ["move", "akd-1", "--to", "5rev", "--velocity", "600rpm"];
     for verb in [&order[..], &["home", "akd-1"], &["task", "akd-1", "1"]] {
@@ -150,11 +161,16 @@ fn from_velocity_mode_to_a_position_and_back() {
         refused.err
     );
     at_rest(&lab);
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }
 
 #[test]
 fn a_move_that_is_interrupted_or_killed_ends_at_rest() {
     let lab = Lab::new("moving-doors");
+    let capture = lab.capture("traffic");
     let _drive = simulate(&lab);
     client(&lab, &["write", "akd-1", "930=2"]).ok();
     client(&lab, &["home", "akd-1"]).ok();
@@ -180,11 +196,16 @@ fn a_move_that_is_interrupted_or_killed_ends_at_rest() {
     assert_eq!(number(&lab, "r947[0]"), 702.0);
     client(&lab, &["ack", "akd-1"]).ok();
     assert_eq!(cause(&lab), "no-controller");
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }
 
 #[test]
 fn a_signal_that_comes_twice_still_ends_in_a_ramp_stop() {
     let lab = Lab::new("twice");
+    let capture = lab.capture("traffic");
     let _drive = simulate(&lab);
     let program = built("profidrive");
     let program = program.to_str().unwrap();
@@ -202,4 +223,8 @@ fn a_signal_that_comes_twice_still_ends_in_a_ramp_stop() {
         );
         assert_eq!(number(&lab, "r947[0]"), 0.0, "{signal}: no F702");
     }
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }

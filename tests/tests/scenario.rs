@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use system_tests::{Finished, Lab, Running, Side, built, client, wait_until};
+use system_tests::{Finished, Lab, Running, Side, built, client, judge, wait_until};
 
 const SHORT: Duration = Duration::from_secs(20);
 
@@ -35,6 +35,7 @@ fn inject(lab: &Lab, arguments: &[&str]) -> Finished {
 #[test]
 fn what_happens_to_a_drive_is_seen_by_its_client() {
     let lab = Lab::new("scenario");
+    let capture = lab.capture("traffic");
     let mut drives = start(
         &lab,
         r#"
@@ -104,17 +105,23 @@ fn what_happens_to_a_drive_is_seen_by_its_client() {
     for (arguments, code, words) in [
         (&["press-9", "fault=439"][..], 4, "press-1"),
         (&["press-1", "fualt=439"], 2, "keys: fault"),
+        (&["press-1", "fault=999"], 3, "has no fault 999; next to it"),
         (&["press-1", "fault=439", "--for", "1s"], 2, "no end of its own"),
     ] {
         let refused = inject(&lab, arguments);
         assert_eq!(refused.code, Some(code), "{refused:?}");
         assert!(refused.err.contains(words), "{refused:?}");
     }
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }
 
 #[test]
 fn a_connected_controller_meets_what_happens() {
     let lab = Lab::new("scenario-cyclic");
+    let capture = lab.capture("traffic");
     let mut drives = start(
         &lab,
         r#"
@@ -128,6 +135,10 @@ fn a_connected_controller_meets_what_happens() {
     assert!(run.code.is_some_and(|code| code != 0), "{run:?}");
     assert!(run.err.contains("439"), "{run:?}");
     drives.wait_for("fault F439", SHORT);
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("pn_dcp", 2)
+        .saw("pn_io", 10);
 }
 
 #[test]

@@ -366,8 +366,9 @@ pub struct Simulate {
     /// Drive model
     #[arg(long, value_enum, default_value = "akd")]
     pub model: Model,
-    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it
-    #[arg(long, value_name = "FILE")]
+    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it; not in virtual
+    /// time, where the controllers of the scenario know the model's own
+    #[arg(long, value_name = "FILE", conflicts_with = "virtual_time")]
     pub gsdml: Option<PathBuf>,
     /// Only this access point of the device description; all of them when left out
     #[arg(long, value_name = "ID", requires = "gsdml")]

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
+use profidrive::catalogue::name_distance;
 use profidrive::notation::Shown;
 use profidrive::parameter::{ErrorNames, ErrorNumber};
 use profinet::MacAddress;
@@ -26,7 +27,7 @@ pub enum Error {
     #[error("interrupted")]
     Interrupted,
     /// Nobody of this name or address answered.
-    #[error("no station {drive} answered{}", others(.heard))]
+    #[error("no station {drive} answered{}", others(.drive, .heard))]
     NotFound {
         /// Who was looked for.
         drive: DriveAddress,
@@ -283,12 +284,38 @@ fn objections_text(objections: &[Objection]) -> String {
     texts.join("; ")
 }
 
-fn others(stations: &[Station]) -> String {
+/// Most stations of a list in a message.
+const MOST_TOLD: usize = 8;
+
+/// Who answered instead; of many those next to what was looked for.
+fn others(drive: &DriveAddress, stations: &[Station]) -> String {
     if stations.is_empty() {
         return "; nobody else answered either".into();
     }
-    let names: Vec<String> = stations.iter().map(describe).collect();
-    format!("; heard: {}", names.join(", "))
+    let mut nearest: Vec<&Station> = stations.iter().collect();
+    if nearest.len() > MOST_TOLD {
+        nearest.sort_by_cached_key(|station| {
+            let far = match drive {
+                DriveAddress::Name(name) => name_distance(name, &station.name) as u64,
+                DriveAddress::Ip(ip) => u32::from(*ip).abs_diff(station.ip.address.into()).into(),
+                DriveAddress::Mac(mac) => number(*mac).abs_diff(number(station.mac)),
+            };
+            (far, station.name.clone(), station.mac)
+        });
+    }
+    let more = nearest.len().saturating_sub(MOST_TOLD);
+    let names: Vec<String> = nearest.into_iter().take(MOST_TOLD).map(describe).collect();
+    let list = names.join(", ");
+    match more {
+        0 => format!("; heard: {list}"),
+        _ => format!("; heard {}, the nearest: {list} and {more} more", stations.len()),
+    }
+}
+
+fn number(mac: MacAddress) -> u64 {
+    mac.0
+        .iter()
+        .fold(0, |number, octet| number << 8 | u64::from(*octet))
 }
 
 /// Faulty IOCRBlockReq: send clock, reduction ratio.
@@ -390,5 +417,48 @@ impl Error {
             }
             _ => return None,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stations(count: u8) -> Vec<Station> {
+        let station = |last| Station {
+            name: format!("akd-{last}"),
+            mac: MacAddress([2, 0x50, 0x4E, 0, 0, last]),
+            ip: profinet::IpSuite {
+                address: [10, 0, 0, last].into(),
+                ..profinet::IpSuite::NONE
+            },
+            ..Station::default()
+        };
+        (1..=count).map(station).collect()
+    }
+
+    #[test]
+    fn of_many_stations_the_nearest_are_told() {
+        for (drive, first) in [
+            ("akd-64x", "akd-64 (02:50:4e:00:00:40, 10.0.0.64)"),
+            ("10.0.0.99", "akd-80 (02:50:4e:00:00:50, 10.0.0.80)"),
+            ("02:50:4e:00:00:00", "akd-1 (02:50:4e:00:00:01, 10.0.0.1)"),
+        ] {
+            let not_found = |count| Error::NotFound {
+                drive: drive.parse().unwrap(),
+                heard: stations(count),
+            };
+            let told = not_found(80).to_string();
+            assert!(
+                told.contains(&format!("; heard 80, the nearest: {first}, ")),
+                "{told}"
+            );
+            assert!(told.ends_with(" and 72 more"), "{told}");
+            let all = not_found(8).to_string();
+            assert!(
+                all.contains("; heard: akd-1 (") && all.contains("akd-8 ("),
+                "{all}"
+            );
+        }
     }
 }

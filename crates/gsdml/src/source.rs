@@ -24,6 +24,8 @@ pub(crate) struct Source<'a> {
     pub text: Cow<'a, str>,
     /// First octet of each line.
     lines: Vec<usize>,
+    /// First octet of the innermost mark or element that is not finished when the file ends.
+    unfinished: Option<usize>,
 }
 
 impl<'a> Source<'a> {
@@ -32,9 +34,32 @@ impl<'a> Source<'a> {
         let text = decode(octets)?;
         let starts = text.bytes().enumerate().filter(|(_, octet)| *octet == b'\n');
         let lines = core::iter::once(0).chain(starts.map(|(at, _)| at + 1)).collect();
-        let source = Self { text, lines };
-        scan(&source.text).map_err(|(at, rule, message)| source.problem(at, rule, message))?;
+        let mut source = Self {
+            text,
+            lines,
+            unfinished: None,
+        };
+        source.unfinished =
+            scan(&source.text).map_err(|(at, rule, message)| source.problem(at, rule, message))?;
         Ok(source)
+    }
+
+    /// The file ends before it is complete: where, and what is not finished.
+    pub fn cut_off(&self) -> Problem {
+        let end = self.text.trim_end().len();
+        let message = match self.unfinished {
+            None => "the file ends here, and there is no element in it".into(),
+            Some(at) => {
+                let rest = self.text.get(at..).unwrap_or_default();
+                let name = rest.get(1..).unwrap_or_default();
+                let length = name.find(|c: char| c.is_whitespace() || "<>/=".contains(c));
+                let name = name.get(..length.unwrap_or(name.len())).unwrap_or_default();
+                let name = crate::value::shortened(name);
+                let begin = self.position(at);
+                format!("the file ends here, but `<{name}` of {begin} is not finished: it may be cut off")
+            }
+        };
+        self.problem(end, Rule::Xml, message)
     }
 
     /// The place of an octet.
@@ -137,10 +162,10 @@ fn encoding(octets: &[u8]) -> Option<&str> {
 type Found = (usize, Rule, String);
 
 /// Goes over the marks once: no document type, not too deep, not too many attributes. What else is wrong with the XML
-/// the reader behind it says.
-fn scan(text: &str) -> Result<(), Found> {
+/// the reader behind it says. Gives what is not finished at the end.
+fn scan(text: &str) -> Result<Option<usize>, Found> {
     let bytes = text.as_bytes();
-    let mut depth = 0_usize;
+    let mut open = Vec::new();
     let mut at = 0;
     while let Some(found) = find(bytes, at, b"<") {
         let rest = bytes.get(found..).unwrap_or_default();
@@ -158,7 +183,7 @@ fn scan(text: &str) -> Result<(), Found> {
                 "a document type: entities and document types are not taken from a device description".into(),
             ));
         } else if rest.starts_with(b"</") {
-            depth = depth.saturating_sub(1);
+            open.pop();
             behind(b">")
         } else {
             let (end, attributes, empty) = tag(bytes, found);
@@ -170,9 +195,9 @@ fn scan(text: &str) -> Result<(), Found> {
                 ));
             }
             if !empty {
-                depth += 1;
+                open.push(found);
             }
-            if depth > MOST_DEPTH {
+            if open.len() > MOST_DEPTH {
                 return Err((
                     found,
                     Rule::Limit,
@@ -183,10 +208,10 @@ fn scan(text: &str) -> Result<(), Found> {
         };
         match next {
             Some(next) => at = next,
-            None => return Ok(()),
+            None => return Ok(Some(found)),
         }
     }
-    Ok(())
+    Ok(open.pop())
 }
 
 /// End of a start tag, its attributes, and whether it is an end tag too.
@@ -269,6 +294,21 @@ mod tests {
         }
         let flat = "<a><b/></a>".repeat(MOST_DEPTH * 3);
         assert!(Source::new(flat.as_bytes()).is_ok());
+    }
+
+    #[test]
+    fn what_is_not_finished_at_the_end() {
+        for (text, place, name) in [
+            ("<a>\n<bc d='1'>\n</bc>\n <e>x", (4, 6), "`<e` of 4:2"),
+            ("<a>\n<bc d='1", (2, 9), "`<bc` of 2:1"),
+            ("<a>\n<b/>\n\n", (2, 5), "`<a` of 1:1"),
+            ("<a><!-- b", (1, 10), "`<!--` of 1:4"),
+            (" ", (1, 1), "no element"),
+        ] {
+            let problem = Source::new(text.as_bytes()).unwrap().cut_off();
+            assert_eq!((problem.position.line, problem.position.column), place, "{text}");
+            assert!(problem.message.contains(name), "{text}: {}", problem.message);
+        }
     }
 
     #[test]

@@ -353,7 +353,11 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
             .as_ref()
             .map_or(Ok(0.0), |value| number(value, -1e4..=1e4))?,
         parameters: parameters.into_iter().map(|(_, assignment)| assignment).collect(),
-        cues: raw.event.iter().map(read_cue).collect::<Result<_, _>>()?,
+        cues: raw
+            .event
+            .iter()
+            .map(|raw| read_cue(raw, model))
+            .collect::<Result<_, _>>()?,
         name,
         model,
         mac,
@@ -478,7 +482,7 @@ fn read_travel(raw: &RawTravel) -> Result<Travel, Located> {
     Ok(travel)
 }
 
-fn read_cue(raw: &Spanned<RawEvent>) -> Result<Cue, Located> {
+fn read_cue(raw: &Spanned<RawEvent>, model: &Model) -> Result<Cue, Located> {
     let event = raw.get_ref();
     let trigger = match (&event.at, &event.position) {
         (Some(at), None) => Trigger::Time(located(at, |text| time(text))?),
@@ -490,7 +494,10 @@ fn read_cue(raw: &Spanned<RawEvent>) -> Result<Cue, Located> {
             ));
         }
     };
-    let what: Happening = located(&event.what, |text| text.parse::<Happening>())?;
+    let what: Happening = located(&event.what, |text| {
+        let what = text.parse::<Happening>()?;
+        what.fits(model).map(|()| what)
+    })?;
     let lasts = match &event.lasts {
         None => None,
         Some(text) if what.undo().is_none() => {

@@ -8,6 +8,7 @@ use network::host::Host;
 use network::impaired::Impaired;
 use profidrive::notation::Quantity;
 use virtual_drive::drive::{Injection, InjectionError};
+use virtual_drive::model::Model;
 use virtual_drive::station::{AnswerFault, Station};
 
 /// A virtual drive as a whole station on a cable that can be spoiled.
@@ -77,6 +78,20 @@ pub enum HappeningError {
         /// What can stand there.
         expected: &'static str,
     },
+    /// The drive has no fault or warning of this number.
+    #[error("`{text}`: {drive} has no {kind} {number}{}", nearest(.near))]
+    UnknownNumber {
+        /// The text.
+        text: String,
+        /// Name of the model.
+        drive: &'static str,
+        /// `fault`, `warning`, or both.
+        kind: &'static str,
+        /// The number.
+        number: u16,
+        /// The numbers next to it that there are.
+        near: Vec<u16>,
+    },
     /// The drive's own part of the notation.
     #[error(transparent)]
     Drive(#[from] InjectionError),
@@ -131,7 +146,46 @@ fn key_list() -> String {
     keys().map(|key| key.key).collect::<Vec<_>>().join(", ")
 }
 
+fn nearest(near: &[u16]) -> String {
+    let near: Vec<_> = near.iter().map(u16::to_string).collect();
+    format!("; next to it there are {}", near.join(" and "))
+}
+
 impl Happening {
+    /// Whether it can happen to a drive of this model: it must have the fault or warning that is named.
+    ///
+    /// # Errors
+    /// [`HappeningError::UnknownNumber`] with the numbers next to it.
+    pub fn fits(&self, model: &Model) -> Result<(), HappeningError> {
+        let (kind, number, meant): (_, _, &[bool]) = match *self {
+            Self::Drive(Injection::Fault { number, .. }) => ("fault", number, &[false]),
+            Self::Drive(Injection::Warning { number }) => ("warning", number, &[true]),
+            Self::Drive(Injection::ClearCause { number }) => ("fault or warning", number, &[false, true]),
+            _ => return Ok(()),
+        };
+        let catalogue = model.catalogue;
+        if meant
+            .iter()
+            .any(|warning| catalogue.fault(number, *warning).is_some())
+        {
+            return Ok(());
+        }
+        let there = || {
+            let all = catalogue.faults.iter();
+            all.filter(|row| meant.contains(&row.warning))
+                .map(|row| row.number)
+        };
+        let below = there().filter(|other| *other < number).max();
+        let above = there().filter(|other| *other > number).min();
+        Err(HappeningError::UnknownNumber {
+            text: self.to_string(),
+            drive: catalogue.device.station_type,
+            kind,
+            number,
+            near: below.into_iter().chain(above).collect(),
+        })
+    }
+
     /// What ends it; `None` for what cannot be ended, such as a fault that only comes.
     #[must_use]
     pub fn undo(&self) -> Option<Self> {
@@ -287,6 +341,35 @@ mod tests {
             }
         }
         assert!(keys().count() > 15);
+    }
+
+    #[test]
+    fn a_drive_has_the_faults_of_its_table_only() {
+        let akd = &virtual_drive::model::AKD;
+        for text in [
+            "fault=439",
+            "fault=439!",
+            "warning=107",
+            "clear=439",
+            "clear=107",
+            "sto=on",
+        ] {
+            assert_eq!(text.parse::<Happening>().unwrap().fits(akd), Ok(()), "{text}");
+        }
+        for (text, words) in [
+            ("fault=999", "has no fault 999; next to it there are "),
+            ("fault=65535!", "has no fault 65535; next to it there are "),
+            ("warning=1", "has no warning 1; next to it there are "),
+            ("clear=999", "has no fault or warning 999"),
+        ] {
+            let error = text
+                .parse::<Happening>()
+                .unwrap()
+                .fits(akd)
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(words) && error.contains(text), "{text}: {error}");
+        }
     }
 
     #[test]

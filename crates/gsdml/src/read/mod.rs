@@ -37,6 +37,10 @@ pub(crate) fn document<'a>(source: &'a Source<'_>) -> Result<Document<'a>, Probl
     Document::parse_with_options(&source.text, options).map_err(|error| {
         let place = error.pos();
         let (rule, message) = match error {
+            // these have no place of their own
+            roxmltree::Error::UnexpectedEndOfStream
+            | roxmltree::Error::UnclosedRootNode
+            | roxmltree::Error::NoRootNode => return source.cut_off(),
             roxmltree::Error::NodesLimitReached => {
                 (Rule::Limit, format!("more than {MOST_NODES} elements and texts"))
             }

@@ -216,6 +216,18 @@ mod tests {
         }
 
         #[test]
+        fn a_file_that_is_cut_off_is_told_at_its_end(at: prop::sample::Index) {
+            let mut text = description().to_xml();
+            // the declaration is complete, the last element is not
+            let (first, last) = (text.find('\n').unwrap(), text.trim_end().len() - 1);
+            let at = first + at.index(last - first);
+            text.truncate((0..=at).rev().find(|at| text.is_char_boundary(*at)).unwrap());
+            let problem = parse(text.as_bytes()).unwrap_err();
+            let lines = text.trim_end().matches('\n').count() + 1;
+            prop_assert_eq!(problem.position.line as usize, lines, "{}: {}", problem, text.len());
+        }
+
+        #[test]
         fn any_damage_is_told_or_harmless(at: prop::sample::Index, octet: u8, cut: bool) {
             let mut octets = description().to_xml().into_bytes();
             let at = at.index(octets.len());

@@ -26,6 +26,7 @@ pub use akd::AKD;
 pub use backup::{BackupRule, Phase, Role};
 pub use device::{DescriptionFacts, Device, TelegramModule, Words};
 pub use fault::{Cleared, Fault, Reaction};
+pub use nearest::name_distance;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
 
 /// The tables of one drive model.

@@ -46,7 +46,13 @@ fn score(name: &str, text: &str) -> usize {
     }
 }
 
-/// Edit distance (insert, delete, replace, swap of neighbours) without regard to ASCII case.
+/// How far apart two names are: the least number of characters inserted, deleted, replaced or swapped with their
+/// neighbour, without regard to ASCII case.
+#[must_use]
+pub fn name_distance(a: &str, b: &str) -> usize {
+    distance(a.as_bytes(), b.as_bytes())
+}
+
 fn distance(a: &[u8], b: &[u8]) -> usize {
     let width = b.len() + 1;
     let mut rows = [vec![0; width], (0..width).collect::<Vec<usize>>(), vec![0; width]];

@@ -160,6 +160,12 @@ fn mistakes_are_told_with_their_line() {
         ),
         (
             r#"do = "fault=439""#,
+            r#"do = "fault=999""#,
+            17,
+            "AKD has no fault 999; next to it",
+        ),
+        (
+            r#"do = "fault=439""#,
             r#"do = "fault=439", for = "1s""#,
             17,
             "means nothing here",

@@ -242,7 +242,11 @@ fn inject(request: &Request, runner: &Runner, drives: &mut BTreeMap<StationId, R
     if request.happenings.is_empty() {
         return Answer::Done(who);
     }
-    let happenings: Result<Vec<Happening>, _> = request.happenings.iter().map(|text| text.parse()).collect();
+    let read = |text: &String| {
+        let happening: Happening = text.parse()?;
+        happening.fits(drive.keeping.model).map(|()| happening)
+    };
+    let happenings: Result<Vec<Happening>, _> = request.happenings.iter().map(read).collect();
     match happenings {
         Err(error) => Answer::Refused(error.to_string()),
         Ok(happenings) => {

@@ -45,6 +45,9 @@ impl From<DrivePlan> for Plan {
 /// Names, addresses and MAC addresses of all drives.
 pub fn plans(args: &Simulate, host: Option<MacAddress>) -> Result<Vec<Plan>, Failure> {
     let interval = args.min_cycle.map(interval).transpose()?;
+    if let Some(first) = args.ip {
+        has_room(first, args.count)?;
+    }
     let mut plans: Vec<Plan> = Vec::new();
     for number in 1..=args.count {
         let name = match &args.name {
@@ -66,7 +69,7 @@ pub fn plans(args: &Simulate, host: Option<MacAddress>) -> Result<Vec<Plan>, Fai
         plan.drive.mac = mac(args, &key, host)?;
         plan.drive.min_device_interval = interval;
         if let Some(first) = args.ip {
-            plan.drive.ip = address(first, number - 1)?;
+            plan.drive.ip = address(first, number - 1);
         }
         if let Some(other) = plans.iter().find(|other| other.drive.mac == plan.drive.mac) {
             let mac = plan.drive.mac;
@@ -114,28 +117,49 @@ fn mac(args: &Simulate, key: &str, host: Option<MacAddress>) -> Result<MacAddres
     }
 }
 
-fn address(first: Network, offset: u16) -> Result<IpSuite, Failure> {
-    let address = u32::from(first.address)
-        .checked_add(offset.into())
-        .map(Ipv4Addr::from);
-    let suite = |address| IpSuite {
-        address,
+/// Addresses from `first` to the last one that a station of its subnet may have.
+fn room(first: Network) -> u32 {
+    let (address, mask) = (u32::from(first.address), u32::from(first.mask()));
+    let (net, broadcast) = (address & mask, address | !mask);
+    // two addresses or one have no room for those of net and broadcast (RFC 3021)
+    let (lowest, highest) = match first.prefix {
+        31.. => (net, broadcast),
+        _ => (net + 1, broadcast - 1),
+    };
+    if (lowest..=highest).contains(&address) {
+        (highest - address).saturating_add(1)
+    } else {
+        0
+    }
+}
+
+fn has_room(first: Network, count: u16) -> Result<(), Failure> {
+    let told = format!("{}/{}", first.address, first.prefix);
+    match room(first) {
+        0 => {
+            let message =
+                format!("--ip {told}: the first and the last address of a subnet belong to no station");
+            Err(Failure::usage(message))
+        }
+        room if room < count.into() => {
+            let message = format!(
+                "from {told} on there is room for {}, not for {count}",
+                super::count(room as usize)
+            );
+            Err(Failure::usage(message)
+                .hint("begin at a lower address, or take a larger subnet (a smaller NN)"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The address so many behind the first; that there is room is known.
+fn address(first: Network, offset: u16) -> IpSuite {
+    IpSuite {
+        address: u32::from(first.address).saturating_add(offset.into()).into(),
         mask: first.mask(),
         gateway: Ipv4Addr::UNSPECIFIED,
-    };
-    let fits = |address: &Ipv4Addr| {
-        let host = u32::from(*address) & !u32::from(first.mask());
-        suite(first.address).is_local(*address)
-            && (first.prefix >= 31 || (host != 0 && host != !u32::from(first.mask())))
-    };
-    address.filter(fits).map(suite).ok_or_else(|| {
-        Failure::usage(format!(
-            "{}/{} has no room for {} drives",
-            first.address,
-            first.prefix,
-            offset + 1
-        ))
-    })
+    }
 }
 
 pub const fn model_of(model: Model) -> &'static DriveModel {
@@ -266,8 +290,20 @@ mod tests {
                 "no single station",
             ),
             (
+                "profidrive simulate --name akd-1 --count 256 --ip 10.0.0.2/24",
+                "from 10.0.0.2/24 on there is room for 253 drives, not for 256",
+            ),
+            (
                 "profidrive simulate --name akd-1 --count 2 --ip 10.0.0.254/24",
-                "no room for 2 drives",
+                "room for 1 drive, not for 2",
+            ),
+            (
+                "profidrive simulate --name akd-1 --ip 10.0.0.255/24",
+                "belong to no station",
+            ),
+            (
+                "profidrive simulate --name akd-1 --count 3 --ip 10.0.0.0/31",
+                "room for 2 drives, not for 3",
             ),
         ] {
             assert!(planned(line).unwrap_err().message.contains(words), "{line}");
