@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::args::{Decode, Side};
 use crate::decode::{Counts, Note, Walker, Weight};
 use crate::failure::{Exit, Failure};
-use crate::job;
+use crate::job::{self, JobDrive};
 use crate::output::{Colour, Output};
 use crate::{fields, output};
 
@@ -26,7 +26,7 @@ pub fn run(args: &Decode, output: &Output) -> Result<(), Failure> {
 fn bytes(hex: &str, side: Option<Side>, request: Option<&str>, output: &Output) -> Result<(), Failure> {
     let data = parse_hex(hex)?;
     let request = request.map(parse_hex).transpose()?;
-    let decoded = job::decode(&data, side, request.as_deref())?;
+    let decoded = job::decode(&mut JobDrive::default(), &data, side, request.as_deref())?;
     if output.json() {
         output.document("decode", decoded.fields);
     } else {

@@ -96,22 +96,14 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         line("neighbour", format!("{own} leads to {port} of {station}"));
     }
     if let Some(stw1) = word(info, STW1) {
-        let set = words::set_names(words::stw1_bits(), stw1);
+        let set = words::set(words::stw1_bits(), stw1);
         line(
             "STW1",
-            format!("{} {} [{set}]", hex16(stw1), words::stw1_meaning(stw1)),
+            format!("{} {} {set}", hex16(stw1), words::stw1_meaning(stw1)),
         );
     }
     if let Some(zsw1) = word(info, ZSW1) {
-        let set = words::set_names(words::zsw1_bits(), zsw1);
-        line(
-            "ZSW1",
-            format!(
-                "{} [{set}] {}",
-                hex16(zsw1),
-                words::inverse_meanings(words::zsw1_bits(), zsw1)
-            ),
-        );
+        line("ZSW1", words::shown(words::zsw1_bits(), zsw1));
     }
     for fault in faults {
         let state = if fault.situation == 0 {

@@ -78,23 +78,11 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
     line("state", status.state().map(|state| state.to_string()));
     line(
         "STW1",
-        status.stw1.map(|word| {
-            format!(
-                "{} [{}]",
-                hex16(word.0),
-                words::set_names(bits::stw1(mode), word.0)
-            )
-        }),
+        status.stw1.map(|word| words::shown(bits::stw1(mode), word.0)),
     );
     line(
         "ZSW1",
-        status.zsw1.map(|word| {
-            format!(
-                "{} [{}]",
-                hex16(word.0),
-                words::set_names(bits::zsw1(mode), word.0)
-            )
-        }),
+        status.zsw1.map(|word| words::shown(bits::zsw1(mode), word.0)),
     );
     line("control", status.controller.as_ref().map(owner));
     line("telegram", status.telegram.map(|number| number.to_string()));
@@ -144,17 +132,16 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
     lines
 }
 
-/// `0x0003 (Software disable, Fault present)`
+/// `0x0003 [Software disable, Fault present]`
 fn bits_of(tables: Option<&Catalogue>, pnu: u16, word: u16) -> String {
-    let parameter = tables.and_then(|tables| tables.by_pnu(pnu));
-    let names: Vec<&str> = (0..16_u8)
-        .filter(|bit| word >> bit & 1 != 0)
-        .filter_map(|bit| parameter?.bit(bit))
-        .collect();
-    if names.is_empty() {
-        return hex16(word);
+    match tables.and_then(|tables| tables.word(pnu)) {
+        Some(known) => format!(
+            "{} {}",
+            hex16(word),
+            words::told(&known.told(word.into(), Mode::default()))
+        ),
+        None => hex16(word),
     }
-    format!("{} ({})", hex16(word), names.join(", "))
 }
 
 fn owner(controller: &Option<String>) -> String {
@@ -275,7 +262,7 @@ mod tests {
             "limits       positive switch, software limits (SWLS.STATE 1)",
             "homed        no (ZSW1 bit 11)",
             "position     1.250 rev",
-            "disabled by  0x0003 (Software disable, Fault present)",
+            "disabled by  0x0003 [Software disable, Fault present]",
         ] {
             assert!(text.contains(part), "{part} in\n{text}");
         }

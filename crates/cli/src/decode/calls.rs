@@ -1,6 +1,7 @@
 //! Remote procedure calls: fragments put together, answers matched with their requests.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::net::Ipv4Addr;
 
 use profinet::wire::block::{
     BlockType, Blocks, ControlBlock, ControlCommand, MULTIPLE_WRITE, ReadRequest, ReadResponse, WriteItems,
@@ -44,7 +45,8 @@ enum Context {
     #[default]
     None,
     Connect(Box<connect::Asked>),
-    Read(ReadRequest),
+    /// Of which drive, and what.
+    Read(Ipv4Addr, ReadRequest),
     Write(Vec<WriteRequest>),
     Control(&'static str),
 }
@@ -172,6 +174,13 @@ fn request(
     names: &mut Names,
     sink: &mut Sink<'_>,
 ) -> Result<Context, DecodeError> {
+    let drive = *datagram.destination.ip();
+    if matches!(
+        header.operation,
+        operation::READ | operation::READ_IMPLICIT | operation::WRITE
+    ) {
+        jobs.identify(drive, &header.object);
+    }
     let mut reader = Reader::new(body);
     NdrRequest::decode(&mut reader, header.order)?;
     Ok(match header.operation {
@@ -190,18 +199,18 @@ fn request(
             }
             Context::Connect(Box::new(asked))
         }
-        operation::READ | operation::READ_IMPLICIT => Context::Read(ReadRequest::decode(&mut reader)?),
+        operation::READ | operation::READ_IMPLICIT => Context::Read(drive, ReadRequest::decode(&mut reader)?),
         operation::WRITE => {
             let mut writes = Vec::new();
             let (first, data) = WriteRequest::decode(&mut reader)?;
             if first.index == MULTIPLE_WRITE {
                 for item in WriteItems::new(Reader::new(data)) {
                     let (write, data) = item?;
-                    note_write(&write, data, jobs, sink);
+                    note_write(drive, &write, data, jobs, sink);
                     writes.push(write);
                 }
             } else {
-                note_write(&first, data, jobs, sink);
+                note_write(drive, &first, data, jobs, sink);
                 writes.push(first);
             }
             Context::Write(writes)
@@ -237,9 +246,9 @@ fn command(command: ControlCommand, block: BlockType) -> &'static str {
     }
 }
 
-fn note_write(write: &WriteRequest, data: &[u8], jobs: &mut Jobs, sink: &mut Sink<'_>) {
+fn note_write(drive: Ipv4Addr, write: &WriteRequest, data: &[u8], jobs: &mut Jobs, sink: &mut Sink<'_>) {
     if is_parameter_record(write.index) {
-        jobs.request(write, data, sink);
+        jobs.request(drive, write, data, sink);
     } else {
         let place = records::place(write.api, write.slot, write.subslot);
         let text = format!(
@@ -274,15 +283,15 @@ fn response(
             relations.open(&asked, &response);
         }
         Context::Connect(_) => refused("connect", ndr.status, sink),
-        Context::Read(read) if is_parameter_record(read.index) => {
+        Context::Read(drive, read) if is_parameter_record(read.index) => {
             let data = if ndr.status.is_ok() {
                 Some(ReadResponse::decode(&mut reader)?.1)
             } else {
                 None
             };
-            jobs.answer(&read, data, ndr.status, sink);
+            jobs.answer(drive, &read, data, ndr.status, sink);
         }
-        Context::Read(read) => {
+        Context::Read(_, read) => {
             let what = records::name(read.index);
             let place = records::place(read.api, read.slot, read.subslot);
             if ndr.status.is_ok() {

@@ -189,10 +189,10 @@ fn change(name: &str, before: Option<u16>, word: u16) -> String {
 }
 
 fn stw1(before: Option<u16>, word: u16) -> (String, Weight) {
-    let set = words::set_names(words::stw1_bits(), word);
+    let set = words::set(words::stw1_bits(), word);
     (
         format!(
-            "{} {} [{set}]",
+            "{} {} {set}",
             change("STW1", before, word),
             words::stw1_meaning(word)
         ),
@@ -201,7 +201,7 @@ fn stw1(before: Option<u16>, word: u16) -> (String, Weight) {
 }
 
 fn zsw1(before: Option<u16>, word: u16, sent: Option<u16>) -> (String, Weight) {
-    let set = words::set_names(words::zsw1_bits(), word);
+    let set = words::set(words::zsw1_bits(), word);
     let weight = match word {
         fault if words::has_fault(fault) => Weight::Error,
         warning if words::has_warning(warning) => Weight::Warning,
@@ -209,7 +209,7 @@ fn zsw1(before: Option<u16>, word: u16, sent: Option<u16>) -> (String, Weight) {
     };
     (
         format!(
-            "{} {} [{set}]",
+            "{} {} {set}",
             change("ZSW1", before, word),
             words::state(word, sent)
         ),

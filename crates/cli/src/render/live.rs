@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use drive_client::AxisStatus;
 use profidrive::state::{Mode, bits};
+use serde_json::Value;
 
 use super::{hex16, nibbles, words};
 use crate::fields;
@@ -123,6 +124,7 @@ impl LiveView {
             "zsw1": view.zsw1, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
             "position": view.position, "target": view.target, "turns": view.turns,
             "following_error": view.following_error,
+            "words": words_json(view.mode, Some(view.stw1), view.zsw1),
         };
         self.output.document(self.command, fields);
     }
@@ -144,6 +146,14 @@ impl LiveView {
         self.drawn = lines.len();
         self.output.raw(&text);
     }
+}
+
+/// The bits of both words for programs, beside their numbers.
+pub fn words_json(mode: Mode, stw1: Option<u16>, zsw1: Option<u16>) -> Value {
+    Value::Object(fields! {
+        "stw1": stw1.map(|word| words::set_json(bits::stw1(mode), word)),
+        "zsw1": zsw1.map(|word| words::set_json(bits::zsw1(mode), word)),
+    })
 }
 
 /// One line for a log.
@@ -192,20 +202,20 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
             &format!("{mark} {:>6.1} s  {}", view.time.as_secs_f64(), view.state()),
         ),
         format!(
-            "  STW1 {}  {}  {} [{}]",
+            "  STW1 {}  {}  {} {}",
             hex16(view.stw1),
             nibbles(view.stw1),
             words::stw1_meaning_in(view.mode, view.stw1),
-            words::set_names(stw1_bits, view.stw1)
+            words::set(stw1_bits, view.stw1)
         ),
         view.zsw1.map_or_else(
             || "  ZSW1 -".into(),
             |zsw1| {
                 format!(
-                    "  ZSW1 {}  {}  [{}]",
+                    "  ZSW1 {}  {}  {}",
                     hex16(zsw1),
                     nibbles(zsw1),
-                    words::set_names(zsw1_bits, zsw1)
+                    words::set(zsw1_bits, zsw1)
                 )
             },
         ),

@@ -4,12 +4,13 @@ use drive_client::parameter::{Content, Reading};
 use serde_json::Value;
 
 use super::table::clean;
-use super::{hex_bytes, number};
+use super::{hex_bytes, number, words};
 use crate::fields;
 
 /// The value without its unit: `3000`, `0.366`, `"akd-1"`, `05 A2`.
 pub fn value(reading: &Reading) -> String {
     match &reading.content {
+        Content::Number { .. } if reading.word.is_some() => words::hex(&reading.octets),
         Content::Number { engineering, .. } if reading.decimals == 0 => number(*engineering),
         Content::Number { engineering, .. } => trimmed(*engineering, reading.decimals),
         Content::Float(value) => number(*value),
@@ -18,25 +19,27 @@ pub fn value(reading: &Reading) -> String {
     }
 }
 
-/// Value with unit and, where there are any, words: `1 (velocity)`.
+/// Value with unit and, where there are any, words: `1 (velocity)`, `0x0231 [READY_ON, CTRL_REQ]`.
 pub fn full(reading: &Reading) -> String {
     let mut text = value(reading);
     if !reading.unit.is_empty() {
         text = format!("{text} {}", reading.unit);
     }
-    let words = meaning(reading);
-    if words.is_empty() {
-        text
-    } else {
-        format!("{text} ({words})")
+    let meaning = meaning(reading);
+    match (&reading.word, meaning.is_empty()) {
+        (Some(told), _) => format!("{text} {}", words::told(told)),
+        (None, true) => text,
+        (None, false) => format!("{text} ({meaning})"),
     }
 }
 
-/// What an enumeration or a bit field says.
+/// What an enumeration or a word says, or what the number is a part of.
 pub fn meaning(reading: &Reading) -> String {
-    match reading.choice {
-        Some(choice) => choice.to_owned(),
-        None => reading.bits.join(", "),
+    match (reading.choice, &reading.word, reading.high_half_of) {
+        (Some(choice), ..) => choice.to_owned(),
+        (None, Some(told), _) => words::joined(told),
+        (None, None, Some(whole)) => format!("high half of {whole}"),
+        (None, None, None) => String::new(),
     }
 }
 
@@ -67,9 +70,13 @@ pub fn json(reading: &Reading) -> Value {
         "unit": reading.unit, "raw": reading.raw(), "hex": hex_bytes(&reading.octets),
         "format": reading.format, "writable": reading.writable,
     };
-    let words = meaning(reading);
-    if !words.is_empty() {
-        fields.insert("meaning".into(), words.into());
+    if let Some(told) = &reading.word {
+        let word = fields! { "hex": words::hex(&reading.octets), "set": told.clone() };
+        fields.insert("word".into(), Value::Object(word));
+    }
+    let meaning = meaning(reading);
+    if !meaning.is_empty() {
+        fields.insert("meaning".into(), meaning.into());
     }
     Value::Object(fields)
 }
@@ -112,5 +119,35 @@ mod tests {
         assert!(full(&reading).starts_with("1 ("), "{}", full(&reading));
         assert_eq!(json(&reading)["pnu"], 2135);
         assert_eq!(json(&reading)["index"], Value::Null);
+    }
+
+    #[test]
+    fn words_are_hexadecimal_with_the_names_of_their_bits() {
+        let reading = read("ZSW1", &[0x02, 0x40]);
+        assert_eq!(value(&reading), "0x0240");
+        assert!(meaning(&reading).starts_with("OFF2"), "{}", meaning(&reading));
+        let reading = read("ZSW1", &[0x02, 0x70]);
+        assert_eq!(full(&reading), "0x0270 [INHIBIT, CTRL_REQ]");
+        let document = json(&reading);
+        assert_eq!(
+            (&document["value"], &document["word"]["hex"]),
+            (&624.0.into(), &"0x0270".into())
+        );
+        assert_eq!(
+            document["word"]["set"],
+            serde_json::json!(["INHIBIT", "CTRL_REQ"])
+        );
+        let reading = read("DRV.MOTIONSTAT", &[0, 0, 0, 6]);
+        assert_eq!(value(&reading), "0x0006");
+        let reading = read("DRV.DISSOURCES", &[0, 0]);
+        assert_eq!(full(&reading), "0x0000 [no bit set]");
+        let reading = read("MT.CNTL", &[0, 1, 0, 0]);
+        assert!(
+            full(&reading).starts_with("0x10000 [Task type: Absolute target MT.P, "),
+            "{}",
+            full(&reading)
+        );
+        let reading = read("2109", &[0, 0, 0, 0]);
+        assert_eq!(meaning(&reading), "high half of DRV.ACC");
     }
 }

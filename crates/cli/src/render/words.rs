@@ -16,8 +16,49 @@ pub fn zsw1_bits() -> &'static [Bit; 16] {
     bits::zsw1(Mode::Velocity)
 }
 
+/// A word as it is shown everywhere: hexadecimal with at least four digits.
+pub fn hex(octets: &[u8]) -> String {
+    let word = octets
+        .iter()
+        .fold(0_u64, |number, &octet| number << 8 | u64::from(octet));
+    format!("0x{word:04X}")
+}
+
+/// What the bits of a word say, behind its digits: `[ON, EN_OP, CTRL_PLC]`.
+pub fn told(told: &[String]) -> String {
+    match told {
+        [] => "[no bit set]".into(),
+        told => format!("[{}]", joined(told)),
+    }
+}
+
+/// The same without the brackets; empty when no bit says anything.
+pub fn joined(told: &[String]) -> String {
+    let comma = told.iter().any(|text| text.contains(", "));
+    told.join(if comma { "; " } else { ", " })
+}
+
+/// A control or status word as it is shown everywhere: `0x043F [ON, EN_OP, CTRL_PLC]`.
+pub fn shown(table: &'static [Bit; 16], word: u16) -> String {
+    format!("{} {}", hex16(word), set(table, word))
+}
+
+/// The bits of a control or status word behind its digits: `[ON, EN_OP, CTRL_PLC]`.
+pub fn set(table: &'static [Bit; 16], word: u16) -> String {
+    told(&names(table, word))
+}
+
+fn names(table: &'static [Bit; 16], word: u16) -> Vec<String> {
+    bits::told(table, word).map(str::to_owned).collect()
+}
+
+/// The same for programs, beside the number.
+pub fn set_json(table: &'static [Bit; 16], word: u16) -> Value {
+    json!({ "hex": hex16(word), "set": names(table, word) })
+}
+
 /// Names of the set bits without the inverse ones: `ON, EN_OP, CTRL_PLC`.
-pub fn set_names(table: &[Bit; 16], word: u16) -> String {
+fn set_names(table: &[Bit; 16], word: u16) -> String {
     let names: Vec<_> = table
         .iter()
         .filter(|bit| !bit.inverse && is_set(word, bit))

@@ -153,8 +153,10 @@ fn comment(backup: &Backup, reading: &Reading) -> String {
     };
     let meaning = match reading.choice {
         Some(choice) => choice.to_owned(),
-        None if !reading.bits.is_empty() => reading.bits.join(", "),
-        None => String::new(),
+        None => reading
+            .word
+            .as_ref()
+            .map_or_else(String::new, |told| told.join(", ")),
     };
     let steps = if unit(parameter.unit).is_empty() && !parameter.unit.is_empty() {
         format!("in steps of {}", parameter.unit)

@@ -10,6 +10,8 @@ pub use reading::{Content, Interpretation, Reading};
 pub use select::Selection;
 pub(crate) use wide::{halves, join, split};
 
+pub use crate::session::take_scale;
+
 use profidrive::catalogue::{Catalogue, Parameter, Scaling};
 use profidrive::notation::{QuantityError, ReferenceError, UnitMismatch};
 

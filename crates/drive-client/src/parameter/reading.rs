@@ -3,6 +3,7 @@
 use profidrive::catalogue::Parameter;
 use profidrive::notation::Shown;
 use profidrive::parameter::{CodeSpace, Format, Kind};
+use profidrive::state::Mode;
 
 use super::check::sign_extend;
 use super::{Parameters, Selection};
@@ -30,8 +31,10 @@ pub struct Reading {
     pub decimals: u8,
     /// Text of the value of an enumeration.
     pub choice: Option<&'static str>,
-    /// Texts of the bits that are set, for a bit field.
-    pub bits: Vec<&'static str>,
+    /// What the bits say, for a word: see [`Word::told`](profidrive::catalogue::Word::told). `None` for all others.
+    pub word: Option<Vec<String>>,
+    /// Name of the 64-bit value whose high half this is.
+    pub high_half_of: Option<&'static str>,
 }
 
 /// Meaning of the octets of a value.
@@ -147,10 +150,25 @@ impl Parameters {
             choice: parameter
                 .zip(raw)
                 .and_then(|(parameter, raw)| parameter.choice(raw)),
-            bits: parameter
-                .zip(raw)
-                .map_or_else(Vec::new, |(parameter, raw)| set_bits(parameter, raw)),
+            word: raw.and_then(|_| self.word(selection.pnu, octets, Mode::default())),
+            high_half_of: self
+                .catalogue
+                .and_then(|tables| tables.by_high(selection.pnu))
+                .map(|whole| whole.name),
         }
+    }
+
+    /// The same reading of a drive in this mode, which decides over some bits of STW1 and ZSW1.
+    #[must_use]
+    pub fn in_mode(&self, mut reading: Reading, mode: Mode) -> Reading {
+        if reading.word.is_some() {
+            reading.word = self.word(reading.pnu, &reading.octets, mode);
+        }
+        reading
+    }
+
+    fn word(&self, pnu: u16, octets: &[u8], mode: Mode) -> Option<Vec<String>> {
+        Some(self.catalogue?.word(pnu)?.told(whole(octets), mode))
     }
 
     fn content(
@@ -172,9 +190,7 @@ impl Parameters {
             Interpretation::Octets => Content::Octets,
             _ if octets.is_empty() || octets.len() > 8 => Content::Octets,
             Interpretation::Signed | Interpretation::Unsigned | Interpretation::Plain => {
-                let unsigned = octets
-                    .iter()
-                    .fold(0_u64, |number, &octet| number << 8 | u64::from(octet));
+                let unsigned = whole(octets);
                 let signed = match interpretation {
                     Interpretation::Plain => parameter.is_some_and(|parameter| parameter.signed),
                     other => other == Interpretation::Signed,
@@ -194,14 +210,10 @@ impl Parameters {
     }
 }
 
-fn set_bits(parameter: &Parameter, raw: i64) -> Vec<&'static str> {
-    if parameter.bits.is_empty() {
-        return Vec::new();
-    }
-    (0..64)
-        .filter(|&bit| raw >> bit & 1 == 1)
-        .filter_map(|bit| parameter.bit(bit))
-        .collect()
+fn whole(octets: &[u8]) -> u64 {
+    octets
+        .iter()
+        .fold(0, |number, &octet| number << 8 | u64::from(octet))
 }
 
 #[cfg(test)]
@@ -241,6 +253,34 @@ mod tests {
                 .is_some_and(|text| text.to_lowercase().contains("velocity")),
             "{reading:?}"
         );
+    }
+
+    #[test]
+    fn words_by_their_bits() {
+        let told = |text, octets: &[u8]| read(text, Interpretation::Plain, octets).word;
+        assert_eq!(
+            told("ZSW1", &[0x02, 0x71]),
+            Some(vec!["READY_ON".into(), "INHIBIT".into(), "CTRL_REQ".into()])
+        );
+        assert_eq!(told("DRV.MOTIONSTAT", &[0, 0, 0, 0]), Some(vec![]));
+        assert_eq!(told("DRV.ACC", &[0, 0, 0, 1]), None);
+        let drive = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let reading = read("STW1", Interpretation::Plain, &[0x04, 0x6F]);
+        let reading = drive.in_mode(reading, Mode::Position);
+        assert!(
+            reading
+                .word
+                .as_ref()
+                .is_some_and(|told| told.iter().any(|text| text.starts_with("reject"))),
+            "{reading:?}"
+        );
+        let upper = read("2109", Interpretation::Plain, &[0, 0, 0, 1]);
+        assert_eq!((upper.name, upper.high_half_of), (None, Some("DRV.ACC")));
+        let error = read("PL.ERR", Interpretation::Plain, &[0xFF, 0xFF, 0xFF, 0xFE]);
+        assert_eq!(error.number(), Some(-2.0));
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, WarningEntry};
 pub use info::{Identity, Info, Peer};
 pub use monitor::Snapshot;
-pub(crate) use parameters::take_scale;
+pub use parameters::take_scale;
 pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};
 pub use stop::{StopOutcome, StopWay};
 

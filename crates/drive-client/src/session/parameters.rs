@@ -454,27 +454,55 @@ const ACCELERATION: u16 = 3065;
 const POSITION: u16 = 3014;
 const PEAK_CURRENT: u16 = 2132;
 const SINGLETURN: u16 = 1002;
+/// The profile's numbers of the first two.
+const VELOCITY_MIRROR: u16 = 1009;
+const ACCELERATION_MIRROR: u16 = 1008;
 const SCALING: [u16; 5] = [VELOCITY, ACCELERATION, POSITION, PEAK_CURRENT, SINGLETURN];
 
-/// Takes over the value of a parameter that scales others; nothing happens for any other one.
+/// Takes over the value of a parameter that scales others, in its engineering unit, and says which scale it is for;
+/// nothing happens for any other one.
+///
+/// ```
+/// use drive_client::parameter::take_scale;
+/// use profidrive::catalogue::{Scale, Scaling};
+/// let mut scaling = Scaling::default();
+/// assert_eq!(take_scale(&mut scaling, 3064, 200.0), Some(Scale::Velocity)); // PN.VELSCALING
+/// assert_eq!(scaling.velocity, 200);
+/// assert_eq!(take_scale(&mut scaling, 2108, 200.0), None);
+/// ```
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "saturates"
 )]
-pub fn take_scale(scaling: &mut Scaling, pnu: u16, number: f64) {
-    match pnu {
-        VELOCITY => scaling.velocity = number as u16,
-        ACCELERATION => scaling.acceleration = number as u16,
-        POSITION => scaling.position = number as u32,
-        PEAK_CURRENT => scaling.peak_current = number,
-        SINGLETURN => scaling.singleturn_bits = number as u16,
-        _ => {}
-    }
+pub fn take_scale(scaling: &mut Scaling, pnu: u16, number: f64) -> Option<Scale> {
+    Some(match pnu {
+        VELOCITY | VELOCITY_MIRROR => {
+            scaling.velocity = number as u16;
+            Scale::Velocity
+        }
+        ACCELERATION | ACCELERATION_MIRROR => {
+            scaling.acceleration = number as u16;
+            Scale::Acceleration
+        }
+        POSITION => {
+            scaling.position = number as u32;
+            Scale::Position
+        }
+        PEAK_CURRENT => {
+            scaling.peak_current = number;
+            Scale::Current
+        }
+        SINGLETURN => {
+            scaling.singleturn_bits = number as u16;
+            Scale::Singleturn
+        }
+        _ => return None,
+    })
 }
 
 fn is_scaling(parameter: &Parameter) -> bool {
-    SCALING.contains(&parameter.pnu) || matches!(parameter.pnu, 1008 | 1009)
+    SCALING.contains(&parameter.pnu) || matches!(parameter.pnu, VELOCITY_MIRROR | ACCELERATION_MIRROR)
 }
 
 fn needs_scaling(selection: &Selection) -> bool {

@@ -21,6 +21,7 @@ mod device;
 mod fault;
 mod nearest;
 mod parameter;
+mod word;
 
 pub use akd::AKD;
 pub use backup::{BackupRule, Phase, Role};
@@ -28,6 +29,7 @@ pub use device::{DescriptionFacts, Device, TelegramModule, Words};
 pub use fault::{Cleared, Fault, Reaction};
 pub use nearest::name_distance;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
+pub use word::{Field, Word, WordKind};
 
 /// The tables of one drive model.
 #[derive(Debug)]
@@ -42,6 +44,8 @@ pub struct Catalogue {
     pub device: Device,
     /// What each parameter that is no plain setting is to a tool that saves and restores, ascending by PNU.
     pub backup: &'static [BackupRule],
+    /// Parameters whose bits say something each, ascending by PNU.
+    pub words: &'static [Word],
     /// Position in `parameters` plus one by PNU, 0 where there is none.
     index: &'static [u16],
     /// Positions in `parameters`, ordered by name without regard to case.
@@ -124,6 +128,13 @@ impl Catalogue {
         self.parameters
             .iter()
             .filter(move |parameter| contains(parameter.name, text) || contains(parameter.description, text))
+    }
+
+    /// What the bits of a parameter say; `None` when it is no word.
+    #[must_use]
+    pub fn word(&self, pnu: u16) -> Option<&'static Word> {
+        let found = self.words.binary_search_by_key(&pnu, |word| word.pnu);
+        found.ok().and_then(|at| self.words.get(at))
     }
 
     /// What a parameter is to a tool that saves and restores.

@@ -75,6 +75,22 @@ pub fn describe(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = Bi
     })
 }
 
+/// What a word says in short: the bits that are set by their name; an inverse bit by its meaning, and only where it
+/// stops something.
+///
+/// ```
+/// use profidrive::state::{Mode, bits};
+/// let told: Vec<_> = bits::told(bits::stw1(Mode::Velocity), 0x047D).collect();
+/// assert_eq!(told[..2], ["ON", "OFF2: coast stop, pulses off at once"]);
+/// ```
+pub fn told(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = &'static str> {
+    describe(table, word).filter_map(|bit| match (bit.inverse, bit.set) {
+        (false, true) => Some(bit.name),
+        (true, false) => Some(bit.meaning),
+        _ => None,
+    })
+}
+
 pub(super) const fn bit(number: u8, name: &'static str, on: &'static str, off: &'static str) -> Bit {
     Bit {
         number,

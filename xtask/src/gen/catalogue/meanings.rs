@@ -1,32 +1,78 @@
-//! Texts of enumeration values and bits: `meanings.csv` of a model.
+//! Texts of enumeration values, bits and fields of bits: `meanings.csv` of a model.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::Outcome;
 use crate::table::Table;
 
-/// Texts of enumeration values and bits by parameter.
+/// Texts by parameter or family.
 pub struct Meanings {
+    /// Texts by parameter and kind: `choice`, `bit`, `choice 0-3`.
     tables: BTreeMap<(String, String), Vec<(i32, String)>>,
+    /// Bits that are one number, with its name.
+    fields: BTreeMap<String, Vec<(u8, u8, String)>>,
+    /// Words of which no bit has a text here, and the profile's own.
+    words: BTreeMap<String, &'static str>,
+    /// Parameters that say the same as another one.
+    same: BTreeMap<String, String>,
 }
 
 impl Meanings {
     /// Reads `root/file`.
     pub fn read(root: &Path, file: &str) -> Outcome<Self> {
-        let mut tables: BTreeMap<_, Vec<_>> = BTreeMap::new();
+        let mut meanings = Self {
+            tables: BTreeMap::new(),
+            fields: BTreeMap::new(),
+            words: BTreeMap::new(),
+            same: BTreeMap::new(),
+        };
         for row in Table::read(root, file)?.rows() {
-            let kind = row.text("kind")?;
-            if !matches!(kind, "choice" | "bit") {
-                return Err(format!("{}: kind {kind:?}", row.place()).into());
+            let wrong = |what: &str| format!("{}: {what}", row.place());
+            let (parameter, text) = (row.text("parameter")?.to_owned(), row.text("text")?.to_owned());
+            match row.text("kind")? {
+                "word" => {
+                    let kind = match text.as_str() {
+                        "STW1" => "Control",
+                        "ZSW1" => "Status",
+                        "" => "Own",
+                        other => return Err(wrong(&format!("word {other:?}")).into()),
+                    };
+                    meanings.words.insert(parameter, kind);
+                }
+                "same" => {
+                    meanings.same.insert(parameter, text);
+                }
+                "field" => {
+                    let (first, last) = bits(row.text("value")?).ok_or_else(|| wrong("bits as 0-3"))?;
+                    meanings
+                        .fields
+                        .entry(parameter)
+                        .or_default()
+                        .push((first, last, text));
+                }
+                kind => {
+                    let known = match kind.strip_prefix("choice ") {
+                        Some(range) => {
+                            let known = meanings.fields.get(&parameter);
+                            bits(range).is_some_and(|(first, last)| {
+                                known.is_some_and(|fields| {
+                                    fields.iter().any(|field| (field.0, field.1) == (first, last))
+                                })
+                            })
+                        }
+                        None => matches!(kind, "choice" | "bit"),
+                    };
+                    if !known {
+                        return Err(wrong(&format!("kind {kind:?}")).into());
+                    }
+                    let table = meanings.tables.entry((parameter, kind.to_owned())).or_default();
+                    table.push((row.number("value")?, text));
+                }
             }
-            let key = (row.text("parameter")?.to_owned(), kind.to_owned());
-            tables
-                .entry(key)
-                .or_default()
-                .push((row.number("value")?, row.text("text")?.to_owned()));
         }
-        Ok(Self { tables })
+        Ok(meanings)
     }
 
     /// The texts as Rust, a table for each parameter or family that has some.
@@ -45,17 +91,81 @@ impl Meanings {
         text
     }
 
+    /// The table of words, ascending by number.
+    pub fn render_words(&self, numbers: &[(u16, String)]) -> Outcome<String> {
+        let mut used = BTreeSet::new();
+        let mut text = String::from(
+            "use super::meanings::*;\nuse crate::catalogue::{Field, Word, WordKind};\n\n\
+             #[rustfmt::skip]\npub static WORDS: &[Word] = &[\n",
+        );
+        for (pnu, name) in numbers {
+            let (_, bits) = self.names(name);
+            let source = self.source(name);
+            let kind = self.words.get(source).copied();
+            let fields = self.fields.get(source);
+            if bits == NONE && kind.is_none() && fields.is_none() {
+                continue;
+            }
+            used.insert(source.to_owned());
+            write!(
+                text,
+                "    Word {{ pnu: {pnu}, kind: WordKind::{}, bits: {bits}, fields: &[",
+                kind.unwrap_or("Own")
+            )?;
+            for (first, last, name) in fields.into_iter().flatten() {
+                let kind = format!("choice {first}-{last}");
+                let key = (source.to_owned(), kind.clone());
+                let choices = if self.tables.contains_key(&key) {
+                    identifier(source, &kind)
+                } else {
+                    NONE.to_owned()
+                };
+                write!(
+                    text,
+                    "Field {{ first: {first}, last: {last}, name: {name:?}, choices: {choices} }}, "
+                )?;
+            }
+            text.push_str("] },\n");
+        }
+        text.push_str("];\n\n");
+        match self
+            .words
+            .keys()
+            .chain(self.fields.keys())
+            .find(|name| !used.contains(*name))
+        {
+            Some(name) => Err(format!("meanings: {name} is no parameter").into()),
+            None => Ok(text),
+        }
+    }
+
+    /// The parameter whose texts this one has.
+    fn source<'a>(&'a self, parameter: &'a str) -> &'a str {
+        self.same.get(parameter).map_or(parameter, String::as_str)
+    }
+
     /// The expressions for `choices` and `bits` of a parameter.
     pub fn names(&self, parameter: &str) -> (String, String) {
+        let parameter = self.source(parameter);
         let family = family(parameter);
         let one = |kind: &str| {
             [parameter, family.as_str()]
                 .iter()
                 .find(|name| self.tables.contains_key(&((**name).to_owned(), kind.to_owned())))
-                .map_or("&[]".to_owned(), |name| identifier(name, kind))
+                .map_or(NONE.to_owned(), |name| identifier(name, kind))
         };
         (one("choice"), one("bit"))
     }
+}
+
+/// No texts.
+const NONE: &str = "&[]";
+
+/// `0-3` as first and last bit.
+fn bits(range: &str) -> Option<(u8, u8)> {
+    let (first, last) = range.split_once('-')?;
+    let (first, last) = (first.parse().ok()?, last.parse().ok()?);
+    (first <= last && last < 64).then_some((first, last))
 }
 
 /// `DIN21.MODE` is of the family `DINx.MODE`.
@@ -67,7 +177,11 @@ fn family(parameter: &str) -> String {
 }
 
 fn identifier(parameter: &str, kind: &str) -> String {
-    let kind = if kind == "bit" { "BITS" } else { "CHOICES" };
+    let kind = match kind {
+        "bit" => "BITS".to_owned(),
+        "choice" => "CHOICES".to_owned(),
+        other => other.to_ascii_uppercase().replace([' ', '-'], "_"),
+    };
     format!(
         "{}_{kind}",
         parameter.to_ascii_uppercase().replace(['.', ' '], "_")
@@ -83,5 +197,8 @@ mod tests {
         assert_eq!(family("DIN21.MODE"), "DINx.MODE");
         assert_eq!(family("STW1"), "STW1");
         assert_eq!(identifier("DRV.OPMODE", "choice"), "DRV_OPMODE_CHOICES");
+        assert_eq!(identifier("MT.CNTL", "choice 0-3"), "MT_CNTL_CHOICE_0_3");
+        assert_eq!(bits("5-9"), Some((5, 9)));
+        assert_eq!((bits("9-5"), bits("5"), bits("0-64")), (None, None, None));
     }
 }

@@ -73,6 +73,7 @@ impl Model {
                 backup::render(&rules, &backup::known(&parameters)?)?,
             ),
             made("parameters", "parameters.csv", table),
+            made("words", "meanings.csv", meanings.render_words(&numbers)?),
         ])
     }
 
@@ -81,11 +82,11 @@ impl Model {
         let Self { name, about, .. } = self;
         format!(
             "use super::Catalogue;\n\n\
-             mod backup;\nmod device;\nmod faults;\nmod index;\nmod meanings;\nmod parameters;\n\n\
+             mod backup;\nmod device;\nmod faults;\nmod index;\nmod meanings;\nmod parameters;\nmod words;\n\n\
              /// {about}\n\
              pub static {name}: Catalogue = Catalogue {{ model: {name:?}, parameters: parameters::PARAMETERS, \
              index: index::INDEX, names: index::NAMES, faults: faults::FAULTS, device: device::DEVICE, \
-             backup: backup::BACKUP }};\n"
+             backup: backup::BACKUP, words: words::WORDS }};\n"
         )
     }
 }
@@ -109,7 +110,7 @@ mod tests {
         assert_eq!(models, folders);
         for model in MODELS {
             let files = model.files(&root).unwrap();
-            assert_eq!(files.len(), 7);
+            assert_eq!(files.len(), 8);
             for file in &files {
                 let home = format!("crates/profidrive/src/catalogue/{}/", model.folder);
                 assert!(file.path.starts_with(&home), "{}", file.path);

@@ -134,6 +134,17 @@ pub static DOUTX_MODE_CHOICES: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+pub static DRIVE_INPUTS_BITS: &[Meaning] = &[
+    Meaning { value: 0, text: "Negative software limit (SWLS.STATE bit 0)" },
+    Meaning { value: 1, text: "Positive software limit (SWLS.STATE bit 1)" },
+    Meaning { value: 2, text: "Negative limit switch (HWLS.NEGSTATE)" },
+    Meaning { value: 3, text: "Positive limit switch (HWLS.POSSTATE)" },
+    Meaning { value: 4, text: "Hardware disable (DRV.DISSOURCES bit 2)" },
+    Meaning { value: 5, text: "Controlled stop input (DRV.DISSOURCES bit 5)" },
+    Meaning { value: 6, text: "Torque allowed (STO.STATE)" },
+];
+
+#[rustfmt::skip]
 pub static DRV_CMDSOURCE_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "Service channel (TCP/IP)" },
     Meaning { value: 1, text: "Fieldbus" },
@@ -290,12 +301,38 @@ pub static MOTOR_TYPE_CHOICES: &[Meaning] = &[
 
 #[rustfmt::skip]
 pub static MT_CNTL_BITS: &[Meaning] = &[
-    Meaning { value: 4, text: "1: a following task is executed" },
+    Meaning { value: 4, text: "A following task is executed" },
     Meaning { value: 12, text: "Was the homing feedrate switch before firmware 01-11-02; deprecated" },
-    Meaning { value: 13, text: "1: new tasks are refused while this one runs" },
-    Meaning { value: 14, text: "1: the task may only start while another one runs" },
+    Meaning { value: 13, text: "New tasks are refused while this one runs" },
+    Meaning { value: 14, text: "The task may only start while another one runs" },
     Meaning { value: 15, text: "Reserved" },
-    Meaning { value: 16, text: "1: target speed from an external source such as an analog input" },
+    Meaning { value: 16, text: "Target speed from an external source such as an analog input" },
+];
+
+#[rustfmt::skip]
+pub static MT_CNTL_CHOICE_0_3: &[Meaning] = &[
+    Meaning { value: 0, text: "Absolute target MT.P" },
+    Meaning { value: 1, text: "Relative to PL.CMD" },
+    Meaning { value: 3, text: "Relative to the previous target" },
+    Meaning { value: 5, text: "Relative to an external start position" },
+    Meaning { value: 7, text: "Relative to PL.FB" },
+    Meaning { value: 8, text: "Absolute from an external source in 2009, later reserved" },
+];
+
+#[rustfmt::skip]
+pub static MT_CNTL_CHOICE_10_11: &[Meaning] = &[
+    Meaning { value: 0, text: "Trapezoidal" },
+];
+
+#[rustfmt::skip]
+pub static MT_CNTL_CHOICE_5_9: &[Meaning] = &[
+    Meaning { value: 0, text: "At once after stopping" },
+    Meaning { value: 1, text: "After stopping and MT.TNEXT" },
+    Meaning { value: 2, text: "After stopping and an external event" },
+    Meaning { value: 3, text: "After stopping, MT.TNEXT and an event" },
+    Meaning { value: 7, text: "After stopping and MT.TNEXT or an event" },
+    Meaning { value: 16, text: "Change on the fly, reaches the target at the present speed" },
+    Meaning { value: 24, text: "Change on the fly, reaches the target already at the next speed" },
 ];
 
 #[rustfmt::skip]
@@ -353,6 +390,12 @@ pub static REGEN_TYPE_CHOICES: &[Meaning] = &[
 pub static STO_STATE_CHOICES: &[Meaning] = &[
     Meaning { value: 1, text: "Torque allowed" },
     Meaning { value: 0, text: "Safe torque off" },
+];
+
+#[rustfmt::skip]
+pub static SWLS_STATE_BITS: &[Meaning] = &[
+    Meaning { value: 0, text: "Negative software limit active" },
+    Meaning { value: 1, text: "Positive software limit active" },
 ];
 
 #[rustfmt::skip]

@@ -8,6 +8,7 @@ mod faults;
 mod index;
 mod meanings;
 mod parameters;
+mod words;
 
 /// Kollmorgen AKD with PROFINET, firmware 1.17.
 pub static AKD: Catalogue = Catalogue {
@@ -18,4 +19,5 @@ pub static AKD: Catalogue = Catalogue {
     faults: faults::FAULTS,
     device: device::DEVICE,
     backup: backup::BACKUP,
+    words: words::WORDS,
 };
