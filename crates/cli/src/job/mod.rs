@@ -67,7 +67,8 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
     let id = data.get(1).copied().unwrap_or(0);
     let addresses = HEADER + ADDRESS * usize::from(data.get(3).copied().unwrap_or(0));
     match id {
-        1 if data.len() == addresses => Side::Request,
+        // as long as a read request, but what would be its attribute is a format code
+        1 if data.len() == addresses && !looks_like_values(data) => Side::Request,
         // the head alone, padded or not: a change that was carried out
         2 if matches!(data.get(HEADER..), Some([] | [0, 0])) => Side::Response,
         2 if data.len() > HEADER + 2 && Request::parse(data, space).is_ok_and(|job| values_fit(&job)) => {
@@ -82,7 +83,7 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
 
 /// True where a response would have its first format code: no attribute is one.
 fn looks_like_values(data: &[u8]) -> bool {
-    !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30))
+    !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30 | 0x80..))
 }
 
 fn values_fit(job: &Request<'_>) -> bool {
@@ -593,7 +594,7 @@ mod tests {
         let speed = ("01 01 00 01 10 01 00 05 00 00", "01 01 00 01 42 01 05 3E");
         let text = answered(&mut drive, speed.0, speed.1);
         assert!(
-            text.contains("NSOLL_A (r0005) = raw 1342, 491.335 rpm if PN.VELSCALING 1638   [Word 05 3E]"),
+            text.contains("NSOLL_A (p0005) = raw 1342, 491.335 rpm if PN.VELSCALING 1638   [Word 05 3E]"),
             "{text}"
         );
         // PN.VELSCALING is read
@@ -604,7 +605,7 @@ mod tests {
         );
         assert!(text.contains("PN.VELSCALING (p3064) = 200"), "{text}");
         let text = answered(&mut drive, speed.0, speed.1);
-        assert!(text.contains("NSOLL_A (r0005) = 59.992 rpm   ["), "{text}");
+        assert!(text.contains("NSOLL_A (p0005) = 59.992 rpm   ["), "{text}");
         // its mirror is written, first refused, then accepted
         let change = "03 02 00 01 10 01 03 F1 00 00 42 01 03 E8";
         let refused = answered(&mut drive, change, "03 82 00 01 44 01 00 11");
