@@ -1,7 +1,8 @@
 //! The PROFIdrive drive profile: parameters, state machine, telegrams, units and faults.
 //!
 //! Knows no PROFINET, no socket and no clock; it turns bytes into meaning and back. A drive and a client are built from
-//! the same modules: [`parameter`] (base mode parameter access), [`state`] (S1 to S5), [`telegram`] (what is where in
+//! the same modules: [`parameter`] (base mode parameter access), [`pkw`] (the
+//! older parameter channel in cyclic words and on serial lines), [`state`] (S1 to S5), [`telegram`] (what is where in
 //! the cyclic data), [`mod@unit`] (what a raw number means), [`fault`] (the fault buffer), [`catalogue`] (the tables of each
 //! drive model), [`notation`] (how people write parameters and values).
 #![no_std]
@@ -12,6 +13,7 @@ pub mod catalogue;
 pub mod fault;
 pub mod notation;
 pub mod parameter;
+pub mod pkw;
 pub mod state;
 pub mod telegram;
 pub mod unit;

@@ -1,4 +1,4 @@
-//! Tables of the parameter channel: format codes and error numbers.
+//! Tables of the parameter channels: format codes and error numbers.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -10,6 +10,7 @@ use crate::Outcome;
 
 const FORMATS: &str = "data/profile/formats.toml";
 const ERRORS: &str = "data/profile/parameter-errors.toml";
+const PKW_ERRORS: &str = "data/profile/pkw-errors.toml";
 
 /// The generated files of the parameter channel.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
@@ -23,6 +24,11 @@ pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
             path: "crates/profidrive/src/parameter/generated_errors.rs".into(),
             from: ERRORS.into(),
             text: errors(&read(root, ERRORS)?)?,
+        },
+        Generated {
+            path: "crates/profidrive/src/pkw/generated_errors.rs",
+            from: PKW_ERRORS,
+            text: pkw_errors(&read(root, PKW_ERRORS)?)?,
         },
     ])
 }
@@ -174,6 +180,66 @@ fn errors(file: &ErrorFile) -> Outcome<String> {
                 text,
                 "    ErrorInfo {{ number: {:#04x}, meaning: {:?}, remedy: {:?}, subindex: {}, source: {:?} }},",
                 row.number, row.meaning, row.remedy, row.subindex, row.source
+            )?;
+        }
+        text.push_str("];\n\n");
+    }
+    Ok(text)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PkwErrorFile {
+    profile: Vec<PkwErrorRow>,
+    danfoss: Vec<PkwErrorRow>,
+    siemens: Vec<PkwErrorRow>,
+    abb: Vec<PkwErrorRow>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PkwErrorRow {
+    number: u16,
+    /// Name of the constant in code; rows of makers have none.
+    constant: Option<String>,
+    meaning: String,
+    remedy: String,
+    source: String,
+}
+
+fn pkw_errors(file: &PkwErrorFile) -> Outcome<String> {
+    let mut text =
+        String::from("use super::error::{PkwErrorInfo, PkwErrorNumber};\n\nimpl PkwErrorNumber {\n");
+    for row in &file.profile {
+        if let Some(constant) = &row.constant {
+            writeln!(
+                text,
+                "    /// {}: {}.\n    pub const {constant}: Self = Self({});",
+                row.number, row.meaning, row.number
+            )?;
+        }
+    }
+    text.push_str("}\n\n");
+    for (label, meaning, rows) in [
+        (
+            "PKW_ERRORS",
+            "Error numbers that mean the same for every maker, ascending.",
+            &file.profile,
+        ),
+        ("DANFOSS", "Danfoss.", &file.danfoss),
+        ("SIEMENS", "Siemens.", &file.siemens),
+        ("ABB", "ABB.", &file.abb),
+    ] {
+        ascending(PKW_ERRORS, rows.iter().map(|row| row.number))?;
+        writeln!(
+            text,
+            "/// {meaning}\n#[rustfmt::skip]\npub static {label}: &[PkwErrorInfo] = &["
+        )?;
+        for row in rows {
+            writeln!(
+                text,
+                "    PkwErrorInfo {{ number: {}, meaning: {:?}, remedy: {:?}, source: {:?} }},",
+                row.number, row.meaning, row.remedy, row.source
             )?;
         }
         text.push_str("];\n\n");

@@ -39,6 +39,28 @@ pub trait ParameterAccess {
     /// An error number of the profile when the value is not accepted.
     fn write(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber>;
 
+    /// Changes one element and keeps it over a power cycle (the PKW channel has requests of its own for that). Without
+    /// another word of the drive it is an ordinary write.
+    ///
+    /// # Errors
+    /// An error number of the profile when the value is not accepted.
+    fn write_kept(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
+        self.write(pnu, subindex, raw)
+    }
+
+    /// Changes a whole text (format VisibleString, [`Attributes::elements`] octets); `text` is not longer than that,
+    /// blanks fill the rest. Without another word of the drive the octets are written one by one.
+    ///
+    /// # Errors
+    /// An error number of the profile when an octet is not accepted; those before it are written.
+    fn write_text(&mut self, pnu: u16, text: &[u8]) -> Result<(), ErrorNumber> {
+        let elements = self.attributes(pnu).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?.elements;
+        let octets = text.iter().chain(core::iter::repeat(&b' '));
+        (0..elements)
+            .zip(octets)
+            .try_for_each(|(place, &octet)| self.write(pnu, place, octet.into()))
+    }
+
     /// False while another interface holds the right to change parameters (error 0x0B).
     fn may_change(&self, pnu: u16) -> bool {
         let _ = pnu;

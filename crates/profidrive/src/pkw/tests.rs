@@ -1,0 +1,1 @@
+//! Byte examples of the manuals, the rules of the channel, and damage.
