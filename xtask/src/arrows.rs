@@ -12,8 +12,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("profidrive", &[]),
     ("profinet", &[]),
     ("gsdml", &[]),
-    ("virtual-drive", &["profidrive", "profinet", "gsdml"]),
-    ("drive-client", &["profidrive", "profinet"]),
+    ("uss", &[]),
+    ("virtual-drive", &["profidrive", "profinet", "gsdml", "uss"]),
+    ("drive-client", &["profidrive", "profinet", "uss"]),
     ("network", &["profinet"]),
     (
         "scenario",
@@ -31,6 +32,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "profidrive",
             "profinet",
             "gsdml",
+            "uss",
             "virtual-drive",
             "drive-client",
             "network",
@@ -43,6 +45,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "profidrive",
             "profinet",
             "gsdml",
+            "uss",
             "virtual-drive",
             "drive-client",
             "network",
@@ -57,6 +60,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "profidrive",
             "profinet",
             "gsdml",
+            "uss",
             "virtual-drive",
             "drive-client",
             "network",
@@ -70,6 +74,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "profidrive",
             "profinet",
             "gsdml",
+            "uss",
             "virtual-drive",
             "drive-client",
             "network",
@@ -82,7 +87,14 @@ const ALLOWED: &[(&str, &[&str])] = &[
 ];
 
 /// Outside crates that would bring sockets, threads or clocks into a protocol room.
-const NO_IO: &[&str] = &["profidrive", "profinet", "gsdml", "virtual-drive", "drive-client"];
+const NO_IO: &[&str] = &[
+    "profidrive",
+    "profinet",
+    "gsdml",
+    "uss",
+    "virtual-drive",
+    "drive-client",
+];
 const IO_CRATES: &[&str] = &[
     "libc",
     "socket2",

@@ -54,7 +54,10 @@ pub trait ParameterAccess {
     /// # Errors
     /// An error number of the profile when an octet is not accepted; those before it are written.
     fn write_text(&mut self, pnu: u16, text: &[u8]) -> Result<(), ErrorNumber> {
-        let elements = self.attributes(pnu).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?.elements;
+        let elements = self
+            .attributes(pnu)
+            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?
+            .elements;
         let octets = text.iter().chain(core::iter::repeat(&b' '));
         (0..elements)
             .zip(octets)

@@ -170,7 +170,11 @@ impl Client {
             Rest::Anything { .. } => false,
         };
         self.text_length = 0;
-        self.job = Some(if direct { self.asking(now) } else { self.resting(now) });
+        self.job = Some(if direct {
+            self.asking(now)
+        } else {
+            self.resting(now)
+        });
         Ok(())
     }
 

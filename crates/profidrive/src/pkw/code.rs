@@ -298,7 +298,10 @@ mod tests {
         for (place, row) in REQUESTS.iter().enumerate() {
             assert_eq!(usize::from(row.code.0), place);
             assert_eq!(row.code.info(), row);
-            assert_eq!(row.changes() && row.action == Action::Change, row.memory.is_some());
+            assert_eq!(
+                row.changes() && row.action == Action::Change,
+                row.memory.is_some()
+            );
         }
         for (place, row) in REPLIES.iter().enumerate() {
             assert_eq!(usize::from(row.code.0), place);

@@ -63,7 +63,10 @@ impl PkwErrorNumber {
     /// Meaning and remedy, `None` for a number nobody told about or another maker's.
     #[must_use]
     pub fn info(self, names: PkwErrorNames) -> Option<&'static PkwErrorInfo> {
-        PKW_ERRORS.iter().chain(names.rows()).find(|row| row.number == self.0)
+        PKW_ERRORS
+            .iter()
+            .chain(names.rows())
+            .find(|row| row.number == self.0)
     }
 
     /// The number under which a drive that serves both channels refuses here what it refuses acyclically with

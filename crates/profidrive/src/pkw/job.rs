@@ -153,7 +153,9 @@ impl JobError {
                 None => "look for the number in the manual of the drive",
             },
             Self::NoRights => "release the rights there, or set PNU 927",
-            Self::NotAtRest => "check that the drive runs its parameter channel and that no other master uses it",
+            Self::NotAtRest => {
+                "check that the drive runs its parameter channel and that no other master uses it"
+            }
             Self::NoReply => "check the parameter number; a drive that is busy may need a longer time-out",
             Self::Lost => "read the value again before relying on it",
         }

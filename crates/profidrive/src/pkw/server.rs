@@ -146,9 +146,7 @@ impl Server {
                 return Ok(TEXT_AT + length);
             }
             Err(Refusal::Rights) => pkw.mirrored(&self.dialect, ReplyCode::NO_RIGHTS, 0),
-            Err(Refusal::Number(number)) => {
-                pkw.mirrored(&self.dialect, ReplyCode::REFUSED, number.0.into())
-            }
+            Err(Refusal::Number(number)) => pkw.mirrored(&self.dialect, ReplyCode::REFUSED, number.0.into()),
         };
         copy(out, &reply.to_octets(), PKW_LEN);
         Ok(PKW_LEN)

@@ -1,1 +1,0 @@
-//! Byte examples of the manuals, the rules of the channel, and damage.
