@@ -26,8 +26,8 @@ pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
             text: errors(&read(root, ERRORS)?)?,
         },
         Generated {
-            path: "crates/profidrive/src/pkw/generated_errors.rs",
-            from: PKW_ERRORS,
+            path: "crates/profidrive/src/pkw/generated_errors.rs".into(),
+            from: PKW_ERRORS.into(),
             text: pkw_errors(&read(root, PKW_ERRORS)?)?,
         },
     ])
