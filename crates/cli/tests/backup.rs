@@ -3,161 +3,21 @@
 // helpers of tests fail by panicking, like the tests themselves
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod bench;
 #[path = "backup/tasks.rs"]
 mod tasks;
 
-use std::cell::{Cell, RefCell};
-use std::net::Ipv4Addr;
 use std::rc::Rc;
 use std::time::Duration;
 
+use bench::watched::{Bench, Claims, Wire, bench};
+use drive_client::Error;
 use drive_client::backup::{Backup, Choice, Journal, Saved, Step, compare};
-use drive_client::{Drive, DriveAddress, Error, Session};
-use network::host::{Host, StationId};
-use network::segment::{Conditions, Pace, Segment, SegmentMedium};
+use network::segment::Conditions;
 use profidrive::catalogue::{AKD, Phase, Role, Size};
 use profidrive::parameter::ParameterAccess;
-use profinet::controller::ControllerConfig;
-use profinet::device::Stored;
-use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 use proptest::prelude::*;
-use virtual_drive::model;
-use virtual_drive::station::{AnswerFault, Station, StationConfig};
-
-const DRIVE: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
-
-fn ip(last: u8) -> IpSuite {
-    IpSuite {
-        address: Ipv4Addr::new(10, 0, 0, last),
-        mask: Ipv4Addr::new(255, 255, 255, 0),
-        gateway: Ipv4Addr::UNSPECIFIED,
-    }
-}
-
-/// What happens to the drive while a session works: called after each step of the medium with its number.
-type Hook = Box<dyn FnMut(usize, &mut Wire<'_>)>;
-
-/// The drive and its cable, looked at past the session.
-struct Wire<'a> {
-    segment: &'a mut Segment,
-    id: StationId,
-}
-
-impl Wire<'_> {
-    fn station(&mut self) -> &mut Station {
-        let host = self.segment.station_mut::<Host<Station>>(self.id);
-        host.unwrap().endpoint_mut()
-    }
-
-    /// The number that the drive has, looked up in the drive itself.
-    fn truth(&mut self, pnu: u16) -> u64 {
-        let bits = 8 * AKD.by_pnu(pnu).unwrap().size.octets();
-        self.station().drive_mut().read(pnu, 0).unwrap() & (u64::MAX >> (64 - bits))
-    }
-}
-
-/// A segment that is looked at after each thing that happens on it.
-struct Watched {
-    inner: SegmentMedium,
-    id: StationId,
-    steps: Rc<Cell<usize>>,
-    hook: Rc<RefCell<Hook>>,
-}
-
-impl Medium for Watched {
-    type Error = <SegmentMedium as Medium>::Error;
-
-    fn now(&self) -> Instant {
-        self.inner.now()
-    }
-
-    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Self::Error> {
-        let result = self.inner.step(endpoint, until);
-        self.steps.set(self.steps.get() + 1);
-        let mut wire = Wire {
-            segment: self.inner.segment_mut(),
-            id: self.id,
-        };
-        (self.hook.borrow_mut())(self.steps.get(), &mut wire);
-        result
-    }
-}
-
-/// One virtual AKD and a session with it.
-struct Bench {
-    session: Session<Watched>,
-    drive: Drive,
-    steps: Rc<Cell<usize>>,
-    hook: Rc<RefCell<Hook>>,
-}
-
-fn bench() -> Bench {
-    let mut config = StationConfig::new(&model::AKD, DRIVE);
-    config.network = Stored {
-        name: "akd-1".into(),
-        ip: ip(1),
-        ..Stored::default()
-    };
-    let mut segment = Segment::new(7);
-    let id = segment.attach(Box::new(Host::new(Station::new(config))));
-    let steps = Rc::new(Cell::new(0));
-    let hook: Rc<RefCell<Hook>> = Rc::new(RefCell::new(Box::new(|_, _| {})));
-    let medium = Watched {
-        inner: SegmentMedium::new(segment, Pace::Virtual),
-        id,
-        steps: Rc::clone(&steps),
-        hook: Rc::clone(&hook),
-    };
-    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    let mut session = Session::new(medium, config);
-    let drive = session.find(&"akd-1".parse::<DriveAddress>().unwrap()).unwrap();
-    Bench {
-        session,
-        drive,
-        steps,
-        hook,
-    }
-}
-
-impl Bench {
-    fn wire(&mut self) -> Wire<'_> {
-        let medium = self.session.medium_mut();
-        Wire {
-            segment: medium.inner.segment_mut(),
-            id: medium.id,
-        }
-    }
-
-    fn backup(&mut self) -> Backup {
-        self.session.backup(&mut self.drive, &mut |_, _| {}).unwrap()
-    }
-
-    fn set(&mut self, pnu: u16, raw: u64) {
-        let result = self.wire().station().drive_mut().write(pnu, 0, raw);
-        result.unwrap_or_else(|error| panic!("{pnu} = {raw}: {error}"));
-    }
-
-    fn journal(&mut self, wanted: &Backup, choice: &Choice) -> Journal {
-        Journal::new(&self.session.plan(&mut self.drive, wanted, choice).unwrap())
-    }
-
-    /// Restores; gives the last text that was kept.
-    fn restore(&mut self, journal: &mut Journal, save: bool) -> (Result<(), Error>, String) {
-        let mut kept = String::new();
-        let result = self
-            .session
-            .restore(&mut self.drive, journal, save, &mut |journal| {
-                kept = journal.to_string();
-                Ok(())
-            });
-        (result, kept)
-    }
-
-    fn on_each_step(&self, hook: impl FnMut(usize, &mut Wire<'_>) + 'static) {
-        self.steps.set(0);
-        *self.hook.borrow_mut() = Box::new(hook);
-    }
-}
+use virtual_drive::station::AnswerFault;
 
 /// Settings that differ from those as delivered, of every phase, with numbers that fit.
 const OTHER: [(u16, u64); 14] = [
@@ -187,73 +47,6 @@ fn other() -> Backup {
         bench.set(pnu, raw);
     }
     bench.backup()
-}
-
-/// True numbers, before and wanted, of each parameter.
-type Numbers = Vec<(u16, u64, u64)>;
-
-/// Looks at the drive after each step and compares it with what the text that was kept last claims.
-#[derive(Clone, Default)]
-struct Claims {
-    kept: Rc<RefCell<String>>,
-    numbers: Rc<RefCell<Numbers>>,
-}
-
-impl Claims {
-    fn watch(bench: &mut Bench, journal: &Journal) -> Self {
-        let claims = Self::default();
-        for change in &journal.plan().changes {
-            let number = |octets: &[u8]| octets.iter().fold(0, |sum, &octet| sum << 8 | u64::from(octet));
-            let pair = (
-                change.new.pnu,
-                number(&change.old.octets),
-                number(&change.new.octets),
-            );
-            assert_eq!(bench.wire().truth(pair.0), pair.1);
-            claims.numbers.borrow_mut().push(pair);
-        }
-        claims
-    }
-
-    fn check(&self, wire: &mut Wire<'_>) {
-        let text = self.kept.borrow();
-        if text.is_empty() {
-            // nothing was kept, so nothing may be written
-            for &(pnu, old, _) in self.numbers.borrow().iter() {
-                assert_eq!(
-                    wire.truth(pnu),
-                    old,
-                    "{pnu} was written before there was a way back"
-                );
-            }
-            return;
-        }
-        for &(pnu, old, new) in self.numbers.borrow().iter() {
-            let line = text
-                .lines()
-                .find(|line| line.starts_with(&format!("p{pnu:04} ")))
-                .unwrap_or_else(|| panic!("{pnu} is not in\n{text}"));
-            let claim = line.rsplit_once(": ").unwrap().1;
-            let claim = if line.contains(": in doubt: ") {
-                "in doubt"
-            } else {
-                claim
-            };
-            let claim = if line.contains(": refused: ") {
-                "refused"
-            } else {
-                claim
-            };
-            let has = wire.truth(pnu);
-            let right = match claim {
-                "not written" | "refused" => has == old,
-                "in doubt" => has == old || has == new,
-                "written" | "written, read back" => has == new,
-                other => panic!("{other}"),
-            };
-            assert!(right, "the drive has {has}, before {old}, wanted {new}: {line}");
-        }
-    }
 }
 
 /// Restores `wanted` while `meddle` happens; checks every claim at every moment; then undoes it with what was kept.

@@ -1,5 +1,7 @@
 //! Motion tasks in backups: read through their window, which is left as it was, and written back.
 
+use std::cell::Cell;
+
 use drive_client::backup::{Task, TasksTold, compare_tasks};
 
 use super::*;

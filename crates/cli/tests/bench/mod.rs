@@ -3,6 +3,8 @@
 // each test program uses a part of it
 #![allow(dead_code)]
 
+pub mod watched;
+
 use std::net::Ipv4Addr;
 use std::path::Path;
 use std::time::Duration;
