@@ -302,9 +302,14 @@ pub struct Monitor {
 #[derive(Debug, Args)]
 pub struct Explain {
     /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500
+    #[arg(allow_negative_numbers = true)]
     pub value: String,
     /// What the number is
-    #[arg(long = "as", value_enum, value_name = "KIND")]
+    #[arg(
+        long = "as",
+        value_enum,
+        value_name = "stw1|zsw1|state|fault|error|format|pnio"
+    )]
     pub kind: Kind,
 }
 

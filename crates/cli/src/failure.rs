@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+use serde_json::{Map, Value};
+
+use crate::fields;
+
 /// The exit codes of the conventions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
@@ -66,6 +70,15 @@ impl Failure {
     /// A mistake on the command line.
     pub fn usage(message: impl Into<String>) -> Self {
         Self::new(Exit::Usage, message)
+    }
+
+    /// For programs.
+    pub fn json(&self) -> Map<String, Value> {
+        let mut error = fields! { "kind": self.exit.word(), "message": self.message.as_str() };
+        if let Some(hint) = &self.hint {
+            error.insert("hint".into(), hint.as_str().into());
+        }
+        error
     }
 
     /// The same with what to do.

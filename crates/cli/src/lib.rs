@@ -23,18 +23,43 @@ use clap::Parser;
 
 use crate::args::Cli;
 use crate::decode::Walker;
-use crate::failure::Failure;
+use crate::failure::{Exit, Failure};
 use crate::output::Output;
 
 /// The program: takes its arguments from the command line and gives its exit code.
 #[must_use]
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return misunderstood(&error),
+    };
     let output = Output::new(cli.global.json, cli.global.quiet);
-    match commands::run(&cli, &output) {
+    let result = commands::run(&cli, &output);
+    output.end(result.as_ref().err());
+    match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => report(&failure, &output),
+        Err(failure) => ExitCode::from(failure.exit as u8),
     }
+}
+
+/// A command line that is none, or that asks for help. With `--json` a mistake is a document too.
+fn misunderstood(error: &clap::Error) -> ExitCode {
+    // a closed stdout or stderr is nobody's mistake
+    let _ = error.print();
+    if error.use_stderr() && std::env::args_os().any(|argument| argument == "--json") {
+        let text = error.render().to_string();
+        let message = text
+            .lines()
+            .next()
+            .unwrap_or_default()
+            .trim_start_matches("error: ");
+        let failure = Failure::usage(message);
+        println!(
+            "{}",
+            output::document("error", fields! { "error": failure.json() })
+        );
+    }
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))
 }
 
 /// What `profidrive decode FILE` says about frames in the order in which they were captured: who, to whom, what. Each
@@ -51,19 +76,4 @@ pub fn decode_frames<'a>(frames: impl IntoIterator<Item = (Duration, &'a [u8])>)
     notes
         .map(|note| format!("{} > {}: {} {}", note.from, note.to, note.topic, note.text))
         .collect()
-}
-
-fn report(failure: &Failure, output: &Output) -> ExitCode {
-    if failure.message.is_empty() {
-        return ExitCode::from(failure.exit as u8);
-    }
-    if output.json() {
-        let mut error = fields! { "kind": failure.exit.word(), "message": failure.message.as_str() };
-        if let Some(hint) = &failure.hint {
-            error.insert("hint".into(), hint.as_str().into());
-        }
-        output.document("error", fields! { "error": error });
-    }
-    output.error(&failure.message, failure.hint.as_deref());
-    ExitCode::from(failure.exit as u8)
 }

@@ -1,8 +1,12 @@
 //! The one place that decides what may be printed: data on stdout, talk on stderr.
 
 use std::io::{self, IsTerminal, Write};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Map, Value};
+
+use crate::failure::Failure;
+use crate::fields;
 
 /// Name and version of the JSON form; changes only when a field changes its meaning or goes.
 pub const SCHEMA: &str = "profidrive/1";
@@ -45,6 +49,16 @@ pub struct Output {
     colour_out: bool,
     colour_err: bool,
     live: bool,
+    held: Arc<Mutex<Held>>,
+}
+
+/// What a command has to say as JSON until it ends.
+#[derive(Debug, Default)]
+struct Held {
+    /// Its document.
+    document: Option<Map<String, Value>>,
+    /// What went wrong beside the failure that ends it.
+    problems: Vec<Map<String, Value>>,
 }
 
 impl Output {
@@ -58,6 +72,7 @@ impl Output {
             colour_out: colour && io::stdout().is_terminal(),
             colour_err: colour && io::stderr().is_terminal(),
             live: io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb"),
+            held: Arc::default(),
         }
     }
 
@@ -91,9 +106,56 @@ impl Output {
         write_out(text);
     }
 
-    /// Prints one JSON document with the schema in front, on one line.
+    /// Takes the one JSON document of a command. It is printed when the command ends, with what went wrong in it.
     pub fn document(&self, command: &str, fields: Map<String, Value>) {
+        let earlier = self.held().document.replace(with_schema(command, fields));
+        // nothing that was said is lost
+        if let Some(earlier) = earlier {
+            write_out(&format!("{}\n", Value::Object(earlier)));
+        }
+    }
+
+    /// Prints one JSON document of a command that says many, at once and on a line of its own (JSON Lines).
+    pub fn event(&self, command: &str, fields: Map<String, Value>) {
         write_out(&format!("{}\n", document(command, fields)));
+    }
+
+    /// Tells something that went wrong, while the command goes on to its end, which will be another failure.
+    pub fn problem(&self, failure: &Failure) {
+        self.error(&failure.message, failure.hint.as_deref());
+        if self.json {
+            self.held().problems.push(failure.json());
+        }
+    }
+
+    /// Ends the command: tells the failure, if it is one that nothing told yet, and prints the document.
+    pub fn end(&self, failure: Option<&Failure>) {
+        let failure = failure.filter(|failure| !failure.message.is_empty());
+        if self.json
+            && let Some(whole) = self.ending(failure)
+        {
+            write_out(&format!("{}\n", Value::Object(whole)));
+        }
+        if let Some(failure) = failure {
+            self.error(&failure.message, failure.hint.as_deref());
+        }
+    }
+
+    /// The last document: that of the command with its failure, or that of the failure alone.
+    fn ending(&self, failure: Option<&Failure>) -> Option<Map<String, Value>> {
+        let Held { document, problems } = std::mem::take(&mut *self.held());
+        let Some(failure) = failure else { return document };
+        let mut whole = document.unwrap_or_else(|| with_schema("error", Map::new()));
+        whole.insert("error".into(), failure.json().into());
+        if !problems.is_empty() {
+            let all = problems.into_iter().chain([failure.json()]);
+            whole.insert("errors".into(), all.map(Value::Object).collect());
+        }
+        Some(whole)
+    }
+
+    fn held(&self) -> std::sync::MutexGuard<'_, Held> {
+        self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Says something to the person, not to a program that reads along.
@@ -128,11 +190,13 @@ impl Output {
 
 /// A JSON document as one line of text.
 pub fn document(command: &str, fields: Map<String, Value>) -> String {
-    let mut all = Map::new();
-    all.insert("schema".into(), SCHEMA.into());
-    all.insert("command".into(), command.into());
+    Value::Object(with_schema(command, fields)).to_string()
+}
+
+fn with_schema(command: &str, fields: Map<String, Value>) -> Map<String, Value> {
+    let mut all = fields! { "schema": SCHEMA, "command": command };
     all.extend(fields);
-    Value::Object(all).to_string()
+    all
 }
 
 /// Makes a JSON object from fields.
@@ -173,6 +237,29 @@ mod tests {
         let text = document("scan", fields! { "stations": Vec::<Value>::new() });
         assert!(text.contains(r#""schema":"profidrive/1""#), "{text}");
         assert!(text.contains(r#""command":"scan""#), "{text}");
+    }
+
+    #[test]
+    fn a_command_says_one_document_with_what_went_wrong_in_it() {
+        use crate::failure::Exit;
+        let output = Output::new(true, true);
+        output.document("read", fields! { "parameters": Vec::<Value>::new() });
+        output.problem(&Failure::usage("no such name"));
+        let failure = Failure::new(Exit::Refused, "it said no").hint("ask again");
+        let whole = output.ending(Some(&failure)).unwrap();
+        assert_eq!(
+            (&whole["command"], &whole["error"]["kind"]),
+            (&"read".into(), &"refused".into())
+        );
+        assert_eq!(whole["error"]["hint"], "ask again");
+        assert_eq!(whole["errors"].as_array().map(Vec::len), Some(2));
+        assert_eq!(whole["errors"][0]["message"], "no such name");
+        assert_eq!(output.ending(None), None);
+        let alone = output.ending(Some(&failure)).unwrap();
+        assert_eq!(
+            (&alone["command"], alone.contains_key("errors")),
+            (&"error".into(), false)
+        );
     }
 
     #[test]

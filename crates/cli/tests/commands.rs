@@ -48,6 +48,37 @@ fn explain_for_programs_has_the_schema() {
 }
 
 #[test]
+fn a_wrong_command_line_is_one_document_too() {
+    for line in [
+        &["--json", "explain", "0x1"][..],
+        &["--json", "explain", "-1", "--as", "stw1"],
+        &["--json", "decode", "--hex", "zz"],
+        &["read", "akd-1", "--json"],
+        &["--json", "nonsense"],
+    ] {
+        let output = profidrive(line);
+        assert_eq!(output.status.code(), Some(2), "{line:?}");
+        let text = stdout(&output);
+        assert_eq!(text.lines().count(), 1, "{line:?}: {text}");
+        let value: serde_json::Value = serde_json::from_str(&text).expect("one JSON document");
+        assert_eq!(value["error"]["kind"], "usage", "{text}");
+        assert!(
+            !value["error"]["message"].as_str().unwrap_or_default().is_empty(),
+            "{text}"
+        );
+    }
+    let missing = stderr(&profidrive(&["explain", "0x1"]));
+    assert!(
+        missing.contains("stw1|zsw1|state|fault|error|format|pnio"),
+        "{missing}"
+    );
+    let negative = stderr(&profidrive(&["explain", "-1", "--as", "stw1"]));
+    assert!(negative.contains("`-1` is no 16-bit number"), "{negative}");
+    let help = profidrive(&["--json", "--help"]);
+    assert_eq!((help.status.code(), stderr(&help)), (Some(0), String::new()));
+}
+
+#[test]
 fn explain_faults_errors_formats_and_statuses() {
     for (value, kind, words) in [
         ("F702", "fault", "AKD F702: Fieldbus communication lost"),

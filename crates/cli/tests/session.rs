@@ -64,6 +64,51 @@ fn without_discovery_the_endpoint_mapper_tells_who_it_is() {
 }
 
 #[test]
+fn a_parameter_written_twice_is_a_mistake() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let twice: Vec<Assignment> = ["DRV.ACC=5000", "2108=6000"]
+        .iter()
+        .map(|text| text.parse().expect("an assignment"))
+        .collect();
+    let error = session
+        .write(&mut drive, &twice, WriteMode::Write)
+        .expect_err("refused");
+    assert_eq!(
+        error.to_string(),
+        "DRV.ACC (p2108) is written twice; give it one value"
+    );
+    let selection = select(&drive, "DRV.ACC");
+    let reading = session.read_one(&mut drive, &selection).expect("read");
+    assert_eq!(reading.number(), Some(3000.0), "nothing was written");
+}
+
+#[test]
+fn a_silent_drive_is_told_while_it_is_waited_for() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let told = Rc::new(Cell::new(0));
+    let look = |session: &mut Bench, drive: &mut Drive| {
+        let told = Rc::clone(&told);
+        session.telling_silence(
+            Duration::from_secs(1),
+            |session| session.snapshot(drive, &[]).map(|snapshot| snapshot.zsw1),
+            move || told.set(told.get() + 1),
+        )
+    };
+    assert_eq!(look(&mut session, &mut drive).expect("answers"), Some(0x0240));
+    session.pass(Duration::from_secs(5)).expect("time passes");
+    assert_eq!(told.get(), 0, "a drive that answers is not called silent");
+    session.medium_mut().segment_mut().detach(ids[0]);
+    look(&mut session, &mut drive).expect_err("gone");
+    assert_eq!(told.get(), 1, "once");
+    let begin = session.now();
+    session.forget(&drive);
+    session.close().expect("nobody to say farewell to");
+    assert_eq!(session.now(), begin);
+}
+
+#[test]
 fn naming_and_addressing() {
     let (mut session, _) = bench(&[("", 1)]);
     let drive = find(&mut session, "02:00:00:00:00:01").expect("by MAC");

@@ -190,7 +190,7 @@ pub fn finish(
         });
         let mut document = fields! { "end": true, "released": true, "frames": counts };
         document.extend(more);
-        output.document(command, document);
+        output.event(command, document);
     }
     result.and(released)
 }

@@ -11,9 +11,9 @@ use serde_json::Value;
 use crate::args::{Decode, Side};
 use crate::decode::{Counts, Note, Walker, Weight};
 use crate::failure::{Exit, Failure};
+use crate::fields;
 use crate::job::{self, JobDrive};
 use crate::output::{Colour, Output};
-use crate::{fields, output};
 
 pub fn run(args: &Decode, output: &Output) -> Result<(), Failure> {
     match (&args.file, &args.hex) {
@@ -103,7 +103,7 @@ fn capture(path: &Path, output: &Output) -> Result<(), Failure> {
         if let Some(damage) = &damage {
             fields.insert("damage".into(), damage.as_str().into());
         }
-        output.document("decode", fields);
+        output.event("decode", fields);
     } else {
         output.say(&summary(counts));
     }
@@ -129,7 +129,7 @@ fn print(note: &Note, output: &Output) {
             "time": note.at.as_secs_f64(), "from": note.from.as_str(), "to": note.to.as_str(),
             "topic": note.topic, "text": note.text.as_str(), "weight": weight_word(note.weight),
         };
-        output.raw(&format!("{}\n", output::document("decode", fields)));
+        output.event("decode", fields);
     } else {
         output.line(&line(note, output));
     }

@@ -469,8 +469,7 @@ impl Show {
                     Value::Object(fields! { "step": step.what, "ok": ok, "text": text.as_str() })
                 })
                 .collect();
-            self.output
-                .document("demo", fields! { "end": true, "steps": steps });
+            self.output.event("demo", fields! { "end": true, "steps": steps });
             return;
         }
         self.output

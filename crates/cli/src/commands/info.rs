@@ -147,11 +147,19 @@ fn identity_lines(identity: &Identity) -> [(&'static str, String); 8] {
                 identity.profile_id, identity.profile_type
             ),
         ),
-        ("function", identity.function.clone()),
-        ("location", identity.location.clone()),
-        ("installed", identity.installed.clone()),
-        ("descriptor", identity.descriptor.clone()),
+        ("function", given(&identity.function)),
+        ("location", given(&identity.location)),
+        ("installed", given(&identity.installed)),
+        ("descriptor", given(&identity.descriptor)),
     ]
+}
+
+/// What a person may write into the drive (I&M1 to I&M3); that nobody did is told too.
+fn given(text: &str) -> String {
+    match text.trim() {
+        "" => "-".into(),
+        text => text.to_owned(),
+    }
 }
 
 /// One of the identification parameters in words.
@@ -275,6 +283,17 @@ fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serd
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_nobody_wrote_is_told_as_such() {
+        let identity = Identity {
+            location: "hall 3 ".into(),
+            ..Identity::default()
+        };
+        let lines = identity_lines(&identity);
+        assert!(lines.contains(&("function", "-".into())), "{lines:?}");
+        assert!(lines.contains(&("location", "hall 3".into())), "{lines:?}");
+    }
 
     #[test]
     fn dates_as_the_profile_writes_them() {

@@ -1,19 +1,21 @@
 //! `profidrive ack`, `profidrive monitor`
 
-use drive_client::Error;
-use drive_client::Snapshot;
+use std::time::Duration;
+
 use drive_client::axis::Purpose;
 use drive_client::parameter::{ParameterProblem, Selection};
+use drive_client::{Drive, Error, Snapshot};
 use profidrive::notation::ParameterReference;
-use profidrive::state::Stw1;
+use profidrive::state::{Mode, Stw1};
 use serde_json::Value;
 
 use super::axis::{self, End, FOR_EVER, told};
 use crate::args::{Ack, Interface, Monitor};
-use crate::connect::{self, Need};
-use crate::failure::Failure;
+use crate::connect::{self, Live, Need};
+use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
+use crate::render::live::words_json;
 use crate::render::{hex16, value, words};
 
 pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Failure> {
@@ -60,15 +62,21 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
         .map(|reference| drive.parameters.select(reference))
         .collect::<Result<_, _>>()?;
     output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
-    let end = session.now() + args.time.unwrap_or(FOR_EVER);
+    let start = session.now();
+    let end = start + args.time.unwrap_or(FOR_EVER);
     let mut faults_seen = None;
     loop {
         let begin = session.now();
-        let snapshot = match session.snapshot(&mut drive, &more) {
-            Err(Error::Interrupted) => break,
-            other => other?,
+        let snapshot = match answered(&mut session, &mut drive, &more, output) {
+            Ok(None) => break,
+            Ok(Some(snapshot)) => snapshot,
+            Err(failure) => {
+                // nobody is there to close the connection with
+                session.forget(&drive);
+                return Err(failure);
+            }
         };
-        show_snapshot(&snapshot, args.raw, output);
+        show_snapshot(begin - start, &snapshot, args.raw, output);
         if faults_seen != snapshot.fault_counter {
             faults_seen = snapshot.fault_counter;
             let faults = session.faults(&mut drive).unwrap_or_default();
@@ -88,11 +96,52 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
     Ok(session.close()?)
 }
 
-fn show_snapshot(snapshot: &Snapshot, raw: bool, output: &Output) {
+/// A drive that answers takes some milliseconds: longer than this is told.
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// What the drive answers; `None` when the person wants to end. A drive that is silent is told at once.
+fn answered(
+    session: &mut Live,
+    drive: &mut Drive,
+    more: &[Selection],
+    output: &Output,
+) -> Result<Option<Snapshot>, Failure> {
+    let begin = session.now();
+    let label = drive.label();
+    let (teller, silent) = (output.clone(), label.clone());
+    let result = session.telling_silence(
+        SILENCE,
+        |session| session.snapshot(drive, more),
+        move || teller.warn(&format!("{silent} does not answer; waiting for it")),
+    );
+    let waited = session.now() - begin;
+    match result {
+        Ok(snapshot) => Ok(Some(snapshot)),
+        Err(Error::Interrupted) if waited < SILENCE => Ok(None),
+        Err(Error::Interrupted) => Err(gone(Failure::new(
+            Exit::Unreachable,
+            format!("{label} has not answered for {:.1} s", waited.as_secs_f64()),
+        ))),
+        Err(error) => {
+            let failure = Failure::from(error);
+            Err(match failure.exit {
+                Exit::Unreachable => gone(failure),
+                _ => failure,
+            })
+        }
+    }
+}
+
+fn gone(failure: Failure) -> Failure {
+    failure.hint("check power and cable of the drive; `profidrive scan` lists who answers")
+}
+
+fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output) {
     if output.json() {
         let mut fields = fields! {
-            "stw1": snapshot.stw1, "zsw1": snapshot.zsw1,
+            "time": time.as_secs_f64(), "stw1": snapshot.stw1, "zsw1": snapshot.zsw1,
             "state": snapshot.zsw1.map(|zsw1| words::state_number(zsw1, snapshot.stw1)), "fault_counter": snapshot.fault_counter,
+            "words": words_json(Mode::default(), snapshot.stw1, snapshot.zsw1),
         };
         for (name, reading) in [
             ("speed_set", &snapshot.speed_set),
@@ -104,7 +153,7 @@ fn show_snapshot(snapshot: &Snapshot, raw: bool, output: &Output) {
         }
         let values: Vec<Value> = snapshot.readings.iter().flatten().map(value::json).collect();
         fields.insert("parameters".into(), values.into());
-        output.document("monitor", fields);
+        output.event("monitor", fields);
         return;
     }
     let word = |word: Option<u16>| word.map_or_else(|| "-".into(), hex16);
@@ -114,7 +163,8 @@ fn show_snapshot(snapshot: &Snapshot, raw: bool, output: &Output) {
             .map_or_else(|| "-".into(), |reading| format!("{} rpm", value::value(reading)))
     };
     let mut line = format!(
-        "{:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
+        "{:>8.2} s  {:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
+        time.as_secs_f64(),
         snapshot.zsw1.map_or_else(
             || "state unknown".into(),
             |zsw1| words::state(zsw1, snapshot.stw1)

@@ -2,7 +2,7 @@
 
 use drive_client::parameter::{Assignment, ParameterProblem, Reading, Selection};
 use drive_client::{ChangeOutcome, Refusal, WriteMode};
-use profidrive::catalogue::{Access, Parameter, Scaling};
+use profidrive::catalogue::{Access, Parameter, Scaling, Word};
 use profidrive::notation::{ParameterReference, Shown};
 use profidrive::parameter::ErrorNames;
 use serde_json::{Map, Value};
@@ -39,7 +39,7 @@ pub fn read(args: &Read, interface: &Interface, output: &Output) -> Result<(), F
 fn last_failure(mut problems: Vec<Failure>, output: &Output) -> Result<(), Failure> {
     let last = problems.pop();
     for problem in problems {
-        output.error(&problem.message, problem.hint.as_deref());
+        output.problem(&problem);
     }
     last.map_or(Ok(()), Err)
 }
@@ -141,6 +141,11 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         for outcome in &outcomes {
             table.row(outcome_row(outcome));
         }
+        for (assignment, outcome) in assignments.iter().zip(&outcomes) {
+            if let Some(told) = raw_told(assignment, outcome) {
+                output.say(&told);
+            }
+        }
         for line in table.lines() {
             output.line(&line);
         }
@@ -165,6 +170,20 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         }
     }
     last_failure(problems, output)
+}
+
+/// A number in hexadecimal is the one on the wire: what that is in the unit of the parameter.
+fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
+    let raw = assignment.quantity.raw()?;
+    let value = outcome.change.value;
+    (!value.unit.is_empty()).then(|| {
+        let label = outcome.change.selection.label();
+        format!(
+            "{label}: 0x{raw:04X} is the raw value, that is {} {}",
+            wanted(outcome),
+            value.unit
+        )
+    })
 }
 
 fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
@@ -364,6 +383,15 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let selection = drive.parameters.select(&reference)?;
     let Some(parameter) = selection.parameter else {
+        if let Some(whole) = drive
+            .model
+            .catalogue
+            .and_then(|tables| tables.by_high(selection.pnu))
+        {
+            let message = format!("{} is the high half of {}", selection.label(), whole.name);
+            let hint = format!("`profidrive describe {} {}`", drive.label(), whole.name);
+            return Err(Failure::new(Exit::Failed, message).hint(hint));
+        }
         return Err(Failure::new(
             Exit::Failed,
             format!("{} is in no table of the {}", selection.label(), drive.model.name),
@@ -387,7 +415,11 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
         &format!("{} ({})", parameter.name, number_of(parameter)),
     ));
     let scaling = &drive.parameters.scaling;
-    for line in description_lines(parameter, scaling, limits, &readings) {
+    let word = drive
+        .model
+        .catalogue
+        .and_then(|tables| tables.word(parameter.pnu));
+    for line in description_lines(parameter, scaling, limits, &readings, word) {
         output.line(&line);
     }
     Ok(())
@@ -398,6 +430,7 @@ fn description_lines(
     scaling: &Scaling,
     (low, high): (f64, f64),
     readings: &[Result<Reading, Refusal>],
+    word: Option<&Word>,
 ) -> Vec<String> {
     let unit = parameter.unit;
     let with_unit = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
@@ -445,6 +478,15 @@ fn description_lines(
     }
     for bit in parameter.bits {
         line("bit", format!("{} {}", bit.value, bit.text));
+    }
+    for field in word.into_iter().flat_map(|word| word.fields) {
+        line(
+            "bits",
+            format!("{} to {} {}", field.first, field.last, field.name),
+        );
+        for choice in field.choices {
+            line("", format!("  {} {}", choice.value, choice.text));
+        }
     }
     line("source", parameter.source.to_owned());
     lines
@@ -527,7 +569,7 @@ mod tests {
             scaling: Scaling::default(),
         };
         let describe = |scaling: &Scaling| {
-            description_lines(parameter, scaling, drive.limits(parameter), &[]).join("\n")
+            description_lines(parameter, scaling, drive.limits(parameter), &[], None).join("\n")
         };
         let text = describe(&Scaling::default());
         assert!(text.contains("limits     1.86 rpm/s to 50000000 rpm/s"), "{text}");
@@ -535,6 +577,19 @@ mod tests {
         assert!(text.contains("low half here, high half in p2109"), "{text}");
         assert!(text.contains("default    3000 rpm/s"), "{text}");
         assert!(text.contains("access     read, write"), "{text}");
+    }
+
+    #[test]
+    fn a_description_names_bits_and_fields() {
+        let parameter = AKD.by_name("MT.CNTL").unwrap();
+        let word = AKD.word(parameter.pnu);
+        let text = description_lines(parameter, &Scaling::default(), (0.0, 1.0), &[], word).join("\n");
+        assert!(
+            text.contains("bit        4 A following task is executed"),
+            "{text}"
+        );
+        assert!(text.contains("bits       0 to 3 Task type\n"), "{text}");
+        assert!(text.contains("  1 Relative to PL.CMD\n"), "{text}");
     }
 
     #[test]

@@ -27,6 +27,7 @@ pub fn name(index: u16) -> String {
         0xF831 => "PDEV data",
         0xF840 => "I&M0 filter data",
         0xF841 => "PDEV data real",
+        0xFBFF => "trigger of the connection monitoring",
         _ => return format!("record 0x{index:04X}"),
     };
     format!("{known} (0x{index:04X})")
@@ -54,5 +55,16 @@ pub fn content(data: &[u8]) -> String {
         _ => format!("{} octets {}", data.len(), hex_bytes(data))
             .trim_end()
             .to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_have_names_where_there_are_any() {
+        assert_eq!(name(0xFBFF), "trigger of the connection monitoring (0xFBFF)");
+        assert_eq!(name(0x1234), "record 0x1234");
     }
 }

@@ -126,7 +126,7 @@ impl LiveView {
             "following_error": view.following_error,
             "words": words_json(view.mode, Some(view.stw1), view.zsw1),
         };
-        self.output.document(self.command, fields);
+        self.output.event(self.command, fields);
     }
 
     fn picture(&mut self, view: &AxisView) {

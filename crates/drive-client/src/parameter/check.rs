@@ -72,6 +72,12 @@ impl Parameters {
             });
         }
         let Some(parameter) = selection.parameter else {
+            if let Some(whole) = self.catalogue.and_then(|tables| tables.by_high(selection.pnu)) {
+                return Err(ParameterProblem::HighHalf {
+                    parameter: selection.label(),
+                    whole: whole.name,
+                });
+            }
             return unknown_parameter(selection, quantity);
         };
         let raw = match quantity.raw() {
@@ -250,6 +256,8 @@ mod tests {
             ("DRV.OPMODE=fast", "does not start with a number"),
             ("DRV.OPMODE", "PARAM=VALUE"),
             ("DRV.OPMOD=1", "no parameter `DRV.OPMOD`"),
+            ("2109=1", "2109 is the high half of DRV.ACC"),
+            ("DRV.ACC=1e300", "1e300 rpm/s is outside 1.86 to 50000000 rpm/s"),
         ] {
             let error = check(text).unwrap_err().to_string();
             assert!(error.contains(words), "{text}: {error}");

@@ -110,7 +110,7 @@ pub enum ParameterProblem {
         problem: UnitMismatch,
     },
     /// Below or above what the drive takes.
-    #[error("{parameter}: {value}{} is outside {minimum} to {maximum}{}", unit_text(.unit), unit_text(.unit))]
+    #[error("{parameter}: {}{} is outside {} to {}{}", digits(*.value), unit_text(.unit), digits(*.minimum), digits(*.maximum), unit_text(.unit))]
     Limit {
         /// The parameter.
         parameter: String,
@@ -130,6 +130,20 @@ pub enum ParameterProblem {
         parameter: String,
         /// The value wanted.
         value: f64,
+    },
+    /// Written twice at once.
+    #[error("{parameter} is written twice; give it one value")]
+    Twice {
+        /// The parameter.
+        parameter: String,
+    },
+    /// Half of a value.
+    #[error("{parameter} is the high half of {whole}; it counts only with the low half that follows")]
+    HighHalf {
+        /// The number of the half.
+        parameter: String,
+        /// Name of the whole value.
+        whole: &'static str,
     },
     /// A raw value that does not fit.
     #[error("{parameter}: 0x{raw:X} does not fit {octets} octets")]
@@ -152,6 +166,9 @@ impl ParameterProblem {
                 Some("`profidrive list DRIVE --filter TEXT` finds parameters by a part of their name".into())
             }
             Self::Unknown { nearest, .. } => Some(format!("nearest names: {}", nearest.join(", "))),
+            Self::HighHalf { whole, .. } => {
+                Some(format!("write {whole}: both halves are sent where it needs them"))
+            }
             Self::Unit { .. } | Self::Limit { .. } => {
                 Some("`profidrive describe DRIVE PARAM` shows unit and limits".into())
             }
@@ -164,6 +181,15 @@ fn elements_text(elements: u16) -> String {
     match elements {
         0 | 1 => "no elements".into(),
         count => format!("elements 0 to {}", count - 1),
+    }
+}
+
+/// A number with as many digits as can be read.
+fn digits(value: f64) -> String {
+    if value.abs() >= 1e17 {
+        format!("{value:e}")
+    } else {
+        value.to_string()
     }
 }
 

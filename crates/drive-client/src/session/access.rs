@@ -94,6 +94,14 @@ where
         Ok(ar)
     }
 
+    /// The connections for record access to a drive.
+    pub(super) fn accesses(&self, drive: &Drive) -> Vec<ArId> {
+        let own = self.access.iter();
+        own.filter(|access| !access.cyclic && access.is_to(drive))
+            .map(|access| access.ar)
+            .collect()
+    }
+
     /// Waits until a connection is open.
     fn connected(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
         let end = self.wait(CONNECT_LIMIT, |client| match client.connection(ar) {

@@ -20,7 +20,7 @@ use std::time::Duration;
 use profinet::controller::ControllerConfig;
 use profinet::{Instant, Medium};
 
-use crate::{Client, Error};
+use crate::{Client, Drive, Error};
 
 pub use axis::{Axis, AxisSettings, AxisStatus};
 pub use enabled::Enabled;
@@ -81,6 +81,14 @@ where
     access: Vec<access::Access>,
     reference: u8,
     discovery: bool,
+    /// When somebody who waits for an answer is to be told that there is none, and how.
+    silence: Option<Silence>,
+}
+
+/// Somebody who waits for an answer.
+struct Silence {
+    due: Instant,
+    tell: Box<dyn FnMut()>,
 }
 
 /// How long a session that is left may still wait for each drive.
@@ -122,6 +130,7 @@ where
             access: Vec::new(),
             reference: 0,
             discovery: true,
+            silence: None,
         }
     }
 
@@ -181,6 +190,29 @@ where
         result
     }
 
+    /// Carries out `work`, and says once with `tell` when it takes longer than `limit`: somebody does not answer. The
+    /// work goes on, as a drive may still be there.
+    pub fn telling_silence<T>(
+        &mut self,
+        limit: Duration,
+        work: impl FnOnce(&mut Self) -> T,
+        tell: impl FnMut() + 'static,
+    ) -> T {
+        let due = self.now() + limit;
+        let tell = Box::new(tell);
+        let before = self.silence.replace(Silence { due, tell });
+        let result = work(self);
+        self.silence = before;
+        result
+    }
+
+    /// Forgets the connections to a drive that is gone, without a farewell that nobody would hear.
+    pub fn forget(&mut self, drive: &Drive) {
+        for ar in self.accesses(drive) {
+            self.drop_access(ar);
+        }
+    }
+
     /// Says whether the caller wants to stop, before something is begun that should not be interrupted.
     fn glance(&mut self) -> Result<(), Error> {
         if !self.stopping && (self.interrupted)() {
@@ -192,7 +224,11 @@ where
     /// Lets one thing happen, at most until `until`.
     fn step(&mut self, until: Instant) -> Result<(), Error> {
         self.glance()?;
-        let until = until.min(self.now() + GLANCE);
+        let now = self.now();
+        if let Some(mut silence) = self.silence.take_if(|silence| silence.due <= now) {
+            (silence.tell)();
+        }
+        let until = until.min(now + GLANCE);
         self.medium
             .step(&mut self.client, until)
             .map_err(|error| Error::Medium(Box::new(error)))

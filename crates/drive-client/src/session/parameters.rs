@@ -252,6 +252,14 @@ where
                 self.read_scaling(drive)?;
             }
             let value = drive.parameters.check(&selection, &assignment.quantity)?;
+            if changes.iter().any(|other: &PlannedChange| {
+                (other.selection.pnu, other.selection.first) == (selection.pnu, selection.first)
+            }) {
+                return Err(ParameterProblem::Twice {
+                    parameter: selection.label(),
+                }
+                .into());
+            }
             changes.push(PlannedChange { selection, value });
         }
         let readable: Vec<Selection> = changes

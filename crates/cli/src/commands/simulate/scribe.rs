@@ -181,7 +181,7 @@ fn talk(lines: &Receiver<Line>, left_out: &AtomicU64, output: &Output) {
         if warning {
             output.warn(&format!("{}: {text}", drive.key));
         } else if output.json() {
-            output.document(
+            output.event(
                 "simulate",
                 fields! { "time": at.as_secs_f64(), "drive": drive.key.as_str(), "text": text },
             );

@@ -63,7 +63,7 @@ pub fn run(
 fn tell(entry: &Entry, output: &Output) {
     if output.json() {
         let time = (entry.at - Instant::ZERO).as_secs_f64();
-        output.document(
+        output.event(
             "simulate",
             fields! { "time": time, "drive": entry.drive.as_str(), "text": entry.what.to_string() },
         );
