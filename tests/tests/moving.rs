@@ -14,7 +14,7 @@ fn simulate(lab: &Lab) -> Running {
 /// A machine at work may pause for longer than three update times; what is tested here is not that.
 fn patient<'a>(verb: &[&'a str]) -> Vec<&'a str> {
     let mut all = verb.to_vec();
-    if matches!(verb[0], "run" | "move" | "home" | "task" | "ack") {
+    if matches!(verb[0], "run" | "move" | "home" | "task" | "ack" | "jog") {
         all.extend(["--watchdog", "15"]);
     }
     all
@@ -139,7 +139,7 @@ fn from_velocity_mode_to_a_position_and_back() {
     assert!(dry.err.contains("nothing moves"), "{dry:?}");
     let moved = client(&lab, &order).ok();
     assert!(
-        moved.err.contains("telegram 9") && moved.err.contains("target reached: 5 rev"),
+        moved.err.contains("telegram 9") && moved.err.contains("target reached (ZSW1 bit 10): 5 rev"),
         "{moved:?}"
     );
     assert!(
@@ -183,7 +183,7 @@ fn a_move_that_is_interrupted_or_killed_ends_at_rest() {
     assert!(
         ended
             .err
-            .contains("stopped by Ctrl-C, the target was not reached"),
+            .contains("stopped by Ctrl-C or a signal, the target was not reached"),
         "{ended:?}"
     );
     at_rest(&lab);
@@ -227,4 +227,114 @@ fn a_signal_that_comes_twice_still_ends_in_a_ramp_stop() {
         .clean()
         .saw("pn_dcp", 2)
         .saw("pn_io", 10);
+}
+
+/// A long ramp: the second signal, more than a second after the first, is a quick stop and no sudden end (F702).
+#[test]
+fn a_second_signal_during_a_long_ramp_is_a_quick_stop() {
+    let lab = Lab::new("second-signal");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "DRV.DEC=40rpm/s"]).ok();
+    for signal in ["TERM", "INT"] {
+        let run = ["run", "akd-1", "--velocity", "600rpm", "--for", "60s"];
+        let mut run = start(&lab, &run);
+        run.wait_for("actual   599", SHORT);
+        run.signal(signal);
+        std::thread::sleep(Duration::from_millis(1300));
+        run.wait_for("still stopping along the ramp", SHORT);
+        run.signal(signal);
+        let ended = run.finish(Duration::from_secs(5));
+        assert_eq!(ended.code, Some(0), "{signal}: {ended:?}");
+        assert!(
+            ended.err.contains("second signal: quick stop (OFF3)"),
+            "{signal}: {ended:?}"
+        );
+        assert!(ended.err.contains("axis at rest"), "{signal}: {ended:?}");
+        assert_eq!(number(&lab, "r947[0]"), 0.0, "{signal}: no F702");
+        at_rest(&lab);
+    }
+}
+
+/// `timeout` of the coreutils sends its signal to the program and to its whole group.
+#[test]
+fn timeout_ends_a_run_along_its_ramp_however_long() {
+    let lab = Lab::new("timeout");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "DRV.DEC=200rpm/s"]).ok();
+    let program = built("profidrive");
+    let mut call = vec!["4", program.to_str().unwrap(), "-i", Side::Controller.interface()];
+    call.extend(patient(&["run", "akd-1", "--velocity", "600rpm"]));
+    let ended = lab.run(Side::Controller, "timeout", &call, SHORT);
+    assert!(ended.err.contains("axis at rest"), "{ended:?}");
+    assert!(!ended.err.contains("quick stop used"), "{ended:?}");
+    assert_eq!(number(&lab, "r947[0]"), 0.0, "no F702");
+    at_rest(&lab);
+}
+
+/// Enabled by its service channel: whatever moves an axis refuses before it takes control.
+#[test]
+fn local_operation_is_respected() {
+    let lab = Lab::new("local");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "DRV.CMDSOURCE=0", "DRV.EN=1"]).ok();
+    let orders = [
+        &["run", "akd-1", "--velocity", "60rpm", "--for", "300ms"][..],
+        &["jog", "akd-1", "--velocity", "60rpm"],
+        &[
+            "move",
+            "akd-1",
+            "--to",
+            "1rev",
+            "--velocity",
+            "60rpm",
+            "--set-mode",
+        ],
+        &["home", "akd-1", "--set-mode"],
+        &["task", "akd-1", "1", "--set-mode"],
+    ];
+    for order in orders {
+        let refused = client(&lab, order);
+        assert_eq!(refused.code, Some(6), "{order:?}: {refused:?}");
+        assert!(
+            refused.err.contains("is in local operation: it is enabled (S4)"),
+            "{order:?}: {refused:?}"
+        );
+        assert!(!refused.err.contains("this moves the axis"), "{refused:?}");
+    }
+    assert_eq!(number(&lab, "DRV.ACTIVE"), 1.0, "left alone");
+    assert_eq!(number(&lab, "r947[0]"), 0.0);
+    assert_eq!(number(&lab, "930"), 1.0);
+}
+
+/// A load pulls the axis away as soon as the power stage is off: the target was reached all the same.
+#[test]
+fn a_move_tells_where_it_was_at_the_target_and_where_it_went() {
+    let lab = Lab::new("moving-load");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "930=2"]).ok();
+    client(&lab, &["home", "akd-1"]).ok();
+    let order = ["move", "akd-1", "--to", "20rev", "--velocity", "300rpm"];
+    let mut moving = start(&lab, &order);
+    moving.wait_for("ZSW1 0x4", SHORT);
+    client(&lab, &["inject", "akd-1", "load=1.0Nm"]).ok();
+    let moved = moving.finish(SHORT);
+    let reached = ["20 rev", "20.00", "19.99"].map(|at| format!("target reached (ZSW1 bit 10): {at}"));
+    assert!(reached.iter().any(|text| moved.err.contains(text)), "{moved:?}");
+    assert!(moved.err.contains("it has left the target since"), "{moved:?}");
+    assert_eq!(moved.code, Some(6), "{moved:?}");
+}
+
+/// What a command lends it gives back.
+#[test]
+fn a_jog_leaves_the_jog_speed_as_it_was() {
+    let lab = Lab::new("jog-back");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "1004=12rpm"]).ok();
+    let before = number(&lab, "1004");
+    let jog = ["jog", "akd-1", "--velocity", "120rpm", "--for", "500ms"];
+    let jogged = client(&lab, &jog).ok();
+    assert!(jogged.err.contains("jogs at 120."), "{jogged:?}");
+    assert!(jogged.err.contains("PNU 1004 is 12"), "{jogged:?}");
+    assert_eq!(number(&lab, "1004"), before);
+    at_rest(&lab);
 }

@@ -5,7 +5,9 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use drive_client::{Drive, DriveAddress, Session};
 use indicatif::{ProgressBar, ProgressStyle};
-use network::linux::{Error as NetworkError, InterfaceInfo, PacketMedium, ServerPort, Stop, UdpMedium};
+use network::linux::{
+    Error as NetworkError, InterfaceInfo, PacketMedium, Patience, ServerPort, Stop, UdpMedium,
+};
 use profinet::controller::ControllerConfig;
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 
@@ -62,7 +64,12 @@ pub fn session(
     drive: Option<&DriveAddress>,
     output: &Output,
 ) -> Result<Live, Failure> {
-    let stop = Stop::on_signals()
+    // what moves an axis may take long to bring it to rest: the second signal is a quick stop
+    let patience = match need {
+        Need::Cyclic => Patience::Third,
+        Need::Discovery | Need::Records => Patience::Second,
+    };
+    let stop = Stop::on_signals_with(patience)
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     let by_ip = matches!((need, drive), (Need::Records, Some(DriveAddress::Ip(_))));
     let mut session = match (self::interface(interface)?, by_ip) {
@@ -84,8 +91,15 @@ pub fn session(
         (None, true) => udp(&stop)?,
         (None, false) => return Err(no_interface()),
     };
-    let flag = stop;
+    let (flag, urgent, told) = (stop.clone(), stop, output.clone());
     session.interrupt_with(move || flag.is_stopped());
+    session.hurry_with(move || {
+        let now = urgent.is_urgent();
+        if now {
+            told.say("second signal: quick stop (OFF3) in place of the ramp; a third one ends this program at once");
+        }
+        now
+    });
     Ok(session)
 }
 

@@ -138,9 +138,12 @@ fn exit_of(error: &drive_client::Error) -> Exit {
     use profinet::controller::{DcpError, LostCause, ServiceError};
     match error {
         Error::Axis {
-            trouble: Trouble::StillTurns | Trouble::QuickStopUsed | Trouble::NotStopped,
+            trouble:
+                Trouble::StillTurns | Trouble::QuickStopUsed | Trouble::NotStopped | Trouble::LocalOperation,
             ..
-        } => Exit::Safety,
+        }
+        | Error::LocalOperation { .. } => Exit::Safety,
+        Error::Held { error, .. } => exit_of(error),
         Error::Dcp {
             error: DcpError::Refused { .. } | DcpError::NotSupported,
             ..

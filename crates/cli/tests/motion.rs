@@ -2,6 +2,8 @@
 
 mod bench;
 
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
 use std::time::Duration;
 
 use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
@@ -10,7 +12,7 @@ use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Verdict, diagnose};
 use drive_client::{AxisSettings, Drive, Error, StopWay, WriteMode};
 use profidrive::notation::Position;
-use profidrive::state::Mode;
+use profidrive::state::{Mode, State};
 
 fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
     let assignments: Vec<Assignment> = assignments
@@ -321,19 +323,187 @@ fn an_axis_that_turns_without_power_is_not_called_at_rest() {
     }
 }
 
-/// A ramp that takes too long: the quick stop that ends it is told.
+/// A ramp that takes longer than its setting says: the quick stop that ends it is told.
 #[test]
 fn a_quick_stop_in_place_of_the_ramp_is_told() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    write(&mut session, &mut drive, &["DRV.DEC=10rpm/s"]);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
     let mut enabled = axis.enable().expect("enabled");
     enabled.run(600.0).expect("runs");
     enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let (inner, drive) = enabled.session();
+    write(inner, drive, &["DRV.DEC=10rpm/s"]);
     drop(enabled);
     let error = axis.release().expect_err("not as asked");
     assert!(error.to_string().contains("quick stop (OFF3)"), "{error}");
+}
+
+/// A ramp that is set to be slow gets its time.
+#[test]
+fn a_slow_ramp_is_waited_for() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["DRV.DEC=20rpm/s"]);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(600.0, None).expect("runs");
+    let begin = enabled.status().expect("a status").time;
+    drop(enabled);
+    let took = axis.status().expect("a status").time - begin;
+    axis.release().expect("along its ramp");
+    assert!(took > Duration::from_secs(25), "{took:?}");
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+/// Somebody who is in a hurry gets a quick stop in place of a long ramp, and no error for it.
+#[test]
+fn a_hurry_turns_the_ramp_into_a_quick_stop() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["DRV.DEC=10rpm/s"]);
+    let asked = Rc::new(Cell::new(0));
+    let count = Rc::clone(&asked);
+    session.hurry_with(move || {
+        count.set(count.get() + 1);
+        count.get() > 20
+    });
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(600.0).expect("runs");
+    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    assert_eq!(asked.get(), 0, "only while it stops");
+    let begin = enabled.status().expect("a status").time;
+    drop(enabled);
+    let took = axis.status().expect("a status").time - begin;
+    axis.release().expect("as asked");
+    assert!(took < Duration::from_secs(5), "{took:?}");
+    assert_eq!(asked.get(), 21, "not asked again");
+    assert!(is_at_rest(&session, ids[0]));
+    assert_eq!(drive_at(&session, ids[0]).drive().fault_number(0), 0);
+}
+
+#[test]
+fn a_speed_counts_from_when_it_is_reached_and_is_not_claimed() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["DRV.ACC=100rpm/s"]);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(600.0, None).expect("after some 6 s");
+    let status = enabled.status().expect("a status");
+    assert!(
+        status.speed_actual.is_some_and(|speed| speed > 580.0),
+        "{status:?}"
+    );
+    enabled.reach_speed(0.0, None).expect("stands");
+    let error = enabled
+        .reach_speed(-600.0, Some(Duration::from_secs(2)))
+        .expect_err("too short");
+    let text = error.to_string();
+    assert!(
+        text.contains("-600 rpm not reached within 2.0 s, the highest speed was -1")
+            || text.contains("-600 rpm not reached within 2.0 s, the highest speed was -2"),
+        "{text}"
+    );
+    drop(enabled);
+    axis.release().expect("released");
+}
+
+/// Local operation: refused before anything is sent, whatever the axis is wanted for.
+#[test]
+fn local_operation_is_refused_before_control_is_taken() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["DRV.CMDSOURCE=0"]);
+    write(&mut session, &mut drive, &["DRV.EN=1"]);
+    for purpose in [
+        Purpose::Speed,
+        Purpose::Jog,
+        Purpose::Move,
+        Purpose::Home,
+        Purpose::Task,
+        Purpose::Control,
+    ] {
+        let error = session
+            .take_axis(&mut drive, AxisSettings::for_purpose(purpose))
+            .map(|_| ())
+            .expect_err("local operation");
+        assert!(
+            matches!(error, Error::LocalOperation { enabled: true, .. }),
+            "{purpose:?}: {error}"
+        );
+    }
+    let station = drive_at(&session, ids[0]);
+    assert!(station.drive().is_enabled() && !station.drive().has_fault());
+    // the service channel commands nothing any more: the telegram decides
+    write(&mut session, &mut drive, &["DRV.DIS=1"]);
+    session.pass(Duration::from_secs(1)).expect("time passes");
+    let axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    axis.release().expect("released");
+}
+
+/// A telegram that carries ramps in coarse steps: the drive has its own again afterwards.
+#[test]
+fn ramps_that_a_telegram_rounds_are_put_back() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(
+        &mut session,
+        &mut drive,
+        &["922=354", "DRV.ACC=3000", "DRV.DEC=2500"],
+    );
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert_eq!((axis.telegram(), axis.telegram_before()), (354, None));
+    axis.enable()
+        .expect("enabled")
+        .reach_speed(100.0, None)
+        .expect("runs");
+    axis.release().expect("released");
+    for (name, value) in [("DRV.ACC", 3000.0), ("DRV.DEC", 2500.0)] {
+        let selection = drive.select(name).expect("known");
+        let reading = session.read_one(&mut drive, &selection).expect("read");
+        assert_eq!(reading.number(), Some(value), "{name}");
+    }
+    write(&mut session, &mut drive, &["922=9"]);
+    let axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert_eq!((axis.telegram(), axis.telegram_before()), (1, Some(9)));
+    axis.release().expect("released");
+}
+
+/// The cable is cut: the state shown is what the drive said last, not what it was sent.
+#[test]
+fn a_state_is_what_the_drive_said() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let shown = Rc::new(RefCell::new(Vec::new()));
+    let list = Rc::clone(&shown);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    axis.watch(move |status| list.borrow_mut().push((status.view.state(), status.lost)));
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(100.0, None).expect("runs");
+    let (inner, _) = enabled.session();
+    inner.medium_mut().segment_mut().cut(ids[0]);
+    // the wish to stop reaches nobody
+    let error = enabled.disable().expect_err("cut");
+    assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
+    drop(axis);
+    let last = shown.borrow().last().copied();
+    assert_eq!(last, Some((Some(State::S4), true)));
 }

@@ -2,8 +2,9 @@
 
 use std::collections::{HashMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
+use std::time::Duration;
 
-use profidrive::state::{Mode, State};
+use profidrive::state::{Mode, State, Stw1, Zsw1};
 use profinet::controller::{
     ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError,
     Station,
@@ -76,6 +77,24 @@ struct AxisLink {
     control: AxisControl,
     seen: Option<Seen>,
     sent: Option<Command>,
+    /// The control word that what the drive says is an answer to.
+    answered: Stw1,
+    /// Frames and status word when the present control word was sent.
+    since: (u64, Option<Zsw1>),
+}
+
+/// Frames after which a drive has had time to answer a control word, whether its status word changed or not.
+const ANSWER: u64 = 4;
+
+impl AxisLink {
+    /// The drive has answered the present control word: by another status word, or by saying the same for some cycles.
+    fn note_answer(&mut self, received: u64) {
+        let word = self.control.command().stw1;
+        let status = self.seen.map(|seen| seen.zsw1);
+        if self.answered != word && (status != self.since.1 || received >= self.since.0 + ANSWER) {
+            self.answered = word;
+        }
+    }
 }
 
 /// An axis at a glance.
@@ -89,12 +108,16 @@ pub struct AxisView {
     pub command: Command,
     /// What the drive said last; `None` before the first valid input.
     pub seen: Option<Seen>,
+    /// The control word that what the drive said last is an answer to.
+    pub answered: Stw1,
     /// True when the axis stands with the pulses off.
     pub at_rest: bool,
     /// True when a quick stop was commanded because the ramp stop took too long.
     pub quick_stop: bool,
     /// True when the drive tells that the axis moves, whether it is driven or not.
     pub turns: bool,
+    /// True while the axis stands where its task does not end.
+    pub stays_away: bool,
     /// True once the drive has accepted the task, or has begun to home.
     pub accepted: bool,
     /// The task that an intermediate stop holds.
@@ -104,11 +127,11 @@ pub struct AxisView {
 }
 
 impl AxisView {
-    /// State of the drive: its status word read with the control word it is being sent. `None` before the first
-    /// valid input and while the drive is not ready.
+    /// State of the drive: its status word read with the control word that it answers. `None` before the first valid
+    /// input and while the drive is not ready.
     #[must_use]
     pub fn state(&self) -> Option<State> {
-        self.seen?.state(self.command.stw1)
+        self.seen?.state(self.answered)
     }
 }
 
@@ -202,6 +225,8 @@ impl Client {
             control,
             seen: None,
             sent: None,
+            answered: Stw1(0),
+            since: (0, None),
         });
     }
 
@@ -213,6 +238,21 @@ impl Client {
         self.work(now);
     }
 
+    /// Turns a ramp stop under way into a quick stop (OFF3).
+    pub fn hurry(&mut self, now: Instant, ar: ArId) {
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.ar == ar) {
+            axis.control.hurry(now);
+        }
+        self.work(now);
+    }
+
+    /// Says how long the ramp stop of an axis may take from now on.
+    pub fn allow_stop(&mut self, ar: ArId, limit: Duration) {
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.ar == ar) {
+            axis.control.allow_stop(limit);
+        }
+    }
+
     /// The axis of a connection.
     #[must_use]
     pub fn axis(&self, ar: ArId) -> Option<AxisView> {
@@ -222,6 +262,8 @@ impl Client {
             progress: axis.control.progress(),
             command: axis.control.command(),
             seen: axis.seen,
+            answered: axis.answered,
+            stays_away: axis.control.stays_away(),
             at_rest: axis.control.is_at_rest(),
             quick_stop: axis.control.stops_quickly(),
             turns: axis.seen.is_some_and(|seen| axis.control.turns(seen)),
@@ -240,14 +282,23 @@ impl Client {
             let input = self.controller.input(axis.ar, axis.slot, axis.subslot);
             let Some((data, provider)) = input else { continue };
             let seen = axis.wiring.decode(data).filter(|_| provider.is_good());
+            let received = self
+                .controller
+                .statistics(axis.ar)
+                .map_or(0, |counts| counts.received);
+            let before = axis.control.command().stw1;
             let command = match seen {
                 Some(seen) => {
                     axis.seen = Some(seen);
+                    axis.note_answer(received);
                     axis.control.step(now, seen)
                 }
                 // nothing is switched on on the word of a drive that says nothing valid
                 None => axis.control.step_blind(now),
             };
+            if command.stw1 != before {
+                axis.since = (received, axis.seen.map(|seen| seen.zsw1));
+            }
             if axis.sent != Some(command) {
                 let data = axis.wiring.encode(&command);
                 if self

@@ -13,7 +13,7 @@ use profinet::wire::PnioStatus;
 use crate::DriveAddress;
 use profidrive::state::Mode;
 
-use crate::axis::{NoTelegram, Objection, Trouble};
+use crate::axis::{Evidence, NoTelegram, Objection, Trouble};
 use crate::parameter::ParameterProblem;
 
 /// Why something did not come about.
@@ -153,6 +153,14 @@ pub enum Error {
         /// The telegram needed.
         wanted: u16,
     },
+    /// Somebody at the drive itself commands it; nothing was sent.
+    #[error("{drive} is in local operation: {}", local_text(*.enabled))]
+    LocalOperation {
+        /// The drive.
+        drive: String,
+        /// It is enabled (S4) from there.
+        enabled: bool,
+    },
     /// The axis is not enabled any more; nothing was sent.
     #[error("{drive}: the axis is not enabled any more")]
     NotEnabled {
@@ -176,6 +184,26 @@ pub enum Error {
         what: &'static str,
         /// How long.
         limit: Duration,
+    },
+    /// The axis did not come up to its speed; it is being stopped.
+    #[error("{drive}: {wanted} rpm not reached within {:.1} s, the highest speed was {}", .limit.as_secs_f64(), rpm_text(*.highest))]
+    SpeedNotReached {
+        /// The drive.
+        drive: String,
+        /// Speed asked for.
+        wanted: f64,
+        /// Highest speed in that direction, where the telegram tells speeds.
+        highest: Option<f64>,
+        /// How long.
+        limit: Duration,
+    },
+    /// The axis is held by something; what the drive said while it was still in operation.
+    #[error("{error}; {evidence}")]
+    Held {
+        /// What went wrong.
+        error: Box<Error>,
+        /// What the drive said.
+        evidence: Evidence,
     },
     /// A speed that the caller did not allow.
     #[error("{wanted} rpm is above the limit of {limit} rpm")]
@@ -270,6 +298,18 @@ pub(crate) const fn mode_words(mode: Mode) -> &'static str {
         Mode::Velocity => "velocity mode (PNU 930 = 1)",
         Mode::Position => "position mode (PNU 930 = 2)",
     }
+}
+
+fn local_text(enabled: bool) -> &'static str {
+    if enabled {
+        "it is enabled (S4) though no controller commands it"
+    } else {
+        "it does not ask for control by the field bus (ZSW1 bit 9 is 0)"
+    }
+}
+
+fn rpm_text(speed: Option<f64>) -> String {
+    speed.map_or_else(|| "not told".into(), |speed| format!("{speed:.1} rpm"))
 }
 
 fn telegram_text(number: Option<u16>) -> String {
@@ -374,7 +414,7 @@ impl Error {
             Self::Refused { refusal, .. } => refusal.number.info(ErrorNames::Profile)?.remedy.into(),
             Self::Parameter(problem) => problem.hint()?,
             Self::Axis { trouble, .. } => match trouble {
-                Trouble::Fault => "`profidrive info DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",
+                Trouble::Fault => "`profidrive faults DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",
                 Trouble::FaultStays => "remove the cause, then acknowledge again",
                 Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
                 Trouble::StuckIn { .. } => {
@@ -408,6 +448,13 @@ impl Error {
             Self::ForeignModule { drive, wanted, .. } => {
                 format!("`profidrive write {drive} 922={wanted}` selects it where the drive allows that")
             }
+            Self::LocalOperation { drive, .. } => format!(
+                "switch it off there (service channel: `profidrive stop {drive} --disable`) and hand control over to the field bus"
+            ),
+            Self::SpeedNotReached { .. } => {
+                "the ramp (DRV.ACC), a limit of the drive (VL.LIMITP, VL.LIMITN, IL.LIMITP) or the load holds it".into()
+            }
+            Self::Held { error, evidence } => evidence.hint().map_or_else(|| error.hint(), |hint| Some(hint.into()))?,
             Self::NotEnabled { .. } => "enable it again".into(),
             Self::Objections { objections, .. } => objections.first()?.hint().into(),
             Self::NotInTime { .. } => "--timeout gives it more time; `profidrive status DRIVE` tells what holds it".into(),

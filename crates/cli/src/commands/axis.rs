@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::Purpose;
+use drive_client::axis::{Goal, Purpose};
 use drive_client::status::{Verdict, diagnose};
-use drive_client::{AxisSettings, Drive, Error, FaultEntry, WarningEntry};
+use drive_client::{AxisSettings, AxisStatus, Drive, Error, FaultEntry, WarningEntry};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 use profinet::cyclic::Timing;
@@ -54,6 +54,21 @@ pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
     }
 }
 
+/// Turns to three digits; a zero has no sign.
+pub fn rounded(turns: f64) -> f64 {
+    (turns * 1000.0).round() / 1000.0 + 0.0
+}
+
+/// Where the axis is once the power stage is off, if it has left its place since.
+pub fn left(place: Option<f64>, now: Option<f64>) -> Option<f64> {
+    now.zip(place)
+        .filter(|(now, place)| (now - place).abs() > LEFT)
+        .map(|(now, _)| now)
+}
+
+/// How far an axis may be away from where it was before that is told, turns.
+const LEFT: f64 = 0.01;
+
 pub fn settings(cyclic: &Cyclic, purpose: Purpose, limit: f64) -> AxisSettings {
     AxisSettings {
         purpose,
@@ -82,6 +97,10 @@ pub fn in_mode(
     output: &Output,
     work: impl FnOnce(&mut Live, &mut Drive) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
+    if wanted.set_mode {
+        // an axis that somebody else commands is left alone altogether
+        session.check_control(drive)?;
+    }
     let before = enter_mode(session, drive, needed, wanted, output)?;
     let result = work(session, drive);
     leave_mode(session, drive, before, output);
@@ -137,9 +156,49 @@ const fn mode_number(mode: Mode) -> u8 {
     }
 }
 
+/// Shows the axis from now on, and says what taking it has changed at the drive.
 pub fn watch(axis: &mut Axis<'_>, command: &'static str, output: &Output) {
+    if let Some(before) = axis.telegram_before() {
+        output.say(&format!(
+            "telegram {before} -> {} (PNU 922) for this; the drive keeps it",
+            axis.telegram()
+        ));
+    }
     let mut view = LiveView::new(output.clone(), command);
-    axis.watch(move |status| view.show(&AxisView::of(status)));
+    let mut stop = LongStop::default();
+    let output = output.clone();
+    axis.watch(move |status| {
+        view.show(&AxisView::of(status));
+        if stop.tells(status) {
+            view.leave();
+            output.say("still stopping along the ramp; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before");
+        }
+    });
+}
+
+/// A ramp that takes its time is told once.
+#[derive(Debug, Default)]
+struct LongStop {
+    since: Option<Duration>,
+    told: bool,
+}
+
+impl LongStop {
+    /// From which time on a stop is a long one.
+    const LONG: Duration = Duration::from_millis(1000);
+
+    fn tells(&mut self, status: &AxisStatus) -> bool {
+        if status.view.goal != Goal::Stop || status.view.at_rest || status.view.quick_stop || status.lost {
+            self.since = None;
+            return false;
+        }
+        let since = *self.since.get_or_insert(status.time);
+        if self.told || status.time.saturating_sub(since) < Self::LONG {
+            return false;
+        }
+        self.told = true;
+        true
+    }
 }
 
 /// How a motion ends by itself.
@@ -201,10 +260,15 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
     if let (Error::Interrupted, End::Target(what)) = (&error, end) {
         return Failure::new(
             Exit::Failed,
-            format!("{}: stopped by Ctrl-C, {what}", drive.label()),
+            format!("{}: stopped by Ctrl-C or a signal, {what}", drive.label()),
         );
     }
-    let asked = matches!(error, Error::Axis { .. } | Error::NotInTime { .. });
+    // what the drive said while it was still in operation is told already
+    let asked = matches!(
+        error,
+        Error::Axis { .. } | Error::NotInTime { .. } | Error::Held { .. }
+    );
+    let held = matches!(error, Error::Held { .. });
     let mut failure = Failure::from(error);
     if !asked {
         return failure;
@@ -220,7 +284,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
     }
     let diagnosis = diagnose(&status);
     // the axis is released by now: that nobody commands it is no news
-    if diagnosis.verdict == Verdict::Held && status.faults.is_empty() {
+    if diagnosis.verdict == Verdict::Held && status.faults.is_empty() && !held {
         failure.message = format!("{}; {}", failure.message, diagnosis.sentence);
         failure.hint = diagnosis.next.or(failure.hint);
     }

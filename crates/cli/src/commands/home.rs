@@ -13,7 +13,7 @@ use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
-use crate::render::value;
+use crate::render::{number, value};
 
 /// What decides over the procedure.
 const SETTINGS: [&str; 4] = ["HOME.MODE", "HOME.DIR", "HOME.V", "HOME.ACC"];
@@ -50,17 +50,27 @@ fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
         taken.telegram()
     ));
     axis::watch(&mut taken, "home", output);
-    let result = taken
-        .enable()
-        .and_then(|mut enabled| enabled.home(Some(args.timeout)));
-    let position = taken.status().and_then(|status| status.position);
+    let mut place = None;
+    let result = taken.enable().and_then(|mut enabled| {
+        let result = enabled.home(Some(args.timeout));
+        place = enabled.status().and_then(|status| status.position);
+        result
+    });
+    let now = taken.status().and_then(|status| status.position);
+    let left = axis::left(place, now).filter(|_| result.is_ok());
     if result.is_ok() {
-        let at = position.map_or_else(String::new, |position| {
-            format!(", the axis is at {position:.3} rev")
+        let at = place.map_or_else(String::new, |position| {
+            format!(", the axis is at {} rev", number(axis::rounded(position)))
         });
         output.say(&format!("homed (ZSW1 bit 11){at}"));
     }
-    let more = fields! { "homed": result.is_ok(), "position": position };
+    if let Some(now) = left {
+        output.warn(&format!(
+            "it has left that place since: it is at {} rev now",
+            number(axis::rounded(now))
+        ));
+    }
+    let more = fields! { "homed": result.is_ok(), "position": place, "left_to": left };
     axis::finish(taken, result, END, "home", more, output)
         .map_err(|error| axis::explained(error, END, session, drive))
 }

@@ -4,12 +4,13 @@ use std::time::Duration;
 
 use clap::Args;
 use drive_client::axis::{Jog as JogSetpoint, Purpose};
-use drive_client::{Error, WriteMode};
+use drive_client::parameter::Assignment;
+use drive_client::{Drive, Error, WriteMode};
 use profidrive::notation::{ParameterReference, Quantity};
 
 use super::axis::{self, End};
 use crate::args::{Cyclic, Interface, duration};
-use crate::connect::{self, Need};
+use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::value;
@@ -24,7 +25,7 @@ pub struct Jog {
     /// Which jog setpoint of the drive: 1 (STW1 bit 8, PNU 1004) or 2 (bit 9, PNU 1005)
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub jog: u8,
-    /// Set the jog speed first; the drive's own value when left out
+    /// Set the jog speed for this command; the drive's own value when left out
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Option<Quantity>,
     /// How long to jog
@@ -53,23 +54,49 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         2 => (JogSetpoint::Two, JOG_SPEED[1]),
         _ => (JogSetpoint::One, JOG_SPEED[0]),
     };
-    let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
-    if let Some(speed) = &args.velocity {
-        let reference = ParameterReference::number(pnu);
-        let assignment = drive_client::parameter::Assignment {
-            reference,
-            quantity: speed.clone(),
-        };
-        let outcomes = session.write(&mut drive, &[assignment], WriteMode::Write)?;
-        if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
-            return Err(Error::Refused {
-                drive: drive.label(),
-                refusal,
-            }
-            .into());
+    let mut before = None;
+    let result = go(
+        args,
+        limit,
+        (jog, pnu),
+        &mut before,
+        &mut session,
+        &mut drive,
+        output,
+    );
+    if let Some(speed) = before {
+        let back = session.uninterrupted(|session| set_speed(session, &mut drive, pnu, &speed));
+        match back {
+            Ok(()) => output.say(&format!("PNU {pnu} is {speed} again")),
+            Err(error) => output.warn(&format!("PNU {pnu} was not put back to {speed}: {error}")),
         }
     }
-    let speed = session.read_one(&mut drive, &selection)?;
+    result?;
+    Ok(session.close()?)
+}
+
+fn go(
+    args: &Jog,
+    limit: f64,
+    (jog, pnu): (JogSetpoint, u16),
+    before: &mut Option<Quantity>,
+    session: &mut Live,
+    drive: &mut Drive,
+    output: &Output,
+) -> Result<(), Failure> {
+    let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
+    let mut taken = session.take_axis(drive, settings)?;
+    let (inner, own) = taken.session();
+    let selection = own.parameters.select(&ParameterReference::number(pnu))?;
+    let mut speed = inner.read_one(own, &selection)?;
+    if let Some(wanted) = &args.velocity {
+        // put back at the end, whatever happens
+        *before = speed
+            .number()
+            .and_then(|number| format!("{number}rpm").parse().ok());
+        set_speed(inner, own, pnu, wanted)?;
+        speed = inner.read_one(own, &selection)?;
+    }
     axis::within(speed.number().unwrap_or(0.0), limit)?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} for {} s; Ctrl-C stops it",
@@ -77,14 +104,26 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         value::full(&speed),
         args.time.as_secs_f64()
     ));
-    let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
-    let mut taken = session.take_axis(&mut drive, settings)?;
     axis::watch(&mut taken, "jog", output);
     let result = taken.enable().and_then(|mut enabled| {
         enabled.jog(jog)?;
         enabled.hold(args.time)
     });
     axis::finish(taken, result, End::Time, "jog", serde_json::Map::new(), output)
-        .map_err(|error| axis::explained(error, End::Time, &mut session, &mut drive))?;
-    Ok(session.close()?)
+        .map_err(|error| axis::explained(error, End::Time, session, drive))
+}
+
+fn set_speed(session: &mut Live, drive: &mut Drive, pnu: u16, speed: &Quantity) -> Result<(), Error> {
+    let assignment = Assignment {
+        reference: ParameterReference::number(pnu),
+        quantity: speed.clone(),
+    };
+    let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
+    match outcomes.into_iter().find_map(|outcome| outcome.written) {
+        Some(Err(refusal)) => Err(Error::Refused {
+            drive: drive.label(),
+            refusal,
+        }),
+        _ => Ok(()),
+    }
 }

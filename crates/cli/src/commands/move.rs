@@ -104,21 +104,34 @@ fn go(
         taken.telegram()
     ));
     axis::watch(&mut taken, "move", output);
+    let mut place = None;
     let result = taken.enable().and_then(|mut enabled| {
         // with what the telegram says now
         let plan = enabled.plan(order)?;
         enabled.start(&plan)?;
-        enabled.wait(Some(args.timeout.unwrap_or_else(|| patience(&plan))))
+        let result = enabled.wait(Some(args.timeout.unwrap_or_else(|| patience(&plan))));
+        // where it was when ZSW1 bit 10 came, before anything else happens
+        place = enabled.status().and_then(|status| status.position);
+        result
     });
-    let position = taken.status().and_then(|status| status.position);
-    if let (Ok(()), Some(position)) = (&result, position) {
+    let now = taken.status().and_then(|status| status.position);
+    let left = axis::left(place, now).filter(|_| result.is_ok());
+    if let (Ok(()), Some(position)) = (&result, place) {
         output.say(&format!(
-            "target reached: {} rev ({:.0} counts)",
-            number(round(position)),
-            position * drive.counts_per_turn()
+            "target reached (ZSW1 bit 10): {} rev ({:.0} counts)",
+            number(axis::rounded(position)),
+            (position * drive.counts_per_turn()).round() + 0.0
         ));
     }
-    let more = fields! { "reached": result.is_ok(), "position": position, "plan": plan_json(&plan, drive) };
+    if let Some(now) = left {
+        output.warn(&format!(
+            "it has left the target since: it is at {} rev now",
+            number(axis::rounded(now))
+        ));
+    }
+    let more = fields! {
+        "reached": result.is_ok(), "position": place, "left_to": left, "plan": plan_json(&plan, drive),
+    };
     axis::finish(taken, result, END, "move", more, output)
         .map_err(|error| axis::explained(error, END, session, drive))
 }
@@ -165,7 +178,7 @@ fn patience(plan: &MovePlan) -> Duration {
 
 /// `goes from 1.2 rev to 10 rev (655360 counts) at 300 rpm, ramps 3052 and 3052 rpm/s, in about 2.1 s`
 fn told(plan: &MovePlan, order: &Order) -> String {
-    let rev = |turns: Option<f64>| turns.map_or_else(|| "?".into(), |turns| number(round(turns)));
+    let rev = |turns: Option<f64>| turns.map_or_else(|| "?".into(), |turns| number(axis::rounded(turns)));
     let way = if order.relative {
         format!(
             "goes from {} rev by {} counts to {} rev",
@@ -186,14 +199,10 @@ fn told(plan: &MovePlan, order: &Order) -> String {
         .map_or_else(String::new, |seconds| format!(", in about {seconds:.1} s"));
     format!(
         "{way} at {} rpm, ramps {} and {} rpm/s{time}",
-        number(round(plan.speed)),
+        number(axis::rounded(plan.speed)),
         number(plan.acceleration),
         number(plan.deceleration)
     )
-}
-
-fn round(value: f64) -> f64 {
-    (value * 1000.0).round() / 1000.0
 }
 
 fn plan_json(plan: &MovePlan, drive: &Drive) -> Map<String, Value> {

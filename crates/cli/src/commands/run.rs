@@ -14,6 +14,9 @@ use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
 
+/// A ramp that takes longer than this is told beforehand.
+const LONG_RAMP: Duration = Duration::from_secs(2);
+
 #[derive(Debug, Args)]
 pub struct Run {
     /// Station name, IP address or MAC address
@@ -21,7 +24,7 @@ pub struct Run {
     /// Speed: 60rpm, -1rps; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Quantity,
-    /// How long to run at the speed; until Ctrl-C when left out
+    /// How long to run at the speed, counted from when it is reached; until Ctrl-C when left out
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
     /// Refuse any speed above this
@@ -60,17 +63,30 @@ fn go(
     if let Some(warning) = above(speed, &facts) {
         output.warn(&warning);
     }
+    let end = if args.time.is_some() { End::Time } else { End::Open };
+    let settings = axis::settings(&args.cyclic, Purpose::Speed, limit);
+    let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
         "this moves the axis: {} turns at {speed} rpm {time}; Ctrl-C stops it",
         drive.label()
     ));
-    let end = if args.time.is_some() { End::Time } else { End::Open };
-    let settings = axis::settings(&args.cyclic, Purpose::Speed, limit);
-    let mut taken = session.take_axis(drive, settings)?;
     axis::watch(&mut taken, "run", output);
-    let result = taken.enable().and_then(|mut enabled| {
-        enabled.run(speed)?;
-        enabled.hold(args.time.unwrap_or(axis::FOR_EVER))
+    let result = taken.enable().and_then(|mut enabled| match args.time {
+        Some(time) => {
+            let ramp = enabled.speed_time(speed);
+            if ramp > LONG_RAMP {
+                output.say(&format!(
+                    "the ramp up takes about {:.0} s (DRV.ACC), the time counts from its end",
+                    ramp.as_secs_f64()
+                ));
+            }
+            enabled.reach_speed(speed, None)?;
+            enabled.hold(time)
+        }
+        None => {
+            enabled.run(speed)?;
+            enabled.hold(axis::FOR_EVER)
+        }
     });
     axis::finish(taken, result, end, "run", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, end, session, drive))

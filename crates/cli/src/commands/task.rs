@@ -49,11 +49,13 @@ fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
         taken.telegram()
     ));
     axis::watch(&mut taken, "task", output);
+    let mut status = None;
     let result = taken.enable().and_then(|mut enabled| {
         enabled.start_task(args.number)?;
-        enabled.wait(Some(args.timeout))
+        let result = enabled.wait(Some(args.timeout));
+        status = enabled.status();
+        result
     });
-    let status = taken.status();
     let running = status.and_then(|status| status.view.seen?.aktsatz);
     if result.is_ok() {
         output.say(&format!("task {} at its target (ZSW1 bit 10)", args.number));

@@ -26,6 +26,10 @@ pub struct AxisView {
     pub stw1: u16,
     /// Status word, once there is one.
     pub zsw1: Option<u16>,
+    /// Control word that the status word answers.
+    pub answered: u16,
+    /// The connection is lost: the drive said all of this before.
+    pub lost: bool,
     /// Speed asked for, rpm.
     pub speed_set: Option<f64>,
     /// Speed of the motor, rpm.
@@ -48,6 +52,8 @@ impl AxisView {
             time: status.time,
             stw1: status.view.command.stw1.0,
             zsw1: status.view.seen.map(|seen| seen.zsw1.0),
+            answered: status.view.answered.0,
+            lost: status.lost,
             speed_set: status.speed_set,
             speed_actual: status.speed_actual,
             position: None,
@@ -57,16 +63,36 @@ impl AxisView {
         }
     }
 
-    fn state(&self) -> String {
-        self.zsw1.map_or_else(
-            || "no data yet".into(),
-            |zsw1| words::state(zsw1, Some(self.stw1)),
-        )
+    /// What is worth a line when it changes.
+    const fn words(&self) -> (u16, Option<u16>, u16, bool) {
+        (self.stw1, self.zsw1, self.answered, self.lost)
     }
 
-    /// Short name of the state.
+    fn state(&self) -> String {
+        let Some(zsw1) = self.zsw1 else {
+            return if self.lost {
+                "connection lost"
+            } else {
+                "no data yet"
+            }
+            .into();
+        };
+        let state = words::state(zsw1, Some(self.answered));
+        if self.lost {
+            return format!("connection lost, was in {state}");
+        }
+        // what was sent a moment ago is no state of the drive
+        if words::state(zsw1, Some(self.stw1)) == state {
+            return state;
+        }
+        let order = if words::sends_on(self.stw1) { "ON" } else { "OFF" };
+        format!("{state}, {order} commanded")
+    }
+
+    /// Short name of the state that the drive has told.
     pub fn state_number(&self) -> Option<&'static str> {
-        self.zsw1.map(|zsw1| words::state_number(zsw1, Some(self.stw1)))
+        self.zsw1
+            .map(|zsw1| words::state_number(zsw1, Some(self.answered)))
     }
 }
 
@@ -93,9 +119,7 @@ impl LiveView {
 
     /// Shows what is new; leaves out what would only flicker.
     pub fn show(&mut self, view: &AxisView) {
-        let words_changed = self
-            .last
-            .is_none_or(|last| (last.stw1, last.zsw1) != (view.stw1, view.zsw1));
+        let words_changed = self.last.is_none_or(|last| last.words() != view.words());
         let since = self
             .last
             .map_or(Duration::MAX, |last| view.time.saturating_sub(last.time));
@@ -121,7 +145,7 @@ impl LiveView {
     fn document(&self, view: &AxisView) {
         let fields = fields! {
             "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.stw1,
-            "zsw1": view.zsw1, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
+            "zsw1": view.zsw1, "connected": !view.lost, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
             "position": view.position, "target": view.target, "turns": view.turns,
             "following_error": view.following_error,
             "words": words_json(view.mode, Some(view.stw1), view.zsw1),
@@ -258,6 +282,8 @@ mod tests {
         time: Duration::from_millis(1234),
         stw1: 0x047F,
         zsw1: Some(0x0337),
+        answered: 0x047F,
+        lost: false,
         speed_set: Some(60.06),
         speed_actual: Some(59.7),
         position: None,
@@ -303,15 +329,38 @@ mod tests {
     fn the_control_word_tells_a_ramp_stop_from_switched_on() {
         let turning = AxisView {
             stw1: 0x047E,
+            answered: 0x047E,
             zsw1: Some(0x0233),
             ..VIEW
         };
         assert!(line(&turning).contains(" S5 switching off, ramp stop  "));
         let starting = AxisView {
             stw1: 0x047F,
+            answered: 0x047F,
             ..turning
         };
         assert!(line(&starting).contains(" S3 switched on  "));
+    }
+
+    #[test]
+    fn a_command_is_no_state() {
+        let off = AxisView {
+            stw1: 0x047E,
+            zsw1: Some(0x0737),
+            ..VIEW
+        };
+        assert!(
+            line(&off).contains(" S4 operation, OFF commanded  "),
+            "{}",
+            line(&off)
+        );
+        assert_eq!(off.state_number(), Some("S4"));
+        let lost = AxisView { lost: true, ..off };
+        assert!(
+            line(&lost).contains(" connection lost, was in S4 operation  "),
+            "{}",
+            line(&lost)
+        );
     }
 
     #[test]

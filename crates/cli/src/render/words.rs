@@ -140,6 +140,11 @@ pub fn state(zsw1: u16, sent: Option<u16>) -> String {
     }
 }
 
+/// True when STW1 commands ON.
+pub const fn sends_on(stw1: u16) -> bool {
+    Stw1(stw1).has(Stw1::ON)
+}
+
 /// True when ZSW1 tells a fault.
 pub const fn has_fault(zsw1: u16) -> bool {
     Zsw1(zsw1).has(Zsw1::FAULT)

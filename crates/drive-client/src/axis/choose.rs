@@ -99,7 +99,8 @@ fn because(reported: Option<WiringError>) -> String {
 }
 
 /// The telegram for a purpose: the one that the drive reports if it carries everything, else the first of the usual
-/// ones that the drive has.
+/// ones that the drive has. Homing needs STW1 and ZSW1 alone, but a telegram of positioning (SATZANW) shows where the
+/// axis goes.
 ///
 /// ```
 /// use drive_client::axis::{Purpose, ReportedTelegram, choose_telegram};
@@ -120,12 +121,14 @@ pub fn choose_telegram(
     mode: Mode,
 ) -> Result<Choice, NoTelegram> {
     let fits = |wiring: &Wiring| purpose.signals().iter().all(|&signal| wiring.commands(signal));
+    let suits =
+        |wiring: &Wiring| fits(wiring) && (purpose != Purpose::Home || wiring.commands(signal::SATZANW));
     let mut trouble = None;
     let own = reported
         .number
         .and_then(|number| own_wiring(device, reported, number));
     match own {
-        Some((module, Ok(wiring))) if fits(&wiring) => return Ok(Choice { module, wiring }),
+        Some((module, Ok(wiring))) if suits(&wiring) => return Ok(Choice { module, wiring }),
         Some((_, Err(error))) => trouble = Some(error),
         _ => {}
     }
@@ -201,7 +204,10 @@ mod tests {
             (9, Task, Position, 9),
             (353, Task, Position, 353),
             (1, Task, Position, 7),
-            (351, Home, Position, 351),
+            (351, Home, Position, 9),
+            (1, Home, Position, 9),
+            (7, Home, Position, 7),
+            (353, Home, Position, 353),
             (7, Jog, Position, 7),
             (7, Control, Velocity, 7),
             (999, Jog, Position, 9),

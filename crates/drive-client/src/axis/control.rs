@@ -121,6 +121,19 @@ impl AxisControl {
         }
     }
 
+    /// Turns a ramp stop under way into a quick stop (OFF3).
+    pub fn hurry(&mut self, now: Instant) {
+        if self.goal == Goal::Stop && self.progress == Progress::Pursuing && !self.quick {
+            self.quick = true;
+            self.since = now;
+        }
+    }
+
+    /// Says how long a ramp stop may take from now on before the quick stop is used.
+    pub const fn allow_stop(&mut self, limit: Duration) {
+        self.limits.stop = limit;
+    }
+
     /// What is wanted.
     #[must_use]
     pub const fn goal(&self) -> Goal {
@@ -424,6 +437,11 @@ impl AxisControl {
             Mode::Velocity => seen.stands(self.limits.standstill),
             Mode::Position => seen.stopped(),
         }
+    }
+
+    /// The axis stands where its task does not end.
+    pub(crate) const fn stays_away(&self) -> bool {
+        self.astray.is_some()
     }
 
     /// The ramp stop has been given up for a quick stop.

@@ -3,6 +3,7 @@
 mod choose;
 mod command;
 mod control;
+mod evidence;
 mod goal;
 #[cfg(test)]
 mod model;
@@ -13,6 +14,7 @@ mod wiring;
 pub use choose::{Choice, NoTelegram, Purpose, ReportedTelegram, choose_telegram};
 pub use command::{Command, Traverse};
 pub use control::AxisControl;
+pub use evidence::Evidence;
 pub use goal::{Goal, Jog, Limits, Progress, Trouble};
 pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};
 pub use seen::Seen;

@@ -11,7 +11,11 @@ use profinet::cyclic::{CyclicStatistics, Timing};
 
 use super::Session;
 use super::enabled::Enabled;
-use crate::axis::{AxisControl, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Trouble};
+use super::keep::Kept;
+use super::prepare::Prepared;
+use crate::axis::{
+    AxisControl, Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Trouble,
+};
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error};
 
@@ -21,6 +25,9 @@ const NSOLL_A: u16 = signal::NSOLL_A;
 const TICK: Duration = Duration::from_nanos(31_250);
 /// Shortest time a drive has for accepting a task.
 const ACCEPT: Duration = Duration::from_secs(2);
+
+/// The longest ramp that is waited for.
+const LONGEST_RAMP: Duration = Duration::from_secs(600);
 
 /// How to run an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +40,7 @@ pub struct AxisSettings {
     pub watchdog: u16,
     /// Highest speed that may be asked for, in rpm.
     pub speed_limit: f64,
-    /// How long stopping may take before the quick stop is used.
+    /// How much longer than the ramp of the drive is reckoned to need stopping may take before the quick stop is used.
     pub stop: Duration,
 }
 
@@ -82,6 +89,8 @@ pub struct AxisStatus {
     pub following_error: Option<f64>,
     /// Time since control was taken.
     pub time: Duration,
+    /// The connection is lost: all of this is what the drive said last.
+    pub lost: bool,
 }
 
 /// Somebody who wants to see the axis while calls wait.
@@ -128,6 +137,17 @@ where
     pub(super) settings: AxisSettings,
     cycle: Duration,
     telegram: u16,
+    /// The telegram that the drive had before (PNU 922).
+    telegram_before: Option<u16>,
+    /// Ramps of the drive in rpm/s.
+    pub(super) acceleration: Option<f64>,
+    deceleration: Option<f64>,
+    /// Highest speed asked for since the axis was taken, rpm.
+    pub(super) fastest: f64,
+    /// What the drive said about a motion that does not get on.
+    pub(super) evidence: Option<Evidence>,
+    /// What the telegram writes in coarser steps than the drive has them.
+    kept: Kept,
     /// Where the move under way leads, in turns.
     pub(super) target: Option<f64>,
     taken: profinet::Instant,
@@ -174,7 +194,15 @@ where
                     device_id: drive.station.device_id,
                 })?;
         self.read_scaling(drive)?;
-        let (mode, wiring, layout) = self.prepare(drive, &device, settings.purpose)?;
+        let Prepared {
+            mode,
+            wiring,
+            layout,
+            reported,
+            acceleration,
+            deceleration,
+        } = self.prepare(drive, &device, settings.purpose)?;
+        let kept = self.keep(drive, &wiring)?;
         let cycle = settings
             .cycle
             .unwrap_or(TICK * u32::from(device.min_device_interval));
@@ -212,6 +240,12 @@ where
             settings,
             cycle: timing.interval(),
             telegram,
+            telegram_before: reported,
+            acceleration,
+            deceleration,
+            fastest: 0.0,
+            evidence: None,
+            kept,
             target: None,
             taken: now,
             watcher: None,
@@ -267,6 +301,12 @@ where
         self.telegram
     }
 
+    /// The telegram that the drive had before (PNU 922), if it is another one: the drive keeps the one in use.
+    #[must_use]
+    pub fn telegram_before(&self) -> Option<u16> {
+        self.telegram_before.filter(|&before| before != self.telegram)
+    }
+
     /// The update time in use.
     #[must_use]
     pub const fn cycle(&self) -> Duration {
@@ -294,6 +334,7 @@ where
             position: view.seen.and_then(|seen| Some(self.turns(seen.xist_a?))),
             following_error: view.seen.and_then(|seen| Some(self.turns(seen.xist_error?))),
             time: self.session.now() - self.taken,
+            lost: matches!(self.session.client.connection(self.ar), Connection::Lost(_)),
         })
     }
 
@@ -451,6 +492,9 @@ where
             if enough(&status) {
                 return Ok(());
             }
+            if status.view.stays_away {
+                self.gather();
+            }
             if let Some(limit) = limit.filter(|&limit| self.session.now() - begin >= limit) {
                 return Err(Error::NotInTime {
                     drive: self.drive.label(),
@@ -477,6 +521,11 @@ where
             });
         }
         let status = status.ok_or(profinet::controller::Misuse::UnknownConnection)?;
+        let ramp = status.view.goal == Goal::Stop && !status.view.quick_stop && !status.view.at_rest;
+        if ramp && self.session.hurries() {
+            let now = self.session.now();
+            self.session.client.hurry(now, self.ar);
+        }
         match status.view.progress {
             Progress::Failed(trouble) => {
                 self.told = true;
@@ -498,10 +547,13 @@ where
         let running = self.session.client.connection(self.ar) == Connection::Running;
         let mut result = if running { self.bring_to_rest() } else { Ok(()) };
         let released = self.session.release(self.ar);
-        self.session.stopping = stopping;
         if result.is_ok() {
             result = released;
         }
+        if running && result.is_ok() {
+            result = self.session.put_back(&mut self.drive, &self.kept);
+        }
+        self.session.stopping = stopping;
         result
     }
 
@@ -517,7 +569,7 @@ where
             self.session.step(end)?;
         }
         stopped?;
-        if self.quick {
+        if self.quick && !self.session.hurried {
             return Err(Error::Axis {
                 drive: self.drive.label(),
                 trouble: Trouble::QuickStopUsed,
@@ -546,8 +598,19 @@ where
         result
     }
 
+    /// How long the drive needs for its ramp from the present speed, as far as that can be reckoned.
+    fn ramp_time(&self) -> Duration {
+        let told = self.status().and_then(|status| status.speed_actual);
+        let speed = told.map_or(self.fastest, f64::abs);
+        self.deceleration
+            .and_then(|ramp| Duration::try_from_secs_f64(speed / ramp).ok())
+            .map_or(Duration::ZERO, |time| time.min(LONGEST_RAMP))
+    }
+
     /// OFF1, and whatever it takes until the pulses are off or the control gives up.
     fn ramp_down(&mut self) -> Result<(), Error> {
+        let limit = self.settings.stop + self.ramp_time();
+        self.session.client.allow_stop(self.ar, limit);
         self.pursue(Goal::Stop);
         loop {
             // a quick stop that took over is waited for as well, and told with the release

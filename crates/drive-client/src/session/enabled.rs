@@ -6,12 +6,16 @@ use std::time::Duration;
 use profinet::Medium;
 
 use super::Axis;
-use super::axis::{speed_raw, speed_rpm};
+use super::axis::{AxisStatus, speed_raw, speed_rpm};
 use crate::axis::{Goal, Jog, Move, MovePlan, Progress, Traverse};
 use crate::{Connection, Error};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
 const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
+/// The same for coming up to a speed.
+const SPEED_PATIENCE: (u32, Duration) = (2, Duration::from_secs(5));
+/// How near the speed has to be: as a share of it, and at least in rpm.
+const SPEED_NEAR: (f64, f64) = (0.03, 2.0);
 /// HOME.MODE: set the position where the axis stands, take that of the feedback.
 const ON_THE_SPOT: [i64; 2] = [0, 13];
 /// PNU of HOME.MODE.
@@ -81,7 +85,51 @@ where
                 wanted: rpm,
                 limit: speed_rpm(drive, i16::MAX),
             })?;
+        self.axis.fastest = self.axis.fastest.max(rpm.abs());
+        self.axis.evidence = None;
         self.reach(Goal::Run { setpoint }, None, "")
+    }
+
+    /// Follows this speed from now on, in rpm, and returns once the axis has it: by NIST_A, or by ZSW1 bit 10 where the
+    /// telegram carries no speed. Without a `limit` it may take somewhat longer than the ramp of the drive needs.
+    ///
+    /// # Errors
+    /// When the axis does not come up to the speed, and as [`run`](Self::run).
+    pub fn reach_speed(&mut self, rpm: f64, limit: Option<Duration>) -> Result<(), Error> {
+        self.run(rpm)?;
+        let limit = limit.unwrap_or_else(|| self.speed_time(rpm) * SPEED_PATIENCE.0 + SPEED_PATIENCE.1);
+        let begin = self.axis.session.now();
+        let mut highest: Option<f64> = None;
+        loop {
+            let status = self.axis.look()?;
+            if has_speed(&status, rpm) {
+                return Ok(());
+            }
+            if let Some(actual) = status.speed_actual {
+                let faster = highest.is_none_or(|highest| (actual - highest) * rpm.signum() > 0.0);
+                highest = if faster { Some(actual) } else { highest };
+            }
+            if self.axis.session.now() - begin >= limit {
+                self.axis.gather();
+                return Err(self.axis.with_evidence(Error::SpeedNotReached {
+                    drive: self.axis.drive.label(),
+                    wanted: rpm,
+                    highest,
+                    limit,
+                }));
+            }
+            let soon = self.axis.session.now() + self.axis.cycle();
+            self.axis.session.step(soon)?;
+        }
+    }
+
+    /// How long the ramp of the drive needs up to this speed, where it tells its ramp.
+    #[must_use]
+    pub fn speed_time(&self, rpm: f64) -> Duration {
+        self.axis
+            .acceleration
+            .and_then(|ramp| Duration::try_from_secs_f64(rpm.abs() / ramp).ok())
+            .unwrap_or_default()
     }
 
     /// Jogs at one of the drive's jog setpoints.
@@ -103,6 +151,7 @@ where
                 objections: plan.objections.clone(),
             });
         }
+        self.axis.fastest = self.axis.fastest.max(plan.speed);
         self.begin(plan.traverse, plan.target)
     }
 
@@ -133,9 +182,13 @@ where
     /// When it takes longer than `limit`, the axis stops elsewhere, the drive leaves operation, the connection is lost
     /// or the caller wants to stop. The motion is still under way then until this object goes.
     pub fn wait(&mut self, limit: Option<Duration>) -> Result<(), Error> {
-        self.axis.arrive(limit, "reaching the target", |status| {
+        let result = self.axis.arrive(limit, "reaching the target", |status| {
             status.view.progress == Progress::Reached
-        })
+        });
+        if let Err(Error::NotInTime { .. }) = &result {
+            self.axis.gather();
+        }
+        result.map_err(|error| self.axis.with_evidence(error))
     }
 
     /// Homes the axis as the drive is set up (HOME.MODE) and waits for the end.
@@ -185,6 +238,7 @@ where
 
     fn begin(&mut self, traverse: Traverse, target: Option<f64>) -> Result<(), Error> {
         self.pursue_enabled(Goal::Traverse(traverse))?;
+        self.axis.evidence = None;
         self.axis.target = target;
         // the control has its own limit for the handshake
         self.axis.arrive(None, "", |status| status.view.accepted)
@@ -220,6 +274,14 @@ where
         let readings = self.axis.session.read_numbers(&mut drive, &[HOME_MODE])?;
         let mode = readings.first().and_then(|reading| reading.raw());
         Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
+    }
+}
+
+/// The axis has this speed, by what its telegram tells best.
+fn has_speed(status: &AxisStatus, rpm: f64) -> bool {
+    match status.speed_actual {
+        Some(actual) => (actual - rpm).abs() <= (rpm.abs() * SPEED_NEAR.0).max(SPEED_NEAR.1),
+        None => status.view.seen.is_some_and(crate::axis::Seen::reached),
     }
 }
 

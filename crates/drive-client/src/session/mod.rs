@@ -4,9 +4,11 @@ mod access;
 mod axis;
 mod backup;
 mod enabled;
+mod evidence;
 mod faults;
 mod find;
 mod info;
+mod keep;
 mod monitor;
 mod parameters;
 mod plugged;
@@ -76,6 +78,9 @@ where
     medium: M,
     /// Says that the caller wants to stop.
     interrupted: Box<dyn FnMut() -> bool>,
+    /// Says that an axis is to be stopped quickly, and that it has said so.
+    hurry: Box<dyn FnMut() -> bool>,
+    hurried: bool,
     /// True while a stop is carried out that must not be interrupted.
     stopping: bool,
     access: Vec<access::Access>,
@@ -126,6 +131,8 @@ where
             client: Client::new(config),
             medium,
             interrupted: Box::new(|| false),
+            hurry: Box::new(|| false),
+            hurried: false,
             stopping: false,
             access: Vec::new(),
             reference: 0,
@@ -145,6 +152,17 @@ where
     /// [`Error::Interrupted`]. An axis under control is stopped all the same.
     pub fn interrupt_with(&mut self, interrupted: impl FnMut() -> bool + 'static) {
         self.interrupted = Box::new(interrupted);
+    }
+
+    /// Asks `hurry` while an axis stops along its ramp, until it says yes: what remains is a quick stop (OFF3).
+    pub fn hurry_with(&mut self, hurry: impl FnMut() -> bool + 'static) {
+        self.hurry = Box::new(hurry);
+    }
+
+    /// True once the caller wanted a stop to be a quick one.
+    fn hurries(&mut self) -> bool {
+        self.hurried = self.hurried || (self.hurry)();
+        self.hurried
     }
 
     /// The client inside.

@@ -42,6 +42,20 @@ const UNIT_IN: u16 = 2390;
 const UNIT_OUT: u16 = 2392;
 const UNIT_ROTARY: u16 = 2393;
 
+/// What an axis is taken with.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    pub mode: Mode,
+    pub wiring: Wiring,
+    pub layout: Layout,
+    /// The telegram the drive has now (PNU 922).
+    pub reported: Option<u16>,
+    /// DRV.ACC in rpm/s.
+    pub acceleration: Option<f64>,
+    /// DRV.DEC in rpm/s.
+    pub deceleration: Option<f64>,
+}
+
 impl<M: Medium> Session<M>
 where
     M::Error: Send + Sync + 'static,
@@ -219,8 +233,22 @@ where
         drive: &mut Drive,
         device: &Device,
         purpose: Purpose,
-    ) -> Result<(Mode, Wiring, Layout), Error> {
-        let readings = self.read_numbers(drive, &[TELEGRAM, MODE, SETPOINT_SIGNALS, ACTUAL_SIGNALS])?;
+    ) -> Result<Prepared, Error> {
+        let numbers = [
+            TELEGRAM,
+            MODE,
+            ZSW1,
+            DRV_ACC,
+            DRV_DEC,
+            SETPOINT_SIGNALS,
+            ACTUAL_SIGNALS,
+        ];
+        let readings = self.read_numbers(drive, &numbers)?;
+        self.not_local(drive, &readings)?;
+        let number = |pnu| {
+            let found = readings.iter().find(|reading| reading.pnu == pnu);
+            found.and_then(Reading::number).filter(|&ramp| ramp > 0.0)
+        };
         let words = |pnu| -> Vec<u16> {
             readings
                 .iter()
@@ -256,7 +284,46 @@ where
                 plugged: reported.number,
                 wanted: choice.module.telegram,
             })?;
-        Ok((mode, choice.wiring, layout))
+        Ok(Prepared {
+            mode,
+            wiring: choice.wiring,
+            layout,
+            reported: reported.number,
+            acceleration: number(DRV_ACC),
+            deceleration: number(DRV_DEC),
+        })
+    }
+
+    /// Says whether somebody at the drive itself commands it: a panel, or its service channel. Reads only.
+    ///
+    /// # Errors
+    /// When somebody does, or the drive cannot be reached.
+    pub fn check_control(&mut self, drive: &mut Drive) -> Result<(), Error> {
+        let readings = self.read_numbers(drive, &[ZSW1])?;
+        self.not_local(drive, &readings)
+    }
+
+    fn not_local(&mut self, drive: &Drive, readings: &[Reading]) -> Result<(), Error> {
+        let raw = readings.iter().find(|reading| reading.pnu == ZSW1);
+        let word = raw
+            .and_then(Reading::raw)
+            .and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
+        let Some(word) = word.map(Zsw1) else {
+            return Ok(());
+        };
+        let enabled = word.has(Zsw1::READY_TO_OPERATE | Zsw1::OPERATION_ENABLED);
+        let local = !word.has(Zsw1::CONTROL_REQUESTED);
+        if !local && !enabled {
+            return Ok(());
+        }
+        // what another controller has enabled is refused with its name when connecting
+        if !local && self.owner(drive)? != Some(None) {
+            return Ok(());
+        }
+        Err(Error::LocalOperation {
+            drive: drive.label(),
+            enabled,
+        })
     }
 
     /// The mode, if it is the one that the purpose needs.

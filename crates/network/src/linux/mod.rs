@@ -28,4 +28,4 @@ pub use medium::{PacketMedium, ServerPort, UdpMedium};
 pub use packet::PacketStatistics;
 pub use poll::{now, raise_priority};
 pub use runner::{Runner, Turn};
-pub use stop::{Bell, Stop};
+pub use stop::{Bell, Patience, Stop};

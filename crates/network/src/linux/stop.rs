@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::os::fd::{AsRawFd, FromRawFd, RawFd};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 
 /// A flag that wakes whoever waits in a runner or medium it was given to. Clones are the same flag.
 ///
@@ -30,13 +30,26 @@ struct Inner {
 
 /// The event descriptor signals write to, -1 while there is none.
 static SIGNALLED: AtomicI32 = AtomicI32::new(-1);
-static SIGNAL_SEEN: AtomicBool = AtomicBool::new(false);
 
-/// When the first signal came, in milliseconds of the monotonic clock; 0 while none has.
-static FIRST: AtomicU64 = AtomicU64::new(0);
+/// When the last signal that counted came, in milliseconds of the monotonic clock; 0 while none has.
+static LAST: AtomicU64 = AtomicU64::new(0);
+/// Signals that counted.
+static COUNT: AtomicU32 = AtomicU32::new(0);
+/// The signal that ends the program.
+static ENOUGH: AtomicU32 = AtomicU32::new(2);
 
-/// A signal again within this time, ms, means the same as the first: a hasty Ctrl-C, a program that ends its whole group.
+/// A signal again within this time, ms, means the same as the one before: a hasty Ctrl-C, a program that ends its whole
+/// group.
 const SAME: u64 = 1000;
+
+/// Which signal ends the program at once, as without a handler. Signals within a second count as one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Patience {
+    /// The second one.
+    Second,
+    /// The third one: the second makes the flag [urgent](Stop::is_urgent), for a program whose end may take long.
+    Third,
+}
 
 extern "C" fn on_signal(signal: libc::c_int) {
     let mut time = libc::timespec {
@@ -46,9 +59,12 @@ extern "C" fn on_signal(signal: libc::c_int) {
     // SAFETY: clock_gettime is async-signal-safe; `time` is a valid place on this stack.
     unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
     let now = 1 + time.tv_sec as u64 * 1000 + time.tv_nsec as u64 / 1_000_000;
-    if let Err(first) = FIRST.compare_exchange(0, now, Ordering::SeqCst, Ordering::SeqCst)
-        && now.saturating_sub(first) > SAME
-    {
+    let last = LAST.load(Ordering::SeqCst);
+    if last != 0 && now.saturating_sub(last) <= SAME {
+        return;
+    }
+    LAST.store(now, Ordering::SeqCst);
+    if COUNT.fetch_add(1, Ordering::SeqCst) + 1 >= ENOUGH.load(Ordering::SeqCst) {
         // SAFETY: both are async-signal-safe. The signal is blocked in here; it ends the program on the way out.
         unsafe {
             libc::signal(signal, libc::SIG_DFL);
@@ -56,7 +72,6 @@ extern "C" fn on_signal(signal: libc::c_int) {
         }
         return;
     }
-    SIGNAL_SEEN.store(true, Ordering::SeqCst);
     let one = 1u64.to_ne_bytes();
     // SAFETY: write is async-signal-safe; the buffer lives on this stack. A failure (no descriptor) does not matter.
     unsafe { libc::write(SIGNALLED.load(Ordering::SeqCst), one.as_ptr().cast(), one.len()) };
@@ -143,12 +158,25 @@ impl Stop {
     }
 
     /// A flag that Ctrl-C (SIGINT), SIGTERM and a terminal that goes away (SIGHUP, unless ignored as by `nohup`) set.
-    /// Signals of the first second count as one; a later one ends the program at once, as without this.
+    /// Signals within a second count as one; a later one ends the program at once, as without this.
     ///
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
     pub fn on_signals() -> io::Result<Self> {
+        Self::on_signals_with(Patience::Second)
+    }
+
+    /// The same, and `patience` says which signal ends the program at once.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left or refuses the handler.
+    pub fn on_signals_with(patience: Patience) -> io::Result<Self> {
         let stop = Self::new()?;
+        let enough = match patience {
+            Patience::Second => 2,
+            Patience::Third => 3,
+        };
+        ENOUGH.store(enough, Ordering::SeqCst);
         SIGNALLED.store(stop.inner.event.as_raw_fd(), Ordering::SeqCst);
         // The descriptor must stay open as long as a signal may come: for ever.
         std::mem::forget(stop.clone());
@@ -159,6 +187,8 @@ impl Stop {
             // SAFETY: an all-zero sigaction is a valid one (no flags, empty mask).
             let mut action: libc::sigaction = unsafe { std::mem::zeroed() };
             action.sa_sigaction = on_signal as *const () as libc::sighandler_t;
+            // SAFETY: `sa_mask` is a valid place. No signal interrupts the handling of another: they are counted.
+            unsafe { libc::sigfillset(&raw mut action.sa_mask) };
             // SAFETY: the handler only does what is async-signal-safe; `action` is read during the call only.
             if unsafe { libc::sigaction(signal, &raw const action, std::ptr::null_mut()) } != 0 {
                 return Err(io::Error::last_os_error());
@@ -177,8 +207,22 @@ impl Stop {
     /// True once the flag is set.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        let by_signal = SIGNAL_SEEN.load(Ordering::SeqCst) && SIGNALLED.load(Ordering::SeqCst) == self.fd();
-        by_signal || self.inner.set.load(Ordering::SeqCst)
+        self.signals() > 0 || self.inner.set.load(Ordering::SeqCst)
+    }
+
+    /// True once a second signal came, more than a second after the first: what takes its time is to be cut short.
+    #[must_use]
+    pub fn is_urgent(&self) -> bool {
+        self.signals() > 1
+    }
+
+    /// Signals that counted, if this is the flag that they set.
+    fn signals(&self) -> u32 {
+        if SIGNALLED.load(Ordering::SeqCst) == self.fd() {
+            COUNT.load(Ordering::SeqCst)
+        } else {
+            0
+        }
     }
 
     /// Readable once the flag is set.

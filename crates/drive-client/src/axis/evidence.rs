@@ -1,0 +1,113 @@
+//! What a drive says about an axis that does not get where it should, and what that points to.
+
+use std::fmt;
+
+/// Share of the current limit from which on the current counts as being at it.
+const AT_LIMIT: f64 = 0.9;
+/// Following error from which on the axis is behind its setpoint, turns.
+const BEHIND: f64 = 0.01;
+
+/// An axis in operation that stays away from its target or its speed; `None` where the drive does not say.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Evidence {
+    /// Position command minus position, in turns.
+    pub following_error: Option<f64>,
+    /// Current of the motor (IL.FB), A.
+    pub current: Option<f64>,
+    /// The highest current in that direction (IL.LIMITP, IL.LIMITN), A.
+    pub current_limit: Option<f64>,
+    /// A limit switch is hit (HWLS.POSSTATE, HWLS.NEGSTATE).
+    pub limit_switch: bool,
+    /// A software limit is reached (SWLS.STATE).
+    pub software_limit: bool,
+}
+
+impl Evidence {
+    /// What it points to.
+    #[must_use]
+    pub fn cause(&self) -> Option<&'static str> {
+        let behind = self.following_error.is_some_and(|error| error.abs() > BEHIND);
+        let at_limit = self
+            .current
+            .zip(self.current_limit)
+            .is_some_and(|(current, limit)| limit != 0.0 && (current / limit).abs() >= AT_LIMIT);
+        if self.limit_switch {
+            Some("a limit switch is hit")
+        } else if self.software_limit {
+            Some("a software limit is reached")
+        } else if at_limit {
+            Some("the current is at its limit and the axis does not follow: blocked, braked or overloaded")
+        } else if behind {
+            Some("the axis does not follow: something holds it")
+        } else {
+            None
+        }
+    }
+
+    /// What to do about it.
+    #[must_use]
+    pub fn hint(&self) -> Option<&'static str> {
+        if self.limit_switch {
+            Some("move the other way; `profidrive read DRIVE HWLS.POSSTATE HWLS.NEGSTATE` shows the switches")
+        } else if self.software_limit {
+            Some("move back inside; `profidrive read DRIVE SWLS.LIMIT0 SWLS.LIMIT1` shows the limits")
+        } else {
+            self.cause()
+                .map(|_| "look at mechanics, brake and load; `profidrive read DRIVE IL.LIMITP IL.LIMITN` shows the limits")
+        }
+    }
+}
+
+impl fmt::Display for Evidence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut parts = Vec::new();
+        if let Some(error) = self.following_error {
+            parts.push(format!("following error {error:.3} rev"));
+        }
+        if let Some(current) = self.current {
+            let limit = self
+                .current_limit
+                .map_or_else(String::new, |limit| format!(" of {limit:.2} A"));
+            parts.push(format!("current {current:.2} A{limit}"));
+        }
+        let told = parts.join(", ");
+        match (told.is_empty(), self.cause()) {
+            (false, Some(cause)) => write!(f, "{told}: {cause}"),
+            (false, None) => f.write_str(&told),
+            (true, Some(cause)) => f.write_str(cause),
+            (true, None) => f.write_str("the drive does not tell why"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_what_they_point_to() {
+        let blocked = Evidence {
+            following_error: Some(3.25),
+            current: Some(8.95),
+            current_limit: Some(9.0),
+            ..Evidence::default()
+        };
+        assert_eq!(
+            blocked.to_string(),
+            "following error 3.250 rev, current 8.95 A of 9.00 A: the current is at its limit and the axis does not follow: blocked, braked or overloaded"
+        );
+        let switch = Evidence {
+            limit_switch: true,
+            ..blocked
+        };
+        assert_eq!(switch.cause(), Some("a limit switch is hit"));
+        let held = Evidence {
+            current: Some(1.0),
+            ..blocked
+        };
+        assert_eq!(held.cause(), Some("the axis does not follow: something holds it"));
+        let nothing = Evidence::default();
+        assert_eq!((nothing.cause(), nothing.hint()), (None, None));
+        assert_eq!(nothing.to_string(), "the drive does not tell why");
+    }
+}
