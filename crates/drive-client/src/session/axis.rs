@@ -551,7 +551,7 @@ where
             result = released;
         }
         if running && result.is_ok() {
-            result = self.session.put_back(&mut self.drive, &self.kept);
+            result = self.session.give_back(&mut self.drive, &self.kept);
         }
         self.session.stopping = stopping;
         result

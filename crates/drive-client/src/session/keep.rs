@@ -35,7 +35,7 @@ where
     }
 
     /// Writes those that are not any more what they were.
-    pub(super) fn put_back(&mut self, drive: &mut Drive, kept: &Kept) -> Result<(), Error> {
+    pub(super) fn give_back(&mut self, drive: &mut Drive, kept: &Kept) -> Result<(), Error> {
         for &(name, before) in &kept.0 {
             if self.setting(drive, name)? == Some(before) {
                 continue;
