@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use system_tests::{Finished, Lab, Side, built, client, judge, simulate};
+use system_tests::{Finished, Lab, Side, built, client, judge, simulate, simulate_at};
 
 const SHORT: Duration = Duration::from_secs(20);
 /// Shorter than any wait for an answer that cannot come.
@@ -157,4 +157,81 @@ fn without_the_right_to_raw_sockets_records_go_by_udp_and_the_rest_is_explained(
     );
     assert!(told.code.is_some_and(|code| code != 0), "{told:?}");
     assert!(told.err.to_lowercase().contains("cap_net_raw"), "{told:?}");
+}
+
+/// Asked on the wire, of the simulations on the same interface, which hear nothing of each other, and of this computer.
+#[test]
+fn a_simulation_is_told_what_is_taken_already() {
+    let lab = Lab::new("networks-taken");
+    let capture = lab.capture("traffic");
+    let drive = ["--name", "akd-1", "--ip", "192.168.77.50/24"];
+    let _one = simulate(&lab, &drive);
+    // the same once more, at either end: nothing could tell the two apart
+    for side in [Side::Device, Side::Controller] {
+        let again = [&["simulate", "-i", side.interface()], &drive[..]].concat();
+        let again = lab.run(side, built("profidrive"), again, SHORT);
+        refused(
+            &again,
+            1,
+            &["the MAC address of akd-1 is in use on this segment: akd-1 ("],
+        );
+    }
+    // another drive of the same name and address may be what is to be tried
+    for (side, mac) in [
+        (Side::Device, "02:50:4e:00:00:71"),
+        (Side::Controller, "02:50:4e:00:00:72"),
+    ] {
+        let other = simulate_at(&lab, side, &[&drive[..], &["--mac", mac]].concat());
+        for words in [
+            "the name akd-1 is taken on this segment: akd-1 (",
+            "the address 192.168.77.50 of akd-1 is taken on this segment: akd-1 (",
+        ] {
+            assert!(other.err().contains(words), "{words}: {}", other.err());
+        }
+        other.interrupt(SHORT).ok();
+    }
+    // who is no PROFINET station answers by ARP
+    let plain = simulate(&lab, &["--name", "akd-2", "--ip", "192.168.77.11/24"]);
+    let taken = "the address 192.168.77.11 of akd-2 is taken on this segment: 02:50:4e:00:00:02";
+    assert!(plain.err().contains(taken), "{}", plain.err());
+    drop(plain);
+    let own = ["--name", "akd-2", "--ip", "192.168.77.11/24"];
+    let own = simulate_at(&lab, Side::Controller, &own);
+    assert!(
+        own.err().contains("this computer's own, on ctl0"),
+        "{}",
+        own.err()
+    );
+    drop(own);
+    // and a drive of its own is not disturbed by any question
+    let free = simulate(
+        &lab,
+        &["--name", "akd-3", "--count", "3", "--ip", "192.168.77.60/24"],
+    );
+    assert!(!free.err().contains("warning"), "{}", free.err());
+    judge::judge(&capture.stop())
+        .clean()
+        .saw("arp", 10)
+        .saw("pn_dcp", 10);
+}
+
+#[test]
+fn an_address_of_the_command_line_is_kept_like_one_by_dcp() {
+    let lab = Lab::new("networks-kept");
+    let state = lab.folder().join("state");
+    let drive = ["--name", "akd-1", "--state", state.to_str().unwrap()];
+    let with = |ip: &'static str| [&drive[..], &["--ip", ip]].concat();
+    let mut first = simulate(&lab, &with("192.168.77.50/24"));
+    client(&lab, &["write", "akd-1", "DRV.ACC=100rpm/s", "DRV.NVSAVE=1"]).ok();
+    first.kill();
+    let mut second = simulate(&lab, &drive);
+    let read = client(&lab, &["read", "192.168.77.50", "DRV.ACC"]).ok();
+    assert!(read.out.contains("100"), "{read:?}");
+    client(&lab, &["ip", "akd-1", "192.168.77.60/24"]).ok();
+    second.kill();
+    // what the network said last counts, and is told
+    let third = simulate(&lab, &with("192.168.77.50/24"));
+    let told = "akd-1: the address 192.168.77.60 kept in --state counts, not 192.168.77.50";
+    assert!(third.err().contains(told), "{}", third.err());
+    client(&lab, &["read", "192.168.77.60", "DRV.ACC"]).ok();
 }

@@ -1,7 +1,7 @@
 //! The way to a running `profidrive simulate`: a socket in a folder of the user, one for each process.
 //!
-//! A request is a few lines of text: the drive, perhaps how long, and what is to happen; the answer is one line. Nobody
-//! but the user can open the folder.
+//! A question is a few lines of text: the drive, perhaps how long, and what is to happen; or which drives there are on a
+//! segment. The answer is one line. Nobody but the user can open the folder.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -10,14 +10,28 @@ use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use profinet::IpSuite;
+use profinet::controller::Station;
+
 use crate::failure::{Exit, Failure};
 
 /// First line of a request.
 const GREETING: &str = "profidrive inject 1";
-/// Longest request, in octets.
-const LONGEST: u64 = 64 * 1024;
+/// First line of the question for drives.
+const ROLL: &str = "profidrive drives 1";
+/// Longest question or answer, in octets.
+const LONGEST: u64 = 256 * 1024;
 /// How long either side waits for the other.
 const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What one process asks another.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Question {
+    /// Let this happen.
+    Inject(Request),
+    /// Which drives do you run on this [`segment`]?
+    Drives(String),
+}
 
 /// What is to happen to which drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,6 +53,26 @@ pub enum Answer {
     NotHere(Vec<String>),
     /// It cannot happen.
     Refused(String),
+    /// The drives on the segment: name, MAC and IP address of each.
+    Drives(Vec<Station>),
+}
+
+impl Question {
+    fn text(&self) -> String {
+        match self {
+            Self::Inject(request) => request.text(),
+            Self::Drives(segment) => format!("{ROLL}\n{segment}\n"),
+        }
+    }
+
+    fn read(from: impl Read) -> Option<Self> {
+        let mut lines = BufReader::new(from.take(LONGEST)).lines();
+        match lines.next()?.ok()?.as_str() {
+            GREETING => Request::read(lines).map(Self::Inject),
+            ROLL => lines.next()?.ok().map(Self::Drives),
+            _ => None,
+        }
+    }
 }
 
 impl Request {
@@ -53,11 +87,8 @@ impl Request {
         text + "end\n"
     }
 
-    fn read(from: impl Read) -> Option<Self> {
-        let mut lines = BufReader::new(from.take(LONGEST)).lines();
-        if lines.next()?.ok()? != GREETING {
-            return None;
-        }
+    /// What follows the first line.
+    fn read(mut lines: impl Iterator<Item = std::io::Result<String>>) -> Option<Self> {
         let mut request = Self {
             drive: lines.next()?.ok()?.strip_prefix("drive ")?.to_owned(),
             happenings: Vec::new(),
@@ -86,6 +117,13 @@ impl Answer {
             Self::Done(drive) => format!("done {}\n", line(drive)),
             Self::NotHere(drives) => format!("not-here {}\n", line(&drives.join(" "))),
             Self::Refused(why) => format!("refused {}\n", line(why)),
+            Self::Drives(drives) => {
+                let drives: Vec<String> = drives
+                    .iter()
+                    .map(|drive| format!("{}/{}/{}", drive.mac, drive.ip.address, drive.name))
+                    .collect();
+                format!("drives {}\n", line(&drives.join(" ")))
+            }
         }
     }
 
@@ -95,9 +133,58 @@ impl Answer {
             "done" => Self::Done(rest.to_owned()),
             "not-here" => Self::NotHere(rest.split_whitespace().map(str::to_owned).collect()),
             "refused" => Self::Refused(rest.to_owned()),
+            "drives" => Self::Drives(rest.split_whitespace().map(station).collect::<Option<_>>()?),
             _ => return None,
         })
     }
+}
+
+/// One drive of [`Answer::Drives`].
+fn station(text: &str) -> Option<Station> {
+    let (mac, rest) = text.split_once('/')?;
+    let (ip, name) = rest.split_once('/')?;
+    Some(Station {
+        mac: mac.parse().ok()?,
+        ip: IpSuite {
+            address: ip.parse().ok()?,
+            ..IpSuite::NONE
+        },
+        name: name.to_owned(),
+        ..Station::default()
+    })
+}
+
+/// Names an interface: one of the same name in another network namespace is another one.
+pub fn segment(interface: &str) -> String {
+    let inode = fs::metadata("/proc/self/ns/net").map_or(0, |namespace| namespace.ino());
+    format!("{inode}/{interface}")
+}
+
+/// The drives that other processes run on an interface: their frames do not come back to it.
+pub fn neighbours(interface: &str) -> Vec<Station> {
+    let question = Question::Drives(segment(interface));
+    let answers = sockets()
+        .unwrap_or_default()
+        .into_iter()
+        .map(|socket| ask(&socket, &question));
+    let drives = answers.filter_map(|answer| match answer {
+        Ok(Some(Answer::Drives(drives))) => Some(drives),
+        _ => None,
+    });
+    drives.flatten().collect()
+}
+
+/// The sockets of all running simulations, in a stable order.
+pub fn sockets() -> Result<Vec<PathBuf>, Failure> {
+    let folder = folder()?;
+    let entries = fs::read_dir(&folder)
+        .map_err(|error| Failure::new(Exit::Failed, format!("{}: {error}", folder.display())))?;
+    let mut found: Vec<_> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "sock"))
+        .collect();
+    found.sort();
+    Ok(found)
 }
 
 /// The folder of the sockets, made if it is not there.
@@ -129,22 +216,22 @@ fn user() -> u32 {
 }
 
 /// Asks one process.
-pub fn ask(socket: &Path, request: &Request) -> std::io::Result<Option<Answer>> {
+pub fn ask(socket: &Path, question: &Question) -> std::io::Result<Option<Answer>> {
     let mut stream = UnixStream::connect(socket)?;
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    stream.write_all(request.text().as_bytes())?;
+    stream.write_all(question.text().as_bytes())?;
     let mut answer = String::new();
     stream.take(LONGEST).read_to_string(&mut answer)?;
     Ok(Answer::read(&answer))
 }
 
 /// Takes one request and gives the answer that `decide` finds.
-pub fn serve(stream: &UnixStream, decide: impl FnOnce(Request) -> Answer) -> std::io::Result<()> {
+pub fn serve(stream: &UnixStream, decide: impl FnOnce(Question) -> Answer) -> std::io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    let answer = Request::read(stream).map_or_else(
-        || Answer::Refused("this is no request of `profidrive inject`".into()),
+    let answer = Question::read(stream).map_or_else(
+        || Answer::Refused("this is no question of `profidrive`".into()),
         decide,
     );
     let mut stream = stream;
@@ -162,17 +249,25 @@ mod tests {
             happenings: vec!["fault=439!".into(), "answers=late 500ms".into()],
             lasts: Some(2_000_000_000),
         };
-        assert_eq!(Request::read(request.text().as_bytes()), Some(request.clone()));
+        let question = Question::Inject(request);
+        assert_eq!(Question::read(question.text().as_bytes()), Some(question.clone()));
+        let roll = Question::Drives(segment("eth0"));
+        assert_eq!(Question::read(roll.text().as_bytes()), Some(roll));
+        let drives = ["02:00:00:00:00:01/0.0.0.0/", "02:00:00:00:00:02/10.0.0.2/akd-2"].map(station);
+        let drives = Answer::Drives(drives.into_iter().flatten().collect());
+        assert_eq!(Answer::read(&drives.text()), Some(drives.clone()));
+        assert!(matches!(drives, Answer::Drives(drives) if drives.len() == 2));
         let (near, far) = UnixStream::pair().unwrap();
         let asked = std::thread::spawn(move || {
             let mut near = near;
-            near.write_all(request.text().as_bytes()).unwrap();
+            near.write_all(question.text().as_bytes()).unwrap();
             let mut answer = String::new();
             near.read_to_string(&mut answer).unwrap();
             Answer::read(&answer)
         });
-        serve(&far, |request| {
-            Answer::NotHere(vec![request.drive, "akd-2".into()])
+        serve(&far, |question| match question {
+            Question::Inject(request) => Answer::NotHere(vec![request.drive, "akd-2".into()]),
+            Question::Drives(_) => Answer::Drives(Vec::new()),
         })
         .unwrap();
         drop(far);
@@ -190,8 +285,9 @@ mod tests {
             "profidrive inject 1\n",
             "profidrive inject 1\ndrive a\ndo x=1\n",
             "profidrive inject 1\ndrive a\nfor x\nend\n",
+            "profidrive drives 1\n",
         ] {
-            assert_eq!(Request::read(text.as_bytes()), None, "{text}");
+            assert_eq!(Question::read(text.as_bytes()), None, "{text}");
         }
     }
 }

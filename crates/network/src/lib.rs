@@ -9,6 +9,7 @@
 //! | [`host`] | [`Host`](host::Host): ARP, IPv4, ICMP echo and UDP around an endpoint; [`Station`](host::Station): frames in, frames out, next deadline |
 //! | [`segment`] | [`Segment`](segment::Segment): a switch with stations, virtual time, seeded faults; [`SegmentMedium`](segment::SegmentMedium) |
 //! | [`impaired`] | [`Impaired`](impaired::Impaired): a station behind a bad cable |
+//! | [`probe`] | [`Probe`](probe::Probe): a station that asks who has an address before it is taken |
 //! | [`linux`] | [`Runner`](linux::Runner): stations on an interface; [`PacketMedium`](linux::PacketMedium) and [`UdpMedium`](linux::UdpMedium) for clients |
 //! | [`pcap`] | capture files: pcapng writer, pcap and pcapng reader |
 //! | [`files`] | files that are replaced whole or not at all |
@@ -21,4 +22,5 @@ pub mod impaired;
 #[allow(unsafe_code)] // system calls that std does not offer; each block says why it is sound
 pub mod linux;
 pub mod pcap;
+pub mod probe;
 pub mod segment;

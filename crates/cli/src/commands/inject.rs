@@ -9,7 +9,7 @@ use clap::Args;
 use scenario::{Happening, keys};
 
 use crate::args::duration;
-use crate::desk::{Answer, Request, ask, folder};
+use crate::desk::{Answer, Question, Request, ask, sockets};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
@@ -54,7 +54,7 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
     };
     let socket = owner(&request, output)?;
     let refused = |why: &str| Failure::new(Exit::Refused, format!("{drive}: {}", clean(why)));
-    match ask(&socket, &request) {
+    match ask(&socket, &Question::Inject(request)) {
         Ok(Some(Answer::Done(name))) => {
             let what = args.happenings.join(" ");
             if output.json() {
@@ -68,18 +68,20 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
             Ok(())
         }
         Ok(Some(Answer::Refused(why))) => Err(refused(&why)),
-        Ok(Some(Answer::NotHere(_)) | None) => Err(refused("the simulation does not know it any more")),
+        Ok(Some(Answer::NotHere(_) | Answer::Drives(_)) | None) => {
+            Err(refused("the simulation does not know it any more"))
+        }
         Err(error) => Err(refused(&error.to_string())),
     }
 }
 
 /// The socket of the one simulation that has the drive.
 fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
-    let question = Request {
+    let question = Question::Inject(Request {
         happenings: Vec::new(),
         lasts: None,
         ..request.clone()
-    };
+    });
     let drive = &request.drive;
     let (mut found, mut others) = (Vec::new(), Vec::new());
     for socket in sockets()? {
@@ -89,7 +91,7 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
             Ok(Some(Answer::Refused(why))) => {
                 return Err(Failure::new(Exit::Refused, format!("{drive}: {}", clean(&why))));
             }
-            Ok(None) => {}
+            Ok(Some(Answer::Drives(_)) | None) => {}
             // left behind by a process that was killed
             Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
                 let _ = fs::remove_file(&socket);
@@ -118,19 +120,6 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
     } else {
         failure.hint(format!("there are: {}", clean(&others.join(", "))))
     })
-}
-
-/// The sockets of all running simulations, in a stable order.
-fn sockets() -> Result<Vec<PathBuf>, Failure> {
-    let folder = folder()?;
-    let entries = fs::read_dir(&folder)
-        .map_err(|error| Failure::new(Exit::Failed, format!("{}: {error}", folder.display())))?;
-    let mut found: Vec<_> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|ending| ending == "sock"))
-        .collect();
-    found.sort();
-    Ok(found)
 }
 
 fn tell_keys(output: &Output) {

@@ -163,6 +163,7 @@ impl Runner {
     /// Takes a station away.
     pub fn detach(&mut self, id: StationId) -> Option<Box<dyn Station>> {
         self.deadlines.set(id.0, None);
+        self.by_mac.retain(|_, index| *index != id.0);
         self.stations.get_mut(id.0)?.take()
     }
 

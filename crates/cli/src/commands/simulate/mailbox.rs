@@ -1,4 +1,4 @@
-//! Requests of `profidrive inject` on their way to the thread that runs the drives.
+//! Questions of other processes, `profidrive inject` above all, on their way to the thread that runs the drives.
 
 use std::fs;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -9,7 +9,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use network::linux::Bell;
 
-use crate::desk::{Answer, Request, folder, serve};
+use crate::desk::{Answer, Question, folder, serve};
 use crate::failure::{Exit, Failure};
 
 /// Requests that may wait for the thread that runs the drives.
@@ -17,8 +17,8 @@ const WAITING: usize = 16;
 /// How long a request waits for that thread.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A request and where its answer goes.
-pub type Letter = (Request, Sender<Answer>);
+/// A question and where its answer goes.
+pub type Letter = (Question, Sender<Answer>);
 
 /// The open socket of this process; it is gone with this value.
 #[derive(Debug)]

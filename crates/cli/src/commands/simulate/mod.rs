@@ -3,6 +3,7 @@
 mod mailbox;
 mod plans;
 mod scribe;
+mod taken;
 mod virtual_time;
 
 use std::collections::BTreeMap;
@@ -14,6 +15,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use network::host::StationId;
 use network::linux::{Bell, Error as NetworkError, Runner, Stop, Turn, now};
 use network::pcap::Writer;
+use profinet::controller;
 use profinet::device::Stored;
 use profinet::{Endpoint, Instant, MacAddress};
 use scenario::{Happening, Scenario, ScenarioError, Timeline, Unit, What};
@@ -22,7 +24,7 @@ use virtual_drive::station::Station;
 
 use crate::args::{Interface, Simulate};
 use crate::connect;
-use crate::desk::{Answer, Request};
+use crate::desk::{self, Answer, Question, Request};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::state::{self, DriveState};
@@ -31,6 +33,7 @@ use mailbox::Mailbox;
 pub use plans::model_of;
 use plans::{Plan, description, plans};
 use scribe::Scribe;
+use taken::Wanted;
 
 /// How long to sleep while nothing happens.
 const NAP: Duration = Duration::from_secs(3600);
@@ -78,6 +81,22 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     let stop = Stop::on_signals()
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     runner.set_stop(stop)?;
+    let mut configs = Vec::new();
+    for plan in &plans {
+        let state = DriveState::new(args.state.as_deref(), &plan.key());
+        let mut config = plan.drive.config();
+        config.description = description.clone();
+        config.follow_controller = true;
+        config.network = kept(&state, plan, output)?;
+        config.parameters = state.read_parameters()?;
+        configs.push((state, config));
+    }
+    let wanted: Vec<Wanted> = plans
+        .iter()
+        .zip(&configs)
+        .map(|(plan, (_, config))| Wanted::new(&plan.key(), plan.drive.mac, &config.network))
+        .collect();
+    taken::check(&mut runner, &wanted, output)?;
     if let Some(path) = &args.pcap {
         runner.add_tap(Box::new(capture(path, &interface)?));
     }
@@ -85,16 +104,8 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     let end = time.map(|time| start + time);
     let mut drives: BTreeMap<StationId, Running> = BTreeMap::new();
     let scribe = Scribe::new(output.clone());
-    for (number, plan) in plans.iter().enumerate() {
+    for (number, (plan, (state, config))) in plans.iter().zip(configs).enumerate() {
         let key = plan.key();
-        let state = DriveState::new(args.state.as_deref(), &key);
-        let mut config = plan.drive.config();
-        config.description = description.clone();
-        config.follow_controller = true;
-        if let Some(network) = state.read_network()? {
-            config.network = network;
-        }
-        config.parameters = state.read_parameters()?;
         let told = told(&config.network, plan.drive.mac);
         let unit = plan.drive.build(config, seed.wrapping_add(number as u64));
         let unit = unit.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
@@ -147,9 +158,12 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             }
         }
         if turn == Turn::Rung {
-            while let Some((request, answer)) = mailbox.as_ref().ok().and_then(Mailbox::take) {
+            while let Some((question, answer)) = mailbox.as_ref().ok().and_then(Mailbox::take) {
                 // whoever asked may be gone
-                let _ = answer.send(inject(&request, &runner, &mut drives));
+                let _ = answer.send(match question {
+                    Question::Inject(request) => inject(&request, &runner, &mut drives),
+                    Question::Drives(segment) => roll(&segment, &runner, &drives),
+                });
             }
         }
         for turn in 0..runner.touched().len() {
@@ -202,6 +216,47 @@ fn read(path: &Path) -> Result<Scenario, Failure> {
     let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;
     text.parse()
         .map_err(|error: ScenarioError| Failure::usage(format!("{}, {error}", path.display())))
+}
+
+/// Name and address that a drive begins with: those kept from an earlier run, else those of the plan, which are kept now.
+fn kept(state: &DriveState, plan: &Plan, output: &Output) -> Result<Stored, Failure> {
+    let planned = plan.drive.config().network;
+    let Some(mut network) = state.read_network()? else {
+        if !planned.name.is_empty() || planned.ip.is_set() {
+            state.write_network(&planned)?;
+        }
+        return Ok(planned);
+    };
+    if planned.ip.is_set() && !network.ip.is_set() {
+        network.ip = planned.ip;
+        state.write_network(&network)?;
+    } else if planned.ip.is_set() && planned.ip != network.ip {
+        output.warn(&format!(
+            "{}: the address {} kept in --state counts, not {}; `profidrive ip` changes it",
+            plan.key(),
+            network.ip.address,
+            planned.ip.address
+        ));
+    }
+    Ok(network)
+}
+
+/// The drives, where they are on this segment.
+fn roll(segment: &str, runner: &Runner, drives: &BTreeMap<StationId, Running>) -> Answer {
+    if segment != desk::segment(&runner.interface().name) {
+        return Answer::Drives(Vec::new());
+    }
+    let units = drives.keys().filter_map(|id| runner.station::<Unit>(*id));
+    let stations = units.map(|unit| {
+        let station = unit.inner().endpoint();
+        controller::Station {
+            name: station.name().to_owned(),
+            mac: station.mac(),
+            ip: station.ip(),
+            ..controller::Station::default()
+        }
+    });
+    Answer::Drives(stations.collect())
 }
 
 /// Does what `profidrive inject` asks for.
