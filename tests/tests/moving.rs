@@ -338,3 +338,27 @@ fn a_jog_leaves_the_jog_speed_as_it_was() {
     assert_eq!(number(&lab, "1004"), before);
     at_rest(&lab);
 }
+
+#[test]
+fn a_real_time_jog_changes_no_parameter() {
+    let lab = Lab::new("jog-real-time");
+    let _drive = simulate(&lab);
+    let jog = [
+        "jog",
+        "akd-1",
+        "--velocity=-120rpm",
+        "--real-time",
+        "--for",
+        "500ms",
+    ];
+    let refused = client(&lab, &jog);
+    assert_eq!(refused.code, Some(6), "velocity mode: {refused:?}");
+    client(&lab, &["write", "akd-1", "930=2"]).ok();
+    let before = number(&lab, "1004");
+    let jogged = client(&lab, &jog).ok();
+    assert!(jogged.out.contains("STW1 0x343F"), "{jogged:?}");
+    assert!(jogged.err.contains("telegram 1 -> 9 (PNU 922)"), "{jogged:?}");
+    assert_eq!(number(&lab, "1004"), before);
+    assert!(number(&lab, "PL.FB") < -40_000.0);
+    at_rest(&lab);
+}

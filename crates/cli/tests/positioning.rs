@@ -355,6 +355,58 @@ fn jog_in_position_mode() {
     assert!(way > 2.0 && way < 5.5, "{way}");
 }
 
+#[test]
+fn real_time_jogging_takes_its_speed_from_here_and_changes_on_the_fly() {
+    let mut bench = positioning();
+    write(&mut bench.0, &mut bench.2, &["1004=12rpm"]);
+    let id = bench.1;
+    let before = turns(&bench.0, id);
+    with_axis(&mut bench, Purpose::RealTimeJog, |axis| {
+        assert_eq!(axis.telegram(), 9);
+        axis.jog_at(120.0).expect("jogs");
+        axis.hold(Duration::from_secs(2)).expect("keeps jogging");
+        let command = axis.status().expect("a status").view.command.stw1;
+        assert_eq!(command.0, 0x143F);
+        let forth = turns(axis.session().0, id) - before;
+        assert!(forth > 3.5 && forth < 4.5, "{forth}");
+        // the other way, through standstill on the ramps
+        axis.jog_at(-240.0).expect("jogs back");
+        assert_eq!(axis.status().expect("a status").view.command.stw1.0, 0x343F);
+        axis.hold(Duration::from_secs(3)).expect("keeps jogging");
+        let back = turns(axis.session().0, id) - before;
+        assert!(back < -5.0, "{back}");
+        let error = axis.jog_at(4000.0).expect_err("above the limit");
+        assert!(matches!(error, Error::SpeedLimit { .. }), "{error}");
+        axis.halt().expect("stands");
+        axis.jog(Jog::One).expect("the setpoint of the drive after it");
+        axis.hold(Duration::from_secs(1)).expect("keeps jogging");
+    });
+    assert!(!drive_at(&bench.0, id).drive().has_fault());
+}
+
+#[test]
+fn a_jog_that_ends_at_a_software_limit_names_it() {
+    let mut bench = homed();
+    write(
+        &mut bench.0,
+        &mut bench.2,
+        &[
+            "SWLS.LIMIT0=-65536",
+            "SWLS.LIMIT1=65536",
+            "SWLS.EN=3",
+            "1004=120rpm",
+        ],
+    );
+    with_axis(&mut bench, Purpose::Jog, |axis| {
+        axis.jog(Jog::One).expect("jogs");
+        axis.hold(Duration::from_millis(200)).expect("keeps jogging");
+        assert_eq!(axis.held_back(), None, "it moves");
+        axis.hold(Duration::from_secs(3)).expect("stays in operation");
+        let evidence = axis.held_back().expect("it stands");
+        assert_eq!(evidence.cause(), Some("a software limit is reached"));
+    });
+}
+
 /// Ways out of a motion that is under way.
 #[derive(Debug, Clone, Copy)]
 enum Door {

@@ -28,6 +28,10 @@ pub struct Jog {
     /// Set the jog speed for this command; the drive's own value when left out
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Option<Quantity>,
+    /// Jog at --velocity itself by real-time jogging (STW1 bits 12 and 13, position mode, telegram 9, 352 or 353): no
+    /// parameter of the drive is changed
+    #[arg(long, requires = "velocity", conflicts_with = "jog")]
+    pub real_time: bool,
     /// How long to jog
     #[arg(long = "for", value_name = "TIME", default_value = "2s", value_parser = duration)]
     pub time: Duration,
@@ -54,6 +58,10 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         2 => (JogSetpoint::Two, JOG_SPEED[1]),
         _ => (JogSetpoint::One, JOG_SPEED[0]),
     };
+    if let Some(speed) = wanted.filter(|_| args.real_time) {
+        real_time(args, speed, limit, &mut session, &mut drive, output)?;
+        return Ok(session.close()?);
+    }
     let mut before = None;
     let result = go(
         args,
@@ -107,10 +115,46 @@ fn go(
     axis::watch(&mut taken, "jog", output);
     let result = taken.enable().and_then(|mut enabled| {
         enabled.jog(jog)?;
-        enabled.hold(args.time)
+        enabled.hold(args.time)?;
+        held_back(&mut enabled, output);
+        Ok(())
     });
     axis::finish(taken, result, End::Time, "jog", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, End::Time, session, drive))
+}
+
+fn real_time(
+    args: &Jog,
+    speed: f64,
+    limit: f64,
+    session: &mut Live,
+    drive: &mut Drive,
+    output: &Output,
+) -> Result<(), Failure> {
+    let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
+    let mut taken = session.take_axis(drive, settings)?;
+    output.say(&format!(
+        "this moves the axis: {} jogs at {speed} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",
+        drive.label(),
+        args.time.as_secs_f64(),
+        taken.telegram()
+    ));
+    axis::watch(&mut taken, "jog", output);
+    let result = taken.enable().and_then(|mut enabled| {
+        enabled.jog_at(speed)?;
+        enabled.hold(args.time)?;
+        held_back(&mut enabled, output);
+        Ok(())
+    });
+    axis::finish(taken, result, End::Time, "jog", serde_json::Map::new(), output)
+        .map_err(|error| axis::explained(error, End::Time, session, drive))
+}
+
+/// A jog that ended at a limit says so.
+fn held_back(enabled: &mut axis::Enabled<'_, '_>, output: &Output) {
+    if let Some(evidence) = enabled.held_back() {
+        output.warn(&format!("the axis stood at the end of the jog: {evidence}"));
+    }
 }
 
 fn set_speed(session: &mut Live, drive: &mut Drive, pnu: u16, speed: &Quantity) -> Result<(), Error> {

@@ -6,7 +6,7 @@ use drive_client::axis::Purpose;
 use drive_client::parameter::{ParameterProblem, Selection};
 use drive_client::{Drive, Error, Snapshot};
 use profidrive::notation::ParameterReference;
-use profidrive::state::{Mode, Stw1};
+use profidrive::state::Mode;
 use serde_json::Value;
 
 use super::axis::{self, End, FOR_EVER, told};
@@ -36,7 +36,7 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     if present.is_empty() {
         output.say("no fault is present");
     } else {
-        output.say(&format!("acknowledging with STW1 {}", Stw1::ACKNOWLEDGE));
+        output.say("acknowledging by an edge of STW1 bit 7");
     }
     let settings = axis::settings(&args.cyclic, Purpose::Control, 0.0);
     let mut taken = session.take_axis(&mut drive, settings)?;

@@ -16,6 +16,8 @@ pub enum Purpose {
     Speed,
     /// The jog setpoints of the drive.
     Jog,
+    /// Real-time jogging at a speed given from here (STW1 bits 12 and 13).
+    RealTimeJog,
     /// Homing.
     Home,
     /// Traversing tasks of the drive's table (program mode).
@@ -31,7 +33,7 @@ impl Purpose {
         match self {
             Self::Control | Self::Jog => None,
             Self::Speed => Some(Mode::Velocity),
-            Self::Home | Self::Task | Self::Move => Some(Mode::Position),
+            Self::Home | Self::Task | Self::Move | Self::RealTimeJog => Some(Mode::Position),
         }
     }
 
@@ -42,6 +44,7 @@ impl Purpose {
             Self::Control | Self::Jog | Self::Home => &[],
             Self::Speed => &[signal::NSOLL_A],
             Self::Task => &[signal::SATZANW],
+            Self::RealTimeJog => &[signal::MDI_VELOCITY, signal::MDI_ACC, signal::MDI_DEC],
             Self::Move => &[
                 signal::SATZANW,
                 signal::MDI_TARPOS,
@@ -61,7 +64,9 @@ impl Purpose {
             }
             (Self::Task, _) => &[7, 9, 352, 353],
             // for these the position is worth seeing
-            (Self::Move | Self::Control | Self::Jog | Self::Home, _) => &[9, 352, 353, 7, 1],
+            (Self::Move | Self::RealTimeJog | Self::Control | Self::Jog | Self::Home, _) => {
+                &[9, 352, 353, 7, 1]
+            }
         }
     }
 }
@@ -187,7 +192,7 @@ mod tests {
     #[test]
     fn the_reported_telegram_is_kept_where_it_does() {
         use Mode::{Position, Velocity};
-        use Purpose::{Control, Home, Jog, Move, Speed, Task};
+        use Purpose::{Control, Home, Jog, Move, RealTimeJog, Speed, Task};
         for (number, purpose, mode, chosen) in [
             (1, Speed, Velocity, 1),
             (350, Speed, Velocity, 350),
@@ -199,6 +204,8 @@ mod tests {
             (353, Move, Position, 353),
             (400, Move, Position, 400),
             (1, Move, Position, 9),
+            (7, RealTimeJog, Position, 9),
+            (352, RealTimeJog, Position, 352),
             (7, Move, Position, 9),
             (7, Task, Position, 7),
             (9, Task, Position, 9),

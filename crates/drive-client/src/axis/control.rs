@@ -276,6 +276,7 @@ impl AxisControl {
             Goal::Home { on_the_spot } => self.home(now, seen, on_the_spot),
             Goal::Run { setpoint } => self.run(now, seen, setpoint),
             Goal::Jog(jog) => self.jog(now, seen, jog),
+            Goal::RealTimeJog { values, backwards } => self.real_time_jog(now, seen, values, backwards),
             Goal::Acknowledge => self.acknowledge(now, seen),
             Goal::Stop => self.stop(now, seen),
         }

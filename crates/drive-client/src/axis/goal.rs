@@ -43,6 +43,14 @@ pub enum Goal {
     },
     /// Operation (S4) at a jog setpoint of the drive.
     Jog(Jog),
+    /// Operation (S4) and real-time jogging (STW1 bits 12 and 13) at these values; they may change while it jogs. Position
+    /// mode only. Source: AKD manual 5.4 and 5.10.2.
+    RealTimeJog {
+        /// Speed and ramps as they travel.
+        values: Traverse,
+        /// Counter-clockwise (bit 13).
+        backwards: bool,
+    },
     /// Operation (S4) and this traversing task, by the handshake of STW1 bit 6 and ZSW1 bit 12; reached at its target.
     /// Position mode only. After [`Goal::Pause`] the same task goes on.
     Traverse(Traverse),
@@ -74,7 +82,9 @@ impl Goal {
     pub const fn mode(self) -> Option<Mode> {
         match self {
             Self::Run { .. } => Some(Mode::Velocity),
-            Self::Traverse(_) | Self::Pause | Self::Home { .. } => Some(Mode::Position),
+            Self::Traverse(_) | Self::Pause | Self::Home { .. } | Self::RealTimeJog { .. } => {
+                Some(Mode::Position)
+            }
             _ => None,
         }
     }

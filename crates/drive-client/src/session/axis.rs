@@ -141,7 +141,7 @@ where
     telegram_before: Option<u16>,
     /// Ramps of the drive in rpm/s.
     pub(super) acceleration: Option<f64>,
-    deceleration: Option<f64>,
+    pub(super) deceleration: Option<f64>,
     /// Highest speed asked for since the axis was taken, rpm.
     pub(super) fastest: f64,
     /// What the drive said about a motion that does not get on.

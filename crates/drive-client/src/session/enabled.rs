@@ -3,11 +3,13 @@
 use std::ops::{Deref, DerefMut};
 use std::time::Duration;
 
+use profidrive::notation::Position;
+use profidrive::state::Mode;
 use profinet::Medium;
 
 use super::Axis;
 use super::axis::{AxisStatus, speed_raw, speed_rpm};
-use crate::axis::{Goal, Jog, Move, MovePlan, Progress, Traverse};
+use crate::axis::{Evidence, Goal, Jog, MotionFacts, Move, MovePlan, Progress, Traverse};
 use crate::{Connection, Error};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
@@ -138,6 +140,49 @@ where
     /// When the axis does not come to a standstill first, or is not enabled any more.
     pub fn jog(&mut self, jog: Jog) -> Result<(), Error> {
         self.reach(Goal::Jog(jog), None, "")
+    }
+
+    /// Jogs at a speed given from here, in rpm, with the ramps of the drive (real-time jogging, STW1 bits 12 and 13). Called
+    /// again while it jogs, the other speed is taken on the fly. [`halt`](Self::halt) ends it.
+    ///
+    /// # Errors
+    /// A speed above the limit, a drive in velocity mode, and as [`jog`](Self::jog).
+    pub fn jog_at(&mut self, rpm: f64) -> Result<(), Error> {
+        let limit = self.axis.settings.speed_limit;
+        if rpm.is_nan() || rpm.abs() > limit {
+            return Err(Error::SpeedLimit { wanted: rpm, limit });
+        }
+        let order = Move::by(Position::Counts(0.0), rpm.abs())
+            .with_ramps(self.axis.acceleration, self.axis.deceleration);
+        let facts = MotionFacts::default();
+        let plan = self
+            .axis
+            .session
+            .plan_with(&self.axis.drive, &order, &facts, limit)?;
+        if !plan.objections.is_empty() {
+            return Err(Error::Objections {
+                drive: self.axis.drive.label(),
+                objections: plan.objections,
+            });
+        }
+        self.axis.fastest = self.axis.fastest.max(plan.speed);
+        self.axis.evidence = None;
+        let goal = Goal::RealTimeJog {
+            values: plan.traverse,
+            backwards: rpm < 0.0,
+        };
+        self.reach(goal, None, "")
+    }
+
+    /// What holds an axis that stands though it was told to jog, as far as the drive says.
+    pub fn held_back(&mut self) -> Option<Evidence> {
+        let status = self.axis.status()?;
+        let tells = status.view.mode == Mode::Position || status.speed_actual.is_some();
+        if status.view.turns || !tells {
+            return None;
+        }
+        self.axis.gather();
+        self.axis.evidence.filter(|evidence| evidence.cause().is_some())
     }
 
     /// Starts a move; returns once the drive has accepted it. A move under way is replaced on the fly.

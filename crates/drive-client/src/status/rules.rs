@@ -87,9 +87,11 @@ causes! {
         |s| sources(s) & OTHER_SOURCES != 0,
         |s| format!("the drive keeps its power stage off (DRV.DISSOURCES is 0x{:04X})", sources(s)),
         "`profidrive read DRIVE DRV.DISSOURCES` names the bits";
-    /// DRV.CMDSOURCE is not the field bus. Motion tasks come through the service channel, so position mode has it too.
+    /// DRV.CMDSOURCE is not the field bus. Motion tasks come through the service channel, so position mode has it too. A
+    /// controller that connects sets it by its telegram: without one it holds nothing.
     CommandSource = "command-source", Held,
-        |s| s.command_source.is_some_and(|source| source != 1 && !(source == 0 && positioning(s))),
+        |s| s.controller != Some(None)
+            && s.command_source.is_some_and(|source| source != 1 && !(source == 0 && positioning(s))),
         |s| format!(
             "the drive does not take its setpoints from the field bus (DRV.CMDSOURCE is {}{})",
             s.command_source.unwrap_or_default(),

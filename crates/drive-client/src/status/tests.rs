@@ -103,6 +103,15 @@ const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
         "DRV.CMDSOURCE is 3, Analog",
     ),
     (
+        Cause::NoController,
+        Verdict::Waits,
+        |s| {
+            words(s, 0, 0x0240);
+            (s.controller, s.speed_actual, s.command_source) = (Some(None), Some(0.0), Some(0));
+        },
+        "no controller is connected",
+    ),
+    (
         Cause::LocalOperation,
         Verdict::Held,
         |s| words(s, 0x047F, 0x0137),

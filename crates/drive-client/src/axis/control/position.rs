@@ -18,6 +18,8 @@ const EDGE: Stw1 = Stw1::RUN;
 pub(super) const PAUSED: Stw1 = IDLE.without(Stw1::NO_INTERMEDIATE_STOP);
 /// Bits 4 and 5 are 0: the task is discarded. The same word permits jogging.
 const DISCARD: Stw1 = JOG_READY;
+/// Real-time jogging.
+const REAL_TIME: Stw1 = IDLE.with(Stw1::REAL_TIME_JOG);
 /// Homing.
 const HOMING: Stw1 = IDLE.with(Stw1::START_HOMING);
 
@@ -44,6 +46,8 @@ impl AxisControl {
                 Phase::Begin
             }
             (Goal::Pause, Goal::Pause) => self.phase,
+            // other values take effect while it jogs
+            (Goal::RealTimeJog { .. }, Goal::RealTimeJog { .. }) => self.phase,
             (_, Goal::Traverse(_)) => Phase::Begin,
             _ => {
                 self.paused = None;
@@ -52,14 +56,20 @@ impl AxisControl {
         };
         let unfinished = match self.goal {
             Goal::Traverse(_) | Goal::Home { .. } => self.phase != Phase::Done,
-            Goal::Pause | Goal::Jog(_) => true,
+            Goal::Pause | Goal::Jog(_) | Goal::RealTimeJog { .. } => true,
             _ => false,
         };
         self.braking = unfinished
             && match goal {
                 Goal::Enabled | Goal::Home { .. } => true,
+                Goal::RealTimeJog { .. } => !matches!(self.goal, Goal::RealTimeJog { .. }),
                 // a task may follow a task on the fly, but not a jog or homing
-                Goal::Traverse(_) => matches!(self.goal, Goal::Jog(_) | Goal::Home { .. }),
+                Goal::Traverse(_) => {
+                    matches!(
+                        self.goal,
+                        Goal::Jog(_) | Goal::RealTimeJog { .. } | Goal::Home { .. }
+                    )
+                }
                 _ => false,
             };
         self.enter(now, phase);
@@ -122,6 +132,41 @@ impl AxisControl {
             }
             Phase::Done => command(IDLE),
         }
+    }
+
+    /// Real-time jogging: first the values, then the bits; the values count as long as bit 12 stands.
+    pub(super) fn real_time_jog(
+        &mut self,
+        now: Instant,
+        seen: Seen,
+        values: Traverse,
+        backwards: bool,
+    ) -> Command {
+        if let Some(command) = self.operation(now, seen).or_else(|| self.brake(now, seen)) {
+            return command;
+        }
+        let command = |stw1| Command {
+            traverse: values,
+            ..word(stw1)
+        };
+        if self.phase == Phase::Begin {
+            if self.command != command(IDLE) || !seen.stopped() {
+                // the values stand before the bits
+                self.phase_since = now;
+                return command(IDLE);
+            }
+            if now - self.phase_since < self.limits.dwell {
+                return command(IDLE);
+            }
+            self.enter(now, Phase::UnderWay);
+        }
+        self.progress = Progress::Reached;
+        let way = if backwards {
+            REAL_TIME.with(Stw1::REAL_TIME_JOG_REVERSE)
+        } else {
+            REAL_TIME
+        };
+        command(way)
     }
 
     /// The task stays, the axis stands.
