@@ -432,7 +432,7 @@ fn description_lines(
     readings: &[Result<Reading, Refusal>],
     word: Option<&Word>,
 ) -> Vec<String> {
-    let unit = parameter.unit;
+    let unit = parameter.unit_in(scaling);
     let with_unit = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
     let mut lines = Vec::new();
     let mut line = |name: &str, text: String| {

@@ -198,3 +198,48 @@ fn interrupted_at_every_point_nothing_wrong_is_claimed_and_the_window_is_as_it_w
         }
     }
 }
+
+#[test]
+fn positions_are_in_the_unit_that_the_drive_has() {
+    const UNIT: u16 = 2393; // UNIT.PROTARY
+    const LIMIT: u16 = 2385; // SWLS.LIMIT1
+    let mut bench = bench();
+    bench.task(1, 196_608, 300_000);
+    bench.set(LIMIT, 131_072);
+    let counts = bench.backup();
+    assert!(counts.to_string().contains("UNIT.PROTARY 4, "), "{counts}");
+    bench.set(UNIT, 2);
+    bench.set(LIMIT, 720);
+    let degrees = bench.backup();
+    let text = degrees.to_string();
+    assert!(
+        text.contains("# positions in deg, 360 per revolution\n"),
+        "{text}"
+    );
+    assert!(text.contains("\np2385 SWLS.LIMIT1 = 720 deg "), "{text}");
+    assert!(text.contains("\nMT[1] = P 1080 deg, "), "{text}");
+    assert_eq!(Backup::parse(&text).unwrap(), degrees);
+    // the same place is the same place
+    let differences: Vec<_> = compare(&counts, &degrees);
+    let names: Vec<_> = differences.iter().filter_map(|one| one.name()).collect();
+    assert!(
+        names.contains(&"UNIT.PROTARY") && !names.contains(&"SWLS.LIMIT1"),
+        "{names:?}"
+    );
+    assert!(compare_tasks(&counts, &degrees).is_empty());
+    // a part of the file without its unit: the drive keeps its own
+    let choice = Choice {
+        only: vec!["SWLS.LIMIT1".parse().unwrap(), "MT*".parse().unwrap()],
+        ..Choice::default()
+    };
+    bench.set(LIMIT, 360);
+    bench.set(CLEAR, 1);
+    let mut journal = bench.journal(&counts, &choice);
+    bench.restore(&mut journal, false).0.unwrap();
+    assert_eq!(bench.backup().to_string(), text);
+    // all of it
+    let mut journal = bench.journal(&counts, &Choice::default());
+    bench.restore(&mut journal, false).0.unwrap();
+    assert!(journal.is_done(), "{}", journal.summary());
+    assert_eq!(bench.backup().to_string(), counts.to_string());
+}

@@ -81,13 +81,11 @@ fn side(backup: &Backup, pnu: u16, index: Option<u16>) -> Side {
 fn same(left: &Backup, a: &Reading, right: &Backup, b: &Reading) -> bool {
     let parameter = right.parameters.catalogue.and_then(|tables| tables.by_pnu(b.pnu));
     match (&a.content, &b.content, parameter) {
-        (Content::Number { raw, engineering }, Content::Number { raw: other, .. }, Some(parameter)) => {
-            let step = |backup: &Backup| backup.parameters.scaling.linear(parameter.scale);
-            if step(left) == step(right) {
-                raw == other
-            } else {
-                parameter.raw(*engineering, &right.parameters.scaling) == *other
-            }
+        (Content::Number { raw, .. }, Content::Number { raw: other, .. }, Some(parameter)) => {
+            right
+                .parameters
+                .converted(parameter, *raw, &left.parameters.scaling)
+                == *other
         }
         _ => a.octets == b.octets,
     }

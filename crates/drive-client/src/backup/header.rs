@@ -1,6 +1,7 @@
 //! Whose settings a backup holds.
 
 use profidrive::catalogue::Scaling;
+use profidrive::unit::UnitChoice;
 
 use super::TasksTold;
 use crate::{Drive, Identity, Model};
@@ -110,6 +111,16 @@ impl Header {
                 scaling.peak_current
             ));
         }
+        if let Some(scaling) = scaling {
+            let unit = scaling.unit.unit();
+            let values = unit_values(scaling.unit).map(|(name, value)| format!("{name} {value}"));
+            lines.push(format!(
+                "units: {}  # positions in {}, {} per revolution",
+                values.join(", "),
+                unit.symbol,
+                unit.per_revolution
+            ));
+        }
         lines.extend(self.tasks.line().as_deref().map(line));
         lines
     }
@@ -120,6 +131,7 @@ impl Header {
         key: &str,
         value: &str,
         scaling: &mut Option<Scaling>,
+        units: &mut Option<UnitChoice>,
     ) -> Result<(), String> {
         if let Some(wrong) = value.chars().find(|c| c.is_control()) {
             return Err(format!("`{key}:` has {wrong:?} in it, which is no text"));
@@ -134,6 +146,7 @@ impl Header {
             "software" => value.clone_into(&mut self.software),
             "tasks" => self.tasks = TasksTold::parse(value)?,
             "scaling" => *scaling = Some(read_scaling(value)?),
+            "units" => *units = Some(read_units(value)?),
             _ => return Err(format!("`{key}:` is no line of the head of a backup")),
         }
         Ok(())
@@ -153,6 +166,42 @@ fn number(text: &str) -> Result<u16, String> {
     text.strip_prefix("0x")
         .and_then(|digits| u16::from_str_radix(digits, 16).ok())
         .ok_or_else(|| format!("`{text}` is no number of four hexadecimal digits such as 0x0105"))
+}
+
+/// The parameters behind the unit of positions, as a line has them.
+fn unit_values(unit: UnitChoice) -> [(&'static str, i64); 6] {
+    [
+        ("MOTOR.TYPE", i64::from(unit.linear)),
+        ("UNIT.PROTARY", unit.rotary_unit),
+        ("UNIT.PLINEAR", unit.linear_unit),
+        ("UNIT.PIN", unit.custom.0),
+        ("UNIT.POUT", unit.custom.1),
+        ("MOTOR.PITCH", unit.pitch),
+    ]
+}
+
+fn read_units(text: &str) -> Result<UnitChoice, String> {
+    let mut unit = UnitChoice::DELIVERED;
+    for part in text.split(',') {
+        let part = part.trim();
+        let (name, value) = part
+            .rsplit_once(' ')
+            .ok_or_else(|| format!("`{part}`: write a parameter and its value"))?;
+        let value: u32 = value
+            .parse()
+            .map_err(|_| format!("`{value}` is no value of {name}"))?;
+        let value = i64::from(value);
+        match name {
+            "MOTOR.TYPE" => unit.linear = value == 1,
+            "UNIT.PROTARY" => unit.rotary_unit = value,
+            "UNIT.PLINEAR" => unit.linear_unit = value,
+            "UNIT.PIN" => unit.custom.0 = value,
+            "UNIT.POUT" => unit.custom.1 = value,
+            "MOTOR.PITCH" => unit.pitch = value,
+            _ => return Err(format!("the unit of positions does not depend on `{name}`")),
+        }
+    }
+    Ok(unit)
 }
 
 fn read_scaling(text: &str) -> Result<Scaling, String> {

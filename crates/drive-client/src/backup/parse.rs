@@ -6,6 +6,7 @@ use std::fmt;
 use profidrive::catalogue::{Parameter, Scale, Scaling};
 use profidrive::notation::{Elements, ParameterReference, Quantity, Target};
 use profidrive::parameter::{CodeSpace, Format};
+use profidrive::unit::UnitChoice;
 
 use super::header::Header;
 use super::print::{FORM, MAGIC};
@@ -94,6 +95,7 @@ impl Backup {
         let mut header = Header::default();
         let mut scaling = None;
         let mut lines = Vec::new();
+        let mut units = None;
         let mut problems = Vec::new();
         for (number, line) in numbered {
             let line = line.split_once('#').map_or(line, |(before, _)| before).trim();
@@ -104,7 +106,7 @@ impl Backup {
                 let (what, value) = (what.trim(), value.trim());
                 lines.push(Line { number, what, value });
             } else if let Some((key, value)) = line.split_once(':') {
-                let taken = header.take(key.trim(), value.trim(), &mut scaling);
+                let taken = header.take(key.trim(), value.trim(), &mut scaling, &mut units);
                 problems.extend(taken.err().map(|what| Problem { line: number, what }));
             } else {
                 let what = format!(
@@ -119,7 +121,10 @@ impl Backup {
         }
         let parameters = Parameters {
             catalogue: header.known().catalogue,
-            scaling: scaling.unwrap_or_default(),
+            scaling: Scaling {
+                unit: units.unwrap_or(UnitChoice::DELIVERED),
+                ..scaling.unwrap_or_default()
+            },
         };
         let (of_tasks, lines): (Vec<_>, Vec<_>) = lines
             .into_iter()
@@ -328,7 +333,9 @@ fn number(
         return Err(told(&"the line `scaling:` of the head is needed to read it"));
     }
     let quantity: Quantity = text.parse().map_err(|error| told(&error))?;
-    let value = quantity.in_unit(parameter.unit).map_err(|error| told(&error))?;
+    let value = parameter
+        .quantity(&quantity, &parameters.scaling)
+        .map_err(|error| told(&error))?;
     let nearest = nearest(value, parameter, &parameters.scaling).map_err(|error| told(&error))?;
     match raw {
         None => Ok(nearest),
@@ -351,7 +358,7 @@ pub(super) fn nearest(value: f64, parameter: &Parameter, scaling: &Scaling) -> R
     if (parameter.engineering(raw, scaling) - value).abs() > step * 0.75 {
         return Err(format!(
             "{value} {} does not fit its {} octets",
-            parameter.unit,
+            parameter.unit_in(scaling),
             parameter.octets()
         ));
     }

@@ -344,20 +344,14 @@ fn decide(
         return Err(refused.map_or(Skip::ReadOnly, |refusal| Skip::Unreadable(*refusal)));
     };
     let new = match (selection.parameter, &reading.content) {
-        (Some(parameter), Content::Number { raw, engineering }) => {
-            let step = |scaling: &Scaling| scaling.linear(parameter.scale);
-            let file = &wanted.parameters().scaling;
-            let target = if step(file) == step(scaling) {
-                *raw
-            } else {
-                parameter.raw(*engineering, scaling)
-            };
+        (Some(parameter), Content::Number { raw, .. }) => {
             let here = Parameters {
                 scaling: *scaling,
                 ..*now
             };
+            let target = here.converted(parameter, *raw, &wanted.parameters().scaling);
             // a value that is scaled anew is written again, whatever number it has now
-            if old.raw() == Some(target) && step(&now.scaling) == step(scaling) {
+            if old.raw() == Some(target) && now.scales_as(parameter, scaling) {
                 return Err(Skip::Same);
             }
             within(parameter, target, choice, &here)?;
@@ -440,7 +434,7 @@ fn within(parameter: &Parameter, raw: i64, choice: &Choice, here: &Parameters) -
     Err(Skip::Limits {
         minimum,
         maximum,
-        unit: parameter.unit,
+        unit: parameter.unit_in(&here.scaling),
     })
 }
 

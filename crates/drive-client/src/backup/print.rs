@@ -91,7 +91,7 @@ fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> 
     }
     let exact = parameter.engineering(raw, scaling);
     let text = decimal(exact, parameter.decimals());
-    let unit = unit(parameter.unit);
+    let unit = unit(parameter.unit_in(scaling));
     let says = |text: &str, exactly: bool| {
         let value = text.parse::<Quantity>().map(|one| one.number.as_f64());
         value.is_ok_and(|value| (!exactly || value == exact) && nearest(value, parameter, scaling) == Ok(raw))

@@ -3,6 +3,7 @@
 use profidrive::catalogue::{AKD, Access, Parameter, Phase, Role, Scaling};
 use profidrive::notation::Shown;
 use profidrive::parameter::{ErrorNumber, Format};
+use profidrive::unit::UnitChoice;
 use proptest::prelude::*;
 
 use super::*;
@@ -461,6 +462,10 @@ fn some_scaling() -> impl Strategy<Value = Scaling> {
                 position,
                 singleturn_bits,
                 peak_current: f64::from(peak) / 10.0,
+                unit: UnitChoice {
+                    rotary_unit: i64::from(velocity % 5),
+                    ..UnitChoice::DELIVERED
+                },
             },
         )
 }

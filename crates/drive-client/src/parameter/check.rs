@@ -87,7 +87,7 @@ impl Parameters {
         Ok(CheckedValue {
             raw,
             engineering: parameter.engineering(raw, &self.scaling),
-            unit: parameter.unit,
+            unit: parameter.unit_in(&self.scaling),
         })
     }
 
@@ -97,12 +97,13 @@ impl Parameters {
         parameter: &'static Parameter,
         quantity: &Quantity,
     ) -> Result<i64, ParameterProblem> {
-        let value = quantity
-            .in_unit(parameter.unit)
-            .map_err(|problem| ParameterProblem::Unit {
-                parameter: selection.label(),
-                problem,
-            })?;
+        let value =
+            parameter
+                .quantity(quantity, &self.scaling)
+                .map_err(|problem| ParameterProblem::Unit {
+                    parameter: selection.label(),
+                    problem,
+                })?;
         if parameter.scale == Scale::Raw && value.fract() != 0.0 {
             return Err(ParameterProblem::Fraction {
                 parameter: selection.label(),
@@ -116,7 +117,7 @@ impl Parameters {
                 value,
                 minimum,
                 maximum,
-                unit: parameter.unit,
+                unit: parameter.unit_in(&self.scaling),
             });
         }
         Ok(parameter.raw(value, &self.scaling))
@@ -155,7 +156,7 @@ impl Parameters {
                 value: parameter.engineering(number, &self.scaling),
                 minimum,
                 maximum,
-                unit: parameter.unit,
+                unit: parameter.unit_in(&self.scaling),
             });
         }
         Ok(number)
@@ -212,6 +213,7 @@ pub(super) const fn sign_extend(raw: u64, bits: u32) -> i64 {
 mod tests {
     use super::*;
     use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::unit::UnitChoice;
 
     fn check(text: &str) -> Result<CheckedValue, ParameterProblem> {
         let drive = Parameters {
@@ -236,6 +238,43 @@ mod tests {
         assert_eq!(rps.raw, 6_000_000);
         assert_eq!(check("930=1").unwrap().raw, 1);
         assert_eq!(check("1004=-100rpm").map(|v| v.raw < 0), Ok(true));
+    }
+
+    #[test]
+    fn positions_in_the_unit_of_the_drive_and_in_turns() {
+        let check = |text: &str, rotary_unit: i64| {
+            let drive = Parameters {
+                catalogue: Some(&AKD),
+                scaling: Scaling {
+                    unit: UnitChoice {
+                        rotary_unit,
+                        custom: (720, 1),
+                        ..UnitChoice::DELIVERED
+                    },
+                    ..Scaling::default()
+                },
+            };
+            let assignment: Assignment = text.parse()?;
+            drive.check(&drive.select(&assignment.reference)?, &assignment.quantity)
+        };
+        for (text, unit, raw, symbol) in [
+            ("MT.P=3rev", 4, 196_608, "counts"),
+            ("HOME.DIST=90deg", 4, 16_384, "counts"),
+            ("MT.P=3rev", 0, 3 << 32, "counts32"),
+            ("MT.P=3rev", 2, 1080, "deg"),
+            ("MT.P=-3.141592653589793rad", 2, -180, "deg"),
+            ("MT.P=45", 2, 45, "deg"),
+            ("MT.P=3rev", 3, 2160, "LU"),
+            ("MT.P=7LU", 3, 7, "LU"),
+            ("SWLS.LIMIT1=2rev", 4, 131_072, "counts"),
+            ("MT.P=5counts", 4, 5, "counts"),
+        ] {
+            let value = check(text, unit).unwrap();
+            assert_eq!((value.raw, value.unit), (raw, symbol), "{text}");
+        }
+        let error = check("MT.P=5counts", 2).unwrap_err().to_string();
+        assert!(error.contains("a bare number in deg"), "{error}");
+        assert!(check("FB1.ENCRES=1rev", 4).is_err(), "no position");
     }
 
     #[test]

@@ -30,13 +30,24 @@ impl Parameters {
         if self.scales_as(parameter, from) {
             raw
         } else {
-            parameter.raw(parameter.engineering(raw, from), &self.scaling)
+            let value = parameter.engineering(raw, from);
+            parameter.raw(value * self.units_for_one(parameter, from), &self.scaling)
         }
     }
 
     /// True when the numbers of a parameter mean the same under both scalings.
     pub(crate) fn scales_as(&self, parameter: &Parameter, other: &Scaling) -> bool {
         self.scaling.linear(parameter.scale) == other.linear(parameter.scale)
+            && (!parameter.user_unit || self.scaling.unit == other.unit)
+    }
+
+    /// How many units of a parameter here are one unit of it under another scaling.
+    fn units_for_one(&self, parameter: &Parameter, from: &Scaling) -> f64 {
+        if parameter.user_unit && self.scaling.unit != from.unit {
+            self.scaling.unit.unit().per_revolution / from.unit.unit().per_revolution
+        } else {
+            1.0
+        }
     }
 }
 

@@ -145,7 +145,7 @@ impl Parameters {
             format,
             octets: octets.to_vec(),
             content,
-            unit: parameter.map_or("", |parameter| parameter.unit),
+            unit: parameter.map_or("", |parameter| parameter.unit_in(&self.scaling)),
             decimals: parameter.map_or(0, Parameter::decimals),
             choice: parameter
                 .zip(raw)

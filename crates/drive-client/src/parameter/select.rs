@@ -154,13 +154,7 @@ mod tests {
         catalogue: Some(&AKD),
         scaling: DELIVERED,
     };
-    const DELIVERED: Scaling = Scaling {
-        velocity: 1638,
-        acceleration: 763,
-        position: 1000,
-        peak_current: 9.0,
-        singleturn_bits: 16,
-    };
+    const DELIVERED: Scaling = Scaling::DELIVERED;
 
     fn select(text: &str) -> Result<Selection, ParameterProblem> {
         DRIVE.select(&text.parse().unwrap())

@@ -97,13 +97,7 @@ mod tests {
 
     const DRIVE: Parameters = Parameters {
         catalogue: Some(&AKD),
-        scaling: Scaling {
-            velocity: 1638,
-            acceleration: 763,
-            position: 1000,
-            peak_current: 9.0,
-            singleturn_bits: 16,
-        },
+        scaling: Scaling::DELIVERED,
     };
 
     fn select(text: &str) -> Selection {

@@ -13,6 +13,7 @@ mod monitor;
 mod parameters;
 mod plugged;
 mod prepare;
+mod scaling;
 mod status;
 mod stop;
 mod tasks;
@@ -29,8 +30,8 @@ pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, WarningEntry};
 pub use info::{Identity, Info, Peer};
 pub use monitor::Snapshot;
-pub use parameters::take_scale;
 pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};
+pub use scaling::take_scale;
 pub use stop::{StopOutcome, StopWay};
 
 /// How often a caller's wish to stop is looked at while nothing happens.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use profidrive::catalogue::{Parameter, Role, Scale, Scaling, Size};
+use profidrive::catalogue::{Role, Scale, Size};
 use profidrive::notation::Shown;
 use profidrive::parameter::{
     Answer, Description, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change,
@@ -11,6 +11,7 @@ use profidrive::parameter::{
 use profinet::Medium;
 
 use super::Session;
+use super::scaling::is_scaling;
 use crate::parameter::{
     Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection, halves, join,
     split,
@@ -120,7 +121,7 @@ where
     }
 
     /// The same without looking at the values that scale others first.
-    fn read_plain(
+    pub(super) fn read_plain(
         &mut self,
         drive: &Drive,
         selections: &[Selection],
@@ -421,35 +422,6 @@ where
         Ok(descriptions)
     }
 
-    /// Reads the values of the drive that scale other values, once.
-    ///
-    /// # Errors
-    /// When the drive cannot be reached.
-    pub fn read_scaling(&mut self, drive: &mut Drive) -> Result<(), Error> {
-        let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else {
-            return Ok(());
-        };
-        let wanted: Vec<Selection> = SCALING
-            .iter()
-            .filter_map(|&pnu| tables.by_pnu(pnu))
-            .map(|parameter| Selection {
-                pnu: parameter.pnu,
-                first: 0,
-                count: 1,
-                indexed: false,
-                parameter: Some(parameter),
-            })
-            .collect();
-        for reading in self.read_plain(drive, &wanted)?.into_iter().flatten() {
-            let Some(number) = reading.number().filter(|number| *number > 0.0) else {
-                continue;
-            };
-            take_scale(&mut drive.parameters.scaling, reading.pnu, number);
-        }
-        drive.scaled = true;
-        Ok(())
-    }
-
     /// References run from 1 to 255: 0 is reserved.
     fn next_reference(&mut self) -> u8 {
         self.reference = self.reference.checked_add(1).unwrap_or(1);
@@ -457,66 +429,10 @@ where
     }
 }
 
-const VELOCITY: u16 = 3064;
-const ACCELERATION: u16 = 3065;
-const POSITION: u16 = 3014;
-const PEAK_CURRENT: u16 = 2132;
-const SINGLETURN: u16 = 1002;
-/// The profile's numbers of the first two.
-const VELOCITY_MIRROR: u16 = 1009;
-const ACCELERATION_MIRROR: u16 = 1008;
-const SCALING: [u16; 5] = [VELOCITY, ACCELERATION, POSITION, PEAK_CURRENT, SINGLETURN];
-
-/// Takes over the value of a parameter that scales others, in its engineering unit, and says which scale it is for;
-/// nothing happens for any other one.
-///
-/// ```
-/// use drive_client::parameter::take_scale;
-/// use profidrive::catalogue::{Scale, Scaling};
-/// let mut scaling = Scaling::default();
-/// assert_eq!(take_scale(&mut scaling, 3064, 200.0), Some(Scale::Velocity)); // PN.VELSCALING
-/// assert_eq!(scaling.velocity, 200);
-/// assert_eq!(take_scale(&mut scaling, 2108, 200.0), None);
-/// ```
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "saturates"
-)]
-pub fn take_scale(scaling: &mut Scaling, pnu: u16, number: f64) -> Option<Scale> {
-    Some(match pnu {
-        VELOCITY | VELOCITY_MIRROR => {
-            scaling.velocity = number as u16;
-            Scale::Velocity
-        }
-        ACCELERATION | ACCELERATION_MIRROR => {
-            scaling.acceleration = number as u16;
-            Scale::Acceleration
-        }
-        POSITION => {
-            scaling.position = number as u32;
-            Scale::Position
-        }
-        PEAK_CURRENT => {
-            scaling.peak_current = number;
-            Scale::Current
-        }
-        SINGLETURN => {
-            scaling.singleturn_bits = number as u16;
-            Scale::Singleturn
-        }
-        _ => return None,
-    })
-}
-
-fn is_scaling(parameter: &Parameter) -> bool {
-    SCALING.contains(&parameter.pnu) || matches!(parameter.pnu, VELOCITY_MIRROR | ACCELERATION_MIRROR)
-}
-
 fn needs_scaling(selection: &Selection) -> bool {
     selection
         .parameter
-        .is_some_and(|parameter| !matches!(parameter.scale, Scale::Raw | Scale::Milli))
+        .is_some_and(|parameter| parameter.user_unit || !matches!(parameter.scale, Scale::Raw | Scale::Milli))
 }
 
 fn is_command(selection: &Selection) -> bool {

@@ -4,6 +4,7 @@ use alloc::format;
 use alloc::string::String;
 use core::ops::RangeInclusive;
 
+use crate::notation::{Position, Quantity, UnitMismatch};
 use crate::unit;
 pub use crate::unit::akd::{Scale, Scaling};
 
@@ -94,8 +95,11 @@ pub struct Parameter {
     /// True for a 64-bit value: this number is its low half, the next number its high half. That the manual leaves the
     /// next number free is all that is known of it; which half is which is our reading.
     pub wide: bool,
-    /// Unit of the engineering value, empty for a bare number.
+    /// Unit of the engineering value, empty for a bare number; of a drive as delivered where [`user_unit`](Self::user_unit)
+    /// is set.
     pub unit: &'static str,
+    /// True for a position in the unit that the user chose with UNIT.PROTARY or UNIT.PLINEAR.
+    pub user_unit: bool,
     /// How the number on the wire is made.
     pub scale: Scale,
     /// Lowest engineering value where known.
@@ -115,6 +119,42 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// The unit of the engineering value of a drive with this scaling.
+    ///
+    /// ```
+    /// use profidrive::catalogue::{AKD, Scaling};
+    /// use profidrive::unit::UnitChoice;
+    /// let degrees = UnitChoice { rotary_unit: 2, ..UnitChoice::DELIVERED };
+    /// let scaling = Scaling { unit: degrees, ..Scaling::default() };
+    /// assert_eq!(AKD.by_name("PL.FB").unwrap().unit_in(&scaling), "deg");
+    /// assert_eq!(AKD.by_name("DRV.ACC").unwrap().unit_in(&scaling), "rpm/s");
+    /// ```
+    #[must_use]
+    pub fn unit_in(&self, scaling: &Scaling) -> &'static str {
+        if self.user_unit {
+            scaling.unit.unit().symbol
+        } else {
+            self.unit
+        }
+    }
+
+    /// A value with whatever unit a person wrote in the unit that it has in a drive with this scaling: a position may be
+    /// written in revolutions and angles too.
+    ///
+    /// # Errors
+    /// When the unit written measures something else.
+    pub fn quantity(&self, quantity: &Quantity, scaling: &Scaling) -> Result<f64, UnitMismatch> {
+        let wanted = self.unit_in(scaling);
+        let direct = quantity.in_unit(wanted);
+        let unit = scaling.unit.unit();
+        match (&direct, quantity.position()) {
+            (Err(_), Ok(Position::Turns(turns))) if self.user_unit && unit.turns => {
+                Ok(turns * unit.per_revolution)
+            }
+            _ => direct,
+        }
+    }
+
     /// True when it has more than one element.
     #[must_use]
     pub const fn is_array(&self) -> bool {
@@ -232,8 +272,9 @@ impl Parameter {
         };
         let value = format!("{:.6}", self.engineering(steps, scaling));
         let value = value.trim_end_matches('0').trim_end_matches('.');
-        let unit = if self.unit.is_empty() { "" } else { " " };
-        format!("raw {steps} = {value}{unit}{}{by}", self.unit)
+        let symbol = self.unit_in(scaling);
+        let unit = if symbol.is_empty() { "" } else { " " };
+        format!("raw {steps} = {value}{unit}{symbol}{by}")
     }
 
     /// Text of a value of an enumeration.

@@ -40,6 +40,8 @@ pub enum Dimension {
     Inertia,
     /// Feedback increments.
     Counts,
+    /// Increments of which 2^32 are one revolution.
+    FineCounts,
     /// User length unit.
     UserLength,
     /// Turns of the shaft.
@@ -66,6 +68,7 @@ impl fmt::Display for Dimension {
             Self::Ratio => "ratio",
             Self::Inertia => "moment of inertia",
             Self::Counts => "count",
+            Self::FineCounts => "count of 2^32 a revolution",
             Self::UserLength => "user length",
             Self::Turns => "angle",
         })
@@ -163,6 +166,7 @@ pub const UNITS: &[Unit] = &[
     unit("kgcm^2", &["kgcm2", "kg*cm^2", "kgcm²"], Dimension::Inertia, 1.0),
     unit("kgm^2", &["kgm2", "kg*m^2", "kgm²"], Dimension::Inertia, 1e4),
     unit("counts", &["count", "cts", "inc"], Dimension::Counts, 1.0),
+    unit("counts32", &["cts32"], Dimension::FineCounts, 1.0),
     unit("LU", &[], Dimension::UserLength, 1.0),
     unit("rev", &["turns"], Dimension::Turns, 1.0),
     unit("deg", &["°"], Dimension::Turns, 1.0 / 360.0),

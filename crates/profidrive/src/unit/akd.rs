@@ -3,7 +3,7 @@
 //! Source: AKD PROFINET manual ed. M 5.12, 6.1, 6.2 and 6.5; for the acceleration of MDI also Kollmorgen's support article
 //! "AKD Profinet PN.ACCSCALING Examples" (2022), where the manual contradicts itself.
 
-use super::{Linear, Width};
+use super::{Linear, UnitChoice, Width};
 
 /// How the number on the wire is made from the engineering value.
 /// Source: AKD PROFINET manual 5.12 and 6; floats apart from positions 1000:1 as in the AKD EtherCAT and Modbus manuals.
@@ -40,21 +40,27 @@ pub struct Scaling {
     pub peak_current: f64,
     /// Bits of one revolution, PNU 1002.
     pub singleturn_bits: u16,
+    /// The unit of positions: UNIT.PROTARY and its like.
+    pub unit: UnitChoice,
 }
 
 impl Default for Scaling {
     fn default() -> Self {
-        Self {
-            velocity: 1638,
-            acceleration: 763,
-            position: 1000,
-            peak_current: 9.0,
-            singleturn_bits: 16,
-        }
+        Self::DELIVERED
     }
 }
 
 impl Scaling {
+    /// A drive as delivered.
+    pub const DELIVERED: Self = Self {
+        velocity: 1638,
+        acceleration: 763,
+        position: 1000,
+        peak_current: 9.0,
+        singleturn_bits: 16,
+        unit: UnitChoice::DELIVERED,
+    };
+
     /// The conversion of a scale. [`Scale::Raw`] and [`Scale::Milli`] occur in all sizes; their width here is that of a
     /// signed double word.
     #[must_use]

@@ -18,8 +18,10 @@
 //! ```
 
 pub mod akd;
+mod position;
 mod time;
 
+pub use position::{PositionUnit, UnitChoice};
 pub use time::Reciprocal;
 
 use thiserror::Error;

@@ -1,6 +1,7 @@
 //! What the drive obeys, taken out of its parameters once after each change instead of in every cycle.
 
 use profidrive::catalogue::Scaling;
+use profidrive::unit::UnitChoice;
 
 use super::faults::Watching;
 use super::position::Setup;
@@ -55,6 +56,16 @@ impl Settings {
             position: number(raw(roles.position_scaling), standard.position),
             singleturn_bits: number(raw(roles.singleturn_bits), standard.singleturn_bits),
             peak_current: standard.peak_current,
+            unit: {
+                let unit = &roles.positioning.unit;
+                UnitChoice {
+                    linear: values.get(unit.motor) == 1,
+                    rotary_unit: values.get(unit.unit[0]),
+                    linear_unit: values.get(unit.unit[1]),
+                    custom: (values.get(unit.custom[0]), values.get(unit.custom[1])),
+                    pitch: values.get(unit.pitch),
+                }
+            },
         };
         let value = |pnu: Option<u16>, scaling: &Scaling| {
             let parameter = model.catalogue.by_pnu(pnu?)?;

@@ -109,7 +109,7 @@ fn render_parameter(
     let (choices, bits) = meanings.names(name);
     Ok(format!(
         "    Parameter {{ pnu: {}, name: {name:?}, size: {size}, elements: {}, signed: {}, access: {access}, saved: {}, \
-         wide: {}, unit: {:?}, scale: {scale}, minimum: {}, maximum: {}, default: {default}, choices: {choices}, \
+         wide: {}, unit: {:?}, user_unit: {}, scale: {scale}, minimum: {}, maximum: {}, default: {default}, choices: {choices}, \
          bits: {bits}, description: {:?}, source: SOURCES[{source}] }},\n",
         row.number::<u16>("pnu")?,
         row.number::<u16>("elements")?,
@@ -117,6 +117,7 @@ fn render_parameter(
         yes("nv")?,
         yes("wide")?,
         row.text("unit")?,
+        yes("user_unit")?,
         number("minimum")?,
         number("maximum")?,
         row.text("description")?,

@@ -4,7 +4,7 @@ use profidrive::catalogue::Scaling;
 
 use super::homing::HomeSetup;
 use super::limits::Limits;
-use super::units::{Direction, Modulo, UnitChoice, Units};
+use super::units::{Direction, Modulo, Units};
 use crate::axis::Ramps;
 use crate::model::Model;
 use crate::store::Values;
@@ -34,14 +34,7 @@ impl Setup {
             let parameter = model.catalogue.by_pnu(pnu);
             parameter.map_or(0.0, |parameter| parameter.engineering(raw(pnu), scaling))
         };
-        let unit = &roles.unit;
-        let units = Units::new(&UnitChoice {
-            linear: raw(unit.motor) == 1,
-            rotary_unit: raw(unit.unit[0]),
-            linear_unit: raw(unit.unit[1]),
-            custom: (raw(unit.custom[0]), raw(unit.custom[1])),
-            pitch: raw(unit.pitch),
-        });
+        let units = Units::new(&scaling.unit);
         let place = |pnu: u16| units.counts(value(pnu));
         let positive = |counts: i64| Some(counts).filter(|counts| *counts > 0);
         let modulo = (raw(roles.modulo) != 0)

@@ -1,46 +1,22 @@
 //! Lengths: the unit that the user chose, and axes that turn round and round.
 
+use profidrive::unit::UnitChoice;
+
 /// 2^-32 revolutions of one revolution: positions inside the drive count in these.
 pub(in crate::drive) const REVOLUTION: f64 = 4_294_967_296.0;
 
 /// How many units of the user one revolution has.
-/// Source: AKD UNIT.PROTARY, UNIT.PLINEAR, UNIT.PIN, UNIT.POUT, MOTOR.PITCH; that the custom unit is PIN/POUT for each
-/// revolution is the reading of their names.
+/// Source: [`UnitChoice`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::drive) struct Units {
     per_revolution: f64,
 }
 
-/// The parameters behind a unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::drive) struct UnitChoice {
-    /// MOTOR.TYPE 1.
-    pub linear: bool,
-    /// UNIT.PROTARY.
-    pub rotary_unit: i64,
-    /// UNIT.PLINEAR.
-    pub linear_unit: i64,
-    /// UNIT.PIN and UNIT.POUT.
-    pub custom: (i64, i64),
-    /// MOTOR.PITCH, um; what a linear motor moves in one electrical revolution.
-    pub pitch: i64,
-}
-
 impl Units {
     pub fn new(choice: &UnitChoice) -> Self {
-        let (numerator, denominator) = choice.custom;
-        let custom = numerator.max(1) as f64 / denominator.max(1) as f64;
-        let pitch = choice.pitch.max(1) as f64;
-        let per_revolution = match (choice.linear, choice.rotary_unit, choice.linear_unit) {
-            (false, 0, _) | (true, _, 0) => REVOLUTION,
-            (false, 1, _) => core::f64::consts::TAU,
-            (false, 2, _) => 360.0,
-            (true, _, 1) => pitch / 1000.0,
-            (true, _, 2) => pitch,
-            (false, 3, _) | (true, _, 3) => custom,
-            _ => 65_536.0,
-        };
-        Self { per_revolution }
+        Self {
+            per_revolution: choice.unit().per_revolution,
+        }
     }
 
     /// A value of the user in 2^-32 revolutions; what is too far away is the farthest.
@@ -134,45 +110,14 @@ impl Modulo {
 mod tests {
     use super::*;
 
-    const CHOICE: UnitChoice = UnitChoice {
-        linear: false,
-        rotary_unit: 4,
-        linear_unit: 0,
-        custom: (100, 100),
-        pitch: 1000,
-    };
-
     #[test]
-    fn one_revolution_in_each_unit() {
-        let rotary = |unit| {
-            Units::new(&UnitChoice {
-                rotary_unit: unit,
-                custom: (720, 2),
-                ..CHOICE
-            })
-            .value(1 << 32)
-        };
-        assert_eq!([0, 2, 3, 4].map(rotary), [REVOLUTION, 360.0, 360.0, 65_536.0]);
-        assert!((rotary(1) - core::f64::consts::TAU).abs() < 1e-12);
-        let linear = |unit| {
-            Units::new(&UnitChoice {
-                linear: true,
-                linear_unit: unit,
-                pitch: 32_000,
-                custom: (5, 2),
-                ..CHOICE
-            })
-            .value(1 << 32)
-        };
-        assert_eq!(
-            [0, 1, 2, 3, 4].map(linear),
-            [REVOLUTION, 32.0, 32_000.0, 2.5, 65_536.0]
-        );
+    fn lengths_in_the_unit_of_the_user() {
         let degrees = Units::new(&UnitChoice {
             rotary_unit: 2,
-            ..CHOICE
+            ..UnitChoice::DELIVERED
         });
         assert_eq!(degrees.counts(-90.0), -(1 << 30));
+        assert_eq!(degrees.value(1 << 32), 360.0);
         assert_eq!(degrees.counts(1e300), i64::MAX);
         assert_eq!(degrees.counts(f64::NAN), 0);
     }
