@@ -96,6 +96,20 @@ fn costs(criterion: &mut Criterion) {
             );
         });
     });
+    let mut motor = Axis::new(Plant::INDUCTION);
+    criterion.bench_function("axis, one step of 1 ms, induction motor", |bencher| {
+        bencher.iter(|| {
+            motor.step(
+                0.001,
+                Command::Speed {
+                    target: black_box(1400.0),
+                    ramp,
+                    hold: false,
+                },
+                &Tuning::default(),
+            );
+        });
+    });
     for (name, smooth) in [
         ("axis, one step of 1 ms, positioning", false),
         ("axis, one step of 1 ms, positioning with limited jerk", true),

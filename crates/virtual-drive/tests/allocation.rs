@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use profinet::Instant;
+use virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
 use virtual_drive::drive::Drive;
 use virtual_drive::model;
 
@@ -33,6 +34,28 @@ fn ticks_states_faults_and_parameters() {
             drive.tick(now, Some(&[a, b, 0x06, 0x66]), &mut inputs);
             assert!(drive.serve(&read, &mut answer).is_ok());
             assert!(drive.serve(&write, &mut answer).is_ok());
+        }
+    };
+    assert_eq!(allocations::made_by(run), 0);
+}
+
+#[test]
+fn steps_of_an_induction_motor() {
+    let mut axis = Axis::new(Plant::INDUCTION);
+    let ramp = Some(Ramps {
+        acceleration: 1000.0,
+        deceleration: 1000.0,
+    });
+    let run = || {
+        for target in [1000.0, -500.0, 0.0] {
+            let speed = Command::Speed {
+                target,
+                ramp,
+                hold: false,
+            };
+            for command in [speed, Command::Off, speed, Command::DcBrake { current: 3.0 }] {
+                axis.step(0.5, command, &Tuning::default());
+            }
         }
     };
     assert_eq!(allocations::made_by(run), 0);

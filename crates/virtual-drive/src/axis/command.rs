@@ -1,6 +1,7 @@
 //! What the axis is told: commands, and the limits and gains that come from parameters.
 
 use super::electrical::Endurance;
+use super::induction::InverterTuning;
 
 /// What the power stage does. A command may change in every step; nothing jumps but what the command lets jump.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +48,11 @@ pub enum Command {
         /// Jerk-limited, as in [`Command::Position`].
         smooth: bool,
     },
+    /// Direct current through the motor: brakes an induction motor, of a servo it takes the current away.
+    DcBrake {
+        /// Wanted current in ampere.
+        current: f64,
+    },
 }
 
 /// Slopes of the ramp generator and of the trajectory.
@@ -87,6 +93,8 @@ pub struct Tuning {
     pub drive_endurance: Endurance,
     /// What the motor endures (MOTOR.ICONT, MOTOR.IPEAK, IL.MFOLDD).
     pub motor_endurance: Endurance,
+    /// How an induction motor is treated.
+    pub inverter: InverterTuning,
 }
 
 impl Default for Tuning {
@@ -112,6 +120,7 @@ impl Default for Tuning {
                 peak: 11.2,
                 time: 10.0,
             },
+            inverter: InverterTuning::default(),
         }
     }
 }

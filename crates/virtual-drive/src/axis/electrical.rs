@@ -4,35 +4,75 @@ use super::within;
 
 /// Rectified voltage of a mains voltage.
 const RECTIFIED: f64 = core::f64::consts::SQRT_2;
-/// Mains as delivered, V.
-const MAINS: f64 = 230.0;
-/// The brake resistor is switched on above this bus voltage, V.
-const REGEN: f64 = 380.0;
-/// Its resistance, ohm.
-const RESISTOR: f64 = 33.0;
-/// Capacitance of the bus, F.
-const CAPACITANCE: f64 = 560e-6;
-/// Time in which the mains fills the bus, s.
-const BUS_TIME: f64 = 0.02;
-/// Power that the drive itself takes from the bus, W.
-const OWN_POWER: f64 = 15.0;
 /// Bus voltage below which no current can be made, V.
 const DEAD: f64 = 40.0;
 /// Voltage at which the model ends, V: whatever happens, no more.
 const MOST: f64 = 1000.0;
-/// Winding and power stage, ohm: losses per square of current.
-const LOSS: f64 = 2.0;
 /// Air around the drive, degC.
 const AMBIENT: f64 = 25.0;
 /// Temperature of the idle power stage above the air, K.
 const IDLE_HEAT: f64 = 8.0;
-/// Heat of power stage and motor, K per A^2, and their time constants, s.
-const STAGE_HEAT: f64 = 0.9;
-const STAGE_TIME: f64 = 120.0;
-const MOTOR_HEAT: f64 = 6.0;
-const MOTOR_TIME: f64 = 900.0;
 /// From this part of the foldback reserve on the current limit comes down.
 const NEARLY: f64 = 0.95;
+
+/// The power stage and its supply: numbers that belong to a size of drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PowerStage {
+    /// Nominal mains voltage between two lines, V.
+    pub mains: f64,
+    /// The brake resistor is switched on above this bus voltage, V.
+    pub chopper: f64,
+    /// Resistance of the brake resistor, ohm; 0: none is fitted.
+    pub resistance: f64,
+    /// Capacitance of the bus, F.
+    pub capacitance: f64,
+    /// Time in which the mains fills the bus, s.
+    pub filling_time: f64,
+    /// Power that the drive itself takes from the bus, W.
+    pub own_power: f64,
+    /// Winding and power stage, ohm: losses per square of current.
+    pub loss: f64,
+    /// Heat of the power stage, K per A^2.
+    pub stage_heat: f64,
+    /// Time constant of that, s.
+    pub stage_time: f64,
+    /// Heat of the motor winding, K per A^2.
+    pub motor_heat: f64,
+    /// Time constant of that, s.
+    pub motor_time: f64,
+}
+
+impl PowerStage {
+    /// A small servo drive on 230 V.
+    pub const SERVO: Self = Self {
+        mains: 230.0,
+        chopper: 380.0,
+        resistance: 33.0,
+        capacitance: 560e-6,
+        filling_time: 0.02,
+        own_power: 15.0,
+        loss: 2.0,
+        stage_heat: 0.9,
+        stage_time: 120.0,
+        motor_heat: 6.0,
+        motor_time: 900.0,
+    };
+
+    /// A frequency converter of 1.5 kW on 400 V without brake resistor. The winding is 80 K warm at 3.4 A.
+    pub const VOLT_400: Self = Self {
+        mains: 400.0,
+        chopper: 770.0,
+        resistance: 0.0,
+        capacitance: 500e-6,
+        filling_time: 0.002,
+        own_power: 25.0,
+        loss: 9.0,
+        stage_heat: 1.7,
+        stage_time: 180.0,
+        motor_heat: 6.9,
+        motor_time: 1200.0,
+    };
+}
 
 /// How long a part takes more than its continuous current.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,6 +130,11 @@ impl Foldback {
 /// DC bus, temperatures and foldback.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Electrical {
+    stage: PowerStage,
+    /// 2 / capacitance; 1 / resistance of the brake resistor, 0 without one; square of its voltage.
+    feed: f64,
+    conductance: f64,
+    chopper: f64,
     /// Square of the bus voltage: twice the energy per capacitance.
     square: f64,
     /// Square of the rectified mains voltage.
@@ -107,16 +152,19 @@ pub struct Electrical {
 }
 
 impl Electrical {
-    pub(super) const fn new() -> Self {
-        let mains = RECTIFIED * MAINS * RECTIFIED * MAINS;
+    pub(super) fn new(stage: &PowerStage) -> Self {
         let foldback = Foldback {
             used: 0.0,
             reserve: 0.0,
             limit: f64::MAX,
         };
-        Self {
-            square: mains,
-            mains,
+        let mut electrical = Self {
+            stage: *stage,
+            feed: 0.0,
+            conductance: 0.0,
+            chopper: 0.0,
+            square: 0.0,
+            mains: 0.0,
             resistor: true,
             burnt: 0.0,
             power_stage: AMBIENT + IDLE_HEAT,
@@ -126,25 +174,49 @@ impl Electrical {
             bus_override: None,
             power_stage_override: None,
             motor_override: None,
+        };
+        electrical.set_stage(stage);
+        electrical.set_mains(None);
+        electrical.square = electrical.mains;
+        electrical
+    }
+
+    /// Another power stage; what is on the bus and how warm it is stays.
+    pub(super) fn set_stage(&mut self, stage: &PowerStage) {
+        let nominal = stage.mains == self.stage.mains;
+        self.stage = *stage;
+        self.feed = 2.0 / least(stage.capacitance, 1.0e-6);
+        self.conductance = if stage.resistance > 0.0 {
+            1.0 / stage.resistance
+        } else {
+            0.0
+        };
+        self.chopper = stage.chopper * stage.chopper;
+        self.stage.filling_time = least(stage.filling_time, 1.0e-3);
+        self.stage.stage_time = least(stage.stage_time, 1.0e-2);
+        self.stage.motor_time = least(stage.motor_time, 1.0e-2);
+        if !nominal {
+            self.set_mains(None);
         }
     }
 
     /// `power` W flow from the bus into the shaft, `current` A through the motor.
     pub(super) fn step(&mut self, dt: f64, power: f64, current: f64, drive: &Endurance, motor: &Endurance) {
         let heat = current * current;
-        let mut flow = -(power + LOSS * heat + OWN_POWER) * (2.0 / CAPACITANCE);
+        let mut flow = -(power + self.stage.loss * heat + self.stage.own_power) * self.feed;
         if self.square < self.mains {
-            flow += (self.mains - self.square) / BUS_TIME;
+            flow += (self.mains - self.square) / self.stage.filling_time;
         }
-        let chopper = self.resistor && self.square > REGEN * REGEN;
+        let chopper = self.resistor && self.square > self.chopper;
         self.burnt = 0.0;
         if chopper {
-            self.burnt = self.square * (1.0 / RESISTOR);
-            flow -= self.burnt * (2.0 / CAPACITANCE);
+            self.burnt = self.square * self.conductance;
+            flow -= self.burnt * self.feed;
         }
         self.square = (self.square + flow * dt).clamp(0.0, MOST * MOST);
-        self.power_stage += (AMBIENT + IDLE_HEAT + STAGE_HEAT * heat - self.power_stage) * (dt / STAGE_TIME);
-        self.motor += (AMBIENT + MOTOR_HEAT * heat - self.motor) * (dt / MOTOR_TIME);
+        self.power_stage += (AMBIENT + IDLE_HEAT + self.stage.stage_heat * heat - self.power_stage)
+            * (dt / self.stage.stage_time);
+        self.motor += (AMBIENT + self.stage.motor_heat * heat - self.motor) * (dt / self.stage.motor_time);
         self.drive_foldback.step(dt, heat, drive);
         self.motor_foldback.step(dt, heat, motor);
     }
@@ -152,11 +224,11 @@ impl Electrical {
     /// A time of any length without current.
     pub(super) fn rest(&mut self, seconds: f64, drive: &Endurance, motor: &Endurance) {
         let filling = if self.square < self.mains {
-            (self.mains - self.square) * (seconds / BUS_TIME).min(1.0)
+            (self.mains - self.square) * (seconds / self.stage.filling_time).min(1.0)
         } else {
             0.0
         };
-        let own = OWN_POWER * (2.0 / CAPACITANCE) * seconds;
+        let own = self.stage.own_power * self.feed * seconds;
         let lowest = if self.mains > 0.0 {
             self.mains.min(self.square + filling)
         } else {
@@ -164,8 +236,9 @@ impl Electrical {
         };
         self.square = (self.square + filling - own).max(lowest);
         self.burnt = 0.0;
-        self.power_stage += (AMBIENT + IDLE_HEAT - self.power_stage) * (seconds / STAGE_TIME).min(1.0);
-        self.motor += (AMBIENT - self.motor) * (seconds / MOTOR_TIME).min(1.0);
+        self.power_stage +=
+            (AMBIENT + IDLE_HEAT - self.power_stage) * (seconds / self.stage.stage_time).min(1.0);
+        self.motor += (AMBIENT - self.motor) * (seconds / self.stage.motor_time).min(1.0);
         self.drive_foldback.step(seconds, 0.0, drive);
         self.motor_foldback.step(seconds, 0.0, motor);
     }
@@ -236,6 +309,11 @@ impl Electrical {
         AMBIENT + 12.0
     }
 
+    /// The true voltage of the bus, V, whatever the drive measures.
+    pub(super) fn true_bus(&self) -> f64 {
+        self.square.sqrt()
+    }
+
     /// False when the bus is too low to make current.
     pub(super) fn can_drive(&self) -> bool {
         match self.bus_override {
@@ -246,7 +324,7 @@ impl Electrical {
 
     /// Mains voltage, V; 0 is off.
     pub(super) fn set_mains(&mut self, voltage: Option<f64>) {
-        let peak = RECTIFIED * sane(voltage.unwrap_or(MAINS));
+        let peak = RECTIFIED * sane(voltage.unwrap_or(self.stage.mains));
         self.mains = (peak * peak).min(MOST * MOST);
     }
 
@@ -269,6 +347,11 @@ impl Electrical {
     pub(super) fn override_power_stage(&mut self, temperature: Option<f64>) {
         self.power_stage_override = temperature.filter(|value| value.is_finite());
     }
+}
+
+/// The number, or what is taken when it is none or too small to divide by.
+fn least(value: f64, smallest: f64) -> f64 {
+    value.max(smallest)
 }
 
 /// A voltage that can be: neither negative nor not a number.

@@ -17,6 +17,9 @@ const RADIANS: f64 = TAU / 60.0;
 /// Radian of one position count.
 const RADIAN: f64 = TAU / REVOLUTION;
 
+/// Speed that no ramp without loops exceeds, rpm.
+const FASTEST: f64 = 100_000.0;
+
 /// What the loops read from the feedback.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Feedback {
@@ -160,7 +163,7 @@ impl Loops {
     /// One step: the current that is wanted, A.
     pub fn step(&mut self, command: &Command, gains: &Gains, seen: Feedback) -> f64 {
         match *command {
-            Command::Off => {
+            Command::Off | Command::DcBrake { .. } => {
                 self.follow(seen);
                 0.0
             }
@@ -180,6 +183,33 @@ impl Loops {
             }
             Command::Position { .. } | Command::Travel { .. } => self.position(gains, seen),
         }
+    }
+
+    /// One step of the ramp alone, for a motor without loops: the reference in rad/s.
+    pub fn lead(
+        &mut self,
+        gains: &Gains,
+        (target, ramp, hold): (f64, Option<Ramps>, bool),
+        seen: Feedback,
+    ) -> f64 {
+        let target = gains.limit_speed(or_nothing(target) / RPM) * RPM;
+        let target = within(target, -FASTEST, FASTEST);
+        let reference = self.ramp.step(gains.dt, target, ramp, hold);
+        self.before = None;
+        self.trajectory.place(seen.position, reference);
+        self.speed_command = reference;
+        reference / RPM
+    }
+
+    /// Puts the ramp back to what could be done, rad/s.
+    pub fn hold_back(&mut self, reference: f64) {
+        self.ramp.follow(reference * RPM);
+        self.speed_command = reference * RPM;
+    }
+
+    /// Highest current, A.
+    pub fn highest_current(&self, gains: &Gains) -> f64 {
+        gains.limit_current(f64::MAX)
     }
 
     /// The loops are open: all references follow the axis.

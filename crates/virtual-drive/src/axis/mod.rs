@@ -1,5 +1,5 @@
 //! The mechanics and the loops: a servo motor with a load, its current limit, velocity and position loop, ramp generator
-//! and trajectory, and what stands along its way.
+//! and trajectory, and what stands along its way; or an induction motor under voltage per frequency in its place.
 //!
 //! Deterministic: the same steps give the same numbers on every machine of the same kind. No allocation.
 //!
@@ -10,11 +10,13 @@
 //! | `inputs` | limit switches, home switch, index pulse |
 //! | `electrical` | DC bus, temperatures, current foldback |
 //! | `loops` | position and velocity loop |
+//! | `induction` | induction motor and what its inverter does |
 //! | `ramp` | ramp generator of the velocity mode |
 //! | `trajectory`, `profile` | reference of the position loop |
 
 mod command;
 mod electrical;
+mod induction;
 mod inputs;
 mod loops;
 mod plant;
@@ -23,7 +25,8 @@ mod ramp;
 mod trajectory;
 
 pub use command::{Command, Ramps, Tuning};
-pub use electrical::{Electrical, Endurance};
+pub use electrical::{Electrical, Endurance, PowerStage};
+pub use induction::{Induction, InverterTuning, Motor, MotorOutput};
 pub use inputs::{Inputs, Latch};
 pub use plant::{Plant, Travel};
 pub use ramp::Ramp;
@@ -81,6 +84,8 @@ pub struct Axis {
     /// Speed as the drive measures it, rpm.
     measured: f64,
     noise: u32,
+    /// What turns it in place of a servo motor.
+    induction: Option<Box<induction::Machine>>,
 }
 
 impl Axis {
@@ -89,7 +94,7 @@ impl Axis {
     pub fn new(plant: Plant) -> Self {
         Self {
             mechanics: Mechanics::new(plant),
-            electrical: Electrical::new(),
+            electrical: Electrical::new(&plant.power),
             sensors: Sensors::new(&plant),
             loops: Loops::new(),
             shift: 0,
@@ -104,6 +109,10 @@ impl Axis {
             filtered: 0.0,
             measured: 0.0,
             noise: 0x2545_F491,
+            induction: match &plant.motor {
+                Motor::Servo => None,
+                Motor::Induction(plate) => Some(Box::new(induction::Machine::new(plate))),
+            },
         }
     }
 
@@ -157,11 +166,16 @@ impl Axis {
             position: self.seen.position.wrapping_add(self.shift),
             ..self.seen
         };
-        let wanted = self.loops.step(command, gains, seen);
-        self.current = if self.electrical.can_drive() { wanted } else { 0.0 };
         let before = self.mechanics.position;
-        let power = self.current * self.mechanics.plant().torque_constant * self.mechanics.omega;
-        self.mechanics.step(dt, self.current);
+        let power = if self.induction.is_some() {
+            self.turn_induction(dt, command, tuning, gains, seen)
+        } else {
+            let wanted = self.loops.step(command, gains, seen);
+            self.current = if self.electrical.can_drive() { wanted } else { 0.0 };
+            let power = self.current * self.mechanics.plant().torque_constant * self.mechanics.omega;
+            self.mechanics.step(dt, self.current);
+            power
+        };
         self.sensors.pass(before, self.mechanics.position);
         self.electrical.step(
             dt,
@@ -175,10 +189,69 @@ impl Axis {
         }
     }
 
+    /// One step of the induction motor; the power that it takes from the bus without the losses of its stator, W.
+    fn turn_induction(
+        &mut self,
+        dt: f64,
+        command: &Command,
+        tuning: &Tuning,
+        gains: &Gains,
+        seen: Feedback,
+    ) -> f64 {
+        let Some(motor) = self.induction.as_deref_mut() else {
+            return 0.0;
+        };
+        let (dry, resistance) = self.mechanics.resistance();
+        let around = induction::Around {
+            omega: self.mechanics.omega,
+            mobility: self.mechanics.mobility(),
+            resistance,
+            dry,
+            bus: self.electrical.true_bus(),
+            limit: self.loops.highest_current(gains),
+        };
+        let on = self.electrical.can_drive();
+        let lead = match *command {
+            Command::Speed { target, ramp, hold } => Some((target, ramp, hold)),
+            Command::Travel { speed, ramps, .. } => Some((speed, Some(ramps), false)),
+            _ => None,
+        };
+        let torque = match (*command, lead) {
+            (_, Some(lead)) if on => {
+                if !motor.is_driving() && !tuning.inverter.flying_start {
+                    self.loops.hold_back(0.0);
+                }
+                let reference = self.loops.lead(gains, lead, seen);
+                let torque = motor.drive(dt, reference, &around, &tuning.inverter);
+                if motor.output().limited {
+                    self.loops.hold_back(motor.reference());
+                }
+                torque
+            }
+            (Command::DcBrake { current }, _) if on => {
+                self.loops.hold_back(0.0);
+                motor.brake(dt, current, &around, &tuning.inverter)
+            }
+            _ => {
+                self.loops.follow(seen);
+                motor.off(dt, &tuning.inverter);
+                0.0
+            }
+        };
+        let output = motor.output();
+        let power = output.power;
+        self.current = output.current;
+        self.mechanics.turn(dt, torque);
+        power
+    }
+
     /// A time of any length in which the axis is [at rest](Self::is_at_rest) without command: no current flows, the
     /// references are where the axis is, heat goes, the bus settles.
     pub fn rest(&mut self, seconds: f64, tuning: &Tuning) {
         self.current = 0.0;
+        if let Some(motor) = self.induction.as_deref_mut() {
+            motor.off(seconds.max(0.0), &tuning.inverter);
+        }
         if !self.feedback_lost {
             self.seen = Feedback {
                 position: self.mechanics.position & !self.unresolved,
@@ -242,7 +315,23 @@ impl Axis {
         self.loops.speed_command()
     }
 
-    /// Torque-producing current, A (IL.FB).
+    /// What goes to the motor: frequency, voltage, current, torque, power, thermal load.
+    #[must_use]
+    pub fn motor_output(&self) -> MotorOutput {
+        if let Some(motor) = self.induction.as_deref() {
+            return *motor.output();
+        }
+        let torque = self.current * self.plant().torque_constant;
+        MotorOutput {
+            current: self.current.abs(),
+            torque,
+            power: torque * self.mechanics.omega,
+            thermal_load: self.electrical.motor_load(),
+            ..MotorOutput::default()
+        }
+    }
+
+    /// Torque-producing current, A (IL.FB); of an induction motor the whole one, without sign.
     #[must_use]
     pub const fn current(&self) -> f64 {
         self.current
@@ -350,7 +439,15 @@ impl Axis {
     pub fn set_plant(&mut self, plant: Plant) {
         self.mechanics.set_plant(plant);
         self.sensors.set_plant(&plant);
+        self.electrical.set_stage(&plant.power);
         self.unresolved = unresolved(&plant);
+        match (&plant.motor, self.induction.as_deref_mut()) {
+            (Motor::Servo, _) => self.induction = None,
+            (Motor::Induction(plate), Some(motor)) => motor.set_plate(plate),
+            (Motor::Induction(plate), None) => {
+                self.induction = Some(Box::new(induction::Machine::new(plate)));
+            }
+        }
     }
 
     /// Torque that works against positive rotation, in Nm; takes effect with the next step.
@@ -445,6 +542,8 @@ const fn unresolved(plant: &Plant) -> i64 {
     }
 }
 
+#[cfg(test)]
+mod induction_tests;
 #[cfg(test)]
 mod position_tests;
 #[cfg(test)]

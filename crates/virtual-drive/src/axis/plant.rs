@@ -2,6 +2,9 @@
 
 use core::f64::consts::TAU;
 
+use super::electrical::PowerStage;
+use super::induction::{Induction, Motor};
+
 /// Position counts of one revolution inside the axis.
 pub(super) const REVOLUTION: f64 = 4_294_967_296.0;
 
@@ -33,6 +36,10 @@ pub struct Plant {
     pub index: u32,
     /// What limits the way; none: it turns without end.
     pub travel: Option<Travel>,
+    /// Kind of motor. For an induction motor `torque_constant` does not count.
+    pub motor: Motor,
+    /// What feeds it.
+    pub power: PowerStage,
 }
 
 /// The places along the way, in 2^-32 rev from where the axis stands when the drive is made. Homing does not move them.
@@ -87,6 +94,25 @@ impl Plant {
         feedback_bits: 24,
         index: 0,
         travel: None,
+        motor: Motor::Servo,
+        power: PowerStage::SERVO,
+    };
+
+    /// An induction motor of 1.5 kW on 400 V with a load of three times its inertia, as a small pump has.
+    pub const INDUCTION: Self = Self {
+        motor_inertia: 3.4e-3,
+        load_inertia: 1.0e-2,
+        torque_constant: 3.0,
+        viscous_friction: 5.0e-4,
+        coulomb_friction: 0.1,
+        cogging: 0.0,
+        cogging_periods: 0,
+        brake_torque: 20.0,
+        feedback_bits: 24,
+        index: 0,
+        travel: None,
+        motor: Motor::Induction(Induction::KW_1_5),
+        power: PowerStage::VOLT_400,
     };
 
     /// Inertia of rotor and load, kg m^2; never nothing.
@@ -204,13 +230,34 @@ impl Mechanics {
                 || (self.load > 0.0 && self.position <= self.travel.negative_stop))
     }
 
+    /// 1 / inertia; 0 while the shaft is blocked.
+    pub const fn mobility(&self) -> f64 {
+        if self.blocked { 0.0 } else { self.mobility }
+    }
+
+    /// Friction that holds a standing axis, Nm, and the torque that load and friction put against the motion.
+    pub fn resistance(&self) -> (f64, f64) {
+        let dry = self.dry_friction();
+        let against = if self.omega == 0.0 {
+            self.load
+        } else {
+            self.load + dry.copysign(self.omega) + self.plant.viscous_friction * self.omega
+        };
+        (dry, against)
+    }
+
     /// One step with this current, A.
     pub fn step(&mut self, dt: f64, current: f64) {
+        self.turn(dt, current * self.plant.torque_constant);
+    }
+
+    /// One step with this torque of the motor, Nm.
+    pub fn turn(&mut self, dt: f64, torque: f64) {
         if self.blocked {
             self.omega = 0.0;
             return;
         }
-        let torque = current * self.plant.torque_constant - self.load;
+        let torque = torque - self.load;
         self.omega = self.next_speed(torque, dt).clamp(-FASTEST, FASTEST);
         let counts = self.omega * (dt * (REVOLUTION / TAU)) + self.remainder;
         let whole = counts as i64;

@@ -191,3 +191,53 @@ fn the_length_of_the_call_changes_little_and_time_is_bounded() {
     coarse.step(-1.0, speed(300.0), &Tuning::default());
     assert!((coarse.speed() - 300.0).abs() < 1.0);
 }
+
+/// Every bit of a servo's way through all commands. It changes only when the servo itself is changed.
+#[test]
+fn the_servo_moves_as_ever() {
+    let mut axis = Axis::new(Plant::default());
+    let ramps = RAMPS.unwrap();
+    let turn = |target| Command::Position {
+        target,
+        speed: 1500.0,
+        ramps,
+        smooth: true,
+        end_speed: 0.0,
+    };
+    let travel = Command::Travel {
+        speed: -700.0,
+        ramps,
+        smooth: false,
+    };
+    let at_once = Command::Speed {
+        target: -2500.0,
+        ramp: None,
+        hold: false,
+    };
+    let mut hash = 0xCBF2_9CE4_8422_2325_u64;
+    let commands = [speed(900.0), turn(40 << 32), travel, at_once, Command::Off];
+    for (number, command) in commands
+        .into_iter()
+        .chain([Command::Current { target: 2.0 }])
+        .enumerate()
+    {
+        axis.set_load([0.0, 1.5, -0.7][number % 3]);
+        for _ in 0..700 {
+            axis.step(0.0013, command, &Tuning::default());
+            let electrical = axis.electrical();
+            let values = [
+                axis.position() as u64,
+                axis.measured_speed().to_bits(),
+                axis.current().to_bits(),
+                electrical.bus_voltage().to_bits(),
+                electrical.motor_temperature().to_bits(),
+                electrical.power_stage_temperature().to_bits(),
+            ];
+            for value in values {
+                hash = (hash ^ value).wrapping_mul(0x0100_0000_01B3);
+            }
+        }
+        axis.set_mains((number == 3).then_some(180.0));
+    }
+    assert_eq!(hash, 0x79bf_7df4_6d25_db6e, "{hash:#018x}");
+}
