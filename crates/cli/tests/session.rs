@@ -84,6 +84,27 @@ fn a_parameter_written_twice_is_a_mistake() {
 }
 
 #[test]
+fn what_the_present_state_forbids_is_told_for_each_parameter() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    for (text, advice) in [
+        ("DRV.EN=1", "`status` tells what keeps it"),
+        ("915[0]=1", "PNU 922"),
+    ] {
+        let assignment: Assignment = text.parse().expect("an assignment");
+        let outcomes = session
+            .write(&mut drive, &[assignment], WriteMode::Write)
+            .expect("an answer");
+        let Some(Err(refusal)) = &outcomes[0].written else {
+            panic!("{text} was written")
+        };
+        let remedy = refusal.remedy().unwrap_or_default();
+        assert!(remedy.contains(advice), "{text}: {remedy}");
+        assert!(!remedy.contains("disabled"), "{text}: {remedy}");
+    }
+}
+
+#[test]
 fn a_silent_drive_is_told_while_it_is_waited_for() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");

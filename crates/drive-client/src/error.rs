@@ -277,6 +277,17 @@ pub struct Refusal {
     pub number: ErrorNumber,
     /// Additional information of the drive: often the element at fault.
     pub information: Option<u16>,
+    /// What to do about it for this parameter, where the tables of the drive know more than the number says.
+    pub advice: Option<&'static str>,
+}
+
+impl Refusal {
+    /// What to do about it.
+    #[must_use]
+    pub fn remedy(&self) -> Option<&'static str> {
+        let general = || self.number.info(ErrorNames::Profile).map(|info| info.remedy);
+        self.advice.or_else(general)
+    }
 }
 
 impl fmt::Display for Refusal {
@@ -411,7 +422,7 @@ impl Error {
             } if faulty_timing(*status) => {
                 "the drive does not offer this update time; without --cycle the fastest it is known for is used".into()
             }
-            Self::Refused { refusal, .. } => refusal.number.info(ErrorNames::Profile)?.remedy.into(),
+            Self::Refused { refusal, .. } => refusal.remedy()?.into(),
             Self::Parameter(problem) => problem.hint()?,
             Self::Axis { trouble, .. } => match trouble {
                 Trouble::Fault => "`profidrive faults DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",

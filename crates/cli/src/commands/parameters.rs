@@ -2,9 +2,9 @@
 
 use drive_client::parameter::{Assignment, ParameterProblem, Reading, Selection};
 use drive_client::{ChangeOutcome, Refusal, WriteMode};
-use profidrive::catalogue::{Access, Parameter, Scaling, Word};
+use profidrive::catalogue::{Access, Parameter, Scaling, Word, WordKind};
 use profidrive::notation::{ParameterReference, Shown};
-use profidrive::parameter::ErrorNames;
+use profidrive::state::Mode;
 use serde_json::{Map, Value};
 
 use crate::args::{Describe, Interface, List, Read, Write};
@@ -27,13 +27,43 @@ pub fn read(args: &Read, interface: &Interface, output: &Output) -> Result<(), F
             Err(problem) => problems.push(problem.into()),
         }
     }
-    let readings = session.read(&mut drive, &selections)?;
+    let mut readings = session.read(&mut drive, &selections)?;
+    name_bits(&mut session, &mut drive, &mut readings)?;
     session.close()?;
     print_readings("read", &drive.label(), &readings, args.raw, output);
     let refused = readings.iter().filter_map(|reading| reading.as_ref().err());
     problems.extend(refused.map(|refusal| refused_failure(&drive.label(), refusal)));
     last_failure(problems, output)
 }
+
+/// Some bits of STW1 and ZSW1 are called by the mode, which only the drive knows.
+fn name_bits(
+    session: &mut connect::Live,
+    drive: &mut drive_client::Drive,
+    readings: &mut [Result<Reading, Refusal>],
+) -> Result<(), Failure> {
+    let depends = |reading: &Reading| {
+        let word = drive.model.catalogue.and_then(|tables| tables.word(reading.pnu));
+        word.is_some_and(|word| word.kind != WordKind::Own)
+    };
+    if !readings.iter().flatten().any(depends) {
+        return Ok(());
+    }
+    let selection = drive
+        .parameters
+        .select(&ParameterReference::number(OPERATING_MODE))?;
+    let answers = session.read(drive, &[selection])?;
+    let position = answers.iter().flatten().any(|reading| reading.raw() == Some(2));
+    if position {
+        for reading in readings.iter_mut().flatten() {
+            *reading = drive.parameters.in_mode(reading.clone(), Mode::Position);
+        }
+    }
+    Ok(())
+}
+
+/// Operating mode: 1 speed control, 2 positioning.
+const OPERATING_MODE: u16 = 930;
 
 /// All but the last failure are told at once; the last ends the command.
 fn last_failure(mut problems: Vec<Failure>, output: &Output) -> Result<(), Failure> {
@@ -108,7 +138,7 @@ fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
 pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
     let error = fields! {
         "number": refusal.number.0, "meaning": refusal.number.to_string(), "information": refusal.information,
-        "remedy": refusal.number.info(ErrorNames::Profile).map(|info| info.remedy),
+        "remedy": refusal.remedy(),
     };
     fields! { "pnu": refusal.shown.pnu, "index": refusal.shown.index, "name": refusal.name, "error": error }
 }
@@ -284,6 +314,7 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
             bar.inc(part.len() as u64);
         }
         bar.finish_and_clear();
+        name_bits(&mut session, &mut drive, &mut readings)?;
         session.close()?;
         print_readings("list", &drive.label(), &readings, args.raw, output);
         let refused = readings.iter().filter(|reading| reading.is_err()).count();
@@ -398,7 +429,8 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
         )
         .hint("`profidrive read` may read it all the same"));
     };
-    let readings = session.read(&mut drive, &[selection])?;
+    let mut readings = session.read(&mut drive, &[selection])?;
+    name_bits(&mut session, &mut drive, &mut readings)?;
     session.close()?;
     if output.json() {
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };

@@ -239,6 +239,7 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
         write: false,
         number: ErrorNumber::NO_RIGHTS,
         information: None,
+        advice: None,
     };
     let backup = Backup::new(
         header,

@@ -115,6 +115,7 @@ mod tests {
             write: false,
             number: ErrorNumber::UNKNOWN_PARAMETER,
             information: None,
+            advice: None,
         })
     }
 

@@ -194,6 +194,7 @@ where
                 }
                 Answer::Error(error) => {
                     results.push(Err(refusal(
+                        drive,
                         selection,
                         item.offset,
                         false,
@@ -386,7 +387,7 @@ where
         for (part, answer) in parts.iter().zip(response.answers()) {
             if let (Answer::Error(error), Some(place)) = (answer, answers.get_mut(part.at)) {
                 let selection = &part.value.selection;
-                *place = Err(refusal(selection, 0, true, error.number, error.info));
+                *place = Err(refusal(drive, selection, 0, true, error.number, error.info));
             }
         }
         Ok(())
@@ -464,6 +465,7 @@ fn items(at: usize, selection: &Selection, drive: &Drive) -> Vec<Item> {
 }
 
 fn refusal(
+    drive: &Drive,
     selection: &Selection,
     offset: u16,
     write: bool,
@@ -472,12 +474,17 @@ fn refusal(
 ) -> Refusal {
     let shown: Shown = selection.shown(offset);
     let name = selection.parameter.map(|parameter| parameter.name);
+    let tables = drive
+        .model
+        .catalogue
+        .filter(|_| write && number == ErrorNumber::NOT_NOW);
     Refusal {
         shown,
         name,
         write,
         number,
         information,
+        advice: tables.and_then(|tables| tables.not_now(selection.pnu)),
     }
 }
 

@@ -46,6 +46,9 @@ pub struct Catalogue {
     pub backup: &'static [BackupRule],
     /// Parameters whose bits say something each, ascending by PNU.
     pub words: &'static [Word],
+    /// What to do when the present state forbids a write (error 0x11), for parameters where more can be said than that,
+    /// ascending by PNU.
+    pub not_now: &'static [(u16, &'static str)],
     /// Position in `parameters` plus one by PNU, 0 where there is none.
     index: &'static [u16],
     /// Positions in `parameters`, ordered by name without regard to case.
@@ -128,6 +131,19 @@ impl Catalogue {
         self.parameters
             .iter()
             .filter(move |parameter| contains(parameter.name, text) || contains(parameter.description, text))
+    }
+
+    /// What to do when a write of this parameter is refused because of the present state (error 0x11).
+    ///
+    /// ```
+    /// use profidrive::catalogue::AKD;
+    /// assert!(AKD.not_now(915).unwrap().contains("PNU 922"));
+    /// assert!(AKD.not_now(2108).is_none());
+    /// ```
+    #[must_use]
+    pub fn not_now(&self, pnu: u16) -> Option<&'static str> {
+        let found = self.not_now.binary_search_by_key(&pnu, |row| row.0);
+        found.ok().and_then(|at| self.not_now.get(at)).map(|row| row.1)
     }
 
     /// What the bits of a parameter say; `None` when it is no word.

@@ -17,6 +17,8 @@ pub struct Meanings {
     words: BTreeMap<String, &'static str>,
     /// Parameters that say the same as another one.
     same: BTreeMap<String, String>,
+    /// What to do when the present state forbids a write.
+    not_now: BTreeMap<String, String>,
 }
 
 impl Meanings {
@@ -27,6 +29,7 @@ impl Meanings {
             fields: BTreeMap::new(),
             words: BTreeMap::new(),
             same: BTreeMap::new(),
+            not_now: BTreeMap::new(),
         };
         for row in Table::read(root, file)?.rows() {
             let wrong = |what: &str| format!("{}: {what}", row.place());
@@ -40,6 +43,9 @@ impl Meanings {
                         other => return Err(wrong(&format!("word {other:?}")).into()),
                     };
                     meanings.words.insert(parameter, kind);
+                }
+                "not-now" => {
+                    meanings.not_now.insert(parameter, text);
                 }
                 "same" => {
                     meanings.same.insert(parameter, text);
@@ -127,11 +133,19 @@ impl Meanings {
             }
             text.push_str("] },\n");
         }
+        text.push_str("];\n\n#[rustfmt::skip]\npub static NOT_NOW: &[(u16, &str)] = &[\n");
+        for (pnu, name) in numbers {
+            if let Some(remedy) = self.not_now.get(name) {
+                used.insert(name.clone());
+                writeln!(text, "    ({pnu}, {remedy:?}),")?;
+            }
+        }
         text.push_str("];\n\n");
         match self
             .words
             .keys()
             .chain(self.fields.keys())
+            .chain(self.not_now.keys())
             .find(|name| !used.contains(*name))
         {
             Some(name) => Err(format!("meanings: {name} is no parameter").into()),

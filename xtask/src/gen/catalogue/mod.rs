@@ -86,7 +86,7 @@ impl Model {
              /// {about}\n\
              pub static {name}: Catalogue = Catalogue {{ model: {name:?}, parameters: parameters::PARAMETERS, \
              index: index::INDEX, names: index::NAMES, faults: faults::FAULTS, device: device::DEVICE, \
-             backup: backup::BACKUP, words: words::WORDS }};\n"
+             backup: backup::BACKUP, words: words::WORDS, not_now: words::NOT_NOW }};\n"
         )
     }
 }

@@ -20,4 +20,5 @@ pub static AKD: Catalogue = Catalogue {
     device: device::DEVICE,
     backup: backup::BACKUP,
     words: words::WORDS,
+    not_now: words::NOT_NOW,
 };

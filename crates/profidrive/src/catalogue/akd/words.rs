@@ -16,3 +16,11 @@ pub static WORDS: &[Word] = &[
     Word { pnu: 2387, kind: WordKind::Own, bits: SWLS_STATE_BITS, fields: &[] },
     Word { pnu: 2891, kind: WordKind::Own, bits: &[], fields: &[] },
 ];
+
+#[rustfmt::skip]
+pub static NOT_NOW: &[(u16, &str)] = &[
+    (915, "the telegram in use has a fixed mapping: select telegram 0 or 400 with PNU 922 first, while no controller exchanges data"),
+    (916, "the telegram in use has a fixed mapping: select telegram 0 or 400 with PNU 922 first, while no controller exchanges data"),
+    (2127, "the drive enables itself only without a fault and a hardware disable, and only while no controller commands it (DRV.CMDSOURCE 0); `status` tells what keeps it, `run` takes it as its controller"),
+    (2272, "a task starts only in position mode while the drive is enabled (S4); `task` does all of it"),
+];
