@@ -15,6 +15,7 @@ mod neighbourhood;
 mod parameters;
 mod records;
 mod rpc;
+mod serial;
 mod steps;
 
 pub use backup::backup;
@@ -28,6 +29,7 @@ pub use neighbourhood::{lldp, snmp};
 pub use parameters::{description, notation, parameter_request, parameter_response};
 pub use records::records;
 pub use rpc::{rpc, rpc_client, rpc_server};
+pub use serial::{pkw, serial};
 
 /// A target: takes any bytes, must not panic.
 pub type Target = fn(&[u8]);
@@ -49,11 +51,13 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("parameter_request", parameter_request),
     ("parameter_response", parameter_response),
     ("pcap", pcap),
+    ("pkw", pkw),
     ("records", records),
     ("rpc", rpc),
     ("rpc_client", rpc_client),
     ("rpc_server", rpc_server),
     ("rt", rt),
+    ("serial", serial),
     ("snmp", snmp),
     ("state", state),
 ];

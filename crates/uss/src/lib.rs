@@ -30,6 +30,8 @@ mod master;
 mod receiver;
 mod slave;
 mod telegram;
+#[cfg(test)]
+mod tests;
 mod timing;
 
 pub use address::{Address, Addressee, Protocol};

@@ -27,6 +27,8 @@ mod error;
 mod generated_errors;
 mod job;
 mod server;
+#[cfg(test)]
+mod tests;
 mod words;
 
 pub use client::{Client, ClientTiming, Outcome, Spontaneous};

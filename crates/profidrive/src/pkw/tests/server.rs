@@ -1,0 +1,280 @@
+//! What the slave side does, request by request.
+
+use super::*;
+
+fn reply(server: &mut Server, drive: &mut Bench, request: &str) -> [u8; 8] {
+    server.handle(words(request), drive)
+}
+
+#[test]
+fn a_reply_stands_and_follows_the_value() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::STANDARD), Bench::default());
+    for value in [1500, 7, 0, 65535] {
+        drive.speed = value;
+        let reply = Pkw::from_octets(reply(&mut server, &mut drive, "11 9E 00 00 00 00 00 00"));
+        assert_eq!((reply.ak(), reply.pwe), (1, value.into()));
+    }
+    // also behind a change
+    reply(&mut server, &mut drive, "21 9E 00 00 00 00 00 64");
+    drive.speed = 99;
+    assert_eq!(
+        reply(&mut server, &mut drive, "21 9E 00 00 00 00 00 64"),
+        words("11 9E 00 00 00 00 00 63")
+    );
+    // and behind a refusal that is over
+    assert_eq!(
+        reply(&mut server, &mut drive, "16 4C 00 00 00 00 00 00"),
+        words("76 4C 00 00 00 00 00 11")
+    );
+    drive.running = true;
+    assert_eq!(
+        reply(&mut server, &mut drive, "16 4C 00 00 00 00 00 00"),
+        words("16 4C 00 00 00 00 00 E6")
+    );
+}
+
+#[test]
+fn a_change_is_done_once_until_the_request_changes() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::STANDARD), Bench::default());
+    let steps = [
+        ("21 9E 00 00 00 00 00 64", 1),
+        ("21 9E 00 00 00 00 00 64", 1),
+        ("21 9E 00 00 00 00 00 65", 2), // another value
+        ("E1 9E 00 00 00 00 00 65", 3), // another request
+        ("00 00 00 00 00 00 00 00", 3),
+        ("E1 9E 00 00 00 00 00 65", 4), // the same after a rest
+        ("E1 9E 00 00 00 00 00 65", 4),
+    ];
+    for (request, writes) in steps {
+        reply(&mut server, &mut drive, request);
+        assert_eq!(drive.writes.len(), writes, "{request}");
+    }
+    server.reset();
+    reply(&mut server, &mut drive, "E1 9E 00 00 00 00 00 65");
+    assert_eq!(drive.writes.len(), 5);
+    let kept: Vec<bool> = drive.writes.iter().map(|write| write.3).collect();
+    assert_eq!(kept, [false, false, true, true, true]);
+}
+
+/// A refused change is not tried again behind the master's back.
+#[test]
+fn a_refusal_of_a_change_stands() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::STANDARD), Bench::default());
+    drive.running = true;
+    let change = "33 A2 00 00 00 00 00 02";
+    assert_eq!(
+        reply(&mut server, &mut drive, change),
+        words("73 A2 00 00 00 00 00 11")
+    );
+    drive.running = false;
+    assert_eq!(
+        reply(&mut server, &mut drive, change),
+        words("73 A2 00 00 00 00 00 11")
+    );
+    assert!(drive.writes.is_empty());
+    assert_eq!(reply(&mut server, &mut drive, "00 00 00 00 00 00 00 00"), [0; 8]);
+    assert_eq!(
+        reply(&mut server, &mut drive, change),
+        words("23 A2 00 00 00 00 00 02")
+    );
+}
+
+#[test]
+fn signs_and_widths() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::STANDARD), Bench::default());
+    let mut ask = |request: &str| reply(&mut server, &mut drive, request);
+    // negative words: PWE high stays 0; an octet is widened to a word
+    assert_eq!(ask("10 65 00 00 00 00 00 00"), words("10 65 00 00 00 00 FF FE"));
+    assert_eq!(ask("10 64 00 00 00 00 00 00"), words("10 64 00 00 00 00 FF FB"));
+    // PWE high of a word request counts for nothing
+    assert_eq!(ask("20 65 00 00 FF FF FF FD"), words("10 65 00 00 00 00 FF FD"));
+    assert_eq!(ask("20 64 00 00 00 00 FF 80"), words("10 64 00 00 00 00 FF 80"));
+    // what an octet cannot hold, in both directions
+    assert_eq!(ask("20 64 00 00 00 00 00 80"), words("70 64 00 00 00 00 00 02"));
+    assert_eq!(ask("20 64 00 00 00 00 FF 7F"), words("70 64 00 00 00 00 00 02"));
+    // the width of the request has to be that of the parameter
+    assert_eq!(ask("20 CF 00 00 00 00 00 01"), words("70 CF 00 00 00 00 00 05"));
+    assert_eq!(ask("31 9E 00 00 00 00 00 01"), words("71 9E 00 00 00 00 00 05"));
+    // eight octets have no room anywhere, a text not here
+    assert_eq!(ask("17 D0 00 00 00 00 00 00"), words("77 D0 00 00 00 00 00 05"));
+    assert_eq!(ask("16 04 00 00 00 00 00 00"), words("76 04 00 00 00 00 00 05"));
+}
+
+#[test]
+fn arrays() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::STANDARD), Bench::default());
+    let mut ask = |request: &str| reply(&mut server, &mut drive, request);
+    assert_eq!(ask("95 FA 00 00 00 00 00 00"), words("65 FA 00 00 00 00 00 0A"));
+    assert_eq!(ask("65 FA 09 00 00 00 00 00"), words("45 FA 09 00 00 00 00 09"));
+    assert_eq!(ask("65 FA 0A 00 00 00 00 00"), words("75 FA 0A 00 00 00 00 03"));
+    assert_eq!(ask("75 FA 02 00 00 00 00 21"), words("45 FA 02 00 00 00 00 21"));
+    assert_eq!(ask("C5 FA 02 00 00 00 00 22"), words("45 FA 02 00 00 00 00 22"));
+    assert_eq!(ask("85 FA 02 00 00 00 00 22"), words("75 FA 02 00 00 00 00 05"));
+    // no array
+    for request in ["61 9E", "71 9E", "91 9E"] {
+        let request = alloc::format!("{request} 00 00 00 00 00 01");
+        assert_eq!(Pkw::from_octets(ask(&request)).pwe_low(), 4, "{request}");
+    }
+    assert_eq!(ask("11 9E 01 00 00 00 00 00"), words("71 9E 01 00 00 00 00 04"));
+    assert_eq!(drive.writes, [(1530, 2, 0x21, false), (1530, 2, 0x22, true)]);
+    // a Siemens drive wants its array requests
+    let mut server = Server::new(PkwDialect::SIEMENS_PPO);
+    assert_eq!(
+        reply(&mut server, &mut drive, "15 FA 01 00 00 00 00 00"),
+        words("75 FA 01 00 00 00 00 69")
+    );
+}
+
+#[test]
+fn descriptions() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::STANDARD), Bench::default());
+    let mut ask = |request: &str| reply(&mut server, &mut drive, request);
+    assert_eq!(ask("40 01 08 00 00 00 00 00"), words("30 01 08 00 00 00 00 34"));
+    assert_eq!(ask("40 01 03 00 00 00 00 00"), words("30 01 03 00 3F 80 00 00"));
+    assert_eq!(ask("40 01 06 00 00 00 00 00"), words("70 01 06 00 00 00 00 0E"));
+    assert_eq!(ask("40 01 00 00 00 00 00 00"), words("70 01 00 00 00 00 00 03"));
+    assert_eq!(ask("40 01 0D 00 00 00 00 00"), words("70 01 0D 00 00 00 00 03"));
+    assert_eq!(ask("50 01 08 00 00 00 00 01"), words("70 01 08 00 00 00 00 07"));
+    assert_eq!(ask("41 9E 01 00 00 00 00 00"), words("71 9E 01 00 00 00 00 09"));
+}
+
+#[test]
+fn rights() {
+    let mut drive = Bench {
+        rights: false,
+        ..Bench::default()
+    };
+    let change = "21 9E 00 00 00 00 00 64";
+    let mut server = Server::new(PkwDialect::STANDARD);
+    assert_eq!(
+        reply(&mut server, &mut drive, change),
+        words("81 9E 00 00 00 00 00 00")
+    );
+    // the FC protocol has no AK 8
+    let mut server = Server::new(PkwDialect::DANFOSS_FC);
+    assert_eq!(
+        reply(&mut server, &mut drive, change),
+        words("71 9E 00 00 00 00 00 0B")
+    );
+    assert!(drive.writes.is_empty());
+    // reading needs none
+    assert_eq!(reply(&mut server, &mut drive, "11 9E 00 00 00 00 00 00")[0], 0x11);
+}
+
+/// What a dialect does not know is refused with its own number and not executed.
+#[test]
+fn requests_that_do_not_exist() {
+    for (dialect, number) in [
+        (PkwDialect::STANDARD, 18),
+        (PkwDialect::DANFOSS_FC, 253),
+        (PkwDialect::DANFOSS_PPO, 18),
+        (PkwDialect::SIEMENS_PPO, 106),
+        (PkwDialect::SIEMENS_USS, 106),
+    ] {
+        for code in (0..16).filter(|&code| !dialect.knows(RequestCode(code))) {
+            let mut drive = Bench::default();
+            let request = [code << 4 | 1, 0x9E, 0, 0, 0, 0, 0, 1];
+            let reply = Server::new(dialect).handle(request, &mut drive);
+            assert_eq!(
+                reply,
+                [0x71, 0x9E, 0, 0, 0, 0, 0, number],
+                "{} AK {code}",
+                dialect.name
+            );
+            assert!(drive.writes.is_empty());
+        }
+    }
+}
+
+#[test]
+fn pages_and_the_spm_bit() {
+    let mut drive = Bench::default();
+    // page 0x80: PNU 2000, which is eight octets wide
+    let mut server = Server::new(PkwDialect::SIEMENS_USS);
+    assert_eq!(
+        reply(&mut server, &mut drive, "10 00 80 00 00 00 00 00"),
+        words("70 00 80 00 00 00 00 66")
+    );
+    let mut server = Server::new(PkwDialect::SIEMENS_PPO);
+    assert_eq!(
+        reply(&mut server, &mut drive, "10 00 00 80 00 00 00 00"),
+        words("70 00 00 80 00 00 00 66")
+    );
+    // a page that nobody told about is a parameter that is not there
+    assert_eq!(
+        reply(&mut server, &mut drive, "11 9E 00 01 00 00 00 00"),
+        words("71 9E 00 01 00 00 00 00")
+    );
+    // 11 bits: the bit above is SPM and goes back as 0
+    let mut server = Server::new(PkwDialect::STANDARD);
+    assert_eq!(
+        reply(&mut server, &mut drive, "19 9E 00 00 00 00 00 00"),
+        words("11 9E 00 00 00 00 05 DC")
+    );
+    // 12 bits: it is another parameter
+    let mut server = Server::new(PkwDialect::DANFOSS_FC);
+    assert_eq!(
+        reply(&mut server, &mut drive, "19 9E 00 00 00 00 00 00"),
+        words("79 9E 00 00 00 00 00 00")
+    );
+}
+
+#[test]
+fn texts() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::DANFOSS_FC), Bench::default());
+    let mut out = [0; MAX_BLOCK];
+    let mut ask = |request: &[u8]| {
+        let length = server.handle_block(request, &mut drive, &mut out).unwrap();
+        out[..length].to_vec()
+    };
+    let text = |head: &str, text: &[u8]| [&block(head), text].concat();
+    // written, read back, written shorter
+    assert_eq!(ask(&text("F3 EF 05 00", b"fan")), text("F3 EF 05 00", b"fan"));
+    assert_eq!(ask(&text("F3 EF 05 00", b"fan")), text("F3 EF 05 00", b"fan"));
+    assert_eq!(ask(&text("F3 EF 04 00", b"")), text("F3 EF 04 00", b"fan"));
+    assert_eq!(ask(&text("F3 EF 05 00", b"")), text("F3 EF 05 00", b""));
+    let refused = [
+        (text("F3 EF 05 00", b"longer than it may be"), 2),
+        (text("F6 04 05 00", b"read-only"), 1),
+        (text("F6 04 04 01", b"0000"), 3),
+        (text("F1 9E 04 00", b"0000"), 5),
+        (text("F6 04 00 00", b"0000"), 253),
+        (text("F6 05 04 00", b"0000"), 0),
+    ];
+    for (request, number) in refused {
+        let reply = ask(&request);
+        assert_eq!(
+            (reply[0] >> 4, reply[7], reply.len()),
+            (7, number, 8),
+            "{request:x?}"
+        );
+    }
+    assert_eq!(drive.label, [b' '; 12]);
+    // three octets of text, twelve of blanks: each written once
+    assert_eq!(drive.writes.len(), 24);
+    // in eight octets a text has no room
+    let reply = Server::new(PkwDialect::DANFOSS_FC).handle(words("F6 04 04 00 00 00 00 00"), &mut drive);
+    assert_eq!(reply, words("76 04 04 00 00 00 00 0D"));
+}
+
+#[test]
+fn blocks_that_are_none() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::DANFOSS_FC), Bench::default());
+    let mut out = [0; MAX_BLOCK];
+    let request = words("21 9E 00 00 00 00 00 64");
+    for length in (0..8).chain(9..20) {
+        let octets: Vec<u8> = request.iter().copied().cycle().take(length).collect();
+        assert_eq!(
+            server.handle_block(&octets, &mut drive, &mut out),
+            Err(BlockError::Length(length))
+        );
+    }
+    let mut long = alloc::vec![b' '; MAX_BLOCK + 1];
+    long[..4].copy_from_slice(&block("F3 EF 05 00"));
+    assert!(server.handle_block(&long, &mut drive, &mut out).is_err());
+    assert_eq!(
+        server.handle_block(&request, &mut drive, &mut [0; 7]),
+        Err(BlockError::Room)
+    );
+    assert!(drive.writes.is_empty());
+}
