@@ -28,6 +28,8 @@ mod vacon;
 #[cfg(test)]
 mod exhaustive;
 #[cfg(test)]
+mod properties;
+#[cfg(test)]
 mod tests;
 
 use super::bits::{self, Bit, BitMeaning, Mode};
