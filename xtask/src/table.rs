@@ -63,6 +63,11 @@ impl<'a> Row<'a> {
             .unwrap_or_default())
     }
 
+    /// The text of a cell, empty when unknown and also where the table has no such column.
+    pub fn maybe(self, column: &str) -> &'a str {
+        self.text(column).unwrap_or_default()
+    }
+
     /// The number in a cell; an error when it is empty or no number.
     pub fn number<T: std::str::FromStr>(self, column: &str) -> Outcome<T> {
         let text = self.text(column)?;
@@ -73,6 +78,15 @@ impl<'a> Row<'a> {
     /// The number in a cell, `None` when the cell is empty.
     pub fn optional<T: std::str::FromStr>(self, column: &str) -> Outcome<Option<T>> {
         if self.text(column)?.is_empty() {
+            Ok(None)
+        } else {
+            self.number(column).map(Some)
+        }
+    }
+
+    /// As [`optional`](Self::optional), also where the table has no such column.
+    pub fn maybe_number<T: std::str::FromStr>(self, column: &str) -> Outcome<Option<T>> {
+        if self.maybe(column).is_empty() {
             Ok(None)
         } else {
             self.number(column).map(Some)
@@ -97,6 +111,8 @@ mod tests {
         assert_eq!(row.text("b").unwrap(), "x, \"y\"");
         assert_eq!(row.optional::<f64>("c").unwrap(), None);
         assert!(row.text("d").is_err());
+        assert_eq!((row.maybe("d"), row.maybe_number::<u8>("d").unwrap()), ("", None));
+        assert_eq!(row.maybe_number::<u8>("a").unwrap(), Some(1));
     }
 
     #[test]

@@ -56,6 +56,48 @@ struct FormatRow {
     source: String,
 }
 
+/// The types of V4, for tables that name them.
+pub struct Formats(FormatFile);
+
+/// One type.
+#[derive(Debug, Clone, Copy)]
+pub struct Format<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// V4 code.
+    pub code: u8,
+    /// Octets of one value, none where the number of values counts octets.
+    pub octets: Option<u8>,
+    /// Two's complement.
+    pub signed: bool,
+    /// Characters.
+    pub text: bool,
+}
+
+impl Formats {
+    /// Reads the table.
+    pub fn read(root: &Path) -> Outcome<Self> {
+        read(root, FORMATS).map(Self)
+    }
+
+    /// The type with this name.
+    pub fn named(&self, name: &str) -> Outcome<Format<'_>> {
+        let row = self.0.v4.iter().find(|row| row.name == name);
+        let row = row.ok_or_else(|| format!("{FORMATS} has no type {name:?}"))?;
+        let octets = match &row.octets {
+            Octets::Fixed(octets) => Some(*octets),
+            Octets::Word(_) => None,
+        };
+        Ok(Format {
+            name: &row.name,
+            code: row.code,
+            octets,
+            signed: row.kind == "signed",
+            text: row.kind == "text",
+        })
+    }
+}
+
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Octets {

@@ -329,7 +329,7 @@ fn number(
     if text.starts_with("0x") || text.starts_with("0X") {
         return raw_number(text, parameter).map_err(|error| told(&error));
     }
-    if !scaled && !matches!(parameter.scale, Scale::Raw | Scale::Milli) {
+    if !scaled && !parameter.scale.is_fixed() {
         return Err(told(&"the line `scaling:` of the head is needed to read it"));
     }
     let quantity: Quantity = text.parse().map_err(|error| told(&error))?;

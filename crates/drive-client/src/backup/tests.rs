@@ -467,6 +467,7 @@ fn some_scaling() -> impl Strategy<Value = Scaling> {
                     rotary_unit: i64::from(velocity % 5),
                     ..UnitChoice::DELIVERED
                 },
+                reference: None,
             },
         )
 }

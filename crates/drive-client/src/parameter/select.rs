@@ -189,7 +189,7 @@ mod tests {
     fn a_drive_without_tables_goes_by_number() {
         let plain = Parameters {
             catalogue: None,
-            scaling: DELIVERED,
+            scaling: Scaling::DELIVERED,
         };
         let selection = plain.select(&"947[0..7]".parse().unwrap()).unwrap();
         assert_eq!(

@@ -433,7 +433,7 @@ where
 fn needs_scaling(selection: &Selection) -> bool {
     selection
         .parameter
-        .is_some_and(|parameter| parameter.user_unit || !matches!(parameter.scale, Scale::Raw | Scale::Milli))
+        .is_some_and(|parameter| parameter.user_unit || !parameter.scale.is_fixed())
 }
 
 fn is_command(selection: &Selection) -> bool {

@@ -17,7 +17,7 @@ pub enum Role {
     State,
     /// The same value as another parameter.
     Alias {
-        /// Number of the other one.
+        /// Number of the other one, which is no element of a collecting number.
         of: u16,
     },
     /// Writing it saves all settings.
@@ -49,8 +49,10 @@ pub enum Phase {
 /// One row of `data/<model>/backup.csv`, for one parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BackupRule {
-    /// The parameter.
+    /// Number of the parameter.
     pub pnu: u16,
+    /// Its subindex where it is an element of a collecting number.
+    pub base: Option<u16>,
     /// What it is.
     pub role: Role,
     /// When it is written.
@@ -65,6 +67,7 @@ impl BackupRule {
     pub const fn plain(pnu: u16) -> Self {
         Self {
             pnu,
+            base: None,
             role: Role::Setting,
             phase: Phase::Value,
             why: "",

@@ -32,14 +32,55 @@ pub struct Device {
     pub access_point_submodule: u32,
     /// Submodule ident of the interface, slot 0 subslot 0x8000.
     pub interface_submodule: u32,
-    /// Submodule ident of the port, slot 0 subslot 0x8001.
+    /// Submodule ident of the ports, slot 0 from subslot 0x8001 on.
     pub port_submodule: u32,
+    /// How many ports there are.
+    pub ports: u8,
+    /// What is where in slot 1.
+    pub layout: Layout,
     /// Shortest update time in steps of 31.25 us.
     pub min_device_interval: u16,
     /// Telegram modules that can be plugged in slot 1.
     pub telegrams: &'static [TelegramModule],
     /// What a device description says of it beyond that.
     pub description: DescriptionFacts,
+}
+
+/// What is in slot 1, where the telegram module is plugged.
+/// Source: AKD, one submodule for all; VLT, the connect of a real drive; Vacon 100, PROFINET manual 5.4.4 for the records.
+///
+/// ```
+/// use profidrive::catalogue::{AKD, VLT};
+/// assert_eq!((AKD.device.layout.telegram, AKD.device.layout.parameters.subslot), (1, 1));
+/// assert_eq!((VLT.device.layout.telegram, VLT.device.layout.parameters.subslot), (2, 1));
+/// assert_eq!(VLT.device.layout.parameters.submodule, Some(0xFFFF));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    /// Subslot of the telegram.
+    pub telegram: u16,
+    /// Where parameter jobs go to.
+    pub parameters: ParameterPoint,
+    /// Records 0 to 0x7FFF that are parameters themselves, by subslot; empty where there are none.
+    pub records: &'static [RecordView],
+}
+
+/// The submodule that takes parameter jobs: the parameter access point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ParameterPoint {
+    /// Subslot in slot 1.
+    pub subslot: u16,
+    /// Its ident where it is a submodule of its own, without cyclic data. None: the telegram's submodule does it.
+    pub submodule: Option<u32>,
+}
+
+/// Records whose index is the number of a parameter (Vacon: the application id) and whose content is its raw value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RecordView {
+    /// Subslot in slot 1.
+    pub subslot: u16,
+    /// Octets of every value: 2 or 4.
+    pub octets: u8,
 }
 
 /// A text in two languages.
@@ -78,7 +119,7 @@ pub struct DescriptionFacts {
     pub port_tx_delay: u16,
 }
 
-/// A module that carries one telegram, slot 1 subslot 1.
+/// A module that carries one telegram, slot 1; [`Layout`] says in which subslot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TelegramModule {
     /// Number of the telegram, as in PNU 922.
@@ -100,6 +141,26 @@ impl Device {
     #[must_use]
     pub fn telegram(&self, number: u16) -> Option<&'static TelegramModule> {
         self.telegrams.iter().find(|module| module.telegram == number)
+    }
+
+    /// Subslots and idents of slot 0: access point, interface, ports.
+    ///
+    /// ```
+    /// use profidrive::catalogue::VLT;
+    /// let subslots: Vec<u16> = VLT.device.access_point().map(|(subslot, _)| subslot).collect();
+    /// assert_eq!(subslots, [1, 0x8000, 0x8001, 0x8002]);
+    /// ```
+    pub fn access_point(&self) -> impl Iterator<Item = (u16, u32)> + use<> {
+        let port = self.port_submodule;
+        let ports = (0x8001_u16..)
+            .take(usize::from(self.ports))
+            .map(move |subslot| (subslot, port));
+        [
+            (1, self.access_point_submodule),
+            (0x8000, self.interface_submodule),
+        ]
+        .into_iter()
+        .chain(ports)
     }
 
     /// The telegram of a module ident.

@@ -18,6 +18,9 @@ pub struct Fault {
     pub number: u16,
     /// True for a warning (`n107`), false for a fault (`F107`).
     pub warning: bool,
+    /// Its bit in the alarm words of a VLT (16-90 and 16-91 in one: bits 0 to 31 and 32 to 63), or in the warning
+    /// words (16-92 and 16-93) of a warning; none where there is no such word or no bit for it.
+    pub bit: Option<u8>,
     /// What happened.
     pub meaning: &'static str,
     /// What the drive does when it happens.

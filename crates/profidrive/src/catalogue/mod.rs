@@ -15,20 +15,27 @@
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
+use crate::notation::Notation;
+
 mod akd;
 mod backup;
 mod device;
 mod fault;
 mod nearest;
+mod number;
 mod parameter;
+mod vacon;
+mod vlt;
 mod word;
 
 pub use akd::AKD;
 pub use backup::{BackupRule, Phase, Role};
-pub use device::{DescriptionFacts, Device, TelegramModule, Words};
+pub use device::{DescriptionFacts, Device, Layout, ParameterPoint, RecordView, TelegramModule, Words};
 pub use fault::{Cleared, Fault, Reaction};
 pub use nearest::name_distance;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
+pub use vacon::VACON;
+pub use vlt::VLT;
 pub use word::{Field, Word, WordKind};
 
 /// The tables of one drive model.
@@ -36,7 +43,11 @@ pub use word::{Field, Word, WordKind};
 pub struct Catalogue {
     /// Name of the model, for example `AKD`.
     pub model: &'static str,
-    /// All parameters, ascending by PNU.
+    /// How the maker writes the numbers of its parameters.
+    pub notation: Notation,
+    /// What scales values in a drive as delivered.
+    pub scaling: Scaling,
+    /// All parameters, ascending by PNU, elements of one PNU by subindex.
     pub parameters: &'static [Parameter],
     /// Fault and warning numbers with their meaning, ascending by number.
     pub faults: &'static [Fault],
@@ -56,38 +67,11 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// The parameter with this number. Takes constant time.
-    #[must_use]
-    pub fn by_pnu(&self, pnu: u16) -> Option<&'static Parameter> {
-        self.position(pnu)
-            .and_then(|position| self.parameters.get(position))
-    }
-
-    /// Where in [`parameters`](Self::parameters) the parameter with this number is. Takes constant time.
-    #[must_use]
-    pub fn position(&self, pnu: u16) -> Option<usize> {
-        usize::from(*self.index.get(usize::from(pnu))?).checked_sub(1)
-    }
-
-    /// The 64-bit parameter whose high half has this number.
-    #[must_use]
-    pub fn by_high(&self, pnu: u16) -> Option<&'static Parameter> {
-        self.by_pnu(pnu.checked_sub(1)?)
-            .filter(|parameter| parameter.high() == Some(pnu))
-    }
-
-    /// Every number of the model, ascending: one for each parameter, two for 64-bit values.
-    pub fn numbers(&self) -> impl Iterator<Item = u16> + use<> {
-        self.parameters
-            .iter()
-            .flat_map(|parameter| [Some(parameter.pnu), parameter.high()])
-            .flatten()
-    }
-
     /// The parameter with this name, case does not matter. Where the maker gave one name to several numbers, the
     /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all. Two ways of other manuals to write
     /// a name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), and with `PN.` before a
-    /// signal (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6).
+    /// signal (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6). Where parameters are numbers to their maker (VLT, Vacon), only
+    /// letters and digits of a name count: `ramp-1-ramp-up-time` is `Ramp 1 Ramp up Time`.
     #[must_use]
     pub fn by_name(&self, name: &str) -> Option<&'static Parameter> {
         let exact = |name: &str| self.all_by_name(name).next();
@@ -98,6 +82,22 @@ impl Catalogue {
         exact(name)
             .or_else(|| exact(&[name, "_32"].concat()))
             .or_else(signal)
+            .or_else(|| self.by_letters(name))
+    }
+
+    /// The first parameter with these letters and digits in its name, whatever stands between them.
+    fn by_letters(&self, name: &str) -> Option<&'static Parameter> {
+        let letters = |text: &str| -> Vec<u8> {
+            let used = text.bytes().filter(u8::is_ascii_alphanumeric);
+            used.map(|byte| byte.to_ascii_uppercase()).collect()
+        };
+        let wanted = letters(name);
+        if self.notation == Notation::Name || wanted.is_empty() {
+            return None;
+        }
+        self.parameters
+            .iter()
+            .find(|parameter| letters(parameter.name) == wanted)
     }
 
     /// All parameters with this name, case does not matter.
@@ -149,7 +149,15 @@ impl Catalogue {
     /// What the bits of a parameter say; `None` when it is no word.
     #[must_use]
     pub fn word(&self, pnu: u16) -> Option<&'static Word> {
-        let found = self.words.binary_search_by_key(&pnu, |word| word.pnu);
+        self.word_at(pnu, None)
+    }
+
+    /// As [`word`](Self::word), for any parameter: `base` is [`Parameter::base`].
+    #[must_use]
+    pub fn word_at(&self, pnu: u16, base: Option<u16>) -> Option<&'static Word> {
+        let found = self
+            .words
+            .binary_search_by_key(&(pnu, base), |word| (word.pnu, word.base));
         found.ok().and_then(|at| self.words.get(at))
     }
 
@@ -163,19 +171,30 @@ impl Catalogue {
     /// ```
     #[must_use]
     pub fn backup_rule(&self, pnu: u16) -> BackupRule {
-        let found = self.backup.binary_search_by_key(&pnu, |rule| rule.pnu);
+        self.backup_rule_at(pnu, None)
+    }
+
+    /// As [`backup_rule`](Self::backup_rule), for any parameter: `base` is [`Parameter::base`].
+    #[must_use]
+    pub fn backup_rule_at(&self, pnu: u16, base: Option<u16>) -> BackupRule {
+        let found = self
+            .backup
+            .binary_search_by_key(&(pnu, base), |rule| (rule.pnu, rule.base));
         found
             .ok()
             .and_then(|at| self.backup.get(at))
             .copied()
-            .unwrap_or_else(|| BackupRule::plain(pnu))
+            .unwrap_or_else(|| BackupRule {
+                base,
+                ..BackupRule::plain(pnu)
+            })
     }
 
     /// The first parameter with this role.
     #[must_use]
     pub fn with_role(&self, role: Role) -> Option<&'static Parameter> {
         let rule = self.backup.iter().find(|rule| rule.role == role)?;
-        self.by_pnu(rule.pnu)
+        self.by_address(rule.pnu, rule.base)
     }
 
     /// Meaning of a fault number (`F702`) or, with `warning`, of a warning number (`n702`).

@@ -5,7 +5,9 @@ use alloc::string::String;
 use core::ops::RangeInclusive;
 
 use crate::notation::{Position, Quantity, UnitMismatch};
+use crate::parameter::Format;
 use crate::unit;
+use crate::unit::Variable;
 pub use crate::unit::akd::{Scale, Scaling};
 
 /// How many octets a value has on the wire.
@@ -80,17 +82,25 @@ pub struct Meaning {
 pub struct Parameter {
     /// Parameter number.
     pub pnu: u16,
-    /// The maker's name, for example `DRV.ACC`; the profile's for numbers below 2000.
+    /// Subindex of a parameter that is one element of a collecting parameter number: a Vacon has all its application
+    /// ids as elements of PNU 10001. None for a parameter with a number of its own.
+    pub base: Option<u16>,
+    /// The maker's name, for example `DRV.ACC`; the profile's where the maker has none.
     pub name: &'static str,
-    /// Size of one value.
+    /// Size of one value; that of a string is [`length`](Self::length).
     pub size: Size,
+    /// True type of one value, as a V4 code. A drive that answers with Byte, Word and Double word only shows the size of
+    /// it; [`Format::in_space`] gives the code of drives with the older numbers.
+    pub format: Format,
+    /// Octets of a string (VisibleString, OctetString), 0 for a number.
+    pub length: u16,
     /// Number of elements, 1 for a parameter that is no array.
     pub elements: u16,
     /// True when the number is two's complement.
     pub signed: bool,
     /// What may be done with it.
     pub access: Access,
-    /// True when DRV.NVSAVE stores it.
+    /// True when the drive can keep it over a power cycle; how it is told to is a fact of the model.
     pub saved: bool,
     /// True for a 64-bit value: this number is its low half, the next number its high half. That the manual leaves the
     /// next number free is all that is known of it; which half is which is our reading.
@@ -102,18 +112,25 @@ pub struct Parameter {
     pub user_unit: bool,
     /// How the number on the wire is made.
     pub scale: Scale,
+    /// Physical size and conversion index as the drive describes them, [`Variable::NONE`] where it does not.
+    pub variable: Variable,
     /// Lowest engineering value where known.
     pub minimum: Option<f64>,
     /// Highest engineering value where known.
     pub maximum: Option<f64>,
     /// Engineering value as delivered where known.
     pub default: Option<f64>,
+    /// Text of a VisibleString as delivered, empty for other parameters.
+    pub text: &'static str,
     /// Texts of the values of an enumeration, empty for other parameters.
     pub choices: &'static [Meaning],
     /// Texts of the bits of a bit field, empty for other parameters.
     pub bits: &'static [Meaning],
     /// What it is, in our words.
     pub description: &'static str,
+    /// True where the row is from memory and no source was open when it was written: a lead, nothing to rely on octet by
+    /// octet.
+    pub recalled: bool,
     /// Where these facts are from.
     pub source: &'static str,
 }
@@ -155,6 +172,21 @@ impl Parameter {
         }
     }
 
+    /// True when its value is characters.
+    #[must_use]
+    pub const fn is_text(&self) -> bool {
+        self.format.0 == Format::VISIBLE_STRING.0
+    }
+
+    /// The subindex of an element on the wire.
+    #[must_use]
+    pub const fn subindex(&self, element: u16) -> u16 {
+        match self.base {
+            Some(base) => base.saturating_add(element),
+            None => element,
+        }
+    }
+
     /// True when it has more than one element.
     #[must_use]
     pub const fn is_array(&self) -> bool {
@@ -167,10 +199,14 @@ impl Parameter {
         if self.wide { self.pnu.checked_add(1) } else { None }
     }
 
-    /// Octets of the whole value: eight for a 64-bit value.
+    /// Octets of the whole value: eight for a 64-bit value, its length for a string.
     #[must_use]
     pub const fn octets(&self) -> usize {
-        if self.wide { 8 } else { self.size.octets() }
+        match (self.wide, self.length) {
+            (true, _) => 8,
+            (false, 0) => self.size.octets(),
+            (false, length) => length as usize,
+        }
     }
 
     /// Numbers that fit: those of the size, or of both halves of a 64-bit value (without sign up to 2^63 - 1).
@@ -264,11 +300,19 @@ impl Parameter {
                 if scaling.position < 1000 { 1000 } else { 1 },
                 format!(", PN.POSSCALE {}", scaling.position),
             ),
-            Scale::Velocity => (1, format!(", PN.VELSCALING {}", scaling.velocity)),
+            Scale::Velocity => match scaling.reference {
+                Some(_) => (1 << 14, String::from(", which is the reference")),
+                None => (1, format!(", PN.VELSCALING {}", scaling.velocity)),
+            },
             Scale::Acceleration => (1, format!(", PN.ACCSCALING {}", scaling.acceleration)),
             Scale::Current => (1 << 14, String::from(", which is DRV.IPEAK")),
             Scale::Singleturn => (1_i64 << bits, format!(", PNU 1002 {bits}")),
             Scale::MdiVelocity => (1_i64 << 32, String::new()),
+            Scale::Decimal(exponent) => (
+                10_i64.pow(exponent.min(0).unsigned_abs().min(18).into()),
+                String::new(),
+            ),
+            Scale::Percent => (1 << 14, String::new()),
         };
         let value = format!("{:.6}", self.engineering(steps, scaling));
         let value = value.trim_end_matches('0').trim_end_matches('.');
@@ -293,9 +337,11 @@ impl Parameter {
     #[must_use]
     pub const fn decimals(&self) -> u8 {
         match self.scale {
-            Scale::Raw | Scale::Acceleration | Scale::Position => 0,
+            Scale::Raw | Scale::Acceleration | Scale::Position | Scale::Decimal(0..) => 0,
+            Scale::Decimal(..-5) => 6,
+            Scale::Decimal(exponent) => exponent.unsigned_abs(),
             Scale::Milli => 3,
-            Scale::Velocity | Scale::Current => 3,
+            Scale::Velocity | Scale::Current | Scale::Percent => 3,
             Scale::Singleturn | Scale::MdiVelocity => 6,
         }
     }

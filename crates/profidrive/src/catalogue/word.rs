@@ -44,8 +44,10 @@ pub struct Field {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
-    /// The parameter.
+    /// Number of the parameter.
     pub pnu: u16,
+    /// Its subindex where it is an element of a collecting number.
+    pub base: Option<u16>,
     /// Whose bits these are.
     pub kind: WordKind,
     /// Texts of the maker's own bits.

@@ -10,5 +10,5 @@ mod units;
 
 pub use position::{NoPosition, Position};
 pub use quantity::{Number, Quantity, QuantityError, UnitMismatch};
-pub use reference::{Elements, ParameterReference, Prefix, ReferenceError, Shown, Target};
+pub use reference::{Elements, Notation, ParameterReference, Prefix, ReferenceError, Shown, Target};
 pub use units::{Dimension, UNITS, Unit, unit_named, units_of};

@@ -59,6 +59,42 @@ pub enum Prefix {
     Writable,
     /// `r`: read-only.
     ReadOnly,
+    /// `PNU`: a parameter number of the profile in any case, also where bare numbers mean something else.
+    Number,
+}
+
+/// How the maker of a drive writes the numbers of its parameters.
+///
+/// ```
+/// use profidrive::catalogue::{AKD, VACON, VLT};
+/// use profidrive::notation::Notation;
+/// assert_eq!((AKD.notation, VLT.notation), (Notation::Name, Notation::GroupIndex));
+/// assert_eq!(VACON.notation, Notation::Id { pnu: 10001 });
+/// assert_eq!(VLT.notation.example(), "1-20 (also 120 or p120), 15-30[1] for an element");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Notation {
+    /// By name, `DRV.ACC`; the number is the PNU.
+    Name,
+    /// Group and index, `1-20`: PNU 120. Danfoss.
+    GroupIndex,
+    /// Application id, `ID 103`: element 103 of one PNU. Vacon.
+    Id {
+        /// The PNU whose elements they are.
+        pnu: u16,
+    },
+}
+
+impl Notation {
+    /// How a parameter may be written, for messages.
+    #[must_use]
+    pub const fn example(self) -> &'static str {
+        match self {
+            Self::Name => "DRV.ACC, or a number: 930, p930, r947[0]",
+            Self::GroupIndex => "1-20 (also 120 or p120), 15-30[1] for an element",
+            Self::Id { .. } => "ID 103 (also 103), or a profile number: p930, r947[0]",
+        }
+    }
 }
 
 /// Why a text is no parameter, with what to write instead.
@@ -66,7 +102,7 @@ pub enum Prefix {
 #[non_exhaustive]
 pub enum ReferenceError {
     /// Nothing there.
-    #[error("no parameter given: write a name (DRV.ACC) or a number (930, p930, r947[0])")]
+    #[error("no parameter given: write a name (DRV.ACC) or a number (930, p930, r947[0], 1-20, ID 103)")]
     Empty,
     /// PNU 0 or above 65535.
     #[error("`{text}`: parameter numbers run from 1 to 65535")]
@@ -83,6 +119,18 @@ pub enum ReferenceError {
     /// An element number above 65535, or a range that runs backwards.
     #[error("`{text}`: elements run from 0 to 65535, the first of a range before the last")]
     ElementRange {
+        /// The text as given.
+        text: String,
+    },
+    /// Group and index of a Danfoss parameter that are none.
+    #[error("`{text}`: write group and index with a dash, the index with at most two digits: 1-20, 15-30[1]")]
+    GroupIndex {
+        /// The text as given.
+        text: String,
+    },
+    /// An application id of a Vacon that is none.
+    #[error("`{text}`: application ids run from 0 to 65535 and have no elements: write ID 103")]
+    Id {
         /// The text as given.
         text: String,
     },
@@ -127,6 +175,11 @@ impl FromStr for ParameterReference {
         };
         let (target, dotted, prefix) = parse_head(head, whole)?;
         let elements = match (dotted, bracket) {
+            (Some(_), Some(_)) if strip_word(head, "ID").is_some() => {
+                return Err(ReferenceError::Id {
+                    text: whole.to_string(),
+                });
+            }
             (Some(_), Some(_)) => {
                 return Err(ReferenceError::Elements {
                     text: whole.to_string(),
@@ -147,12 +200,12 @@ type Head = (Target, Option<Elements>, Option<Prefix>);
 fn parse_head(head: &str, whole: &str) -> Result<Head, ReferenceError> {
     if let Some(rest) = strip_word(head, "PNU") {
         let (pnu, elements) = parse_numeric(rest, whole)?;
-        return Ok((Target::Number(pnu), elements, None));
+        return Ok((Target::Number(pnu), elements, Some(Prefix::Number)));
     }
     if let Some(rest) = strip_word(head, "ID") {
         // a Vacon application id is element `id` of the one parameter that carries them all
         const VACON_DRIVE_PARAMETER: u16 = 10001;
-        let id = rest.parse().map_err(|_| ReferenceError::ElementRange {
+        let id = rest.parse().map_err(|_| ReferenceError::Id {
             text: whole.to_string(),
         })?;
         return Ok((
@@ -212,18 +265,20 @@ fn parse_numeric(text: &str, whole: &str) -> Result<(u16, Option<Elements>), Ref
     }
     if let Some((group, index)) = text.split_once('-') {
         // Danfoss group and number: 8-10 is PNU 810
-        check_digits(group, whole, |c| c.is_ascii_digit())?;
-        check_digits(index, whole, |c| c.is_ascii_digit())?;
-        let (group, index) = (
-            group.parse::<u16>().map_err(|_| range())?,
-            index.parse::<u16>().map_err(|_| range())?,
-        );
+        let form = || ReferenceError::GroupIndex {
+            text: whole.to_string(),
+        };
+        let digits = |text: &str| {
+            let plain = matches!(text.len(), 1..=5) && text.bytes().all(|byte| byte.is_ascii_digit());
+            plain.then(|| text.parse::<u16>().ok()).flatten()
+        };
+        let (group, place) = digits(group).zip(digits(index)).ok_or_else(form)?;
         let pnu = group
             .checked_mul(100)
-            .and_then(|n| n.checked_add(index))
-            .filter(|_| index < 100)
-            .ok_or_else(range)?;
-        return Ok((valid(pnu)?, None));
+            .and_then(|n| n.checked_add(place))
+            .filter(|pnu| *pnu > 0 && index.len() <= 2)
+            .ok_or_else(form)?;
+        return Ok((pnu, None));
     }
     let (pnu, index) = match text.split_once('.') {
         Some((pnu, index)) => (pnu, Some(index)),
@@ -283,6 +338,7 @@ impl fmt::Display for ParameterReference {
             Target::Number(pnu) => match self.prefix {
                 Some(Prefix::Writable) => write!(f, "p{pnu:04}")?,
                 Some(Prefix::ReadOnly) => write!(f, "r{pnu:04}")?,
+                Some(Prefix::Number) => write!(f, "PNU {pnu}")?,
                 None => write!(f, "{pnu}")?,
             },
         }
@@ -369,6 +425,15 @@ mod tests {
         assert_eq!(number("947[0..7]"), (947, Some((0, 8))));
         assert_eq!(number("947[8..8]"), (947, Some((8, 1))));
         assert_eq!(number("8-10"), (810, None));
+        for text in ["1-20", "01-20", "120", "p120", "PNU 120"] {
+            assert_eq!(number(text), (120, None), "{text}");
+        }
+        assert_eq!(number("0-1"), (1, None));
+        assert_eq!(number("15-30[1]"), (1530, Some((1, 1))));
+        assert_eq!(number("9-15[0..9]"), (915, Some((0, 10))));
+        for text in ["ID103", "id103", "ID 103", "10001[103]"] {
+            assert_eq!(number(text), (10001, Some((103, 1))), "{text}");
+        }
         assert_eq!(number("ID 1805"), (10001, Some((1805, 1))));
         assert_eq!(number("65535"), (65535, None));
     }
@@ -407,7 +472,15 @@ mod tests {
             ("947[7..0]", "before the last"),
             ("947[70000]", "0 to 65535"),
             ("947.0[1]", "947[0]"),
-            ("8-100", "1 to 65535"),
+            ("8-100", "1-20"),
+            ("0-00", "1-20"),
+            ("1-", "1-20"),
+            ("1-2x", "1-20"),
+            ("900-00", "1-20"),
+            ("15-30[1", "947[0]"),
+            ("ID 70000", "ID 103"),
+            ("ID 103[0]", "ID 103"),
+            ("id103x", "ID 103"),
             ("93O", "`O`"),
             ("DRV ACC", "` `"),
             ("DRV.ACC=5", "`=`"),
@@ -420,12 +493,23 @@ mod tests {
 
     proptest! {
         #[test]
-        fn printed_form_reads_back(pnu in 1u16.., first in 0u16..1000, count in 1u16..300, letter in 0usize..3) {
-            let prefix = [None, Some(Prefix::Writable), Some(Prefix::ReadOnly)][letter];
+        fn printed_form_reads_back(pnu in 1u16.., first in 0u16..1000, count in 1u16..300, letter in 0usize..4) {
+            let prefix = [None, Some(Prefix::Writable), Some(Prefix::ReadOnly), Some(Prefix::Number)][letter];
             let reference = ParameterReference {
                 target: Target::Number(pnu), elements: Some(Elements { first, count }), prefix,
             };
             prop_assert_eq!(format!("{reference}").parse::<ParameterReference>().unwrap(), reference);
+        }
+
+        /// A Danfoss number is one parameter in each of its spellings.
+        #[test]
+        fn group_and_index_are_the_number(group in 0u16..=654, index in 0u16..100, element in 0u16..1000) {
+            prop_assume!(group + index > 0);
+            let pnu = 100 * group + index;
+            for text in [format!("{group}-{index:02}"), format!("{pnu}"), format!("p{pnu}"), format!("PNU {pnu}")] {
+                prop_assert_eq!(number(&text), (pnu, None));
+                prop_assert_eq!(number(&format!("{text}[{element}]")), (pnu, Some((element, 1))));
+            }
         }
 
         #[test]

@@ -94,6 +94,14 @@ impl Format {
     pub const VISIBLE_STRING: Self = Self(0x09);
     /// Octets; the number of values is the number of octets.
     pub const OCTET_STRING: Self = Self(0x0A);
+    /// Two octets, 2^14 is 100 %.
+    pub const N2: Self = Self(0x71);
+    /// Sixteen bits.
+    pub const V2: Self = Self(0x73);
+    /// Two octets without numeric meaning.
+    pub const OCTET_STRING2: Self = Self(0x1F);
+    /// Milliseconds without a date.
+    pub const TIME_DIFFERENCE: Self = Self(0x36);
     /// Written, no value.
     pub const ZERO: Self = Self(0x40);
     /// Any type of one octet.
@@ -118,6 +126,31 @@ impl Format {
         usize::from(INDEX[usize::from(self.0)])
             .checked_sub(1)
             .and_then(|row| FORMATS.get(row))
+    }
+
+    /// The code on the wire of a type given as its V4 code: only the profile-specific types differ.
+    ///
+    /// ```
+    /// use profidrive::parameter::{CodeSpace, Format};
+    /// assert_eq!(Format::N2.in_space(CodeSpace::V3), Format(33));
+    /// assert_eq!(Format::N2.in_space(CodeSpace::V4), Format::N2);
+    /// assert_eq!(Format::of_code(33, CodeSpace::V3), Format::N2);
+    /// ```
+    #[must_use]
+    pub const fn in_space(self, space: CodeSpace) -> Self {
+        match (space, self.0) {
+            (CodeSpace::V3, 0x71..=0x7C) => Self(self.0 - 0x71 + 0x21),
+            _ => self,
+        }
+    }
+
+    /// The type, as its V4 code, of a code on the wire.
+    #[must_use]
+    pub const fn of_code(code: u8, space: CodeSpace) -> Self {
+        match (space, code) {
+            (CodeSpace::V3, 0x21..=0x2C) => Self(code - 0x21 + 0x71),
+            _ => Self(code),
+        }
     }
 
     /// The substitution code for a value of this many octets: Byte, Word or Double word.
@@ -197,6 +230,20 @@ mod tests {
         );
         assert_eq!(Format(0x71).info(CodeSpace::V3), None);
         assert_eq!(FORMATS.len(), 83);
+    }
+
+    #[test]
+    fn both_spaces_name_the_same_types() {
+        for row in FORMATS {
+            let (v4, v3) = (Format(row.code), Format(row.code).in_space(CodeSpace::V3));
+            assert_eq!(v4.in_space(CodeSpace::V4), v4);
+            if let 0x71..=0x7C = row.code {
+                assert_eq!(v3.info(CodeSpace::V3).map(|info| info.name), Some(row.name));
+                assert_eq!(Format::of_code(v3.0, CodeSpace::V3), v4);
+            } else {
+                assert_eq!(v3, v4);
+            }
+        }
     }
 
     #[test]

@@ -15,7 +15,8 @@ pub enum Scale {
     Milli,
     /// Thousandths divided by PN.POSSCALE.
     Position,
-    /// Steps of PN.VELSCALING times 60 times 16000 / 2^32 rpm.
+    /// Speed as NSOLL_A and NIST_A carry it, see [`Scaling::speed`]: steps of PN.VELSCALING times 60 times
+    /// 16000 / 2^32 rpm, or N2 of the reference speed.
     Velocity,
     /// Steps of PN.ACCSCALING rpm/s.
     Acceleration,
@@ -25,6 +26,38 @@ pub enum Scale {
     Singleturn,
     /// 2^32 is 12000 rpm.
     MdiVelocity,
+    /// The raw number times 10^n in the unit of the parameter; n is not 0, that is [`Raw`](Self::Raw).
+    Decimal(i8),
+    /// N2 in percent: 2^14 is 100 %.
+    Percent,
+}
+
+impl Scale {
+    /// The raw number times 10^`exponent`.
+    #[must_use]
+    pub const fn decimal(exponent: i8) -> Self {
+        match exponent {
+            0 => Self::Raw,
+            exponent => Self::Decimal(exponent),
+        }
+    }
+
+    /// True where no value of the drive takes part in the conversion.
+    #[must_use]
+    pub const fn is_fixed(self) -> bool {
+        matches!(self, Self::Raw | Self::Milli | Self::Decimal(_) | Self::Percent)
+    }
+
+    /// The power of ten between the raw number and the value in the unit, where it is that.
+    #[must_use]
+    pub const fn exponent(self) -> Option<i8> {
+        match self {
+            Self::Raw => Some(0),
+            Self::Milli => Some(-3),
+            Self::Decimal(exponent) => Some(exponent),
+            _ => None,
+        }
+    }
 }
 
 /// The values of the drive that scale other values; the default is a drive as delivered.
@@ -42,6 +75,9 @@ pub struct Scaling {
     pub singleturn_bits: u16,
     /// The unit of positions: UNIT.PROTARY and its like.
     pub unit: UnitChoice,
+    /// Speed in rpm that is 100 % (0x4000) of NSOLL_A and NIST_A in a drive that normalises them so: VLT 3-03, the
+    /// greatest frequency of a Vacon. None: the AKD's steps of `velocity`.
+    pub reference: Option<f64>,
 }
 
 impl Default for Scaling {
@@ -59,21 +95,48 @@ impl Scaling {
         peak_current: 9.0,
         singleturn_bits: 16,
         unit: UnitChoice::DELIVERED,
+        reference: None,
     };
 
-    /// The conversion of a scale. [`Scale::Raw`] and [`Scale::Milli`] occur in all sizes; their width here is that of a
-    /// signed double word.
+    /// A drive whose speed setpoint is N2: 100 % is `reference` rpm.
+    #[must_use]
+    pub const fn of_reference(reference: f64) -> Self {
+        Self {
+            reference: Some(reference),
+            ..Self::DELIVERED
+        }
+    }
+
+    /// NSOLL_A and NIST_A in rpm: N2 of the reference speed where there is one, else as [`velocity`].
+    ///
+    /// ```
+    /// use profidrive::catalogue::Scaling;
+    /// assert_eq!(Scaling::of_reference(1500.0).speed().raw(750.0).value, 0x2000);
+    /// assert_eq!(Scaling::default().speed().raw(60.0).value, 164); // AKD
+    /// ```
+    #[must_use]
+    pub const fn speed(&self) -> Linear {
+        match self.reference {
+            Some(reference) => Linear::normalised(reference, 14, Width::I16),
+            None => velocity(self),
+        }
+    }
+
+    /// The conversion of a scale. [`Scale::Raw`], [`Scale::Milli`] and [`Scale::Decimal`] occur in all sizes; their
+    /// width here is that of a signed double word.
     #[must_use]
     pub const fn linear(&self, scale: Scale) -> Linear {
         match scale {
             Scale::Raw => Linear::step(1.0, Width::I32),
             Scale::Milli => Linear::decimal(-3, Width::I32),
             Scale::Position => position(self),
-            Scale::Velocity => velocity(self),
+            Scale::Velocity => self.speed(),
             Scale::Acceleration => acceleration(self),
             Scale::Current => current(self),
             Scale::Singleturn => revolutions(self),
             Scale::MdiVelocity => mdi_velocity(),
+            Scale::Decimal(exponent) => Linear::decimal(exponent, Width::I32),
+            Scale::Percent => Linear::N2,
         }
     }
 }

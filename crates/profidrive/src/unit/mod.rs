@@ -18,9 +18,11 @@
 //! ```
 
 pub mod akd;
+mod conversion;
 mod position;
 mod time;
 
+pub use conversion::{ConversionIndex, PhysicalSize, QUANTITIES, Variable};
 pub use position::{PositionUnit, UnitChoice};
 pub use time::Reciprocal;
 

@@ -49,13 +49,12 @@ impl Settings {
     pub fn new(model: &Model, values: &Values) -> Self {
         let roles = &model.roles;
         let raw = |pnu: Option<u16>| pnu.map(|pnu| values.get(pnu));
-        let standard = Scaling::default();
+        let standard = model.catalogue.scaling;
         let mut scaling = Scaling {
             velocity: number(raw(roles.velocity_scaling), standard.velocity),
             acceleration: number(raw(roles.acceleration_scaling), standard.acceleration),
             position: number(raw(roles.position_scaling), standard.position),
             singleturn_bits: number(raw(roles.singleturn_bits), standard.singleturn_bits),
-            peak_current: standard.peak_current,
             unit: {
                 let unit = &roles.positioning.unit;
                 UnitChoice {
@@ -66,6 +65,7 @@ impl Settings {
                     pitch: values.get(unit.pitch),
                 }
             },
+            ..standard
         };
         let value = |pnu: Option<u16>, scaling: &Scaling| {
             let parameter = model.catalogue.by_pnu(pnu?)?;

@@ -194,7 +194,7 @@ impl Drive {
     pub(super) fn take_setpoint(&mut self, number: u16, position: Option<usize>, value: i64) {
         self.process.set_signal(number, value);
         match number {
-            signal::NSOLL_A => self.process.speed = akd::velocity(&self.settings.scaling).engineering(value),
+            signal::NSOLL_A => self.process.speed = self.settings.scaling.speed().engineering(value),
             signal::kollmorgen::IL_CMD_FIELDBUS => {
                 self.process.current = akd::current(&self.settings.scaling).engineering(value);
             }

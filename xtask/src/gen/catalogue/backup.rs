@@ -11,6 +11,8 @@ use crate::table::Table;
 pub struct Known {
     /// Its number.
     pub pnu: u16,
+    /// Its subindex where it is an element of a collecting number.
+    pub base: Option<u16>,
     /// Its name.
     pub name: String,
     /// True when it can be read and written.
@@ -24,6 +26,7 @@ pub fn known(parameters: &Table) -> Outcome<Vec<Known>> {
         .map(|row| {
             Ok(Known {
                 pnu: row.number("pnu")?,
+                base: row.maybe_number("base")?,
                 name: row.text("name")?.to_owned(),
                 writable: row.text("access")? == "rw",
             })
@@ -33,7 +36,7 @@ pub fn known(parameters: &Table) -> Outcome<Vec<Known>> {
 
 /// The rules as Rust. The first row that names a parameter counts; a pattern names only what can be written.
 pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
-    let mut found: BTreeMap<u16, String> = BTreeMap::new();
+    let mut found: BTreeMap<(u16, Option<u16>), String> = BTreeMap::new();
     for row in rules.rows() {
         let place = row.place();
         let pattern = row.text("pattern")?;
@@ -52,7 +55,7 @@ pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
             "alias" => known
                 .iter()
                 .rev()
-                .find(|other| other.name == of)
+                .find(|other| other.base.is_none() && other.name == of)
                 .map(|other| format!("Role::Alias {{ of: {} }}", other.pnu))
                 .ok_or_else(|| format!("{place}: there is no {of:?}"))?,
             other => return Err(format!("{place}: role {other:?}").into()),
@@ -68,9 +71,10 @@ pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
         };
         let before = found.len();
         for parameter in known.iter().filter(|one| names(pattern, one)) {
-            found.entry(parameter.pnu).or_insert(format!(
-                "    BackupRule {{ pnu: {}, role: {role}, phase: Phase::{phase}, why: {:?} }},",
+            found.entry((parameter.pnu, parameter.base)).or_insert(format!(
+                "    BackupRule {{ pnu: {}, base: {:?}, role: {role}, phase: Phase::{phase}, why: {:?} }},",
                 parameter.pnu,
+                parameter.base,
                 row.text("why")?
             ));
         }
@@ -89,14 +93,20 @@ pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
     Ok(text)
 }
 
-/// True when the pattern is the number (`p922`), the name, or a name with `*` for any part and the parameter can be
-/// written.
+/// True when the pattern is the number (`p922`), the application id (`id103`), the name, or a name with `*` for any part
+/// and the parameter can be written.
 fn names(pattern: &str, parameter: &Known) -> bool {
     if let Some(pnu) = pattern
         .strip_prefix('p')
         .and_then(|number| number.parse::<u16>().ok())
     {
-        return pnu == parameter.pnu;
+        return pnu == parameter.pnu && parameter.base.is_none();
+    }
+    if let Some(id) = pattern
+        .strip_prefix("id")
+        .and_then(|number| number.parse::<u16>().ok())
+    {
+        return Some(id) == parameter.base;
     }
     pattern == parameter.name
         || (parameter.writable && pattern.contains('*') && fits(pattern, &parameter.name))
@@ -134,13 +144,27 @@ mod tests {
         assert_eq!(
             lines,
             [
-                "BackupRule { pnu: 922, role: Role::Network, phase: Phase::Value, why: \"w\" },",
-                "BackupRule { pnu: 2000, role: Role::Alias { of: 2002 }, phase: Phase::Value, why: \"\" },",
-                "BackupRule { pnu: 2001, role: Role::Active, phase: Phase::Value, why: \"\" },",
-                "BackupRule { pnu: 2002, role: Role::Setting, phase: Phase::Enable, why: \"\" },",
+                "BackupRule { pnu: 922, base: None, role: Role::Network, phase: Phase::Value, why: \"w\" },",
+                "BackupRule { pnu: 2000, base: None, role: Role::Alias { of: 2002 }, phase: Phase::Value, why: \"\" },",
+                "BackupRule { pnu: 2001, base: None, role: Role::Active, phase: Phase::Value, why: \"\" },",
+                "BackupRule { pnu: 2002, base: None, role: Role::Setting, phase: Phase::Enable, why: \"\" },",
                 "];",
             ]
         );
+    }
+
+    #[test]
+    fn an_application_id_is_no_number_of_its_own() {
+        let rows = "pnu,base,name,access\n103,,A,rw\n10001,103,B,rw\n10001,104,C,rw\n";
+        let known = known(&Table::parse("p", rows).unwrap()).unwrap();
+        let rules = "pattern,role,phase,of,why\nid103,network,,,\np103,state,,,\n";
+        let text = render(&Table::parse("r", rules).unwrap(), &known).unwrap();
+        assert!(text.contains("pnu: 103, base: None, role: Role::State"), "{text}");
+        assert!(
+            text.contains("pnu: 10001, base: Some(103), role: Role::Network"),
+            "{text}"
+        );
+        assert!(!text.contains("Some(104)"), "{text}");
     }
 
     #[test]

@@ -14,6 +14,10 @@ pub struct DeviceFile {
     access_point: AccessPoint,
     description: Description,
     telegram: Vec<TelegramModule>,
+    #[serde(default)]
+    layout: Layout,
+    #[serde(default)]
+    scaling: Scaling,
     /// What a parameter is delivered with where that depends on the size of the drive, by name.
     pub values: BTreeMap<String, f64>,
 }
@@ -39,7 +43,49 @@ struct AccessPoint {
     submodule: u32,
     interface_submodule: u32,
     port_submodule: u32,
+    #[serde(default = "one")]
+    ports: u8,
     min_device_interval: u16,
+}
+
+fn one() -> u8 {
+    1
+}
+
+/// What is in slot 1; by default all in subslot 1, in one submodule.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Layout {
+    telegram_subslot: u16,
+    parameter_subslot: u16,
+    parameter_submodule: Option<u32>,
+    records: Vec<Records>,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self {
+            telegram_subslot: 1,
+            parameter_subslot: 1,
+            parameter_submodule: None,
+            records: Vec::new(),
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Records {
+    subslot: u16,
+    octets: u8,
+}
+
+/// What scales values in a drive as delivered.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Scaling {
+    /// rpm at 100 % of the speed setpoint.
+    reference: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -61,6 +107,9 @@ struct Description {
 #[derive(Deserialize)]
 struct TelegramModule {
     number: u16,
+    /// Module and submodule ident where the maker's are known.
+    module: Option<u32>,
+    submodule: Option<u32>,
     english: String,
     german: String,
     outputs: u16,
@@ -75,7 +124,15 @@ impl DeviceFile {
     }
 }
 
-/// Module and submodule ident of a telegram: ours, one rule for all.
+/// What scales values in a drive as delivered, as Rust.
+pub fn render_scaling(device: &DeviceFile) -> String {
+    match device.scaling.reference {
+        Some(reference) => format!("Scaling::of_reference({reference:?})"),
+        None => "Scaling::DELIVERED".to_owned(),
+    }
+}
+
+/// Module and submodule ident of a telegram where the maker's is unknown: ours, one rule for all.
 const TELEGRAM_IDENT: u32 = 0x0001_0000;
 
 /// Identity, modules and telegrams as Rust.
@@ -86,17 +143,38 @@ pub fn render(device: &DeviceFile) -> String {
     for telegram in &device.telegram {
         let ident = TELEGRAM_IDENT + u32::from(telegram.number);
         modules.push_str(&format!(
-            "TelegramModule {{ telegram: {}, module: {ident:#010x}, submodule: {ident:#010x}, outputs: {}, inputs: {}, \
+            "TelegramModule {{ telegram: {}, module: {:#010x}, submodule: {:#010x}, outputs: {}, inputs: {}, \
              words: Words {{ english: {:?}, german: {:?} }} }},",
-            telegram.number, telegram.outputs, telegram.inputs, telegram.english, telegram.german
+            telegram.number,
+            telegram.module.unwrap_or(ident),
+            telegram.submodule.unwrap_or(ident),
+            telegram.outputs,
+            telegram.inputs,
+            telegram.english,
+            telegram.german
         ));
     }
+    let layout = &device.layout;
+    let records: Vec<String> = layout
+        .records
+        .iter()
+        .map(|view| {
+            format!(
+                "RecordView {{ subslot: {}, octets: {} }}",
+                view.subslot, view.octets
+            )
+        })
+        .collect();
+    let records_used = if records.is_empty() { "" } else { "RecordView, " };
     format!(
-        "use crate::catalogue::{{DescriptionFacts, Device, TelegramModule, Words}};\n\n\
+        "use crate::catalogue::{{DescriptionFacts, Device, Layout, ParameterPoint, {records_used}TelegramModule, \
+         Words}};\n\n\
          pub static DEVICE: Device = Device {{ vendor_id: {:#06x}, device_id: {:#06x}, vendor: {:?}, station_type: {:?}, \
          order_id: {:?}, hardware_revision: {}, software_revision: {:?}, api: {:#06x}, drive_unit_type: {}, \
          firmware_year: {}, firmware_day_month: {}, access_point_module: {}, access_point_submodule: {}, \
-         interface_submodule: {}, port_submodule: {}, min_device_interval: {}, telegrams: &[{modules}], \
+         interface_submodule: {}, port_submodule: {}, ports: {}, \
+         layout: Layout {{ telegram: {}, parameters: ParameterPoint {{ subslot: {}, submodule: {:?} }}, \
+         records: &[{}] }}, min_device_interval: {}, telegrams: &[{modules}], \
          description: {} }};\n",
         identity.vendor_id,
         identity.device_id,
@@ -113,6 +191,11 @@ pub fn render(device: &DeviceFile) -> String {
         point.submodule,
         point.interface_submodule,
         point.port_submodule,
+        point.ports,
+        layout.telegram_subslot,
+        layout.parameter_subslot,
+        layout.parameter_submodule,
+        records.join(", "),
         point.min_device_interval,
         render_description(&device.description),
     )

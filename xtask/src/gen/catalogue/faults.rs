@@ -49,9 +49,10 @@ fn render_fault(row: Row<'_>) -> Outcome<String> {
         return Err(format!("{}: no remedy", place()).into());
     }
     Ok(format!(
-        "    Fault {{ number: {}, warning: {warning}, meaning: {:?}, reaction: Reaction::{reaction}, remedy: {:?}, \
+        "    Fault {{ number: {}, warning: {warning}, bit: {:?}, meaning: {:?}, reaction: Reaction::{reaction}, remedy: {:?}, \
          cleared: Cleared::{cleared}, recalled: {recalled}, assumed: {:?}, source: {:?} }},\n",
         row.number::<u16>("number")?,
+        row.maybe_number::<u8>("bit")?,
         row.text("meaning")?,
         row.text("remedy")?,
         row.text("assumed")?,

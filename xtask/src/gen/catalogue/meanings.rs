@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
+use super::parameters::Number;
 use crate::Outcome;
 use crate::table::Table;
 
@@ -98,15 +99,13 @@ impl Meanings {
     }
 
     /// The table of words, ascending by number.
-    pub fn render_words(&self, numbers: &[(u16, String)]) -> Outcome<String> {
+    pub fn render_words(&self, numbers: &[Number]) -> Outcome<String> {
         let mut used = BTreeSet::new();
-        let mut text = String::from(
-            "use super::meanings::*;\nuse crate::catalogue::{Field, Word, WordKind};\n\n\
-             #[rustfmt::skip]\npub static WORDS: &[Word] = &[\n",
-        );
-        for (pnu, name) in numbers {
-            let (_, bits) = self.names(name);
-            let source = self.source(name);
+        let mut text = String::new();
+        for number in numbers {
+            let key = number.key();
+            let (_, bits) = self.names(&number.name, &key);
+            let source = self.source(&number.name, &key);
             let kind = self.words.get(source).copied();
             let fields = self.fields.get(source);
             if bits == NONE && kind.is_none() && fields.is_none() {
@@ -115,7 +114,9 @@ impl Meanings {
             used.insert(source.to_owned());
             write!(
                 text,
-                "    Word {{ pnu: {pnu}, kind: WordKind::{}, bits: {bits}, fields: &[",
+                "    Word {{ pnu: {}, base: {:?}, kind: WordKind::{}, bits: {bits}, fields: &[",
+                number.pnu,
+                number.base,
                 kind.unwrap_or("Own")
             )?;
             for (first, last, name) in fields.into_iter().flatten() {
@@ -133,11 +134,22 @@ impl Meanings {
             }
             text.push_str("] },\n");
         }
-        text.push_str("];\n\n#[rustfmt::skip]\npub static NOT_NOW: &[(u16, &str)] = &[\n");
-        for (pnu, name) in numbers {
-            if let Some(remedy) = self.not_now.get(name) {
-                used.insert(name.clone());
-                writeln!(text, "    ({pnu}, {remedy:?}),")?;
+        let used_here = |what: &str, import: &'static str| if text.contains(what) { import } else { "" };
+        let header = format!(
+            "{}use crate::catalogue::{{{}Word{}}};\n\n#[rustfmt::skip]\npub static WORDS: &[Word] = &[\n",
+            used_here("_", "use super::meanings::*;\n"),
+            used_here("Field {", "Field, "),
+            used_here("WordKind", ", WordKind"),
+        );
+        text = format!("{header}{text}];\n\n");
+        text.push_str("#[rustfmt::skip]\npub static NOT_NOW: &[(u16, &str)] = &[\n");
+        for number in numbers.iter().filter(|number| number.base.is_none()) {
+            let key = number.key();
+            for name in [number.name.as_str(), key.as_str()] {
+                if let Some(remedy) = self.not_now.get(name) {
+                    used.insert(name.to_owned());
+                    writeln!(text, "    ({}, {remedy:?}),", number.pnu)?;
+                }
             }
         }
         text.push_str("];\n\n");
@@ -153,14 +165,25 @@ impl Meanings {
         }
     }
 
-    /// The parameter whose texts this one has.
-    fn source<'a>(&'a self, parameter: &'a str) -> &'a str {
-        self.same.get(parameter).map_or(parameter, String::as_str)
+    /// The parameter whose texts this one has: what the row `same` says, else itself, by its number where the table has
+    /// that and not the name.
+    fn source<'a>(&'a self, parameter: &'a str, key: &'a str) -> &'a str {
+        let has = |name: &str| {
+            self.words.contains_key(name)
+                || self.fields.contains_key(name)
+                || self.tables.keys().any(|(known, _)| known == name)
+        };
+        match self.same.get(parameter).or_else(|| self.same.get(key)) {
+            Some(other) => other,
+            None if has(key) && !has(parameter) => key,
+            None => parameter,
+        }
     }
 
     /// The expressions for `choices` and `bits` of a parameter.
-    pub fn names(&self, parameter: &str) -> (String, String) {
-        let parameter = self.source(parameter);
+    /// By its name, by that of its family, or by its number as [`Number::key`] writes it.
+    pub fn names(&self, parameter: &str, key: &str) -> (String, String) {
+        let parameter = self.source(parameter, key);
         let family = family(parameter);
         let one = |kind: &str| {
             [parameter, family.as_str()]

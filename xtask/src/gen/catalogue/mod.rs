@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::Generated;
+use super::parameter::Formats;
 use crate::Outcome;
 use crate::table::Table;
 
@@ -23,15 +24,34 @@ struct Model {
     about: &'static str,
     /// First parameter number of the maker's own range: a name that two numbers have means the one from there on.
     own_from: u16,
+    /// How the maker writes numbers, as Rust.
+    notation: &'static str,
 }
 
 /// Every model. A further one is a row here, its tables in `data/` and a line in `profidrive::catalogue`.
-const MODELS: &[Model] = &[Model {
-    folder: "akd",
-    name: "AKD",
-    about: "Kollmorgen AKD with PROFINET, firmware 1.17.",
-    own_from: 2000,
-}];
+const MODELS: &[Model] = &[
+    Model {
+        folder: "akd",
+        name: "AKD",
+        about: "Kollmorgen AKD with PROFINET, firmware 1.17.",
+        own_from: 2000,
+        notation: "Notation::Name",
+    },
+    Model {
+        folder: "vlt",
+        name: "VLT",
+        about: "Danfoss VLT AutomationDrive FC 302 with the PROFINET option MCA 120.",
+        own_from: 0,
+        notation: "Notation::GroupIndex",
+    },
+    Model {
+        folder: "vacon",
+        name: "VACON",
+        about: "Vacon 100 with PROFINET (built in, or option OPTEA).",
+        own_from: 10001,
+        notation: "Notation::Id { pnu: 10001 }",
+    },
+];
 
 /// The generated files of the drive models.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
@@ -52,7 +72,7 @@ impl Model {
         let faults = Table::read(root, &data("faults.csv"))?;
         let rules = Table::read(root, &data("backup.csv"))?;
         let mut device = device::DeviceFile::read(root, &data("device.toml"))?;
-        let table = parameters::render(&parameters, &meanings, &mut device.values)?;
+        let table = parameters::render(&parameters, &meanings, &Formats::read(root)?, &mut device.values)?;
         if let Some(name) = device.values.keys().next() {
             return Err(format!("{}: [values] {name} is no parameter", data("device.toml")).into());
         }
@@ -62,7 +82,7 @@ impl Model {
             text,
         };
         Ok(vec![
-            made("mod", "", self.render()),
+            made("mod", "", self.render(&device)),
             made("device", "device.toml", device::render(&device)),
             made("meanings", "meanings.csv", meanings.render()),
             made("index", "parameters.csv", index::render(&numbers, self.own_from)?),
@@ -78,13 +98,19 @@ impl Model {
     }
 
     /// The module that puts the tables together.
-    fn render(&self) -> String {
-        let Self { name, about, .. } = self;
+    fn render(&self, device: &device::DeviceFile) -> String {
+        let Self {
+            name,
+            about,
+            notation,
+            ..
+        } = self;
+        let scaling = device::render_scaling(device);
         format!(
-            "use super::Catalogue;\n\n\
+            "use super::{{Catalogue, Scaling}};\nuse crate::notation::Notation;\n\n\
              mod backup;\nmod device;\nmod faults;\nmod index;\nmod meanings;\nmod parameters;\nmod words;\n\n\
              /// {about}\n\
-             pub static {name}: Catalogue = Catalogue {{ model: {name:?}, parameters: parameters::PARAMETERS, \
+             pub static {name}: Catalogue = Catalogue {{ model: {name:?}, notation: {notation}, scaling: {scaling}, parameters: parameters::PARAMETERS, \
              index: index::INDEX, names: index::NAMES, faults: faults::FAULTS, device: device::DEVICE, \
              backup: backup::BACKUP, words: words::WORDS, not_now: words::NOT_NOW }};\n"
         )

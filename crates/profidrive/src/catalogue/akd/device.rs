@@ -1,6 +1,6 @@
 // Generated from data/akd/device.toml by `cargo run -p xtask -- gen`.
 
-use crate::catalogue::{DescriptionFacts, Device, TelegramModule, Words};
+use crate::catalogue::{DescriptionFacts, Device, Layout, ParameterPoint, TelegramModule, Words};
 
 pub static DEVICE: Device = Device {
     vendor_id: 0x0105,
@@ -18,6 +18,15 @@ pub static DEVICE: Device = Device {
     access_point_submodule: 1,
     interface_submodule: 2,
     port_submodule: 3,
+    ports: 1,
+    layout: Layout {
+        telegram: 1,
+        parameters: ParameterPoint {
+            subslot: 1,
+            submodule: None,
+        },
+        records: &[],
+    },
     min_device_interval: 512,
     telegrams: &[
         TelegramModule {

@@ -1,6 +1,7 @@
 // Generated from data/akd/ by `cargo run -p xtask -- gen`.
 
-use super::Catalogue;
+use super::{Catalogue, Scaling};
+use crate::notation::Notation;
 
 mod backup;
 mod device;
@@ -13,6 +14,8 @@ mod words;
 /// Kollmorgen AKD with PROFINET, firmware 1.17.
 pub static AKD: Catalogue = Catalogue {
     model: "AKD",
+    notation: Notation::Name,
+    scaling: Scaling::DELIVERED,
     parameters: parameters::PARAMETERS,
     index: index::INDEX,
     names: index::NAMES,

@@ -5,16 +5,16 @@ use crate::catalogue::{Field, Word, WordKind};
 
 #[rustfmt::skip]
 pub static WORDS: &[Word] = &[
-    Word { pnu: 1, kind: WordKind::Control, bits: &[], fields: &[] },
-    Word { pnu: 2, kind: WordKind::Status, bits: &[], fields: &[] },
-    Word { pnu: 105, kind: WordKind::Own, bits: DRV_MOTIONSTAT_BITS, fields: &[] },
-    Word { pnu: 106, kind: WordKind::Own, bits: DRIVE_INPUTS_BITS, fields: &[] },
-    Word { pnu: 2120, kind: WordKind::Own, bits: DRV_DISSOURCES_BITS, fields: &[] },
-    Word { pnu: 2134, kind: WordKind::Own, bits: DRV_MOTIONSTAT_BITS, fields: &[] },
-    Word { pnu: 2158, kind: WordKind::Own, bits: FBUS_PARAM02_BITS, fields: &[] },
-    Word { pnu: 2266, kind: WordKind::Own, bits: MT_CNTL_BITS, fields: &[Field { first: 0, last: 3, name: "Task type", choices: MT_CNTL_CHOICE_0_3 }, Field { first: 5, last: 9, name: "Start of the following task", choices: MT_CNTL_CHOICE_5_9 }, Field { first: 10, last: 11, name: "Acceleration type", choices: MT_CNTL_CHOICE_10_11 }, ] },
-    Word { pnu: 2387, kind: WordKind::Own, bits: SWLS_STATE_BITS, fields: &[] },
-    Word { pnu: 2891, kind: WordKind::Own, bits: &[], fields: &[] },
+    Word { pnu: 1, base: None, kind: WordKind::Control, bits: &[], fields: &[] },
+    Word { pnu: 2, base: None, kind: WordKind::Status, bits: &[], fields: &[] },
+    Word { pnu: 105, base: None, kind: WordKind::Own, bits: DRV_MOTIONSTAT_BITS, fields: &[] },
+    Word { pnu: 106, base: None, kind: WordKind::Own, bits: DRIVE_INPUTS_BITS, fields: &[] },
+    Word { pnu: 2120, base: None, kind: WordKind::Own, bits: DRV_DISSOURCES_BITS, fields: &[] },
+    Word { pnu: 2134, base: None, kind: WordKind::Own, bits: DRV_MOTIONSTAT_BITS, fields: &[] },
+    Word { pnu: 2158, base: None, kind: WordKind::Own, bits: FBUS_PARAM02_BITS, fields: &[] },
+    Word { pnu: 2266, base: None, kind: WordKind::Own, bits: MT_CNTL_BITS, fields: &[Field { first: 0, last: 3, name: "Task type", choices: MT_CNTL_CHOICE_0_3 }, Field { first: 5, last: 9, name: "Start of the following task", choices: MT_CNTL_CHOICE_5_9 }, Field { first: 10, last: 11, name: "Acceleration type", choices: MT_CNTL_CHOICE_10_11 }, ] },
+    Word { pnu: 2387, base: None, kind: WordKind::Own, bits: SWLS_STATE_BITS, fields: &[] },
+    Word { pnu: 2891, base: None, kind: WordKind::Own, bits: &[], fields: &[] },
 ];
 
 #[rustfmt::skip]
