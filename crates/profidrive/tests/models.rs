@@ -1,5 +1,7 @@
 //! The tables of the frequency converters against the files they are made of, and against themselves.
-#![allow(clippy::unwrap_used, reason = "a test says what failed")]
+
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeMap;
 
 use profidrive::catalogue::{
