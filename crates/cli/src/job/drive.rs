@@ -149,9 +149,14 @@ impl JobDrive {
         }
         let scaling = &self.parameters.scaling;
         Some(match scale {
-            Scale::Raw | Scale::Milli | Scale::MdiVelocity => return None,
+            Scale::Raw | Scale::Milli | Scale::MdiVelocity | Scale::Decimal(_) | Scale::Percent => {
+                return None;
+            }
             Scale::Position => format!("PN.POSSCALE {}", scaling.position),
-            Scale::Velocity => format!("PN.VELSCALING {}", scaling.velocity),
+            Scale::Velocity => match scaling.reference {
+                Some(reference) => format!("a reference of {reference} rpm"),
+                None => format!("PN.VELSCALING {}", scaling.velocity),
+            },
             Scale::Acceleration => format!("PN.ACCSCALING {}", scaling.acceleration),
             Scale::Current => format!("DRV.IPEAK {} A", scaling.peak_current),
             Scale::Singleturn => format!("PNU 1002 {}", scaling.singleturn_bits),
