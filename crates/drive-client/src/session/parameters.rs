@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use profidrive::catalogue::{Role, Scale, Size};
+use profidrive::catalogue::{Role, Size};
 use profidrive::notation::Shown;
 use profidrive::parameter::{
     Answer, Description, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change,
