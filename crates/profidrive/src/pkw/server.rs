@@ -11,8 +11,8 @@ use crate::parameter::{
 /// A block that is no request of the channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum BlockError {
-    /// Neither the eight octets of PKE, IND and PWE nor a text block.
-    #[error("a parameter block of {0} octets, 8 or a text block (AK 15) of 4 to {MAX_BLOCK} are possible")]
+    /// Neither the eight octets of PKE, IND and PWE, nor six with a PWE of one word, nor a text block.
+    #[error("a parameter block of {0} octets, 8, 6 or a text block (AK 15) of 4 to {MAX_BLOCK} are possible")]
     Length(usize),
     /// The buffer for the reply is shorter than eight octets.
     #[error("no room for the reply")]
@@ -76,6 +76,8 @@ pub struct Server {
     standing: [u8; MAX_BLOCK],
     length: usize,
     done: Option<Done>,
+    /// The block in hand has one word of PWE only.
+    narrow: bool,
 }
 
 impl Server {
@@ -87,6 +89,7 @@ impl Server {
             standing: [0; MAX_BLOCK],
             length: 0,
             done: None,
+            narrow: false,
         }
     }
 
@@ -115,7 +118,8 @@ impl Server {
     }
 
     /// Answers a parameter block of a serial telegram, which is eight octets, or longer or shorter with text (AK 15);
-    /// writes the reply into `out` and gives its length. Nothing is allocated.
+    /// writes the reply into `out` and gives its length. Nothing is allocated. A block of six octets has one word of
+    /// PWE (USS with three words of parameter part) and is answered alike; a double word does not fit it.
     ///
     /// # Errors
     /// When the block cannot be a request; a slave leaves such a telegram unanswered.
@@ -137,6 +141,7 @@ impl Server {
             }
         }
         let info = pkw.request_code().info();
+        self.narrow = request.len() == NARROW_LEN && info.action != Action::Text;
         let reply = match self.answer(pkw, info, text, drive, out) {
             Ok(Reply::Words(code, pwe)) => pkw.mirrored(&self.dialect, code, pwe),
             Ok(Reply::Nothing) => Pkw::ZERO,
@@ -148,7 +153,13 @@ impl Server {
             Err(Refusal::Rights) => pkw.mirrored(&self.dialect, ReplyCode::NO_RIGHTS, 0),
             Err(Refusal::Number(number)) => pkw.mirrored(&self.dialect, ReplyCode::REFUSED, number.0.into()),
         };
-        copy(out, &reply.to_octets(), PKW_LEN);
+        let octets = reply.to_octets();
+        if self.narrow {
+            let [a, b, c, d, _, _, g, h] = octets;
+            copy(out, &[a, b, c, d, g, h], NARROW_LEN);
+            return Ok(NARROW_LEN);
+        }
+        copy(out, &octets, PKW_LEN);
         Ok(PKW_LEN)
     }
 
@@ -246,7 +257,7 @@ impl Server {
         }
         match facts.octets {
             1 | 2 => Ok(Width::Word),
-            4 => Ok(Width::DoubleWord),
+            4 if !self.narrow => Ok(Width::DoubleWord),
             _ => Err(Refusal::Number(self.dialect.too_wide)),
         }
     }
@@ -327,6 +338,9 @@ impl Server {
         if element.len() > 4 {
             return Err(Refusal::Number(PkwErrorNumber::NAME_NOT_CYCLIC));
         }
+        if self.narrow && element.len() > 2 {
+            return Err(Refusal::Number(self.dialect.too_wide));
+        }
         let pwe = element.iter().fold(0, |pwe, &octet| pwe << 8 | u32::from(octet));
         Ok(Reply::Words(ReplyCode::DESCRIPTION, pwe))
     }
@@ -403,6 +417,9 @@ impl Server {
     }
 }
 
+/// Octets of a block with one word of PWE.
+const NARROW_LEN: usize = 6;
+
 enum Reply {
     Nothing,
     Words(ReplyCode, u32),
@@ -419,6 +436,9 @@ fn parse(request: &[u8]) -> Result<(Pkw, &[u8]), BlockError> {
     let is_text = Pkw::from_octets(octets).request_code() == super::code::RequestCode::TEXT;
     if is_text && request.len() <= MAX_BLOCK {
         return Ok((Pkw::from_octets(octets), text));
+    }
+    if let &[a, b, c, d, g, h] = request {
+        return Ok((Pkw::from_octets([a, b, c, d, 0, 0, g, h]), &[]));
     }
     let octets = request.first_chunk().filter(|_| request.len() == PKW_LEN);
     Ok((Pkw::from_octets(*octets.ok_or(wrong)?), &[]))

@@ -201,6 +201,30 @@ fn a_round_of_several_slaves() {
     }
 }
 
+/// Rounds keep their distance, slaves of one round follow one another.
+#[test]
+fn rounds_keep_their_distance() {
+    for round in [0, 300] {
+        let config = MasterConfig {
+            round: Duration::from_millis(round),
+            ..MasterConfig::fc(19_200)
+        };
+        let mut line = Line::new(&[1, 2], 6, CLEAN);
+        line.master = Master::new(config);
+        for number in [1, 2] {
+            line.master
+                .add(Address::fc(number).unwrap(), &[0, 1, 2, 3])
+                .unwrap();
+        }
+        line.run(Duration::from_millis(1450), |_| true);
+        if round == 0 {
+            assert!(line.replies[0] > 50, "{:?}", line.replies);
+        } else {
+            assert_eq!(line.replies, [5, 5]);
+        }
+    }
+}
+
 #[test]
 fn a_dead_slave_is_told_once_and_costs_the_others_little() {
     let mut line = Line::new(&[1, 2, 3], 2, CLEAN);

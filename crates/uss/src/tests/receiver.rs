@@ -71,6 +71,13 @@ fn the_inside_of_a_damaged_telegram_is_not_taken() {
         let (_, found) = feed(&mut receiver, &timing, START, &damaged);
         assert!(found.is_empty(), "octet {at}: {found:02X?}");
     }
+    // the tail of a telegram that broke off in front: no silence before its STX
+    for head in [&outer[1..7], &[0xFF], &[0xFF, 0x00]] {
+        let (timing, mut receiver) = receiver();
+        let (_, found) = feed(&mut receiver, &timing, START, &[head, &inner].concat());
+        assert!(found.is_empty(), "behind {head:02X?}: {found:02X?}");
+        assert_eq!(receiver.statistics().noise, (head.len() + inner.len()) as u64);
+    }
 }
 
 /// A damaged LGE that makes a telegram look shorter, with a check octet right by chance.

@@ -262,7 +262,7 @@ fn blocks_that_are_none() {
     let (mut server, mut drive) = (Server::new(PkwDialect::DANFOSS_FC), Bench::default());
     let mut out = [0; MAX_BLOCK];
     let request = words("21 9E 00 00 00 00 00 64");
-    for length in (0..8).chain(9..20) {
+    for length in (0..6).chain([7]).chain(9..20) {
         let octets: Vec<u8> = request.iter().copied().cycle().take(length).collect();
         assert_eq!(
             server.handle_block(&octets, &mut drive, &mut out),
@@ -277,4 +277,27 @@ fn blocks_that_are_none() {
         Err(BlockError::Room)
     );
     assert!(drive.writes.is_empty());
+}
+
+/// USS with three words of parameter part: what needs a double word is refused before anything is done.
+#[test]
+fn blocks_with_one_word_of_value() {
+    let (mut server, mut drive) = (Server::new(PkwDialect::SIEMENS_USS), Bench::default());
+    let mut out = [0; MAX_BLOCK];
+    let mut ask = |request: &str| {
+        let length = server
+            .handle_block(&block(request), &mut drive, &mut out)
+            .unwrap();
+        out[..length].to_vec()
+    };
+    assert_eq!(ask("00 00 00 00 00 00"), [0; 6]);
+    assert_eq!(ask("11 9E 00 00 00 00"), block("11 9E 00 00 05 DC"));
+    assert_eq!(ask("21 9E 00 00 00 64"), block("11 9E 00 00 00 64"));
+    assert_eq!(ask("10 CF 00 00 00 00"), block("70 CF 00 00 00 66"));
+    assert_eq!(ask("30 CF 00 00 00 01"), block("70 CF 00 00 00 66"));
+    assert_eq!(ask("40 01 00 08 00 00"), block("70 01 00 08 00 66"));
+    assert_eq!(ask("40 01 00 01 00 00"), block("30 01 00 01 04 05"));
+    // the same request in eight octets is another, and has room
+    assert_eq!(ask("10 CF 00 00 00 00 00 00"), block("20 CF 00 00 00 00 03 E8"));
+    assert_eq!(drive.writes, [(414, 0, 100, false)]);
 }
