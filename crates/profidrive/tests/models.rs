@@ -9,6 +9,7 @@ use profidrive::catalogue::{
 };
 use profidrive::notation::{Notation, ParameterReference, Target};
 use profidrive::parameter::{CodeSpace, Format, Octets};
+use profidrive::state::Mode;
 use profidrive::unit::{ConversionIndex, Variable};
 
 const MODELS: [&Catalogue; 3] = [&AKD, &VLT, &VACON];
@@ -314,6 +315,27 @@ fn faults_of_the_converters() {
         VACON.fault(53, false).map(|fault| fault.reaction),
         Some(Reaction::RampStop)
     );
+}
+
+#[test]
+fn alarm_and_warning_words_name_their_faults() {
+    for fault in VLT.faults {
+        let Some(bit) = fault.bit.filter(|bit| *bit < 32) else {
+            continue;
+        };
+        let pnu = if fault.warning { 1692 } else { 1690 };
+        let told = VLT.word(pnu).unwrap().told(1 << bit, Mode::default());
+        let number = fault.number.to_string();
+        let mut numbers = told
+            .iter()
+            .flat_map(|text| text.split(|c: char| !c.is_ascii_digit()));
+        assert!(numbers.any(|found| found == number), "{told:?}");
+    }
+    assert_eq!(VLT.word(1603).map(|word| word.bits.len()), Some(0)); // as 8-10 says
+    assert!(VACON.word_at(10001, Some(2101)).is_some() && VACON.word_at(10001, Some(103)).is_none());
+    assert!(VLT.words.windows(2).all(|pair| pair[0].pnu < pair[1].pnu));
+    let told = VLT.word(1690).unwrap().told(1 << 10, Mode::default());
+    assert_eq!(told, ["DC link under-voltage (8)"]);
 }
 
 #[test]

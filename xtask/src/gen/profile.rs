@@ -60,6 +60,13 @@ struct Telegram {
     vendor: Option<String>,
     #[serde(default)]
     free: bool,
+    #[serde(default)]
+    pkw: bool,
+    #[serde(default)]
+    parameters: bool,
+    #[serde(default)]
+    own_words: bool,
+    full_speed: Option<u16>,
     setpoint: Vec<String>,
     actual: Vec<String>,
     words: [u16; 2],
@@ -139,11 +146,16 @@ fn render(signals: &SignalFile, telegrams: &TelegramFile) -> Outcome<String> {
         };
         writeln!(
             text,
-            "    Telegram {{\n        number: {}, vendor: {}, free: {},\n        setpoint: {},\n        \
+            "    Telegram {{\n        number: {}, vendor: {}, free: {}, pkw: {}, parameters: {}, own_words: {}, \
+             full_speed: {:?},\n        setpoint: {},\n        \
              actual: {},\n        source: {:?},\n    }},",
             telegram.number,
             vendor(&telegram.vendor)?,
             telegram.free,
+            telegram.pkw,
+            telegram.parameters,
+            telegram.own_words,
+            telegram.full_speed,
             image(&telegram.setpoint, telegram.words[0], "setpoint")?,
             image(&telegram.actual, telegram.words[1], "actual")?,
             telegram.source,
@@ -161,6 +173,9 @@ fn known(place: &str, words: &[String], allowed: &[&str]) -> Outcome<()> {
     }
 }
 
+/// Octets of the parameter channel in front.
+const PKW_OCTETS: u16 = 8;
+
 /// The half of a telegram in one direction: each signal with its offset.
 fn image(
     signals: &[Signal],
@@ -170,7 +185,7 @@ fn image(
     direction: &str,
 ) -> Outcome<String> {
     let mut fields = Vec::new();
-    let mut offset = 0;
+    let mut offset = if telegram.pkw { PKW_OCTETS } else { 0 };
     for name in names {
         if name == "-" {
             offset += 2;
@@ -254,6 +269,17 @@ mod tests {
         assert!(text.contains("signal: &SIGNALS[1], offset: 4"), "{text}");
         assert!(text.contains("octets: 8"), "{text}");
         assert!(text.contains("vendor: Some(0x1234)"), "{text}");
+    }
+
+    #[test]
+    fn the_parameter_channel_comes_first() {
+        let text = file(
+            "[[telegram]]\nnumber = 7\nvendor = \"x\"\npkw = true\nsetpoint = [\"A\", \"-\"]\nactual = []\n\
+             words = [6, 4]\nsource = \"s\"\n",
+        )
+        .unwrap();
+        assert!(text.contains("signal: &SIGNALS[0], offset: 8"), "{text}");
+        assert!(text.contains("pkw: true"), "{text}");
     }
 
     #[test]

@@ -69,15 +69,15 @@ pub static SIGNALS: [Signal; 60] = [
 
 /// All telegrams.
 #[rustfmt::skip]
-pub static TELEGRAMS: [Telegram; 26] = [
+pub static TELEGRAMS: [Telegram; 37] = [
     Telegram {
-        number: 0, vendor: None, free: true,
+        number: 0, vendor: None, free: true, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[], octets: 0 },
         actual: Image { fields: &[], octets: 0 },
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.1; the length is that of the plugged module",
     },
     Telegram {
-        number: 1, vendor: None, free: false,
+        number: 1, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
@@ -89,7 +89,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.2; Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 2, vendor: None, free: false,
+        number: 2, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -103,7 +103,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 3, vendor: None, free: false,
+        number: 3, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -121,7 +121,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 4, vendor: None, free: false,
+        number: 4, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -143,7 +143,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 5, vendor: None, free: false,
+        number: 5, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -163,7 +163,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 6, vendor: None, free: false,
+        number: 6, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -187,7 +187,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 7, vendor: None, free: false,
+        number: 7, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[30], offset: 2 }, // SATZANW
@@ -199,7 +199,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.3; Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 9, vendor: None, free: false,
+        number: 9, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[30], offset: 2 }, // SATZANW
@@ -219,7 +219,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.4; Siemens SINAMICS S List Manual 07/2007 function diagram 2420",
     },
     Telegram {
-        number: 20, vendor: None, free: false,
+        number: 20, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
@@ -235,7 +235,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens G220 04/2024 p. 334-338",
     },
     Telegram {
-        number: 81, vendor: None, free: false,
+        number: 81, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[44], offset: 0 }, // STW2_ENC
             Field { signal: &SIGNALS[8], offset: 2 }, // G1_STW
@@ -249,7 +249,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Heidenhain PROFIBUS DPV2 / PROFINET encoder manual p. 38-42",
     },
     Telegram {
-        number: 82, vendor: None, free: false,
+        number: 82, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[44], offset: 0 }, // STW2_ENC
             Field { signal: &SIGNALS[8], offset: 2 }, // G1_STW
@@ -264,7 +264,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Heidenhain PROFIBUS DPV2 / PROFINET encoder manual p. 38-42",
     },
     Telegram {
-        number: 83, vendor: None, free: false,
+        number: 83, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[44], offset: 0 }, // STW2_ENC
             Field { signal: &SIGNALS[8], offset: 2 }, // G1_STW
@@ -279,7 +279,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Heidenhain PROFIBUS DPV2 / PROFINET encoder manual p. 38-42",
     },
     Telegram {
-        number: 84, vendor: None, free: false,
+        number: 84, vendor: None, free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[44], offset: 0 }, // STW2_ENC
             Field { signal: &SIGNALS[8], offset: 2 }, // G1_STW
@@ -294,7 +294,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Heidenhain PROFIBUS DPV2 / PROFINET encoder manual p. 38-42",
     },
     Telegram {
-        number: 102, vendor: Some(0x002a), free: false,
+        number: 102, vendor: Some(0x002a), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -314,7 +314,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens G220 04/2024 p. 334-338",
     },
     Telegram {
-        number: 103, vendor: Some(0x002a), free: false,
+        number: 103, vendor: Some(0x002a), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -338,7 +338,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens G220 04/2024 p. 334-338",
     },
     Telegram {
-        number: 105, vendor: Some(0x002a), free: false,
+        number: 105, vendor: Some(0x002a), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -360,7 +360,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "LinMot PROFIdrive manual p. 33",
     },
     Telegram {
-        number: 106, vendor: Some(0x002a), free: false,
+        number: 106, vendor: Some(0x002a), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[6], offset: 2 }, // NSOLL_B
@@ -386,7 +386,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens product information on telegram 105, by analogy",
     },
     Telegram {
-        number: 350, vendor: Some(0x0105), free: false,
+        number: 350, vendor: Some(0x0105), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
@@ -399,7 +399,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.5",
     },
     Telegram {
-        number: 351, vendor: Some(0x0105), free: false,
+        number: 351, vendor: Some(0x0105), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
@@ -413,7 +413,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.6",
     },
     Telegram {
-        number: 352, vendor: Some(0x0105), free: false,
+        number: 352, vendor: Some(0x0105), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[30], offset: 2 }, // SATZANW
@@ -434,7 +434,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.7; word 8 is blank there, MDI_ACC as in telegram 353",
     },
     Telegram {
-        number: 353, vendor: Some(0x0105), free: false,
+        number: 353, vendor: Some(0x0105), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[30], offset: 2 }, // SATZANW
@@ -456,7 +456,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.8",
     },
     Telegram {
-        number: 354, vendor: Some(0x0105), free: false,
+        number: 354, vendor: Some(0x0105), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
@@ -470,7 +470,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.9",
     },
     Telegram {
-        number: 400, vendor: Some(0x0105), free: true,
+        number: 400, vendor: Some(0x0105), free: true, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[30], offset: 2 }, // SATZANW
@@ -490,7 +490,7 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "AKD PROFINET manual ed. M (10/2017) 5.11.10; the default is like telegram 9",
     },
     Telegram {
-        number: 352, vendor: Some(0x002a), free: false,
+        number: 352, vendor: Some(0x002a), free: false, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[
             Field { signal: &SIGNALS[0], offset: 0 }, // STW1
             Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
@@ -506,10 +506,142 @@ pub static TELEGRAMS: [Telegram; 26] = [
         source: "Siemens G220 04/2024 p. 334-338",
     },
     Telegram {
-        number: 999, vendor: Some(0x002a), free: true,
+        number: 999, vendor: Some(0x002a), free: true, pkw: false, parameters: false, own_words: false, full_speed: None,
         setpoint: Image { fields: &[], octets: 0 },
         actual: Image { fields: &[], octets: 0 },
         source: "Siemens SINAMICS S List Manual 07/2007 function diagram 2420; the length is that of the plugged module",
+    },
+    Telegram {
+        number: 101, vendor: Some(0x0080), free: false, pkw: true, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 8 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 10 }, // NSOLL_A
+        ], octets: 12 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 8 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 10 }, // NIST_A
+        ], octets: 12 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory",
+    },
+    Telegram {
+        number: 102, vendor: Some(0x0080), free: false, pkw: true, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 8 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 10 }, // NSOLL_A
+        ], octets: 20 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 8 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 10 }, // NIST_A
+        ], octets: 20 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory",
+    },
+    Telegram {
+        number: 103, vendor: Some(0x0080), free: false, pkw: false, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 0 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
+        ], octets: 4 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 0 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 2 }, // NIST_A
+        ], octets: 4 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory",
+    },
+    Telegram {
+        number: 104, vendor: Some(0x0080), free: false, pkw: false, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 0 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
+        ], octets: 12 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 0 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 2 }, // NIST_A
+        ], octets: 12 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory",
+    },
+    Telegram {
+        number: 105, vendor: Some(0x0080), free: false, pkw: true, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 8 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 10 }, // NSOLL_A
+        ], octets: 28 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 8 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 10 }, // NIST_A
+        ], octets: 28 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory",
+    },
+    Telegram {
+        number: 106, vendor: Some(0x0080), free: false, pkw: false, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 0 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
+        ], octets: 20 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 0 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 2 }, // NIST_A
+        ], octets: 20 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory",
+    },
+    Telegram {
+        number: 107, vendor: Some(0x0080), free: false, pkw: true, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 8 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 10 }, // NSOLL_A
+        ], octets: 24 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 8 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 10 }, // NIST_A
+        ], octets: 24 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory; the eight words are read from a drawing",
+    },
+    Telegram {
+        number: 108, vendor: Some(0x0080), free: false, pkw: false, parameters: true, own_words: true, full_speed: Some(16384),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 0 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
+        ], octets: 16 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 0 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 2 }, // NIST_A
+        ], octets: 16 },
+        source: "MCA 101 manual p. 16; VLT PROFINET MCA 120 manual p. 25; the number is the selection of 9-22, from memory; the eight words are read from a drawing",
+    },
+    Telegram {
+        number: 148, vendor: Some(0x01ba), free: false, pkw: false, parameters: true, own_words: true, full_speed: Some(10000),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 0 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
+        ], octets: 4 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 0 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 2 }, // NIST_A
+        ], octets: 4 },
+        source: "OPTEA manual p. 103-104",
+    },
+    Telegram {
+        number: 149, vendor: Some(0x01ba), free: false, pkw: false, parameters: true, own_words: true, full_speed: Some(10000),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 0 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
+        ], octets: 12 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 0 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 2 }, // NIST_A
+        ], octets: 12 },
+        source: "OPTEA manual p. 103-104",
+    },
+    Telegram {
+        number: 150, vendor: Some(0x01ba), free: false, pkw: false, parameters: true, own_words: true, full_speed: Some(10000),
+        setpoint: Image { fields: &[
+            Field { signal: &SIGNALS[0], offset: 0 }, // STW1
+            Field { signal: &SIGNALS[4], offset: 2 }, // NSOLL_A
+        ], octets: 20 },
+        actual: Image { fields: &[
+            Field { signal: &SIGNALS[1], offset: 0 }, // ZSW1
+            Field { signal: &SIGNALS[5], offset: 2 }, // NIST_A
+        ], octets: 20 },
+        source: "OPTEA manual p. 103-104",
     },
 ];
 

@@ -27,6 +27,10 @@ use thiserror::Error;
 pub const KOLLMORGEN: u16 = 0x0105;
 /// PROFINET vendor number of Siemens.
 pub const SIEMENS: u16 = 0x002A;
+/// PROFINET vendor number of Danfoss.
+pub const DANFOSS: u16 = 0x0080;
+/// PROFINET vendor number of Vacon.
+pub const VACON: u16 = 0x01BA;
 
 /// Which way a signal goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -256,6 +260,16 @@ pub struct Telegram {
     pub vendor: Option<u16>,
     /// The mapping can be changed, `setpoint` and `actual` are the default; see [`Mapping`].
     pub free: bool,
+    /// The first [`PKW`](Self::PKW) octets each way are the parameter channel: PKE, IND and PWE. Signals follow behind.
+    pub pkw: bool,
+    /// Words without a signal carry parameters that settings of the drive choose, see
+    /// [`parameter_words`](Self::parameter_words).
+    pub parameters: bool,
+    /// The words in the places of STW1 and ZSW1 have the bits of the maker's own profile (VLT: as 8-10 says), see
+    /// [`Profile`](crate::state::Profile).
+    pub own_words: bool,
+    /// The number of NSOLL_A and NIST_A that is 100 % where the telegram has a scale of its own; none: that of the drive.
+    pub full_speed: Option<u16>,
     /// From the controller to the drive.
     pub setpoint: Image,
     /// From the drive to the controller.
@@ -265,6 +279,33 @@ pub struct Telegram {
 }
 
 impl Telegram {
+    /// Octets of the parameter channel.
+    pub const PKW: u16 = 8;
+
+    /// The words of one half that carry a parameter chosen by settings of the drive: index of the word behind the
+    /// parameter channel (that of VLT 9-15 and 9-16) and first octet.
+    ///
+    /// ```
+    /// use profidrive::telegram::{DANFOSS, Telegram};
+    /// let ppo_2 = Telegram::find(102, DANFOSS).unwrap();
+    /// let words: Vec<(u16, u16)> = ppo_2.parameter_words(&ppo_2.setpoint).collect();
+    /// assert_eq!(words, [(2, 12), (3, 14), (4, 16), (5, 18)]);
+    /// ```
+    pub fn parameter_words(&self, half: &Image) -> impl Iterator<Item = (u16, u16)> + use<> {
+        let first = if self.pkw { Self::PKW } else { 0 };
+        let end = if self.parameters { half.octets } else { first };
+        let fields = half.fields;
+        let taken = move |offset: u16| {
+            let mut fields = fields.iter();
+            fields.any(|field| (field.offset..field.offset + field.signal.octets()).contains(&offset))
+        };
+        (first..end)
+            .step_by(2)
+            .enumerate()
+            .filter(move |(_, offset)| !taken(*offset))
+            .filter_map(|(index, offset)| Some((u16::try_from(index).ok()?, offset)))
+    }
+
     /// The telegram with this number on a drive of this vendor.
     #[must_use]
     pub fn find(number: u16, vendor: u16) -> Option<&'static Self> {
@@ -299,6 +340,76 @@ mod tests {
                 telegram.number
             );
         }
+    }
+
+    #[test]
+    fn the_modules_of_the_converters_have_the_lengths_of_their_telegrams() {
+        for catalogue in [&crate::catalogue::VLT, &crate::catalogue::VACON] {
+            let device = &catalogue.device;
+            for module in device.telegrams {
+                let telegram = Telegram::find(module.telegram, device.vendor_id).unwrap();
+                let lengths = (telegram.setpoint.octets, telegram.actual.octets);
+                assert_eq!(lengths, (module.outputs, module.inputs), "{}", telegram.number);
+                // telegram 1 is the profile's
+                let own = telegram.number != 1;
+                assert_eq!((telegram.own_words, telegram.parameters), (own, own));
+                assert_eq!(telegram.full_speed.is_some(), own);
+            }
+        }
+        for telegram in TELEGRAMS
+            .iter()
+            .filter(|telegram| telegram.vendor != Some(DANFOSS))
+        {
+            assert!(!telegram.pkw, "{}", telegram.number);
+            let words = telegram.parameter_words(&telegram.actual).count();
+            assert_eq!(words > 0, matches!(telegram.number, 149 | 150));
+        }
+    }
+
+    /// Places of a PPO with parameter channel: PKE 1, IND 3, PVA 5, CTW 9, MRV 11, further words from 13 on (from 1).
+    #[test]
+    fn ppo_types_word_by_word() {
+        let ppo = |kind: u16| Telegram::find(100 + kind, DANFOSS).unwrap();
+        for (kind, octets, pkw) in [
+            (1, 12, true),
+            (2, 20, true),
+            (3, 4, false),
+            (4, 12, false),
+            (5, 28, true),
+            (6, 20, false),
+            (7, 24, true),
+            (8, 16, false),
+        ] {
+            let telegram = ppo(kind);
+            assert_eq!(
+                (telegram.setpoint.octets, telegram.actual.octets),
+                (octets, octets)
+            );
+            assert_eq!(telegram.pkw, pkw);
+            let first = if pkw { 8 } else { 0 };
+            assert_eq!(telegram.setpoint.position_of(signal::STW1), Some(first));
+            assert_eq!(telegram.actual.position_of(signal::NIST_A), Some(first + 2));
+            let words: Vec<(u16, u16)> = telegram.parameter_words(&telegram.actual).collect();
+            assert_eq!(words.len(), (usize::from(octets) - first) / 2 - 2);
+            assert!(
+                words
+                    .iter()
+                    .all(|(index, offset)| usize::from(*offset) == first + 2 * usize::from(*index))
+            );
+        }
+        // FCM 300 p. 29: a positive reply of a double word in PPO 1, STW 0F07, MAV 50 %
+        let reply = [0x20, 0xCF, 0, 0, 0, 0, 0x03, 0xE8, 0x0F, 0x07, 0x20, 0x00];
+        let actual = &ppo(1).actual;
+        assert_eq!(actual.get(&reply, signal::ZSW1), Some(0x0F07));
+        assert_eq!(actual.get(&reply, signal::NIST_A), Some(0x2000));
+        let mut vendor = [0; 4];
+        let telegram = Telegram::find(148, VACON).unwrap();
+        telegram
+            .setpoint
+            .set(&mut vendor, signal::NSOLL_A, -10_000)
+            .unwrap();
+        assert_eq!((vendor, telegram.full_speed), ([0, 0, 0xD8, 0xF0], Some(10_000)));
+        assert_eq!(Telegram::find(148, DANFOSS), None);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Fault and warning numbers: `faults.csv` of a model.
 
+use std::collections::BTreeMap;
+
 use crate::Outcome;
 use crate::table::{Row, Table};
 
@@ -14,6 +16,31 @@ pub fn render(faults: &Table) -> Outcome<String> {
     }
     text.push_str("];\n");
     Ok(text)
+}
+
+/// The faults, or warnings, of one word of 32 bits: bit and text. Several that share a bit are one text.
+pub fn bits(faults: &Table, warnings: bool, first: u8) -> Outcome<Vec<(u8, String)>> {
+    let mut found: BTreeMap<u8, Vec<(u16, &str)>> = BTreeMap::new();
+    for row in faults.rows() {
+        let bit = row
+            .maybe_number::<u8>("bit")?
+            .and_then(|bit| bit.checked_sub(first));
+        let Some(bit) = bit.filter(|bit| *bit < 32) else {
+            continue;
+        };
+        if (row.text("kind")? == "n") == warnings {
+            let fault = (row.number("number")?, row.text("meaning")?);
+            found.entry(bit).or_default().push(fault);
+        }
+    }
+    let text = |faults: &[(u16, &str)]| match faults {
+        [(number, meaning)] => format!("{meaning} ({number})"),
+        several => {
+            let numbers: Vec<String> = several.iter().map(|(number, _)| number.to_string()).collect();
+            format!("one of {}", numbers.join(", "))
+        }
+    };
+    Ok(found.iter().map(|(bit, faults)| (*bit, text(faults))).collect())
 }
 
 fn render_fault(row: Row<'_>) -> Outcome<String> {
@@ -58,4 +85,22 @@ fn render_fault(row: Row<'_>) -> Outcome<String> {
         row.text("assumed")?,
         row.text("source")?,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_of_alarm_and_warning_words() {
+        let rows = "number,kind,bit,meaning\n4,F,14,a\n4,n,14,b\n50,F,15,c\n51,F,15,d\n70,F,33,e\n71,F,,f\n";
+        let table = Table::parse("f", rows).unwrap();
+        let of = |warnings, first| bits(&table, warnings, first).unwrap();
+        assert_eq!(
+            of(false, 0),
+            [(14, "a (4)".to_owned()), (15, "one of 50, 51".to_owned())]
+        );
+        assert_eq!(of(true, 0), [(14, "b (4)".to_owned())]);
+        assert_eq!(of(false, 32), [(1, "e (70)".to_owned())]);
+    }
 }

@@ -82,6 +82,24 @@ impl Meanings {
         Ok(meanings)
     }
 
+    /// Texts of the bits of a parameter that are faults.
+    pub fn bits_of_faults(&mut self, parameter: &str, bits: &[(u8, String)]) -> Outcome<()> {
+        if bits.is_empty() {
+            return Ok(());
+        }
+        let texts = bits
+            .iter()
+            .map(|(bit, text)| (i32::from(*bit), text.clone()))
+            .collect();
+        match self
+            .tables
+            .insert((parameter.to_owned(), "bit".to_owned()), texts)
+        {
+            Some(_) => Err(format!("meanings: the bits of {parameter} are those of the faults").into()),
+            None => Ok(()),
+        }
+    }
+
     /// The texts as Rust, a table for each parameter or family that has some.
     pub fn render(&self) -> String {
         let mut text = String::from("use crate::catalogue::Meaning;\n\n");

@@ -26,6 +26,25 @@ struct Model {
     own_from: u16,
     /// How the maker writes numbers, as Rust.
     notation: &'static str,
+    /// Parameters whose bits are faults or warnings (column `bit` of `faults.csv`).
+    alarm_words: &'static [AlarmWord],
+}
+
+/// A parameter whose bits are faults, or warnings.
+struct AlarmWord {
+    /// As [`parameters::Number::key`] writes it.
+    parameter: &'static str,
+    warnings: bool,
+    /// What the column `bit` has for its bit 0.
+    first: u8,
+}
+
+const fn alarm_word(parameter: &'static str, warnings: bool, first: u8) -> AlarmWord {
+    AlarmWord {
+        parameter,
+        warnings,
+        first,
+    }
 }
 
 /// Every model. A further one is a row here, its tables in `data/` and a line in `profidrive::catalogue`.
@@ -36,6 +55,7 @@ const MODELS: &[Model] = &[
         about: "Kollmorgen AKD with PROFINET, firmware 1.17.",
         own_from: 2000,
         notation: "Notation::Name",
+        alarm_words: &[],
     },
     Model {
         folder: "vlt",
@@ -43,6 +63,12 @@ const MODELS: &[Model] = &[
         about: "Danfoss VLT AutomationDrive FC 302 with the PROFINET option MCA 120.",
         own_from: 0,
         notation: "Notation::GroupIndex",
+        alarm_words: &[
+            alarm_word("p1690", false, 0),
+            alarm_word("p1691", false, 32),
+            alarm_word("p1692", true, 0),
+            alarm_word("p1693", true, 32),
+        ],
     },
     Model {
         folder: "vacon",
@@ -50,6 +76,7 @@ const MODELS: &[Model] = &[
         about: "Vacon 100 with PROFINET (built in, or option OPTEA).",
         own_from: 10001,
         notation: "Notation::Id { pnu: 10001 }",
+        alarm_words: &[],
     },
 ];
 
@@ -68,8 +95,11 @@ impl Model {
         let data = |file: &str| format!("data/{}/{file}", self.folder);
         let parameters = Table::read(root, &data("parameters.csv"))?;
         let numbers = parameters::numbers(&parameters)?;
-        let meanings = meanings::Meanings::read(root, &data("meanings.csv"))?;
         let faults = Table::read(root, &data("faults.csv"))?;
+        let mut meanings = meanings::Meanings::read(root, &data("meanings.csv"))?;
+        for word in self.alarm_words {
+            meanings.bits_of_faults(word.parameter, &faults::bits(&faults, word.warnings, word.first)?)?;
+        }
         let rules = Table::read(root, &data("backup.csv"))?;
         let mut device = device::DeviceFile::read(root, &data("device.toml"))?;
         let table = parameters::render(&parameters, &meanings, &Formats::read(root)?, &mut device.values)?;
