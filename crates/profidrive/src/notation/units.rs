@@ -26,6 +26,8 @@ pub enum Dimension {
     Frequency,
     /// Power.
     Power,
+    /// Energy.
+    Energy,
     /// Resistance.
     Resistance,
     /// Inductance.
@@ -61,6 +63,7 @@ impl fmt::Display for Dimension {
             Self::Torque => "torque",
             Self::Frequency => "frequency",
             Self::Power => "power",
+            Self::Energy => "energy",
             Self::Resistance => "resistance",
             Self::Inductance => "inductance",
             Self::Length => "length",
@@ -135,8 +138,10 @@ pub const UNITS: &[Unit] = &[
     unit("ns", &[], Dimension::Time, 1e-9),
     unit("min", &[], Dimension::Time, 60.0),
     unit("h", &[], Dimension::Time, 3600.0),
+    unit("d", &["days"], Dimension::Time, 86_400.0),
     unit("A", &[], Dimension::Current, 1.0),
     unit("mA", &[], Dimension::Current, 1e-3),
+    unit("kA", &[], Dimension::Current, 1e3),
     unit("Arms", &["Aeff"], Dimension::CurrentRms, 1.0),
     unit("mArms", &[], Dimension::CurrentRms, 1e-3),
     unit("V", &[], Dimension::Voltage, 1.0),
@@ -150,11 +155,18 @@ pub const UNITS: &[Unit] = &[
     unit("mHz", &[], Dimension::Frequency, 1e-3),
     unit("kHz", &[], Dimension::Frequency, 1e3),
     unit("MHz", &[], Dimension::Frequency, 1e6),
+    unit("GHz", &[], Dimension::Frequency, 1e9),
     unit("W", &[], Dimension::Power, 1.0),
     unit("mW", &[], Dimension::Power, 1e-3),
     unit("kW", &[], Dimension::Power, 1e3),
+    unit("MW", &[], Dimension::Power, 1e6),
+    unit("hp", &["HP"], Dimension::Power, 745.699_871_582_270_2),
+    unit("Wh", &[], Dimension::Energy, 1.0),
+    unit("kWh", &[], Dimension::Energy, 1e3),
+    unit("MWh", &[], Dimension::Energy, 1e6),
     unit("ohm", &["Ω", "Ohm"], Dimension::Resistance, 1.0),
     unit("mohm", &["mΩ", "mOhm"], Dimension::Resistance, 1e-3),
+    unit("kohm", &["kΩ", "kOhm"], Dimension::Resistance, 1e3),
     unit("H", &[], Dimension::Inductance, 1.0),
     unit("mH", &[], Dimension::Inductance, 1e-3),
     unit("uH", &["µH", "μH"], Dimension::Inductance, 1e-6),
@@ -211,6 +223,24 @@ mod tests {
                 UNITS[at + 1..].iter().all(|other| other.symbol != unit.symbol),
                 "{}",
                 unit.symbol
+            );
+        }
+    }
+
+    /// What the tables of the converters and a description call a unit can be written.
+    #[test]
+    fn units_of_the_tables_are_known() {
+        use crate::catalogue::{VACON, VLT};
+        let tables = [&VLT, &VACON].into_iter().flat_map(|model| model.parameters);
+        let described = crate::unit::QUANTITIES.iter().flat_map(|quantity| quantity.units);
+        let symbols = tables
+            .map(|row| row.unit)
+            .chain(described.map(|(symbol, _)| *symbol));
+        for symbol in symbols.filter(|symbol| !symbol.is_empty()) {
+            let known = unit_named(symbol).map(|unit| unit.symbol);
+            assert!(
+                known == Some(symbol) || symbol.contains('/'),
+                "{symbol} {known:?}"
             );
         }
     }
