@@ -4,7 +4,9 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use allocations::made_by as allocations;
-use profidrive::parameter::{Attributes, Dialect, ErrorNumber, Format, ParameterAccess, ParameterAddress};
+use profidrive::parameter::{
+    Attributes, Dialect, ErrorNumber, Format, Keep, ParameterAccess, ParameterAddress,
+};
 use profidrive::parameter::{RequestId, Response, encode_read, serve};
 use profinet::cyclic::{Consumer, Provider, ProviderConfig, SubmoduleSize, Timing, pack};
 use profinet::wire::ethernet::{Frame, FrameId, Tag};
@@ -58,18 +60,13 @@ fn cyclic_frames_both_directions() {
 struct Drive;
 
 impl ParameterAccess for Drive {
-    fn attributes(&self, _: u16) -> Option<Attributes> {
-        Some(Attributes {
-            format: Format::UNSIGNED32,
-            octets: 4,
-            elements: 0,
-            writable: true,
-        })
+    fn attributes(&self, _: u16, _: u16) -> Option<Attributes> {
+        Some(Attributes::simple(Format::UNSIGNED32, 4, true))
     }
     fn read(&mut self, pnu: u16, _: u16) -> Result<u64, ErrorNumber> {
         Ok(pnu.into())
     }
-    fn write(&mut self, _: u16, _: u16, _: u64) -> Result<(), ErrorNumber> {
+    fn write(&mut self, _: u16, _: u16, _: u64, _: Keep) -> Result<(), ErrorNumber> {
         Ok(())
     }
 }

@@ -15,7 +15,7 @@ use drive_client::Error;
 use drive_client::backup::{Backup, Choice, Journal, Saved, Step, compare};
 use network::segment::Conditions;
 use profidrive::catalogue::{AKD, Phase, Role, Size};
-use profidrive::parameter::ParameterAccess;
+use profidrive::parameter::{Keep, ParameterAccess};
 use proptest::prelude::*;
 use virtual_drive::station::AnswerFault;
 
@@ -283,8 +283,8 @@ fn switched_on_in_the_midst_of_it() {
         bench.on_each_step(move |step, wire| {
             if step == at {
                 let drive = wire.station().drive_mut();
-                drive.write(2113, 0, 0).unwrap();
-                drive.write(2127, 0, 1).unwrap();
+                drive.write(2113, 0, 0, Keep::Volatile).unwrap();
+                drive.write(2127, 0, 1, Keep::Volatile).unwrap();
             }
         });
         let (result, _) = bench.restore(&mut journal, false);
@@ -305,7 +305,7 @@ fn what_reads_back_another_value_is_told_and_not_saved() {
     bench.on_each_step(|_, wire| {
         let drive = wire.station().drive_mut();
         if drive.read(2108, 0).unwrap() > 4_000_000 {
-            drive.write(2108, 0, 4_000_000).unwrap();
+            drive.write(2108, 0, 4_000_000, Keep::Volatile).unwrap();
         }
     });
     let (result, kept) = bench.restore(&mut journal, true);
@@ -430,9 +430,9 @@ proptest! {
             let drive = wire.station().drive_mut();
             // some say no, in this state or with that neighbour: that is no setting then
             if let Some(high) = parameter.high() {
-                let _ = drive.write(high, 0, value.into()).and_then(|()| drive.write(pnu, 0, u64::from(!value)));
+                let _ = drive.write(high, 0, value.into(), Keep::Volatile).and_then(|()| drive.write(pnu, 0, u64::from(!value), Keep::Volatile));
             } else {
-                let _ = drive.write(pnu, 0, raw);
+                let _ = drive.write(pnu, 0, raw, Keep::Volatile);
             }
         }
         let changed = bench.backup();
@@ -483,7 +483,7 @@ fn faults_situation_by_situation_of_one_moment() {
         let drive = wire.station().drive_mut();
         drive.inject_fault(number, false);
         drive.tick(now, None, &mut []);
-        drive.write(2111, 0, 1).unwrap();
+        drive.write(2111, 0, 1, Keep::Volatile).unwrap();
     });
     let error = bench.session.fault_report(&mut bench.drive).unwrap_err();
     assert!(matches!(error, Error::Changing { attempts: 3, .. }), "{error}");

@@ -7,7 +7,7 @@ use drive_client::parameter::{ParameterProblem, Parameters};
 use network::host::Host;
 use network::segment::{Segment, StationId, Tap};
 use profidrive::catalogue::Catalogue;
-use profidrive::parameter::{ErrorNumber, ParameterAccess};
+use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess};
 use profidrive::state::Zsw1;
 use profinet::controller::{ArId, ConnectConfig, Controller, ControllerConfig, Event, Resolve, Target};
 use profinet::cyclic::Timing;
@@ -89,7 +89,12 @@ impl DrivePlan {
             let selection = table.select(&assignment.reference).map_err(problem)?;
             let value = table.check(&selection, &assignment.quantity).map_err(problem)?;
             drive
-                .write(selection.pnu, selection.first, value.raw.cast_unsigned())
+                .write(
+                    selection.pnu,
+                    selection.first,
+                    value.raw.cast_unsigned(),
+                    Keep::Volatile,
+                )
                 .map_err(|error| WorldError::Refused {
                     drive: self.name.clone(),
                     parameter: selection.label(),

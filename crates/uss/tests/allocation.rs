@@ -3,27 +3,22 @@
 use std::time::Duration;
 
 use allocations::made_by as allocations;
-use profidrive::parameter::{Attributes, ErrorNumber, Format, ParameterAccess};
+use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
 use profidrive::pkw::{Client, ClientTiming, Job, MAX_BLOCK, PkwDialect, Server};
 use uss::{Address, Layout, MAX_DATA, MAX_TELEGRAM, Master, MasterConfig, Parts, Slave, SlaveConfig};
 
 struct Drive;
 
 impl ParameterAccess for Drive {
-    fn attributes(&self, _: u16) -> Option<Attributes> {
-        Some(Attributes {
-            format: Format::UNSIGNED16,
-            octets: 2,
-            elements: 0,
-            writable: true,
-        })
+    fn attributes(&self, _: u16, _: u16) -> Option<Attributes> {
+        Some(Attributes::simple(Format::UNSIGNED16, 2, true))
     }
 
     fn read(&mut self, pnu: u16, _: u16) -> Result<u64, ErrorNumber> {
         Ok(pnu.into())
     }
 
-    fn write(&mut self, _: u16, _: u16, _: u64) -> Result<(), ErrorNumber> {
+    fn write(&mut self, _: u16, _: u16, _: u64, _: Keep) -> Result<(), ErrorNumber> {
         Ok(())
     }
 }

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::{Attributes, ErrorNumber, Format, ParameterAccess};
+use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
 use profidrive::pkw::{
     Answer, Client, ClientTiming, Job, JobError, MAX_BLOCK, Memory, Outcome, PkwDialect, PkwErrorNumber,
     PkwValue, Server,
@@ -25,7 +25,7 @@ struct Vlt {
 }
 
 impl ParameterAccess for Vlt {
-    fn attributes(&self, pnu: u16) -> Option<Attributes> {
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
         let (format, octets, elements, writable) = match pnu {
             414 => (Format::UNSIGNED16, 2, 0, true),
             1530 => (Format::UNSIGNED8, 1, 10, false),
@@ -34,10 +34,8 @@ impl ParameterAccess for Vlt {
             _ => return None,
         };
         Some(Attributes {
-            format,
-            octets,
             elements,
-            writable,
+            ..Attributes::simple(format, octets, writable)
         })
     }
 
@@ -50,15 +48,9 @@ impl ParameterAccess for Vlt {
         })
     }
 
-    fn write(&mut self, _: u16, _: u16, raw: u64) -> Result<(), ErrorNumber> {
-        self.kept = false;
+    fn write(&mut self, _: u16, _: u16, raw: u64, keep: Keep) -> Result<(), ErrorNumber> {
+        self.kept = keep == Keep::Permanent;
         self.limit = u16::try_from(raw).unwrap();
-        Ok(())
-    }
-
-    fn write_kept(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
-        self.write(pnu, subindex, raw)?;
-        self.kept = true;
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use profidrive::notation::{ParameterReference, Quantity};
 use profidrive::parameter::{
-    Answer, Attributes, Description, Dialect, ErrorNumber, Format, ParameterAccess, ParameterAddress,
+    Answer, Attributes, Description, Dialect, ErrorNumber, Format, Keep, ParameterAccess, ParameterAddress,
     Request, RequestId, Response, ResponseError, serve,
 };
 
@@ -123,7 +123,7 @@ pub fn description(data: &[u8]) {
 struct SomeDrive;
 
 impl ParameterAccess for SomeDrive {
-    fn attributes(&self, pnu: u16) -> Option<Attributes> {
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
         let (format, octets, elements, writable) = match pnu % 6 {
             0 => (Format::UNSIGNED16, 2, 0, true),
             1 => (Format::UNSIGNED32, 4, 8, true),
@@ -133,23 +133,22 @@ impl ParameterAccess for SomeDrive {
             _ => return None,
         };
         Some(Attributes {
-            format,
-            octets,
             elements,
-            writable,
+            ..Attributes::simple(format, octets, writable)
         })
     }
 
     fn read(&mut self, pnu: u16, subindex: u16) -> Result<u64, ErrorNumber> {
         assert!(
-            self.attributes(pnu).is_some_and(|a| subindex < a.elements.max(1)),
+            self.attributes(pnu, subindex)
+                .is_some_and(|a| subindex < a.elements.max(1)),
             "PNU {pnu}.{subindex}"
         );
         Ok(u64::from(pnu) ^ u64::from(subindex))
     }
 
-    fn write(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
-        let attributes = self.attributes(pnu).unwrap();
+    fn write(&mut self, pnu: u16, subindex: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
+        let attributes = self.attributes(pnu, subindex).unwrap();
         assert!(
             attributes.writable && subindex < attributes.elements.max(1),
             "PNU {pnu}.{subindex}"

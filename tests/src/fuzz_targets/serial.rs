@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::{Attributes, ErrorNumber, Format, ParameterAccess};
+use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
 use profidrive::pkw::{
     Client, ClientTiming, Job, MAX_BLOCK, Memory, PKW_LEN, Pkw, PkwDialect, PkwValue, RequestCode, Server,
 };
@@ -206,7 +206,7 @@ struct AnyDrive {
 }
 
 impl ParameterAccess for AnyDrive {
-    fn attributes(&self, pnu: u16) -> Option<Attributes> {
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
         let (format, octets, elements) = match pnu % 8 {
             0 => (Format::UNSIGNED8, 1, 0),
             1 => (Format::INTEGER8, 1, 3),
@@ -218,10 +218,8 @@ impl ParameterAccess for AnyDrive {
             _ => return None,
         };
         Some(Attributes {
-            format,
-            octets,
             elements,
-            writable: pnu & 16 == 0,
+            ..Attributes::simple(format, octets, pnu & 16 == 0)
         })
     }
 
@@ -233,7 +231,7 @@ impl ParameterAccess for AnyDrive {
         }
     }
 
-    fn write(&mut self, _: u16, _: u16, raw: u64) -> Result<(), ErrorNumber> {
+    fn write(&mut self, _: u16, _: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
         self.writes += 1;
         self.value = raw;
         Ok(())

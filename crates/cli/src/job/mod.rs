@@ -188,6 +188,9 @@ const fn verb(id: RequestId) -> &'static str {
     match id {
         RequestId::Read => "read request",
         RequestId::Change => "change request",
+        RequestId::ChangePermanent => "change request (kept)",
+        RequestId::ReadWide => "read request (double words)",
+        RequestId::ChangeWide => "change request (double words)",
         RequestId::Other(_) => "request of an unknown kind",
     }
 }
@@ -207,7 +210,7 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
     for address in job.addresses() {
         let mut fields = address_json(drive, address);
         let mut text = label(drive, address);
-        if job.id() == RequestId::Change {
+        if job.id().is_change() {
             match values.next() {
                 Some(Ok(block)) => {
                     text = format!(
@@ -244,7 +247,7 @@ fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) ->
         if job.reference() != reference {
             warnings.push(format!("answers request {reference}, not {}", job.reference()));
         }
-        if job.id().octet() != id & 0x7F {
+        if !job.id().is_answered_by(id) {
             warnings.push("answers another kind of request".to_owned());
         }
     }
@@ -314,7 +317,7 @@ fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) ->
 
 /// What was written counts once the drive says so.
 fn learn_written(drive: &mut JobDrive, job: &Request<'_>, written: impl Fn(usize) -> bool) {
-    if job.id() != RequestId::Change {
+    if !job.id().is_change() {
         return;
     }
     for (at, (address, block)) in job.addresses().zip(job.values()).enumerate() {

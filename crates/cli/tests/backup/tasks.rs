@@ -100,7 +100,10 @@ fn somebody_else_at_the_window_is_not_disturbed() {
     bench.on_each_step(move |_, wire| {
         if wire.truth(NUM) == 40 && seen == 0 {
             seen = 1;
-            wire.station().drive_mut().write(NUM, 0, 3).unwrap();
+            wire.station()
+                .drive_mut()
+                .write(NUM, 0, 3, Keep::Volatile)
+                .unwrap();
         }
     });
     let backup = bench.backup();

@@ -12,7 +12,7 @@ use drive_client::{Drive, DriveAddress, Error, Session};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profidrive::catalogue::AKD;
-use profidrive::parameter::ParameterAccess;
+use profidrive::parameter::{Keep, ParameterAccess};
 use profinet::controller::ControllerConfig;
 use profinet::{Endpoint, Instant, MacAddress, Medium};
 use virtual_drive::station::Station;
@@ -112,7 +112,11 @@ impl Bench {
     }
 
     pub fn set(&mut self, pnu: u16, raw: u64) {
-        let result = self.wire().station().drive_mut().write(pnu, 0, raw);
+        let result = self
+            .wire()
+            .station()
+            .drive_mut()
+            .write(pnu, 0, raw, Keep::Volatile);
         result.unwrap_or_else(|error| panic!("{pnu} = {raw}: {error}"));
     }
 

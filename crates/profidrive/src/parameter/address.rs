@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use super::access::Keep;
+
 /// Octets of the header of a request or response.
 pub(super) const HEADER: usize = 4;
 /// Octets of one parameter address.
@@ -16,7 +18,13 @@ pub enum RequestId {
     Read,
     /// 0x02.
     Change,
-    /// Anything else; Danfoss knows 0x42, 0x51 and 0x52.
+    /// 0x42, Danfoss: a change that is kept over a power cycle; one with 0x02 is not.
+    ChangePermanent,
+    /// 0x51, Danfoss: a read that has every value as a double word.
+    ReadWide,
+    /// 0x52, Danfoss: a change that has every value as a double word.
+    ChangeWide,
+    /// Anything else.
     Other(u8),
 }
 
@@ -27,6 +35,9 @@ impl RequestId {
         match octet {
             1 => Self::Read,
             2 => Self::Change,
+            0x42 => Self::ChangePermanent,
+            0x51 => Self::ReadWide,
+            0x52 => Self::ChangeWide,
             other => Self::Other(other),
         }
     }
@@ -37,8 +48,51 @@ impl RequestId {
         match self {
             Self::Read => 1,
             Self::Change => 2,
+            Self::ChangePermanent => 0x42,
+            Self::ReadWide => 0x51,
+            Self::ChangeWide => 0x52,
             Self::Other(other) => other,
         }
+    }
+
+    /// True for requests that carry values.
+    #[must_use]
+    pub const fn is_change(self) -> bool {
+        matches!(self, Self::Change | Self::ChangePermanent | Self::ChangeWide)
+    }
+
+    /// True for the requests that have every value as a double word.
+    #[must_use]
+    pub const fn is_wide(self) -> bool {
+        matches!(self, Self::ReadWide | Self::ChangeWide)
+    }
+
+    /// How a change with this ID is meant to last.
+    #[must_use]
+    pub const fn keep(self) -> Keep {
+        match self {
+            Self::ChangePermanent => Keep::Permanent,
+            _ => Keep::Volatile,
+        }
+    }
+
+    /// ID of a positive response; 0x80 is added for a negative one. Danfoss lists only 0x01, 0x02, 0x81 and 0x82, also for
+    /// its own requests (MCA 101 p. 31); that these are what they are answered with is our reading.
+    #[must_use]
+    pub const fn response_octet(self) -> u8 {
+        match self {
+            Self::Read | Self::ReadWide => 1,
+            Self::Change | Self::ChangePermanent | Self::ChangeWide => 2,
+            Self::Other(other) => other,
+        }
+    }
+
+    /// True when a response with this ID answers such a request, positively or negatively. Mirrored IDs are accepted
+    /// beside those of [`response_octet`](Self::response_octet).
+    #[must_use]
+    pub const fn is_answered_by(self, response_id: u8) -> bool {
+        let id = response_id & 0x7F;
+        id == self.response_octet() || id == self.octet()
     }
 }
 

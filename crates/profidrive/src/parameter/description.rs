@@ -50,6 +50,13 @@ impl Identifier {
     pub const fn format(self) -> super::Format {
         super::Format(self.0.to_be_bytes()[1])
     }
+
+    /// The same with the format, given as its V4 code, in another code space.
+    #[must_use]
+    pub const fn in_space(self, space: super::CodeSpace) -> Self {
+        let [flags, _] = self.0.to_be_bytes();
+        Self(u16::from_be_bytes([flags, self.format().in_space(space).0]))
+    }
 }
 
 /// Description of a parameter: type, unit, name and limits in 46 octets.

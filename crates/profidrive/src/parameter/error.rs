@@ -45,8 +45,28 @@ pub struct ErrorInfo {
 pub struct ErrorNumber(pub u16);
 
 impl ErrorNumber {
+    /// Danfoss: wrong axis.
+    pub const DANFOSS_WRONG_AXIS: Self = Self(0x65);
+    /// Danfoss: unknown service.
+    pub const DANFOSS_UNKNOWN_SERVICE: Self = Self(0x66);
+    /// Danfoss: not with multi-parameter access.
+    pub const DANFOSS_SINGLE_ONLY: Self = Self(0x67);
+    /// Danfoss: the value cannot be read from the bus.
+    pub const DANFOSS_NOT_READABLE: Self = Self(0x68);
+    /// Vacon: invalid request reference.
+    pub const VACON_REFERENCE: Self = Self(0x65);
+    /// Vacon: illegal number of parameters.
+    pub const VACON_PARAMETERS: Self = Self(0x68);
+    /// Vacon: illegal attribute.
+    pub const VACON_ATTRIBUTE: Self = Self(0x69);
     /// Vacon: request too short.
     pub const VACON_TOO_SHORT: Self = Self(0x6B);
+    /// Vacon: parameter not found or not accessible.
+    pub const VACON_NOT_FOUND: Self = Self(0x6C);
+    /// Vacon: invalid change request.
+    pub const VACON_INVALID_CHANGE: Self = Self(0x6D);
+    /// Vacon: general error.
+    pub const VACON_GENERAL: Self = Self(0x6E);
 
     /// Meaning and remedy, `None` for a reserved number or another maker's.
     #[must_use]

@@ -23,6 +23,7 @@
 //! assert_eq!(block.raw(0), Some(1));
 //! ```
 
+mod access;
 mod address;
 mod block;
 mod description;
@@ -38,13 +39,16 @@ mod serve;
 #[cfg(test)]
 mod tests;
 
+pub use access::{Attributes, Keep, ParameterAccess};
 pub use address::{Attribute, DecodeError, MAX_ELEMENTS, ParameterAddress, RequestId, Wrong};
 pub use block::{Value, ValueBlock};
 pub use description::{Description, Identifier};
-pub use dialect::{ChangeResponse, Dialect};
+pub use dialect::{ChangeResponse, Dialect, Saving};
 pub use error::{ERRORS, ErrorInfo, ErrorNames, ErrorNumber, ParameterError};
 pub use format::{CodeSpace, FORMATS, Format, FormatInfo, Kind, Octets};
 pub use plan::{plan_changes, plan_reads, split_array};
-pub use request::{EncodeError, NewValue, Request, encode_change, encode_read};
+pub use request::{
+    EncodeError, NewValue, Request, encode_change, encode_change_as, encode_read, encode_read_as,
+};
 pub use response::{Answer, Answers, Response, ResponseError};
-pub use serve::{Attributes, ParameterAccess, Refusal, serve};
+pub use serve::{Refusal, serve};

@@ -9,7 +9,7 @@ use super::dialect::Dialect;
 /// Octets of an element where nobody knows better.
 const UNKNOWN_OCTETS: usize = 4;
 
-/// Groups reads so that each group is one request: not more parameters than the drive takes, and neither request nor
+/// Groups reads so that each group is one request: not more parameters and values than the drive takes, and neither request nor
 /// response longer than its largest block. Each item is an address and the octets of one element, if known.
 ///
 /// Gives ranges of the items, in order and without gaps.
@@ -33,33 +33,61 @@ pub fn plan_reads(items: &[(ParameterAddress, Option<usize>)], dialect: &Dialect
             super::Attribute::Text => 2 + 16 * usize::from(address.elements.max(1)),
             _ => 2 + data + data % 2,
         };
-        (ADDRESS, answer.max(6))
+        let values = match address.attribute {
+            super::Attribute::Value => usize::from(address.elements.max(1)),
+            _ => 0,
+        };
+        Cost {
+            request: ADDRESS,
+            response: answer.max(6),
+            values,
+        }
     })
 }
 
-/// Groups changes so that each group is one request. Each item is the number of value octets of one address.
+/// Groups changes so that each group is one request. Each item is the number of value octets of one address; where the
+/// number of values is limited, each octet counts as one.
 #[must_use]
 pub fn plan_changes(octets: &[usize], dialect: &Dialect) -> Vec<Range<usize>> {
     pack(octets.len(), dialect, |index| {
         let data = octets.get(index).copied().unwrap_or(0);
-        (ADDRESS + 2 + data + data % 2, 6)
+        Cost {
+            request: ADDRESS + 2 + data + data % 2,
+            response: 6,
+            values: data,
+        }
     })
 }
 
-fn pack(items: usize, dialect: &Dialect, cost: impl Fn(usize) -> (usize, usize)) -> Vec<Range<usize>> {
+/// What one address takes: octets of the request, octets of the response, values.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cost {
+    request: usize,
+    response: usize,
+    values: usize,
+}
+
+fn pack(items: usize, dialect: &Dialect, cost: impl Fn(usize) -> Cost) -> Vec<Range<usize>> {
+    const HEAD: Cost = Cost {
+        request: HEADER,
+        response: HEADER,
+        values: 0,
+    };
     let mut groups = Vec::new();
-    let (mut start, mut request, mut response) = (0, HEADER, HEADER);
+    let (mut start, mut sum) = (0, HEAD);
     for index in 0..items {
-        let (asks, answers) = cost(index);
+        let one = cost(index);
         let full = index - start >= usize::from(dialect.max_parameters)
-            || request + asks > dialect.max_block
-            || response + answers > dialect.max_block;
+            || sum.request + one.request > dialect.max_block
+            || sum.response + one.response > dialect.max_block
+            || sum.values + one.values > usize::from(dialect.max_values);
         if full && index > start {
             groups.push(start..index);
-            (start, request, response) = (index, HEADER, HEADER);
+            (start, sum) = (index, HEAD);
         }
-        request += asks;
-        response += answers;
+        sum.request += one.request;
+        sum.response += one.response;
+        sum.values += one.values;
     }
     if start < items {
         groups.push(start..items);
@@ -67,7 +95,8 @@ fn pack(items: usize, dialect: &Dialect, cost: impl Fn(usize) -> (usize, usize))
     groups
 }
 
-/// Splits `elements` elements of an array into addresses whose answers fit the largest block.
+/// Splits `elements` elements of an array into addresses whose answers fit the largest block and the number of values of
+/// one frame.
 #[must_use]
 pub fn split_array(
     pnu: u16,
@@ -78,7 +107,9 @@ pub fn split_array(
 ) -> Vec<ParameterAddress> {
     let fit =
         (dialect.max_block.saturating_sub(HEADER + 2) / octets.max(1)).clamp(1, usize::from(MAX_ELEMENTS));
-    let step = u16::try_from(fit).unwrap_or(u16::from(MAX_ELEMENTS));
+    let step = u16::try_from(fit)
+        .unwrap_or(u16::from(MAX_ELEMENTS))
+        .min(dialect.max_values);
     let mut addresses = Vec::new();
     let mut done = 0;
     while done < elements {

@@ -101,22 +101,27 @@ impl<'a> Request<'a> {
         HEADER + ADDRESS * self.addresses.len()
     }
 
-    /// Octets behind everything that belongs to the request, up to the last one that is not zero: programs that send a
-    /// buffer of fixed length fill it with zeros. 0 too when a value block cannot be taken apart, which is told by
-    /// [`values`](Self::values).
+    /// What stands behind everything that belongs to the request. Nothing too when a value block cannot be taken apart,
+    /// which is told by [`values`](Self::values).
     #[must_use]
-    pub fn trailing(&self) -> usize {
+    pub fn behind(&self) -> &'a [u8] {
         let mut end = self.tail_offset();
-        if self.id() == RequestId::Change {
+        if self.id().is_change() {
             for _ in self.addresses {
                 match ValueBlock::parse(self.bytes, end, self.space) {
                     Ok((_, used)) => end += used,
-                    Err(_) => return 0,
+                    Err(_) => return &[],
                 }
             }
         }
-        let behind = self.bytes.get(end..).unwrap_or(&[]);
-        behind
+        self.bytes.get(end..).unwrap_or(&[])
+    }
+
+    /// Octets [`behind`](Self::behind) the request up to the last one that is not zero: programs that send a buffer of
+    /// fixed length fill it with zeros.
+    #[must_use]
+    pub fn trailing(&self) -> usize {
+        self.behind()
             .iter()
             .rposition(|&octet| octet != 0)
             .map_or(0, |last| last + 1)
@@ -142,6 +147,12 @@ impl<'a> Request<'a> {
 /// A request that cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum EncodeError {
+    /// The drive does not know such a request, or it is of the other direction.
+    #[error("the drive knows no such request with ID 0x{:02X}", id.octet())]
+    Request {
+        /// ID of the request.
+        id: RequestId,
+    },
     /// None, or more than the drive takes.
     #[error("{found} parameters in one request, 1 to {allowed} are possible")]
     Parameters {
@@ -149,6 +160,14 @@ pub enum EncodeError {
         found: usize,
         /// Limit of the dialect.
         allowed: u8,
+    },
+    /// More values than the drive takes in one frame.
+    #[error("{found} values in one request, {allowed} are possible")]
+    ValueCount {
+        /// Values given, all parameters together.
+        found: usize,
+        /// Limit of the dialect.
+        allowed: u16,
     },
     /// Longer than the buffer or the largest block of the drive.
     #[error("the request needs more than {allowed} octets")]
@@ -194,15 +213,26 @@ pub fn encode_read(
     addresses: &[ParameterAddress],
     out: &mut [u8],
 ) -> Result<usize, EncodeError> {
+    encode_read_as(RequestId::Read, reference, dialect, addresses, out)
+}
+
+/// Writes a read request with an ID of its own: Danfoss has [`RequestId::ReadWide`].
+///
+/// # Errors
+/// As [`encode_read`], and when the drive knows no such read request.
+pub fn encode_read_as(
+    id: RequestId,
+    reference: u8,
+    dialect: &Dialect,
+    addresses: &[ParameterAddress],
+    out: &mut [u8],
+) -> Result<usize, EncodeError> {
+    if id.is_change() {
+        return Err(EncodeError::Request { id });
+    }
     let limit = out.len().min(dialect.max_block);
     let mut writer = BlockWriter::new(out.get_mut(..limit).unwrap_or_default());
-    put_head(
-        &mut writer,
-        reference,
-        RequestId::Read,
-        dialect,
-        addresses.iter().copied(),
-    )?;
+    put_head(&mut writer, reference, id, dialect, addresses.iter().copied())?;
     Ok(writer.position())
 }
 
@@ -229,12 +259,48 @@ pub fn encode_change(
     values: &[NewValue<'_>],
     out: &mut [u8],
 ) -> Result<usize, EncodeError> {
+    encode_change_as(RequestId::Change, reference, dialect, values, out)
+}
+
+/// Writes a change request with an ID of its own, see [`Dialect::change_id`].
+///
+/// # Errors
+/// As [`encode_change`], and when the drive knows no such change request.
+///
+/// ```
+/// use profidrive::parameter::{Dialect, Format, NewValue, ParameterAddress, RequestId, encode_change_as};
+/// let value = NewValue {
+///     address: ParameterAddress::value(341, 0),
+///     format: Format::UNSIGNED32,
+///     count: 1,
+///     data: &[0, 0, 1, 0x2C],
+/// };
+/// let mut out = [0; 240];
+/// let length = encode_change_as(RequestId::ChangePermanent, 5, &Dialect::VLT, &[value], &mut out).unwrap();
+/// assert_eq!(out[..length], [5, 0x42, 0, 1, 0x10, 1, 0x01, 0x55, 0, 0, 7, 1, 0, 0, 1, 0x2C]);
+/// assert!(encode_change_as(RequestId::ChangePermanent, 5, &Dialect::AKD, &[value], &mut out).is_err());
+/// ```
+pub fn encode_change_as(
+    id: RequestId,
+    reference: u8,
+    dialect: &Dialect,
+    values: &[NewValue<'_>],
+    out: &mut [u8],
+) -> Result<usize, EncodeError> {
+    if !id.is_change() {
+        return Err(EncodeError::Request { id });
+    }
+    let found = values.iter().map(|value| usize::from(value.count)).sum();
+    let allowed = dialect.max_values;
+    if found > usize::from(allowed) {
+        return Err(EncodeError::ValueCount { found, allowed });
+    }
     let limit = out.len().min(dialect.max_block);
     let mut writer = BlockWriter::new(out.get_mut(..limit).unwrap_or_default());
     put_head(
         &mut writer,
         reference,
-        RequestId::Change,
+        id,
         dialect,
         values.iter().map(|value| value.address),
     )?;
@@ -268,6 +334,9 @@ fn put_head(
     dialect: &Dialect,
     addresses: impl ExactSizeIterator<Item = ParameterAddress>,
 ) -> Result<(), EncodeError> {
+    if !dialect.knows(id) {
+        return Err(EncodeError::Request { id });
+    }
     let found = addresses.len();
     let allowed = dialect.max_parameters;
     let parameters = u8::try_from(found)

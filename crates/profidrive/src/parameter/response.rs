@@ -31,7 +31,7 @@ pub enum ResponseError {
         /// Reference that came back.
         found: u8,
     },
-    /// Neither 0x01, 0x02, 0x81 nor 0x82, or not the one that belongs to the request.
+    /// Not one of those that answer the request ([`RequestId::is_answered_by`]).
     #[error("response ID 0x{found:02X} does not answer a request with ID 0x{request:02X}")]
     Id {
         /// ID of the request.
@@ -80,6 +80,7 @@ pub struct Response<'a> {
     offset: usize,
     parameters: usize,
     written: bool,
+    change: bool,
     space: CodeSpace,
 }
 
@@ -116,7 +117,7 @@ impl<'a> Response<'a> {
         {
             return Err(ResponseError::Refused(error));
         }
-        if found_id & 0x7F != id.octet() {
+        if !id.is_answered_by(found_id) {
             return Err(ResponseError::Id {
                 request: id.octet(),
                 found: found_id,
@@ -140,9 +141,10 @@ impl<'a> Response<'a> {
             offset: HEADER,
             parameters: addresses.len(),
             written: false,
+            change: id.is_change(),
             space,
         };
-        if id == RequestId::Change && found_id & 0x80 == 0 && matches!(rest, [] | [0, 0]) {
+        if response.change && found_id & 0x80 == 0 && matches!(rest, [] | [0, 0]) {
             response.written = true;
             return Ok(response);
         }
@@ -153,7 +155,7 @@ impl<'a> Response<'a> {
         } else {
             plain?;
         }
-        if id == RequestId::Read {
+        if !response.change {
             response.check_counts(addresses)?;
         }
         Ok(response)
@@ -170,7 +172,7 @@ impl<'a> Response<'a> {
     ) -> Option<ParameterError> {
         let (block, used) = ValueBlock::parse(bytes, HEADER, dialect.code_space).ok()?;
         let alone = HEADER + used == bytes.len();
-        let whole = (alone && parameters != 1) || found_id & 0x7F != id.octet();
+        let whole = (alone && parameters != 1) || !id.is_answered_by(found_id);
         let is_request_id = matches!(RequestId::from_octet(found_id & 0x7F), RequestId::Other(_));
         (block.format == Format::ERROR && whole && (alone || is_request_id)).then(|| error_of(&block))
     }
@@ -224,12 +226,6 @@ impl<'a> Response<'a> {
         self.bytes.get(1).is_some_and(|id| id & 0x80 != 0)
     }
 
-    fn is_change(&self) -> bool {
-        self.bytes
-            .get(1)
-            .is_some_and(|id| id & 0x7F == RequestId::Change.octet())
-    }
-
     /// The answers in the order of the request.
     #[must_use]
     pub fn answers(&self) -> Answers<'a> {
@@ -269,9 +265,7 @@ impl<'a> Iterator for Answers<'a> {
         self.offset += used;
         Some(match block.format {
             Format::ERROR => Answer::Error(error_of(&block)),
-            Format::ZERO | Format::RESERVED if self.response.is_change() && block.count == 0 => {
-                Answer::Written
-            }
+            Format::ZERO | Format::RESERVED if self.response.change && block.count == 0 => Answer::Written,
             _ => Answer::Values(block),
         })
     }

@@ -1,87 +1,14 @@
 //! The parameter manager: request block in, response block out.
 
+use super::access::{Attributes, ParameterAccess};
 use super::address::{Attribute, HEADER, MAX_ELEMENTS, ParameterAddress, RequestId};
 use super::block::{BlockWriter, ValueBlock};
 use super::description::{Description, LENGTH as DESCRIPTION_LENGTH};
 use super::dialect::{ChangeResponse, Dialect};
 use super::error::{ErrorNames, ErrorNumber, ParameterError};
-use super::format::{Format, Octets};
+use super::format::{CodeSpace, Format, Kind, Octets};
 use super::request::Request;
-
-/// Facts about one parameter that decide which requests for it are legal.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Attributes {
-    /// Type of the value. Answers carry it, or the substitution code of its size where the dialect has only those.
-    pub format: Format,
-    /// Octets of one element; 1 for strings.
-    pub octets: usize,
-    /// Elements of an array (octets of a string), 0 for a simple parameter.
-    pub elements: u16,
-    /// False for a parameter that can only be read.
-    pub writable: bool,
-}
-
-/// What the parameter manager needs of a drive. Values pass as plain numbers of one, two, four or eight octets, sign
-/// extension is the drive's business.
-pub trait ParameterAccess {
-    /// Facts about the parameter, `None` if there is no such PNU.
-    fn attributes(&self, pnu: u16) -> Option<Attributes>;
-
-    /// Value of one element, in the low octets. Only called for elements that exist.
-    ///
-    /// # Errors
-    /// An error number of the profile when the value cannot be read now.
-    fn read(&mut self, pnu: u16, subindex: u16) -> Result<u64, ErrorNumber>;
-
-    /// Changes one element. Only called for elements that exist, with a value of the right size.
-    ///
-    /// # Errors
-    /// An error number of the profile when the value is not accepted.
-    fn write(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber>;
-
-    /// Changes one element and keeps it over a power cycle (the PKW channel has requests of its own for that). Without
-    /// another word of the drive it is an ordinary write.
-    ///
-    /// # Errors
-    /// An error number of the profile when the value is not accepted.
-    fn write_kept(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
-        self.write(pnu, subindex, raw)
-    }
-
-    /// Changes a whole text (format VisibleString, [`Attributes::elements`] octets); `text` is not longer than that,
-    /// blanks fill the rest. Without another word of the drive the octets are written one by one.
-    ///
-    /// # Errors
-    /// An error number of the profile when an octet is not accepted; those before it are written.
-    fn write_text(&mut self, pnu: u16, text: &[u8]) -> Result<(), ErrorNumber> {
-        let elements = self
-            .attributes(pnu)
-            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?
-            .elements;
-        let octets = text.iter().chain(core::iter::repeat(&b' '));
-        (0..elements)
-            .zip(octets)
-            .try_for_each(|(place, &octet)| self.write(pnu, place, octet.into()))
-    }
-
-    /// False while another interface holds the right to change parameters (error 0x0B).
-    fn may_change(&self, pnu: u16) -> bool {
-        let _ = pnu;
-        true
-    }
-
-    /// Description block of the parameter, `None` if it has none (error 0x09).
-    fn description(&self, pnu: u16) -> Option<Description> {
-        let _ = pnu;
-        None
-    }
-
-    /// Text number `index` of the parameter, `None` if there is none (error 0x0F).
-    fn text(&self, pnu: u16, index: u16) -> Option<[u8; 16]> {
-        let _ = (pnu, index);
-        None
-    }
-}
+use super::{DecodeError, Wrong};
 
 /// A request that gets no response block: the record write is refused instead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -105,12 +32,20 @@ pub enum Refusal {
 /// Answers `request` from `drive`; writes the response block into `out` and gives its length. Nothing is allocated.
 ///
 /// The response is never longer than the dialect's largest block: what does not fit is answered with 0x15. Order of the
-/// checks (our choice, no public text tells one): request ID, number of parameters, axis; then for each parameter attribute, PNU,
-/// elements and subindex, and for a change: rights, read-only, format, number of values, size, and what the drive
-/// itself says (state, limits).
+/// checks (our choice, no public text tells one): request ID, number of parameters, length, reference; then for each
+/// parameter axis, attribute, PNU, elements and subindex, and for a change: rights, read-only, format, number of values,
+/// size, and what the drive itself says (state, limits).
 ///
 /// Elements of an array are written in order up to the first that is refused; the additional information of that error
 /// is its subindex.
+///
+/// A string (VisibleString, OctetString) is read and written as a whole at subindex 0 with 0 or 1 elements; any other
+/// subindex and number of elements mean the octets from there on. In an array of strings each string is an element. A
+/// value block of a string counts octets.
+///
+/// Danfoss requests with double words (0x51, 0x52): values of one and two octets travel as Integer32 or Unsigned32, those
+/// of four octets as they are, strings not at all (0x05). On the way into the drive a number that does not fit is refused
+/// with 0x02. That no document tells the formats of these answers makes this an interpretation too.
 ///
 /// # Errors
 /// When the block is not a request at all; the caller refuses the record write.
@@ -124,78 +59,68 @@ pub fn serve(
         return Err(Refusal::Length);
     };
     let limit = out.len().min(dialect.max_block);
+    let id = RequestId::from_octet(id);
     let mut job = Job {
         dialect,
+        id,
         out: BlockWriter::new(out.get_mut(..limit).unwrap_or_default()),
+        values: 0,
         failed: false,
     };
+    if !dialect.knows(id) {
+        let (response_id, number) = dialect.bad_request;
+        return job.whole([reference, response_id, axis, parameters], number);
+    }
+    let refused = [reference, id.response_octet() | 0x80, axis, parameters];
     if parameters == 0 || parameters > dialect.max_parameters {
         let allowed = dialect.max_parameters;
         let number = dialect.bad_count.ok_or(Refusal::Parameters {
             found: parameters,
             allowed,
         })?;
-        return job.whole([reference, id | 0x80, axis, parameters], number);
+        return job.whole(refused, number);
     }
-    let parsed = Request::parse(request, dialect.code_space).map_err(|_| Refusal::Length)?;
-    if let Some(number) = dialect.bad_reference.filter(|_| reference == 0) {
-        return job.whole([reference, id | 0x80, axis, parameters], number);
-    }
-    let id = match RequestId::from_octet(id) {
-        RequestId::Other(_) => {
-            let (response_id, number) = dialect.bad_request;
-            return job.whole([reference, response_id, axis, parameters], number);
-        }
-        known => known,
+    let Ok(parsed) = Request::parse(request, dialect.code_space) else {
+        let number = dialect.too_few_addresses.ok_or(Refusal::Length)?;
+        return job.whole(refused, number);
     };
-    if parsed.trailing() > 0 {
-        return Err(Refusal::Length);
+    if let Some(number) = dialect.bad_reference.filter(|_| reference == 0) {
+        return job.whole(refused, number);
+    }
+    if parsed.trailing() > 0 || (dialect.exact_length && id.is_change() && !parsed.behind().is_empty()) {
+        let number = dialect.trailing.filter(|_| id.is_change());
+        return job.whole(refused, number.ok_or(Refusal::Length)?);
     }
     job.out
-        .put(&[reference, id.octet(), axis, parameters])
+        .put(&[reference, id.response_octet(), axis, parameters])
         .ok_or(Refusal::Room)?;
     let axis_exists = !dialect.axis_checked || axis == dialect.axis;
+    // A change without any values gets error numbers like one that lacks some.
+    let missing = DecodeError {
+        wrong: Wrong::Values,
+        offset: request.len(),
+        expected: 2,
+        found: 0,
+    };
+    let mut values = parsed.values();
     let mut left = usize::from(parameters);
-    match id {
-        RequestId::Change => {
-            // An empty tail cannot be a change; one that lacks only some values gets error numbers.
-            let mut values = parsed.values();
-            for address in parsed.addresses() {
-                left -= 1;
-                let block = values.next().unwrap_or(Err(super::DecodeError {
-                    wrong: super::Wrong::Values,
-                    offset: request.len(),
-                    expected: 2,
-                    found: 0,
-                }));
-                let result = if axis_exists {
-                    job.change(address, block, drive)
-                } else {
-                    Err(ErrorNumber::NO_AXIS.into())
-                };
-                match result {
-                    Ok(()) => job.out.put(&[Format::ZERO.0, 0]).ok_or(Refusal::Room)?,
-                    Err(error) => job.error(error, left)?,
-                }
-            }
-        }
-        _ => {
-            for address in parsed.addresses() {
-                left -= 1;
-                let start = job.out.position();
-                let result = if axis_exists {
-                    job.read(address, left, drive)
-                } else {
-                    Err(ErrorNumber::NO_AXIS.into())
-                };
-                if let Err(error) = result {
-                    job.out.truncate(start);
-                    job.error(error, left)?;
-                }
-            }
+    for address in parsed.addresses() {
+        left -= 1;
+        let start = job.out.position();
+        let result = if !axis_exists {
+            Err(dialect.bad_axis.into())
+        } else if id.is_change() {
+            let block = values.next().unwrap_or(Err(missing));
+            job.change(address, block, drive)
+        } else {
+            job.read(address, left, drive)
+        };
+        if let Err(error) = result {
+            job.out.truncate(start);
+            job.error(error, left)?;
         }
     }
-    Ok(job.finish(id))
+    Ok(job.finish())
 }
 
 /// Octets of the shortest error block; reserved for every parameter that is still to be answered.
@@ -203,7 +128,10 @@ const ERROR_BLOCK: usize = 4;
 
 struct Job<'a> {
     dialect: &'a Dialect,
+    id: RequestId,
     out: BlockWriter<'a>,
+    /// Values so far, of all parameters.
+    values: u16,
     failed: bool,
 }
 
@@ -277,19 +205,27 @@ impl Job<'_> {
         } = address;
         match attribute {
             Attribute::Value => {
-                let facts = drive.attributes(pnu).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-                let count = checked_elements(&facts, elements, subindex)?;
-                let octets = facts.octets;
+                let facts = self.facts(pnu, subindex, drive)?;
+                let span = Span::of(&facts, elements, subindex)?;
+                self.count(span.count, ErrorNumber::TOO_LONG)?;
+                let form = self.form(&facts)?;
                 let data = self.block(
-                    self.answer_format(&facts),
-                    count,
-                    octets * usize::from(count),
+                    form.format,
+                    span.count,
+                    form.octets * usize::from(span.count),
                     left,
                 )?;
-                for (values, index) in data.chunks_exact_mut(octets.max(1)).zip(subindex..) {
+                for (values, index) in data.chunks_exact_mut(form.octets.max(1)).zip(span.first..) {
                     let raw = drive
                         .read(pnu, index)
-                        .map_err(|number| at(number, index))?
+                        .map_err(|number| at(number, index))
+                        .map(|raw| {
+                            if form.signed {
+                                extended(raw, facts.octets)
+                            } else {
+                                raw
+                            }
+                        })?
                         .to_be_bytes();
                     for (place, octet) in values.iter_mut().rev().zip(raw.iter().rev()) {
                         *place = *octet;
@@ -297,11 +233,13 @@ impl Job<'_> {
                 }
             }
             Attribute::Description => {
-                drive.attributes(pnu).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-                let octets = drive
-                    .description(pnu)
-                    .ok_or(ErrorNumber::NO_DESCRIPTION)?
-                    .encode();
+                let mut description = match drive.description(pnu) {
+                    Some(description) => description,
+                    None if drive.exists(pnu) => return Err(ErrorNumber::NO_DESCRIPTION.into()),
+                    None => return Err(ErrorNumber::UNKNOWN_PARAMETER.into()),
+                };
+                description.identifier = description.identifier.in_space(self.dialect.code_space);
+                let octets = description.encode();
                 if elements > 1 && subindex != 0 {
                     return Err(ErrorNumber::ADDRESS.into());
                 }
@@ -312,7 +250,9 @@ impl Job<'_> {
                     .copy_from_slice(element);
             }
             Attribute::Text => {
-                drive.attributes(pnu).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
+                if !drive.exists(pnu) {
+                    return Err(ErrorNumber::UNKNOWN_PARAMETER.into());
+                }
                 let count = elements.clamp(1, MAX_ELEMENTS / 16);
                 if count < elements {
                     return Err(ErrorNumber::TOO_LONG.into());
@@ -330,18 +270,64 @@ impl Job<'_> {
         Ok(())
     }
 
-    fn answer_format(&self, facts: &Attributes) -> Format {
-        if self.dialect.substitution_only {
-            Format::for_octets(facts.octets).unwrap_or(facts.format)
-        } else {
-            facts.format
+    fn facts(
+        &self,
+        pnu: u16,
+        subindex: u16,
+        drive: &(impl ParameterAccess + ?Sized),
+    ) -> Result<Attributes, ParameterError> {
+        let none = || match drive.exists(pnu) {
+            true => at(self.dialect.bad_member, subindex),
+            false => ErrorNumber::UNKNOWN_PARAMETER.into(),
+        };
+        drive.attributes(pnu, subindex).ok_or_else(none)
+    }
+
+    /// Counts values against the limit of all parameters together.
+    fn count(&mut self, values: u8, number: ErrorNumber) -> Result<(), ErrorNumber> {
+        let sum = self.values.saturating_add(values.into());
+        if sum > self.dialect.max_values {
+            return Err(number);
         }
+        self.values = sum;
+        Ok(())
+    }
+
+    /// How values of a parameter are sent.
+    fn form(&self, facts: &Attributes) -> Result<Form, ErrorNumber> {
+        let own = Form {
+            format: facts.format.in_space(self.dialect.code_space),
+            octets: facts.octets,
+            signed: false,
+        };
+        Ok(match (self.id.is_wide(), facts.octets) {
+            (true, _) if facts.is_string() => return Err(ErrorNumber::DATA_TYPE),
+            (true, 1 | 2) => {
+                let signed = is_signed(facts);
+                Form {
+                    format: if signed {
+                        Format::INTEGER32
+                    } else {
+                        Format::UNSIGNED32
+                    },
+                    octets: 4,
+                    signed,
+                }
+            }
+            (true, 4) => own,
+            (true, _) => return Err(ErrorNumber::DATA_TYPE),
+            (false, octets) if self.dialect.substitution_only && !facts.is_string() => Form {
+                format: Format::for_octets(octets).unwrap_or(own.format),
+                ..own
+            },
+            (false, _) => own,
+        })
     }
 
     fn change(
-        &self,
+        &mut self,
         address: ParameterAddress,
-        block: Result<ValueBlock<'_>, super::DecodeError>,
+        block: Result<ValueBlock<'_>, DecodeError>,
         drive: &mut (impl ParameterAccess + ?Sized),
     ) -> Result<(), ParameterError> {
         let ParameterAddress {
@@ -356,8 +342,8 @@ impl Job<'_> {
             Attribute::Text => return Err(ErrorNumber::TEXT_FIXED.into()),
             Attribute::Other(_) => return Err(self.dialect.bad_attribute.into()),
         }
-        let facts = drive.attributes(pnu).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        let count = checked_elements(&facts, elements, subindex)?;
+        let facts = self.facts(pnu, subindex, drive)?;
+        let span = Span::of(&facts, elements, subindex)?;
         if !drive.may_change(pnu) {
             return Err(ErrorNumber::NO_RIGHTS.into());
         }
@@ -365,42 +351,52 @@ impl Job<'_> {
             return Err(at(ErrorNumber::NOT_CHANGEABLE, subindex));
         }
         let block = block.map_err(|error| match error.wrong {
-            super::Wrong::Format => ErrorNumber::FORMAT,
+            Wrong::Format => ErrorNumber::FORMAT,
             _ => self.dialect.too_short,
         })?;
         if matches!(block.format, Format::ZERO | Format::ERROR | Format::RESERVED) {
             return Err(ErrorNumber::FORMAT.into());
         }
-        if block.count != count {
+        if block.count != span.count {
             return Err(ErrorNumber::VALUE_COUNT.into());
         }
+        self.count(span.count, self.dialect.too_many_values)?;
+        let form = self.form(&facts)?;
         let substituted = matches!(block.format, Format::BYTE | Format::WORD | Format::DOUBLE_WORD);
         let same_kind = substituted
-            || block.format == facts.format
+            || block.format == facts.format.in_space(self.dialect.code_space)
             || block
                 .format
                 .info(self.dialect.code_space)
                 .is_some_and(|info| matches!(info.octets, Octets::Fixed(_)));
-        if block.width() != facts.octets || !same_kind {
+        if block.width() != form.octets || !same_kind {
             return Err(ErrorNumber::DATA_TYPE.into());
         }
-        for index in 0..count {
-            let element = subindex + u16::from(index);
-            let raw = block.raw(usize::from(index)).ok_or(ErrorNumber::DATA_TYPE)?;
-            drive
-                .write(pnu, element, raw)
-                .map_err(|number| at(number, element))?;
+        let keep = self.id.keep();
+        if let Some(length) = span.whole {
+            let texts = block.data.chunks_exact(usize::from(length).max(1));
+            for (text, first) in texts.zip((span.first..).step_by(usize::from(length).max(1))) {
+                drive.write_text(pnu, first, text, keep)?;
+            }
+        } else {
+            for (index, element) in (0..usize::from(span.count)).zip(span.first..) {
+                let raw = block.raw(index).ok_or(ErrorNumber::DATA_TYPE)?;
+                narrowed(raw, form.octets, &facts)
+                    .and_then(|raw| drive.write(pnu, element, raw, keep))
+                    .map_err(|number| at(number, element))?;
+            }
         }
+        self.out.put(&[Format::ZERO.0, 0]).ok_or(ErrorNumber::TOO_LONG)?;
         Ok(())
     }
 
     /// Puts the response ID in and cuts a positive change response to its form.
-    fn finish(mut self, id: RequestId) -> usize {
+    fn finish(mut self) -> usize {
         if self.failed {
             if let Some(response_id) = self.out.written().get_mut(1) {
                 *response_id |= 0x80;
             }
-        } else if id == RequestId::Change {
+        } else if self.id.is_change() {
             self.out.truncate(HEADER);
             if self.dialect.change_response == ChangeResponse::HeaderAndZero {
                 // There is room: the block of at least one parameter stood here.
@@ -408,6 +404,51 @@ impl Job<'_> {
             }
         }
         self.out.position()
+    }
+}
+
+/// How values of a parameter are sent: type in the code space of the dialect, octets of one, and whether the sign of the
+/// drive's own number is extended to them.
+#[derive(Debug, Clone, Copy)]
+struct Form {
+    format: Format,
+    octets: usize,
+    signed: bool,
+}
+
+fn is_signed(facts: &Attributes) -> bool {
+    facts
+        .format
+        .info(CodeSpace::V4)
+        .is_some_and(|info| info.kind == Kind::Signed)
+}
+
+/// A number of one or two octets with its sign in all of them.
+fn extended(raw: u64, octets: usize) -> u64 {
+    match octets {
+        1 => i64::from(raw as i8).cast_unsigned(),
+        2 => i64::from(raw as i16).cast_unsigned(),
+        _ => raw,
+    }
+}
+
+/// A number of `from` octets in those of the parameter, where it fits.
+fn narrowed(raw: u64, from: usize, facts: &Attributes) -> Result<u64, ErrorNumber> {
+    if from == facts.octets {
+        return Ok(raw);
+    }
+    let signed = i64::from(raw as i32);
+    let fits = match (is_signed(facts), facts.octets) {
+        (true, 1) => i8::try_from(signed).is_ok(),
+        (true, _) => i16::try_from(signed).is_ok(),
+        (false, 1) => u8::try_from(raw).is_ok(),
+        (false, _) => u16::try_from(raw).is_ok(),
+    };
+    let mask = if facts.octets == 1 { 0xFF } else { 0xFFFF };
+    if fits {
+        Ok(raw & mask)
+    } else {
+        Err(ErrorNumber::LIMIT)
     }
 }
 
@@ -420,24 +461,55 @@ fn at(number: ErrorNumber, subindex: u16) -> ParameterError {
     }
 }
 
-/// Number of elements really meant. Source: SINAMICS DCM p. 199, ABB RETA-02 p. 84, Vacon OPTEA p. 119; 0 elements of an array is the special function that
-/// no client may send, it is refused like any impossible address.
-fn checked_elements(facts: &Attributes, elements: u8, subindex: u16) -> Result<u8, ParameterError> {
-    if facts.elements == 0 {
-        return match (subindex, elements) {
-            (0, 0 | 1) => Ok(1),
-            (0, _) => Err(ErrorNumber::ADDRESS.into()),
-            _ => Err(ErrorNumber::NO_ARRAY.into()),
+/// What elements and subindex of an address really mean.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    /// First element as the drive counts them.
+    first: u16,
+    /// Values of the block.
+    count: u8,
+    /// Octets of one string where whole strings are meant.
+    whole: Option<u16>,
+}
+
+impl Span {
+    /// Source: SINAMICS DCM p. 199, ABB RETA-02 p. 84, Vacon OPTEA p. 119; 0 elements of an array is the special
+    /// function that no client may send, it is refused like any impossible address. Strings as a whole and arrays of
+    /// them are our reading.
+    fn of(facts: &Attributes, elements: u8, subindex: u16) -> Result<Self, ParameterError> {
+        let relative = subindex.saturating_sub(facts.first);
+        if facts.elements == 0 {
+            return match (relative, elements) {
+                (0, 0 | 1) => Ok(Self {
+                    first: subindex,
+                    count: 1,
+                    whole: None,
+                }),
+                (0, _) => Err(ErrorNumber::ADDRESS.into()),
+                _ => Err(ErrorNumber::NO_ARRAY.into()),
+            };
+        }
+        let is_plain_string = facts.is_string() && facts.string == 0;
+        let (size, elements, members) = match (relative, elements) {
+            (0, 0 | 1) if is_plain_string => (facts.elements, 1, 1),
+            _ if facts.string > 0 => (facts.string, elements, facts.elements / facts.string),
+            _ => (1, elements, facts.elements),
         };
+        if elements == 0 || elements > MAX_ELEMENTS {
+            return Err(ErrorNumber::ADDRESS.into());
+        }
+        if relative >= members {
+            return Err(at(ErrorNumber::SUBINDEX, subindex));
+        }
+        if u16::from(elements) > members - relative {
+            return Err(at(ErrorNumber::SUBINDEX, facts.first.saturating_add(members)));
+        }
+        let octets = u16::from(elements).saturating_mul(size);
+        let count = u8::try_from(octets).ok().filter(|&count| count <= MAX_ELEMENTS);
+        Ok(Self {
+            first: facts.first.saturating_add(relative.saturating_mul(size)),
+            count: count.ok_or(ErrorNumber::TOO_LONG)?,
+            whole: facts.is_string().then_some(size).filter(|&size| size > 1),
+        })
     }
-    if elements == 0 || elements > MAX_ELEMENTS {
-        return Err(ErrorNumber::ADDRESS.into());
-    }
-    if subindex >= facts.elements {
-        return Err(at(ErrorNumber::SUBINDEX, subindex));
-    }
-    if u16::from(elements) > facts.elements - subindex {
-        return Err(at(ErrorNumber::SUBINDEX, facts.elements));
-    }
-    Ok(elements)
 }

@@ -37,7 +37,7 @@ impl Default for Bench {
 }
 
 impl ParameterAccess for Bench {
-    fn attributes(&self, pnu: u16) -> Option<Attributes> {
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
         let (format, octets, elements, writable) = match pnu {
             922 => (Format::UNSIGNED16, 2, 0, false),
             930 => (Format::UNSIGNED16, 2, 0, true),
@@ -49,10 +49,8 @@ impl ParameterAccess for Bench {
             _ => return None,
         };
         Some(Attributes {
-            format,
-            octets,
             elements,
-            writable,
+            ..Attributes::simple(format, octets, writable)
         })
     }
 
@@ -67,7 +65,7 @@ impl ParameterAccess for Bench {
         })
     }
 
-    fn write(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
+    fn write(&mut self, pnu: u16, subindex: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
         match pnu {
             930 if raw == 0 || raw > 2 => return Err(ErrorNumber::LIMIT),
             930 => self.mode = raw as u16,

@@ -5,7 +5,7 @@ use super::dialect::{PkwDialect, PlainArray};
 use super::error::PkwErrorNumber;
 use super::words::{MAX_BLOCK, PKW_LEN, Pkw, PkwAddress, TEXT_AT, TEXT_READ, TEXT_WRITE};
 use crate::parameter::{
-    Attributes, CodeSpace, Description, ErrorNumber, Format, Kind, Octets, ParameterAccess,
+    Attributes, CodeSpace, Description, ErrorNumber, Format, Keep, Kind, Octets, ParameterAccess,
 };
 
 /// A block that is no request of the channel.
@@ -46,18 +46,18 @@ enum Refusal {
 /// Source: Parker Compax3 p. 358, Danfoss FCM 300 p. 18-30, Kollmorgen S300 PROFIBUS p. 46, Lenze E82ZAFPC p. 66.
 ///
 /// ```
-/// use profidrive::parameter::{Attributes, ErrorNumber, Format, ParameterAccess};
+/// use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
 /// use profidrive::pkw::{PkwDialect, Server};
 ///
 /// struct OneWord(u64);
 /// impl ParameterAccess for OneWord {
-///     fn attributes(&self, pnu: u16) -> Option<Attributes> {
-///         (pnu == 930).then_some(Attributes { format: Format::UNSIGNED16, octets: 2, elements: 0, writable: true })
+///     fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
+///         (pnu == 930).then_some(Attributes::simple(Format::UNSIGNED16, 2, true))
 ///     }
 ///     fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
 ///         Ok(self.0)
 ///     }
-///     fn write(&mut self, _: u16, _: u16, raw: u64) -> Result<(), ErrorNumber> {
+///     fn write(&mut self, _: u16, _: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
 ///         self.0 = raw;
 ///         Ok(())
 ///     }
@@ -181,7 +181,7 @@ impl Server {
             .address(&self.dialect)
             .ok_or(Refusal::Number(PkwErrorNumber::UNKNOWN_PARAMETER))?;
         let facts = drive
-            .attributes(address.pnu)
+            .attributes(address.pnu, address.subindex.into())
             .ok_or(Refusal::Number(PkwErrorNumber::UNKNOWN_PARAMETER))?;
         match info.action {
             Action::Nothing => Ok(Reply::Nothing),
@@ -314,11 +314,13 @@ impl Server {
                 .into();
         }
         let subindex = address.subindex.into();
-        match info.memory {
-            Some(Memory::Eeprom) => drive.write_kept(address.pnu, subindex, raw),
-            _ => drive.write(address.pnu, subindex, raw),
-        }
-        .map_err(|number| self.refusal(number))
+        let keep = match info.memory {
+            Some(Memory::Eeprom) => Keep::Permanent,
+            _ => Keep::Volatile,
+        };
+        drive
+            .write(address.pnu, subindex, raw, keep)
+            .map_err(|number| self.refusal(number))
     }
 
     fn description(
@@ -356,7 +358,9 @@ impl Server {
         if facts.format != Format::VISIBLE_STRING {
             return Err(Refusal::Number(PkwErrorNumber::DATA_TYPE));
         }
-        if address.subindex != 0 {
+        // the index names one of an array of texts
+        let first = u16::from(address.subindex).saturating_mul(facts.string_octets());
+        if first > 0 && first >= facts.elements {
             return Err(Refusal::Number(PkwErrorNumber::SUBINDEX));
         }
         match address.text {
@@ -364,7 +368,7 @@ impl Server {
             TEXT_WRITE => {
                 let done = match self.done {
                     Some(done) => done,
-                    None => match self.change_text(address, facts, text, drive) {
+                    None => match self.change_text(address, first, facts, text, drive) {
                         Ok(()) => Done::Changed,
                         Err(refusal) => Done::Refused(refusal),
                     },
@@ -378,9 +382,9 @@ impl Server {
         }
         let mut length = 0;
         let mut room = out.iter_mut().skip(TEXT_AT);
-        for place in 0..facts.elements {
+        for place in 0..facts.string_octets() {
             let octet = drive
-                .read(address.pnu, place)
+                .read(address.pnu, first.saturating_add(place))
                 .map_err(|number| self.refusal(number))?;
             let [.., octet] = octet.to_be_bytes();
             *room
@@ -396,6 +400,7 @@ impl Server {
     fn change_text(
         &self,
         address: PkwAddress,
+        first: u16,
         facts: &Attributes,
         text: &[u8],
         drive: &mut (impl ParameterAccess + ?Sized),
@@ -404,11 +409,11 @@ impl Server {
         if !facts.writable {
             return Err(Refusal::Number(PkwErrorNumber::NOT_CHANGEABLE));
         }
-        if text.len() > usize::from(facts.elements) {
+        if text.len() > usize::from(facts.string_octets()) {
             return Err(Refusal::Number(PkwErrorNumber::LIMIT));
         }
         drive
-            .write_text(address.pnu, text)
+            .write_text(address.pnu, first, text, Keep::Volatile)
             .map_err(|number| self.refusal(number))
     }
 

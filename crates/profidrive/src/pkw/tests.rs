@@ -9,7 +9,7 @@ mod simulation;
 use alloc::vec::Vec;
 
 use super::*;
-use crate::parameter::{Attributes, Description, ErrorNumber, Format, Identifier, ParameterAccess};
+use crate::parameter::{Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess};
 
 fn block(text: &str) -> Vec<u8> {
     text.split_whitespace()
@@ -75,7 +75,7 @@ impl Bench {
 }
 
 impl ParameterAccess for Bench {
-    fn attributes(&self, pnu: u16) -> Option<Attributes> {
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
         let (format, octets, elements, writable) = match pnu {
             1 => (Format::UNSIGNED8, 1, 0, true),
             100 => (Format::INTEGER8, 1, 0, true),
@@ -90,10 +90,8 @@ impl ParameterAccess for Bench {
             _ => return None,
         };
         Some(Attributes {
-            format,
-            octets,
             elements,
-            writable,
+            ..Attributes::simple(format, octets, writable)
         })
     }
 
@@ -115,12 +113,8 @@ impl ParameterAccess for Bench {
         })
     }
 
-    fn write(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
-        self.put(pnu, subindex, raw, false)
-    }
-
-    fn write_kept(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
-        self.put(pnu, subindex, raw, true)
+    fn write(&mut self, pnu: u16, subindex: u16, raw: u64, keep: Keep) -> Result<(), ErrorNumber> {
+        self.put(pnu, subindex, raw, keep == Keep::Permanent)
     }
 
     fn may_change(&self, _: u16) -> bool {

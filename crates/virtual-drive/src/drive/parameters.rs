@@ -2,7 +2,7 @@
 
 use profidrive::catalogue::{Access, Parameter, Scale, Size};
 use profidrive::parameter::{
-    Attributes, Description, ErrorNumber, Format, Identifier, ParameterAccess, Refusal, serve,
+    Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, serve,
 };
 
 use super::Drive;
@@ -27,31 +27,40 @@ impl Drive {
         serve(request, self.model.dialect, self, out)
     }
 
-    fn place(&self, pnu: u16) -> Result<(usize, &'static Parameter), ErrorNumber> {
+    /// Where the parameter is in the catalogue, and which element of it is meant.
+    fn place(&self, pnu: u16, subindex: u16) -> Result<(usize, u16, &'static Parameter), ErrorNumber> {
         let catalogue = self.model.catalogue;
-        let position = catalogue.position(pnu).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
+        let (position, element) = catalogue
+            .place(pnu, subindex)
+            .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
         let parameter = catalogue
             .parameters
             .get(position)
             .ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        Ok((position, parameter))
+        Ok((position, element, parameter))
     }
 }
 
 impl ParameterAccess for Drive {
-    fn attributes(&self, pnu: u16) -> Option<Attributes> {
-        let catalogue = self.model.catalogue;
-        let parameter = catalogue.by_pnu(pnu).or_else(|| catalogue.by_high(pnu))?;
+    fn attributes(&self, pnu: u16, subindex: u16) -> Option<Attributes> {
+        let high = || self.model.catalogue.by_high(pnu);
+        let parameter = self
+            .place(pnu, subindex)
+            .map_or_else(|_| high(), |(_, _, parameter)| Some(parameter))?;
+        let writable = parameter.access != Access::ReadOnly;
         Some(Attributes {
-            format: format(parameter),
-            octets: parameter.size.octets(),
             elements: if parameter.is_array() {
                 parameter.elements
             } else {
                 0
             },
-            writable: parameter.access != Access::ReadOnly,
+            first: parameter.base.unwrap_or(0),
+            ..Attributes::simple(format(parameter), parameter.size.octets(), writable)
         })
+    }
+
+    fn exists(&self, pnu: u16) -> bool {
+        self.attributes(pnu, 0).is_some() || self.model.catalogue.is_collecting(pnu)
     }
 
     /// Of a 64-bit value the low half is read at its own number and the high half at the next one. Reading the low half
@@ -61,12 +70,12 @@ impl ParameterAccess for Drive {
         if let Some(parameter) = self.model.catalogue.by_high(pnu) {
             let whole = match kept {
                 Some(Half::Read { pnu, whole }) if pnu == parameter.pnu => whole,
-                _ => self.element(self.place(parameter.pnu)?.0, subindex)?,
+                _ => self.element(self.place(parameter.pnu, subindex)?.0, subindex)?,
             };
             return Ok(whole.cast_unsigned() >> 32);
         }
-        let (position, parameter) = self.place(pnu)?;
-        let whole = self.element(position, subindex)?;
+        let (position, element, parameter) = self.place(pnu, subindex)?;
+        let whole = self.element(position, element)?;
         if parameter.wide {
             self.half = Some(Half::Read { pnu, whole });
         }
@@ -75,7 +84,7 @@ impl ParameterAccess for Drive {
 
     /// Of a 64-bit value the high half is written first and has no effect before the low half, which makes one value of
     /// both. A low half that comes alone is the whole value. Any other access in between forgets the high half.
-    fn write(&mut self, pnu: u16, subindex: u16, raw: u64) -> Result<(), ErrorNumber> {
+    fn write(&mut self, pnu: u16, subindex: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
         let kept = self.half.take();
         if let Some(parameter) = self.model.catalogue.by_high(pnu) {
             let pnu = parameter.pnu;
@@ -85,7 +94,7 @@ impl ParameterAccess for Drive {
             });
             return Ok(());
         }
-        let (position, parameter) = self.place(pnu)?;
+        let (position, element, parameter) = self.place(pnu, subindex)?;
         let raw = match (parameter.size, parameter.signed) {
             (Size::Dword, _) if parameter.wide => match kept {
                 Some(Half::Written { pnu: written, high }) if written == pnu => {
@@ -100,7 +109,7 @@ impl ParameterAccess for Drive {
             (Size::Word | Size::Command, _) => i64::from(raw as u16),
             (Size::Dword, false) => i64::from(raw as u32),
         };
-        self.set_element(position, subindex, raw)
+        self.set_element(position, element, raw)
     }
 
     /// The limits are those of a double word: what can be written to this number alone. A high half is described as the
@@ -108,7 +117,7 @@ impl ParameterAccess for Drive {
     fn description(&self, pnu: u16) -> Option<Description> {
         let catalogue = self.model.catalogue;
         let high = catalogue.by_high(pnu);
-        let (position, parameter) = self.place(high.map_or(pnu, |parameter| parameter.pnu)).ok()?;
+        let (position, _, parameter) = self.place(high.map_or(pnu, |parameter| parameter.pnu), 0).ok()?;
         let scaling = &self.settings.scaling;
         let mut flags = u16::from(format(parameter).0);
         let mut set = |flag: u16, when: bool| {

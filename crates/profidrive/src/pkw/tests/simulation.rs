@@ -63,20 +63,17 @@ struct Three {
 }
 
 impl ParameterAccess for Three {
-    fn attributes(&self, pnu: u16) -> Option<Attributes> {
-        (1..=3).contains(&pnu).then_some(Attributes {
-            format: Format::UNSIGNED32,
-            octets: 4,
-            elements: 0,
-            writable: true,
-        })
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
+        (1..=3)
+            .contains(&pnu)
+            .then_some(Attributes::simple(Format::UNSIGNED32, 4, true))
     }
 
     fn read(&mut self, pnu: u16, _: u16) -> Result<u64, ErrorNumber> {
         Ok(self.values[usize::from(pnu) - 1].into())
     }
 
-    fn write(&mut self, pnu: u16, _: u16, raw: u64) -> Result<(), ErrorNumber> {
+    fn write(&mut self, pnu: u16, _: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
         self.values[usize::from(pnu) - 1] = raw as u32;
         self.written.push(raw as u32);
         Ok(())
