@@ -3,8 +3,9 @@
 //! Lengths are in 2^-32 revolutions and times in seconds; nothing here knows the direction in the plant: the signs of
 //! speed and acceleration are those of the position.
 
-/// Most pieces of one plan: a stop (6), a way up (3), the cruise (1), a way down (3) and what follows (1).
-const MOST: usize = 14;
+/// Most pieces of one plan: the end of an acceleration (1), a stop (6), a way up (3), the cruise (1), a way down (3) and
+/// what follows (1).
+const MOST: usize = 15;
 
 /// Most jerk there is, 2^-32 rev/s^3: far above all that is asked for, far below what floating point takes.
 const HARDEST: f64 = 1.0e30;
@@ -135,6 +136,17 @@ impl Profile {
         };
         self.end = piece.at(duration);
         self.count += 1;
+    }
+
+    /// Ends the acceleration with this jerk.
+    pub fn relax(&mut self, jerk: f64) {
+        let acceleration = self.end.acceleration;
+        self.push(
+            acceleration.abs() / jerk,
+            acceleration,
+            -jerk.copysign(acceleration),
+        );
+        self.end.acceleration = 0.0;
     }
 
     /// Keeps the present speed.

@@ -152,9 +152,13 @@ impl Trajectory {
                     if before == target && end_speed > 0.0);
         let bounds = manner.bounds();
         self.acceleration = self.acceleration_for(&bounds);
+        let relaxing = self.relaxing(&bounds);
         self.goal = goal;
         self.manner = Some(manner);
         self.restart();
+        if let Some(jerk) = relaxing {
+            self.profile.relax(jerk);
+        }
         self.done = passed;
         match goal {
             Goal::Rest => self.profile.change(0.0, &bounds),
@@ -193,6 +197,14 @@ impl Trajectory {
         self.acceleration.clamp(-most, most)
     }
 
+    /// The jerk with which speeding up ends before a plan with these bounds begins, when it began with more jerk than the
+    /// plan has: ended more gently, the speed would go beyond what was asked for before and is asked for now.
+    fn relaxing(&self, bounds: &Bounds) -> Option<f64> {
+        let before = self.manner?.bounds().jerk?;
+        let speeds_up = self.acceleration * self.speed > 0.0;
+        (speeds_up && before > bounds.jerk?).then_some(before)
+    }
+
     /// Where it would stand if it braked from now on.
     pub fn stopping_position(&self, manner: &Manner) -> i64 {
         let bounds = manner.bounds();
@@ -201,6 +213,9 @@ impl Trajectory {
             speed: self.speed,
             acceleration: self.acceleration_for(&bounds),
         });
+        if let Some(jerk) = self.relaxing(&bounds) {
+            brake.relax(jerk);
+        }
         brake.change(0.0, &bounds);
         self.position.wrapping_add(brake.end().position as i64)
     }

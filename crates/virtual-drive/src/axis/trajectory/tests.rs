@@ -179,6 +179,41 @@ fn a_target_too_near_to_stop_is_passed_and_come_back_to() {
     }
 }
 
+/// Speeding up with much jerk, then told to go on with little: it neither goes beyond the speed it was heading for, nor
+/// anything but smoothly to the new one.
+#[test]
+fn a_gentler_manner_does_not_carry_it_beyond_its_speed() {
+    let (hard, soft) = (
+        manner(36_000.0, 36_000.0, Some(0.015)),
+        manner(12_000.0, 12_000.0, Some(0.1)),
+    );
+    for goal in [
+        to(100 * REV, 1800.0),
+        Goal::At { speed: 1800.0 },
+        to(-5 * REV, 1800.0),
+    ] {
+        let mut trajectory = Trajectory::new(0);
+        trajectory.aim(to(100 * REV, 2200.0), hard);
+        while trajectory.speed() < 1500.0 {
+            trajectory.step(DT);
+        }
+        assert!(trajectory.acceleration() > 10_000.0);
+        let planned = trajectory.stopping_position(&soft);
+        trajectory.aim(goal, soft);
+        let (mut top, mut farthest) = (0.0_f64, i64::MIN);
+        for _ in 0..3000 {
+            trajectory.step(DT);
+            top = top.max(trajectory.speed());
+            farthest = farthest.max(trajectory.position());
+        }
+        assert!(top <= 2200.0, "{top}");
+        if let Goal::To { target, .. } = goal {
+            assert!(trajectory.is_done() || target > REV, "{trajectory:?}");
+            assert!(target > REV || (farthest - planned).abs() < REV / 1000);
+        }
+    }
+}
+
 #[test]
 fn speed_zero_stops_and_speed_brings_it_on() {
     for smoothing in [None, Some(0.03)] {

@@ -318,7 +318,7 @@ impl Homing {
                 self.arrive(setup, seen, self.target);
             }
             Phase::Distance if !self.fresh && seen.done && seen.standing => self.finished = true,
-            Phase::Seek | Phase::Distance if limited => self.failure = Some(FAILED),
+            Phase::Seek | Phase::Approach | Phase::Distance if limited => self.failure = Some(FAILED),
             _ => {}
         }
     }

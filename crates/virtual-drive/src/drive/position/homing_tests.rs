@@ -1,6 +1,8 @@
 //! Every mode of homing on an axis with switches, stops and an index pulse.
 
-use super::tests::{Bench, READY};
+use profidrive::telegram::signal;
+
+use super::tests::{Bench, READY, START};
 use super::units::REVOLUTION;
 use crate::axis::{Plant, Travel};
 use crate::model::AKD;
@@ -253,6 +255,37 @@ fn what_is_not_found_is_told() {
         ),
         161,
     );
+    // Nor does the way to a zero angle lead on into a limit switch that is hit already.
+    for mode in [7, 15] {
+        let mut travel = plant().travel.unwrap();
+        travel.positive_switch = -TURN / 8;
+        let plant = Plant {
+            travel: Some(travel),
+            ..plant()
+        };
+        let mut bench = with(plant, mode, true);
+        // away from a zero angle, but nearer to the one ahead
+        bench.drive.axis.set_plant(Plant {
+            travel: None,
+            ..plant
+        });
+        bench.write("HOME.MODE", 0);
+        bench.send(HOME, 2);
+        bench.send(READY, 2);
+        bench.task(1, 0.75, 600.0, 6000.0, 0);
+        bench.set(signal::SATZANW, 1);
+        bench.until(START, 0x0400, 0x0400);
+        bench.send(READY, 30);
+        bench.drive.axis.set_plant(plant);
+        bench.write("HOME.MODE", mode);
+        let before = bench.turns();
+        bench.until(HOME, 0x2080, 0x2080);
+        assert!(
+            bench.warned(161) && (bench.turns() - before).abs() < 0.01,
+            "{before} {}",
+            bench.turns()
+        );
+    }
     // Mode 14 is not known: homing does not begin.
     let mut bench = with(plant(), 14, true);
     bench.send(HOME, 5);
