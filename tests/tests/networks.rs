@@ -166,6 +166,8 @@ fn a_simulation_is_told_what_is_taken_already() {
     let capture = lab.capture("traffic");
     let drive = ["--name", "akd-1", "--ip", "192.168.77.50/24"];
     let _one = simulate(&lab, &drive);
+    // two that begin at once would find each other: this one was there first
+    std::thread::sleep(Duration::from_millis(500));
     // the same once more, at either end: nothing could tell the two apart
     for side in [Side::Device, Side::Controller] {
         let again = [&["simulate", "-i", side.interface()], &drive[..]].concat();
@@ -181,34 +183,37 @@ fn a_simulation_is_told_what_is_taken_already() {
         (Side::Device, "02:50:4e:00:00:71"),
         (Side::Controller, "02:50:4e:00:00:72"),
     ] {
-        let other = simulate_at(&lab, side, &[&drive[..], &["--mac", mac]].concat());
+        let mut other = simulate_at(&lab, side, &[&drive[..], &["--mac", mac]].concat());
         for words in [
             "the name akd-1 is taken on this segment: akd-1 (",
             "the address 192.168.77.50 of akd-1 is taken on this segment: akd-1 (",
         ] {
-            assert!(other.err().contains(words), "{words}: {}", other.err());
+            other.wait_for(words, SHORT);
         }
         other.interrupt(SHORT).ok();
     }
     // who is no PROFINET station answers by ARP
-    let plain = simulate(&lab, &["--name", "akd-2", "--ip", "192.168.77.11/24"]);
+    let mut plain = simulate(&lab, &["--name", "akd-2", "--ip", "192.168.77.11/24"]);
     let taken = "the address 192.168.77.11 of akd-2 is taken on this segment: 02:50:4e:00:00:02";
-    assert!(plain.err().contains(taken), "{}", plain.err());
+    plain.wait_for(taken, SHORT);
     drop(plain);
     let own = ["--name", "akd-2", "--ip", "192.168.77.11/24"];
-    let own = simulate_at(&lab, Side::Controller, &own);
-    assert!(
-        own.err().contains("this computer's own, on ctl0"),
-        "{}",
-        own.err()
-    );
+    let mut own = simulate_at(&lab, Side::Controller, &own);
+    own.wait_for("this computer's own, on ctl0", SHORT);
     drop(own);
-    // and a drive of its own is not disturbed by any question
-    let free = simulate(
-        &lab,
-        &["--name", "akd-3", "--count", "3", "--ip", "192.168.77.60/24"],
-    );
-    assert!(!free.err().contains("warning"), "{}", free.err());
+    // and drives do not take one another for strangers; they are there before all answers are
+    let free = [
+        "--name",
+        "akd-3",
+        "--count",
+        "3",
+        "--ip",
+        "192.168.77.60/24",
+        "--for",
+        "1s",
+    ];
+    let free = simulate(&lab, &free).finish(SHORT).ok();
+    assert!(!free.err.contains("warning"), "{}", free.err);
     judge::judge(&capture.stop())
         .clean()
         .saw("arp", 10)

@@ -96,7 +96,7 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
         .zip(&configs)
         .map(|(plan, (_, config))| Wanted::new(&plan.key(), plan.drive.mac, &config.network))
         .collect();
-    taken::check(&mut runner, &wanted, output)?;
+    let mut asked = Some(taken::Question::ask(&mut runner, wanted)?);
     if let Some(path) = &args.pcap {
         runner.add_tap(Box::new(capture(path, &interface)?));
     }
@@ -139,7 +139,8 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     let (mut away, mut next_try) = (false, now());
     loop {
         let next = drives.values().filter_map(|drive| drive.line.next()).min();
-        let until = [Some(now() + if away { RETRY } else { NAP }), next, end];
+        let answered = asked.as_ref().map(taken::Question::due);
+        let until = [Some(now() + if away { RETRY } else { NAP }), next, end, answered];
         let turn = match runner.step(until.into_iter().flatten().min().unwrap_or(Instant::MAX)) {
             Err(error @ (NetworkError::InterfaceDown { .. } | NetworkError::InterfaceGone { .. })) => {
                 output.warn(&format!(
@@ -156,6 +157,9 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             if !away {
                 output.say(&format!("{interface} is back"));
             }
+        }
+        if let Some(question) = asked.take_if(|question| question.due() <= now()) {
+            question.tell(&mut runner, output)?;
         }
         if turn == Turn::Rung {
             while let Some((question, answer)) = mailbox.as_ref().ok().and_then(Mailbox::take) {

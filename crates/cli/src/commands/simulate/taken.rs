@@ -1,16 +1,16 @@
-//! Whether somebody on the segment has a name or an address already that a drive is about to take.
+//! Whether somebody else on the segment has the name or an address of a drive.
 
 use std::collections::BTreeSet;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
 use drive_client::describe;
-use network::host::Host;
-use network::linux::{InterfaceInfo, Runner, Turn, now};
+use network::host::{Host, StationId};
+use network::linux::{InterfaceInfo, Runner, now};
 use network::probe::Probe;
 use profinet::controller::{Controller, ControllerConfig, Event, Filter, IdentifyOptions, Station};
 use profinet::device::Stored;
-use profinet::{IpSuite, MacAddress};
+use profinet::{Instant, IpSuite, MacAddress};
 
 use crate::desk;
 use crate::failure::{Exit, Failure};
@@ -46,45 +46,71 @@ impl Wanted {
     }
 }
 
-/// Asks the segment by DCP and ARP, the other simulations on this interface by their sockets, and this computer.
-///
-/// # Errors
-/// Somebody has the MAC address of a drive: no frame would find the right one. A name or an IP address that is taken is
-/// warned of only, as that can be what is to be tried.
-pub fn check(runner: &mut Runner, wanted: &[Wanted], output: &Output) -> Result<(), Failure> {
-    let mut others = desk::neighbours(&runner.interface().name);
-    others.extend(ask(runner, wanted)?);
-    same_mac(wanted, &others)?;
-    let own = InterfaceInfo::list().unwrap_or_default();
-    let own = own
-        .iter()
-        .flat_map(|info| info.addresses.iter().map(|ip| (ip.address, info.name.as_str())));
-    for words in warnings(wanted, &others, &own.collect::<Vec<_>>()) {
-        output.warn(&words);
-    }
-    Ok(())
+/// The question who is there. It is asked while the drives run already, so that nobody waits for it.
+#[derive(Debug)]
+pub struct Question {
+    wanted: Vec<Wanted>,
+    others: Vec<Station>,
+    probe: StationId,
+    due: Instant,
 }
 
-/// Who answers to DCP, and who to ARP.
-fn ask(runner: &mut Runner, wanted: &[Wanted]) -> Result<Vec<Station>, Failure> {
-    let own = runner.interface().usable()?;
-    let addresses: Vec<Ipv4Addr> = wanted
-        .iter()
-        .filter(|drive| drive.ip.is_set())
-        .map(|drive| drive.ip.address)
-        .collect();
-    let begin = now();
-    let mut controller = Controller::new(ControllerConfig::new(own, IpSuite::NONE, "profidrive", 1));
-    controller
-        .identify_with(begin, Filter::all(), ASKED)
-        .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
-    let id = runner.attach(Box::new(Probe::new(Host::new(controller), addresses)))?;
-    let end = begin + PATIENCE;
-    while now() < end {
-        if runner.step(end)? == Turn::Stopped {
-            break;
-        }
+impl Question {
+    /// Asks the other simulations on this interface by their sockets, which are there at once, and begins to ask the
+    /// segment by DCP and ARP.
+    ///
+    /// # Errors
+    /// When another simulation has the MAC address of a drive: no frame would find the right one.
+    pub fn ask(runner: &mut Runner, wanted: Vec<Wanted>) -> Result<Self, Failure> {
+        let others = desk::neighbours(&runner.interface().name);
+        same_mac(&wanted, &others)?;
+        let own = runner.interface().usable()?;
+        let addresses: Vec<Ipv4Addr> = wanted
+            .iter()
+            .filter(|drive| drive.ip.is_set())
+            .map(|drive| drive.ip.address)
+            .collect();
+        let begin = now();
+        let mut controller = Controller::new(ControllerConfig::new(own, IpSuite::NONE, "profidrive", 1));
+        controller
+            .identify_with(begin, Filter::all(), ASKED)
+            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+        let probe = runner.attach(Box::new(Probe::new(Host::new(controller), addresses)))?;
+        Ok(Self {
+            wanted,
+            others,
+            probe,
+            due: begin + PATIENCE,
+        })
     }
+
+    /// When all who answer have answered.
+    pub const fn due(&self) -> Instant {
+        self.due
+    }
+
+    /// What came of it. Names and addresses that are taken, on the segment or by this computer, are warned of only, as
+    /// that can be what is to be tried.
+    ///
+    /// # Errors
+    /// When somebody on the segment has the MAC address of a drive.
+    pub fn tell(mut self, runner: &mut Runner, output: &Output) -> Result<(), Failure> {
+        let answers = answers(runner, self.probe);
+        self.others.extend(answers);
+        same_mac(&self.wanted, &self.others)?;
+        let own = InterfaceInfo::list().unwrap_or_default();
+        let own = own
+            .iter()
+            .flat_map(|info| info.addresses.iter().map(|ip| (ip.address, info.name.as_str())));
+        for words in warnings(&self.wanted, &self.others, &own.collect::<Vec<_>>()) {
+            output.warn(&words);
+        }
+        Ok(())
+    }
+}
+
+/// Who answered to DCP, and who to ARP; takes the probe away.
+fn answers(runner: &mut Runner, id: StationId) -> Vec<Station> {
     let mut stations = Vec::new();
     if let Some(probe) = runner.station_mut::<Probe<Host<Controller>>>(id) {
         while let Some(event) = probe.inner_mut().endpoint_mut().poll_event() {
@@ -108,7 +134,7 @@ fn ask(runner: &mut Runner, wanted: &[Wanted]) -> Result<Vec<Station>, Failure> 
         }
     }
     runner.detach(id);
-    Ok(stations)
+    stations
 }
 
 fn same_mac(wanted: &[Wanted], others: &[Station]) -> Result<(), Failure> {
