@@ -24,7 +24,8 @@ use crate::commands::{
 )]
 #[command(
     after_help = "DRIVE is a station name (akd-1), an IP address (10.0.0.2) or a MAC address.\n\
-    PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2).\n\
+    PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2), as the maker writes it \
+    (VLT: 1-20, Vacon: ID103).\n\
     Exit codes: 0 ok, 1 failed, 2 usage, 3 refused by the drive, 4 not reachable, 5 difference found, \
     6 stopped by a safety rule."
 )]
@@ -43,6 +44,28 @@ pub struct Interface {
     /// Network interface towards the drives; else that of the variable PROFIDRIVE_INTERFACE, else the only one
     #[arg(short, long, value_name = "IFACE")]
     pub interface: Option<String>,
+    /// What the drive is to be taken for, where the person said so
+    #[arg(skip)]
+    pub model: Option<drive_client::Model>,
+}
+
+/// What a drive is taken for.
+#[derive(Debug, Clone, Default, Args)]
+pub struct Kind {
+    /// Takes the drive for an `akd`, `vlt` or `vacon` whatever it says it is, or by the profile alone: `standard`
+    #[arg(long, value_name = "MODEL", value_parser = model)]
+    pub model: Option<drive_client::Model>,
+}
+
+/// A command that speaks to a drive.
+#[derive(Debug, Args)]
+pub struct OnDrive<T: Args> {
+    #[command(flatten)]
+    pub args: T,
+    #[command(flatten)]
+    pub interface: Interface,
+    #[command(flatten)]
+    pub kind: Kind,
 }
 
 /// A command that uses the network.
@@ -78,41 +101,41 @@ pub enum Command {
     /// Reset a station to factory values (asks first); `blink` first shows which one it is
     Reset(OnNetwork<Reset>),
     /// Show who a drive is and in which state
-    Info(OnNetwork<Drive>),
+    Info(OnDrive<Drive>),
     /// Read parameters
-    Read(OnNetwork<Read>),
+    Read(OnDrive<Read>),
     /// Write parameters: limits first, then old and new value, then read back
-    Write(OnNetwork<Write>),
+    Write(OnDrive<Write>),
     /// List the parameters of a drive
-    List(OnNetwork<List>),
+    List(OnDrive<List>),
     /// Describe one parameter: unit, limits, default, access
-    Describe(OnNetwork<Describe>),
+    Describe(OnDrive<Describe>),
     /// Turn the motor at a speed for a time, then stop it (moves the axis)
-    Run(OnNetwork<Run>),
+    Run(OnDrive<Run>),
     /// Turn the motor at a jog speed for a time, then stop it (moves the axis)
-    Jog(OnNetwork<Jog>),
+    Jog(OnDrive<Jog>),
     /// Move the axis to a position or by a distance, then stop it (moves the axis)
-    Move(OnNetwork<Move>),
+    Move(OnDrive<Move>),
     /// Carry out a motion task of the drive's own table, then stop the axis (moves the axis)
-    Task(OnNetwork<Task>),
+    Task(OnDrive<Task>),
     /// Set the home position by the procedure the drive is set up for (moves the axis)
-    Home(OnNetwork<Home>),
+    Home(OnDrive<Home>),
     /// Stop a drive that somebody else commands: DRV.STOP, or DRV.DIS with --disable
-    Stop(OnNetwork<Stop>),
+    Stop(OnDrive<Stop>),
     /// Say in one sentence why a drive does not run; reads only (exit code 5 when something keeps it)
-    Status(OnNetwork<Status>),
+    Status(OnDrive<Status>),
     /// Acknowledge the fault of a drive (STW1 bit 7, as its controller for a moment)
-    Ack(OnNetwork<Ack>),
+    Ack(OnDrive<Ack>),
     /// Watch a drive beside its controller; reads only
-    Monitor(OnNetwork<Monitor>),
+    Monitor(OnDrive<Monitor>),
     /// Show the faults and warnings of a drive, what they mean and what to do
-    Faults(OnNetwork<Faults>),
+    Faults(OnDrive<Faults>),
     /// Save the settings of a drive as text, one parameter a line
-    Backup(OnNetwork<Backup>),
+    Backup(OnDrive<Backup>),
     /// Compare the settings of two files, two drives, or a file and a drive
-    Diff(OnNetwork<Diff>),
+    Diff(OnDrive<Diff>),
     /// Bring saved settings back: shows its plan, writes a way back first, reads back
-    Restore(OnNetwork<Restore>),
+    Restore(OnDrive<Restore>),
     /// Say in words what a number means
     Explain(Explain),
     /// Say in words what a parameter job or a capture file contains
@@ -216,7 +239,7 @@ pub enum ResetMode {
 pub struct Read {
     /// Station name, IP address or MAC address
     pub drive: String,
-    /// Parameters: DRV.ACC, 930, p930, r947[0], 947[0..7], 0x3A2
+    /// Parameters: DRV.ACC, 930, p930, r947[0], 947[0..7], 0x3A2; of a VLT 1-20, of a Vacon ID103
     #[arg(required = true, value_name = "PARAM")]
     pub parameters: Vec<String>,
     /// Also show the raw value in hexadecimal
@@ -228,12 +251,15 @@ pub struct Read {
 pub struct Write {
     /// Station name, IP address or MAC address
     pub drive: String,
-    /// Assignments: DRV.ACC=5000rpm/s, 930=1, p930=0x0001
+    /// Assignments: DRV.ACC=5000rpm/s, 930=1, p930=0x0001; of a VLT 3-41=5s, of a Vacon ID103=5s
     #[arg(required = true, value_name = "PARAM=VALUE")]
     pub assignments: Vec<String>,
     /// Check and show, but write nothing
     #[arg(long)]
     pub dry_run: bool,
+    /// Let the drive keep the values over a power cycle (AKD: DRV.NVSAVE saves all it has; VLT: these values)
+    #[arg(long, conflicts_with = "dry_run")]
+    pub save: bool,
 }
 
 #[derive(Debug, Args)]
@@ -255,7 +281,7 @@ pub struct List {
 pub struct Describe {
     /// Station name, IP address or MAC address
     pub drive: String,
-    /// Parameter: DRV.ACC, 930, p930, 0x3A2
+    /// Parameter: DRV.ACC, 930, p930, 0x3A2; of a VLT 1-20, of a Vacon ID103
     #[arg(value_name = "PARAM")]
     pub parameter: String,
 }
@@ -310,19 +336,21 @@ pub struct Explain {
         value_enum,
         value_name = "stw1|zsw1|state|fault|error|format|pnio"
     )]
-    pub kind: Kind,
+    pub kind: What,
+    #[command(flatten)]
+    pub model: Kind,
 }
 
 /// What a number to explain is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Kind {
+pub enum What {
     /// Control word 1
     Stw1,
     /// Status word 1
     Zsw1,
     /// State of the drive, from status word 1
     State,
-    /// Fault number of an AKD (PNU 947)
+    /// Fault number (PNU 947) of the model, an AKD where none is given
     Fault,
     /// Error number of a refused parameter
     Error,
@@ -466,6 +494,12 @@ impl std::str::FromStr for Network {
     }
 }
 
+/// A model by the name that a person gives it.
+fn model(text: &str) -> Result<drive_client::Model, String> {
+    drive_client::Model::by_name(text)
+        .ok_or_else(|| format!("there are {}", drive_client::Model::NAMES.join(", ")))
+}
+
 /// A time with its unit (`5s`, `16ms`, `2min`); a bare number is in seconds.
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;
@@ -521,6 +555,9 @@ mod tests {
             "profidrive status akd-1 --short --json",
             "profidrive explain 0x047F --as stw1",
             "profidrive decode trace.pcapng",
+            "profidrive read vlt-1 1-20 p120 15-30[1] --model vlt",
+            "profidrive write vacon-1 ID103=5s 104=5s --save --model Vacon -i v0",
+            "profidrive explain 13 --as fault --model vlt",
             "profidrive simulate --model akd --name akd-1 -i v0 --count 4 --ip 10.0.0.2/24 --mac host",
             "profidrive simulate --gsdml GSDML-V2.3-Maker-Drive-20200101.xml --access-point DAP_1",
             "profidrive gsdml export --model akd -o folder",
@@ -539,6 +576,7 @@ mod tests {
             let line = format!("profidrive {line}");
             assert!(Cli::try_parse_from(line.split(' ')).is_err(), "{line}");
         }
+        assert!(Cli::try_parse_from("profidrive read d 930 --model toy".split(' ')).is_err());
         assert!(Cli::try_parse_from("profidrive -i eth0 scan".split(' ')).is_ok());
         for line in ["decode f", "explain 1 --as stw1", "demo", "completions bash"] {
             let line = format!("profidrive {line} -i eth0");

@@ -209,6 +209,10 @@ pub fn drive(
     let found = session.find(&address);
     spinner.finish_and_clear();
     let drive = found.map_err(|error| not_found(error, session.medium(), &address))?;
+    let drive = match interface.model {
+        Some(model) => drive.taken_for(model),
+        None => drive,
+    };
     if let (AnyMedium::Packet(medium), true) = (session.medium(), need != Need::Discovery) {
         let info = medium.interface();
         match reach(&info.name, &info.addresses, &drive.label(), drive.station.ip)? {

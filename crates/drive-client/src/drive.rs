@@ -1,6 +1,6 @@
 //! What kind of drive answers, and how it wants to be spoken to.
 
-use profidrive::catalogue::{AKD, Catalogue, Scaling};
+use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
 use profidrive::parameter::Dialect;
 use profinet::controller::Station;
 
@@ -39,20 +39,16 @@ pub struct Channel {
     pub index: u16,
 }
 
-const AKD_MODEL: Model = Model {
-    name: "AKD",
-    catalogue: Some(&AKD),
-    dialect: &Dialect::AKD,
-    channel: Channel {
-        api: PROFIDRIVE_API,
-        slot: 1,
-        subslot: 1,
-        index: GLOBAL_ACCESS,
-    },
-};
+/// What is known about makes without their tables: tables, dialect, record of the parameter channel.
+/// Source of the record: AKD manual 3.5; MG06G102 5.5; OPTEA manual p. 116.
+const MAKES: [(&Catalogue, &Dialect, u16); 3] = [
+    (&AKD, &Dialect::AKD, GLOBAL_ACCESS),
+    (&VLT, &Dialect::VLT, LOCAL_ACCESS),
+    (&VACON, &Dialect::VACON, LOCAL_ACCESS),
+];
 
 /// A drive nobody described: the profile's own way.
-const STANDARD_MODEL: Model = Model {
+const STANDARD: Model = Model {
     name: "PROFIdrive",
     catalogue: None,
     dialect: &Dialect::STANDARD,
@@ -65,14 +61,72 @@ const STANDARD_MODEL: Model = Model {
 };
 
 impl Model {
-    /// The model with this vendor and device, the standard one for all others.
+    /// What a person may call a model: see [`by_name`](Self::by_name).
+    pub const NAMES: [&'static str; 4] = ["akd", "vlt", "vacon", "standard"];
+
+    /// The model with this vendor and device. Of another device of a known maker the parameters are not known, but how
+    /// they are asked for; of all others nothing but the profile.
+    ///
+    /// ```
+    /// use drive_client::Model;
+    /// assert_eq!(Model::of(0x0080, 0x0001).name, "VLT");
+    /// let other = Model::of(0x0080, 0x7777);
+    /// assert!(other.catalogue.is_none() && other.dialect.name == "VLT");
+    /// assert_eq!(Model::of(0x1234, 1).name, "PROFIdrive");
+    /// ```
     #[must_use]
-    pub const fn of(vendor_id: u16, device_id: u16) -> Self {
-        if vendor_id == AKD.device.vendor_id && device_id == AKD.device.device_id {
-            AKD_MODEL
-        } else {
-            STANDARD_MODEL
+    pub fn of(vendor_id: u16, device_id: u16) -> Self {
+        let models = || MAKES.iter().map(Self::made);
+        let known = models().find(|model| {
+            let device = model.catalogue.map(|tables| &tables.device);
+            device.is_some_and(|device| (device.vendor_id, device.device_id) == (vendor_id, device_id))
+        });
+        let maker = || MAKES.iter().find(|make| make.0.device.vendor_id == vendor_id);
+        let relative = || {
+            maker().map(|make| Self {
+                name: make.0.device.vendor,
+                catalogue: None,
+                ..Self::made(make)
+            })
+        };
+        known.or_else(relative).unwrap_or(STANDARD)
+    }
+
+    /// The model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the profile alone,
+    /// without any tables.
+    ///
+    /// ```
+    /// use drive_client::Model;
+    /// assert_eq!(Model::by_name("VLT").map(|model| model.dialect.axis), Some(0));
+    /// assert!(Model::NAMES.iter().all(|name| Model::by_name(name).is_some()));
+    /// ```
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        if name.eq_ignore_ascii_case("standard") {
+            return Some(STANDARD);
         }
+        let make = MAKES.iter().find(|make| make.0.model.eq_ignore_ascii_case(name));
+        make.map(Self::made)
+    }
+
+    fn made(&(tables, dialect, index): &(&'static Catalogue, &'static Dialect, u16)) -> Self {
+        Self {
+            name: tables.model,
+            catalogue: Some(tables),
+            dialect,
+            channel: Channel {
+                api: tables.device.api.into(),
+                slot: 1,
+                subslot: tables.device.layout.parameters.subslot,
+                index,
+            },
+        }
+    }
+
+    /// What scales values as long as the drive was not asked: as delivered.
+    #[must_use]
+    pub fn scaling(&self) -> Scaling {
+        self.catalogue.map_or(Scaling::DELIVERED, |tables| tables.scaling)
     }
 }
 
@@ -102,15 +156,22 @@ impl Drive {
     #[must_use]
     pub fn new(station: Station) -> Self {
         let model = Model::of(station.vendor_id, station.device_id);
-        let parameters = Parameters {
-            catalogue: model.catalogue,
-            scaling: Scaling::default(),
-        };
         Self {
             station,
+            parameters: Parameters::of(&model),
             model,
-            parameters,
             scaled: false,
+        }
+    }
+
+    /// The same drive, taken for this model whatever it says it is.
+    #[must_use]
+    pub fn taken_for(self, model: Model) -> Self {
+        Self {
+            parameters: Parameters::of(&model),
+            model,
+            scaled: false,
+            ..self
         }
     }
 

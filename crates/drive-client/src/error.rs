@@ -275,6 +275,8 @@ pub struct Refusal {
     pub write: bool,
     /// The drive's error number.
     pub number: ErrorNumber,
+    /// Whose words its own numbers have.
+    pub names: ErrorNames,
     /// Additional information of the drive: often the element at fault.
     pub information: Option<u16>,
     /// What to do about it for this parameter, where the tables of the drive know more than the number says.
@@ -285,8 +287,14 @@ impl Refusal {
     /// What to do about it.
     #[must_use]
     pub fn remedy(&self) -> Option<&'static str> {
-        let general = || self.number.info(ErrorNames::Profile).map(|info| info.remedy);
+        let general = || self.number.info(self.names).map(|info| info.remedy);
         self.advice.or_else(general)
+    }
+
+    /// The number with its meaning.
+    #[must_use]
+    pub fn words(&self) -> String {
+        self.number.words(self.names)
     }
 }
 
@@ -294,8 +302,8 @@ impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verb = if self.write { "writing" } else { "reading" };
         match self.name {
-            Some(name) => write!(f, "{verb} {name} ({}) refused: {}", self.shown, self.number)?,
-            None => write!(f, "{verb} {} refused: {}", self.shown, self.number)?,
+            Some(name) => write!(f, "{verb} {name} ({}) refused: {}", self.shown, self.words())?,
+            None => write!(f, "{verb} {} refused: {}", self.shown, self.words())?,
         }
         self.information
             .filter(|&info| info != 0)

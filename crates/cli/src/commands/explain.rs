@@ -1,10 +1,10 @@
 //! `profidrive explain 0x047F --as stw1`
 
-use profidrive::catalogue::AKD;
+use profidrive::catalogue::{AKD, Catalogue};
 use profinet::wire::status::PnioStatus;
 use serde_json::{Map, Value};
 
-use crate::args::{Explain, Kind};
+use crate::args::{Explain, What};
 use crate::failure::Failure;
 use crate::fields;
 use crate::job;
@@ -12,7 +12,7 @@ use crate::output::Output;
 use crate::render::{hex16, words};
 
 pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
-    let (lines, fields) = explain(&args.value, args.kind)?;
+    let (lines, fields) = explain(&args.value, args.kind, tables(args))?;
     if output.json() {
         output.document("explain", fields);
     } else {
@@ -25,16 +25,21 @@ pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
 
 type Explained = (Vec<String>, Map<String, Value>);
 
-fn explain(text: &str, kind: Kind) -> Result<Explained, Failure> {
+/// The tables of the model that was named; of an AKD where none was.
+fn tables(args: &Explain) -> &'static Catalogue {
+    args.model.model.and_then(|model| model.catalogue).unwrap_or(&AKD)
+}
+
+fn explain(text: &str, kind: What, tables: &Catalogue) -> Result<Explained, Failure> {
     Ok(match kind {
-        Kind::Stw1 => {
+        What::Stw1 => {
             let word = word(text)?;
             let means = words::stw1_meaning(word);
             let mut fields = fields! { "as": "stw1", "meaning": means };
             fields.insert("word".into(), words::word_json(words::stw1_bits(), word));
             (words::word_lines("STW1", words::stw1_bits(), word, means), fields)
         }
-        Kind::Zsw1 => {
+        What::Zsw1 => {
             let word = word(text)?;
             let means = words::state(word, None);
             let mut fields = fields! { "as": "zsw1", "meaning": means.as_str() };
@@ -44,20 +49,20 @@ fn explain(text: &str, kind: Kind) -> Result<Explained, Failure> {
                 fields,
             )
         }
-        Kind::State => {
+        What::State => {
             let word = word(text)?;
             let state = words::state(word, None);
             let fields = fields! { "as": "state", "raw": word, "state": words::state_number(word, None), "meaning": state.as_str() };
             (vec![format!("ZSW1 {}: {state}", hex16(word))], fields)
         }
-        Kind::Fault => fault(text)?,
-        Kind::Pnio => pnio(text)?,
-        Kind::Error => {
+        What::Fault => fault(text, tables)?,
+        What::Pnio => pnio(text)?,
+        What::Error => {
             let mut lines = Vec::new();
             let fields = job::explain_error(word(text)?, &mut lines);
             (lines, fields)
         }
-        Kind::Format => {
+        What::Format => {
             let code = u8::try_from(word(text)?)
                 .map_err(|_| Failure::usage(format!("`{text}`: format codes have one octet")))?;
             let mut lines = Vec::new();
@@ -67,7 +72,7 @@ fn explain(text: &str, kind: Kind) -> Result<Explained, Failure> {
     })
 }
 
-fn fault(text: &str) -> Result<Explained, Failure> {
+fn fault(text: &str, tables: &Catalogue) -> Result<Explained, Failure> {
     let (warning, digits) = match text.as_bytes().first() {
         Some(b'n' | b'N') => (true, text.get(1..).unwrap_or_default()),
         Some(b'f' | b'F') => (false, text.get(1..).unwrap_or_default()),
@@ -75,10 +80,15 @@ fn fault(text: &str) -> Result<Explained, Failure> {
     };
     let number = word(digits)?;
     let letter = if warning { 'n' } else { 'F' };
-    let known = AKD.fault(number, warning);
-    let meaning = known.map_or("not in the table of the AKD", |fault| fault.meaning);
-    let mut lines = vec![format!("AKD {letter}{number}: {meaning}")];
-    let mut fields = fields! { "as": "fault", "model": "akd", "number": number, "warning": warning };
+    let known = tables.fault(number, warning);
+    let name = tables.model;
+    let meaning = known.map_or_else(
+        || format!("not in the table of the {name}"),
+        |fault| fault.meaning.into(),
+    );
+    let mut lines = vec![format!("{name} {letter}{number}: {meaning}")];
+    let mut fields =
+        fields! { "as": "fault", "model": name.to_ascii_lowercase(), "number": number, "warning": warning };
     if let Some(fault) = known {
         fields.insert("meaning".into(), fault.meaning.into());
         fields.insert("reaction".into(), fault.reaction.text().into());
@@ -154,13 +164,20 @@ fn word(text: &str) -> Result<u16, Failure> {
 mod tests {
     use super::*;
 
-    fn lines(text: &str, kind: Kind) -> String {
-        explain(text, kind).unwrap().0.join("\n")
+    fn lines(text: &str, kind: What) -> String {
+        explain(text, kind, &AKD).unwrap().0.join("\n")
+    }
+
+    #[test]
+    fn faults_of_the_make_that_is_named() {
+        let told = explain("13", What::Fault, &profidrive::catalogue::VLT).unwrap();
+        assert!(told.0[0].starts_with("VLT F13: "), "{:?}", told.0);
+        assert_ne!(told.0[0], lines("13", What::Fault).lines().next().unwrap());
     }
 
     #[test]
     fn control_word_with_names_and_nibbles() {
-        let text = lines("0x047F", Kind::Stw1);
+        let text = lines("0x047F", What::Stw1);
         assert!(text.starts_with("STW1 0x047F   0000 0100 0111 1111\n"), "{text}");
         assert!(
             text.contains("set    ON, EN_OP, EN_RAMP, UNFREEZE, EN_SETPOINT, CTRL_PLC\n"),
@@ -170,35 +187,35 @@ mod tests {
             text.contains("stops  OFF2 not active, OFF3 not active\n"),
             "{text}"
         );
-        assert_eq!(lines("1151", Kind::Stw1), text);
-        assert_eq!(lines("0b0000_0100_0111_1111", Kind::Stw1), text);
+        assert_eq!(lines("1151", What::Stw1), text);
+        assert_eq!(lines("0b0000_0100_0111_1111", What::Stw1), text);
     }
 
     #[test]
     fn faults_states_and_statuses() {
-        assert!(lines("F702", Kind::Fault).starts_with("AKD F702: "));
-        assert!(lines("702", Kind::Fault).starts_with("AKD F702: "));
-        let following = lines("n439", Kind::Fault);
+        assert!(lines("F702", What::Fault).starts_with("AKD F702: "));
+        assert!(lines("702", What::Fault).starts_with("AKD F702: "));
+        let following = lines("n439", What::Fault);
         assert!(
             following.contains("\n  reaction none\n  do       look for"),
             "{following}"
         );
         assert!(following.contains("\n  cleared  by itself"), "{following}");
-        assert!(lines("9", Kind::Fault).contains("not in the table"));
-        assert_eq!(lines("0x0237", Kind::State), "ZSW1 0x0237: S4 operation");
-        assert!(lines("DE80B500", Kind::Pnio).contains("state conflict"));
+        assert!(lines("9", What::Fault).contains("not in the table"));
+        assert_eq!(lines("0x0237", What::State), "ZSW1 0x0237: S4 operation");
+        assert!(lines("DE80B500", What::Pnio).contains("state conflict"));
     }
 
     #[test]
     fn wrong_numbers_are_usage_errors() {
         for (text, kind) in [
-            ("0x10000", Kind::Stw1),
-            ("fast", Kind::State),
-            ("DE80", Kind::Pnio),
-            ("", Kind::Fault),
+            ("0x10000", What::Stw1),
+            ("fast", What::State),
+            ("DE80", What::Pnio),
+            ("", What::Fault),
         ] {
             assert_eq!(
-                explain(text, kind).unwrap_err().exit,
+                explain(text, kind, &AKD).unwrap_err().exit,
                 crate::failure::Exit::Usage,
                 "{text}"
             );

@@ -39,7 +39,7 @@ pub use status::Status;
 pub use stop::Stop;
 pub use task::Task;
 
-use crate::args::{Cli, Command, Interface};
+use crate::args::{Cli, Command, Interface, OnDrive};
 use crate::failure::Failure;
 use crate::output::Output;
 
@@ -58,24 +58,24 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Ip(on) => address::ip(&on.args, interface(cli, &on.interface), output),
         Command::Blink(on) => address::blink(&on.args, interface(cli, &on.interface), output),
         Command::Reset(on) => address::reset(&on.args, interface(cli, &on.interface), output),
-        Command::Info(on) => info::run(&on.args, interface(cli, &on.interface), output),
-        Command::Read(on) => parameters::read(&on.args, interface(cli, &on.interface), output),
-        Command::Write(on) => parameters::write(&on.args, interface(cli, &on.interface), output),
-        Command::List(on) => parameters::list(&on.args, interface(cli, &on.interface), output),
-        Command::Describe(on) => parameters::describe(&on.args, interface(cli, &on.interface), output),
-        Command::Run(on) => run::run(&on.args, interface(cli, &on.interface), output),
-        Command::Jog(on) => jog::run(&on.args, interface(cli, &on.interface), output),
-        Command::Move(on) => r#move::run(&on.args, interface(cli, &on.interface), output),
-        Command::Task(on) => task::run(&on.args, interface(cli, &on.interface), output),
-        Command::Home(on) => home::run(&on.args, interface(cli, &on.interface), output),
-        Command::Stop(on) => stop::run(&on.args, interface(cli, &on.interface), output),
-        Command::Status(on) => status::run(&on.args, interface(cli, &on.interface), output),
-        Command::Ack(on) => motion::ack(&on.args, interface(cli, &on.interface), output),
-        Command::Monitor(on) => motion::monitor(&on.args, interface(cli, &on.interface), output),
-        Command::Faults(on) => faults::run(&on.args, interface(cli, &on.interface), output),
-        Command::Backup(on) => backup::run(&on.args, interface(cli, &on.interface), output),
-        Command::Diff(on) => diff::run(&on.args, interface(cli, &on.interface), output),
-        Command::Restore(on) => restore::run(&on.args, interface(cli, &on.interface), output),
+        Command::Info(on) => info::run(&on.args, &towards(cli, on), output),
+        Command::Read(on) => parameters::read(&on.args, &towards(cli, on), output),
+        Command::Write(on) => parameters::write(&on.args, &towards(cli, on), output),
+        Command::List(on) => parameters::list(&on.args, &towards(cli, on), output),
+        Command::Describe(on) => parameters::describe(&on.args, &towards(cli, on), output),
+        Command::Run(on) => run::run(&on.args, &towards(cli, on), output),
+        Command::Jog(on) => jog::run(&on.args, &towards(cli, on), output),
+        Command::Move(on) => r#move::run(&on.args, &towards(cli, on), output),
+        Command::Task(on) => task::run(&on.args, &towards(cli, on), output),
+        Command::Home(on) => home::run(&on.args, &towards(cli, on), output),
+        Command::Stop(on) => stop::run(&on.args, &towards(cli, on), output),
+        Command::Status(on) => status::run(&on.args, &towards(cli, on), output),
+        Command::Ack(on) => motion::ack(&on.args, &towards(cli, on), output),
+        Command::Monitor(on) => motion::monitor(&on.args, &towards(cli, on), output),
+        Command::Faults(on) => faults::run(&on.args, &towards(cli, on), output),
+        Command::Backup(on) => backup::run(&on.args, &towards(cli, on), output),
+        Command::Diff(on) => diff::run(&on.args, &towards(cli, on), output),
+        Command::Restore(on) => restore::run(&on.args, &towards(cli, on), output),
         Command::Explain(args) => explain::run(args, output),
         Command::Decode(args) => decode::run(args, output),
         Command::Gsdml(args) => gsdml::run(args, output),
@@ -95,6 +95,14 @@ const fn offline(command: &Command) -> Option<&'static str> {
         Command::Demo(_) => Some("demo"),
         Command::Completions(_) => Some("completions"),
         _ => None,
+    }
+}
+
+/// The interface of a command that speaks to a drive, and what the drive is to be taken for.
+fn towards<T: clap::Args>(cli: &Cli, on: &OnDrive<T>) -> Interface {
+    Interface {
+        model: on.kind.model,
+        ..interface(cli, &on.interface).clone()
     }
 }
 

@@ -1,9 +1,10 @@
 //! `profidrive read`, `profidrive write`, `profidrive list`, `profidrive describe`
 
-use drive_client::parameter::{Assignment, ParameterProblem, Reading, Selection};
+use drive_client::parameter::{Assignment, ParameterProblem, Parameters, Reading, Selection};
 use drive_client::{ChangeOutcome, Refusal, WriteMode};
-use profidrive::catalogue::{Access, Parameter, Scaling, Word, WordKind};
-use profidrive::notation::{ParameterReference, Shown};
+use profidrive::catalogue::{Access, Catalogue, Parameter, Role, Scaling, Word, WordKind};
+use profidrive::notation::{Notation, ParameterReference, Shown, Target};
+use profidrive::parameter::Saving;
 use profidrive::state::Mode;
 use serde_json::{Map, Value};
 
@@ -43,7 +44,9 @@ fn name_bits(
     readings: &mut [Result<Reading, Refusal>],
 ) -> Result<(), Failure> {
     let depends = |reading: &Reading| {
-        let word = drive.model.catalogue.and_then(|tables| tables.word(reading.pnu));
+        let parameter = drive.parameters.at(reading.pnu, reading.index.unwrap_or(0));
+        let word = parameter.zip(drive.model.catalogue);
+        let word = word.and_then(|(found, tables)| tables.word_at(found.pnu, found.base));
         word.is_some_and(|word| word.kind != WordKind::Own)
     };
     if !readings.iter().flatten().any(depends) {
@@ -137,7 +140,7 @@ fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
 
 pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
     let error = fields! {
-        "number": refusal.number.0, "meaning": refusal.number.to_string(), "information": refusal.information,
+        "number": refusal.number.0, "meaning": refusal.words(), "information": refusal.information,
         "remedy": refusal.remedy(),
     };
     fields! { "pnu": refusal.shown.pnu, "index": refusal.shown.index, "name": refusal.name, "error": error }
@@ -150,10 +153,10 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         .map(|text| text.parse().map_err(Failure::from))
         .collect::<Result<_, _>>()?;
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
-    let mode = if args.dry_run {
-        WriteMode::DryRun
-    } else {
-        WriteMode::Write
+    let mode = match (args.dry_run, args.save) {
+        (true, _) => WriteMode::DryRun,
+        (false, true) => WriteMode::Save,
+        (false, false) => WriteMode::Write,
     };
     let outcomes = session.write(&mut drive, &assignments, mode)?;
     session.close()?;
@@ -179,8 +182,13 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         for line in table.lines() {
             output.line(&line);
         }
+        let taken = outcomes
+            .iter()
+            .any(|outcome| matches!(outcome.written, Some(Ok(()))) && !outcome.acts);
         if args.dry_run {
             output.say("dry run: nothing was written");
+        } else if taken {
+            output.say(kept(drive.model.dialect.saving, args.save));
         }
     }
     let mut problems: Vec<Failure> = Vec::new();
@@ -202,6 +210,16 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
     last_failure(problems, output)
 }
 
+/// What becomes of the new values when the drive loses its power.
+const fn kept(saving: Saving, save: bool) -> &'static str {
+    match (saving, save) {
+        (Saving::Always, _) => "the drive keeps them over a power cycle: it saves every write",
+        (Saving::Request, true) => "the drive keeps them over a power cycle",
+        (Saving::Command, true) => "the drive was told to keep all its values over a power cycle",
+        (_, false) => "until the next power cycle; with --save the drive keeps them",
+    }
+}
+
 /// A number in hexadecimal is the one on the wire: what that is in the unit of the parameter.
 fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
     let raw = assignment.quantity.raw()?;
@@ -220,17 +238,17 @@ fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
     let selection = &outcome.change.selection;
     let old = match &outcome.old {
         Some(Ok(reading)) => value::value(reading),
-        Some(Err(refusal)) => format!("({})", refusal.number),
+        Some(Err(refusal)) => format!("({})", refusal.words()),
         None => "-".into(),
     };
     let result = match (&outcome.written, &outcome.new) {
         (None, _) => "would be written".into(),
-        (Some(Err(refusal)), _) => format!("refused: {}", refusal.number),
+        (Some(Err(refusal)), _) => format!("refused: {}", refusal.words()),
         (Some(Ok(())), None) => "executed".into(),
         (Some(Ok(())), Some(_)) if outcome.acts => "executed".into(),
         (Some(Ok(())), Some(Ok(_))) if !outcome.differs() => "written, read back".into(),
         (Some(Ok(())), Some(Ok(back))) => format!("written, but reads back {}", value::full(back)),
-        (Some(Ok(())), Some(Err(refusal))) => format!("written, not readable: {}", refusal.number),
+        (Some(Ok(())), Some(Err(refusal))) => format!("written, not readable: {}", refusal.words()),
     };
     [
         selection
@@ -287,7 +305,7 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
         return list_numbers(&mut session, &mut drive, output);
     };
     let parameters: Vec<&'static Parameter> = match &args.filter {
-        Some(text) => filtered(tables, text),
+        Some(text) => filtered(&drive.parameters, tables, text),
         None => tables.parameters.iter().collect(),
     };
     if parameters.is_empty() {
@@ -300,12 +318,7 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
     if args.values {
         let selections: Vec<Selection> = parameters
             .iter()
-            .filter_map(|parameter| {
-                drive
-                    .parameters
-                    .select(&ParameterReference::number(parameter.pnu))
-                    .ok()
-            })
+            .map(|&parameter| Selection::of(parameter, tables.notation))
             .collect();
         let bar = connect::bar(output, selections.len(), "reading");
         let mut readings = Vec::new();
@@ -326,7 +339,13 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
     if output.json() {
         let list: Vec<Value> = parameters
             .iter()
-            .map(|parameter| Value::Object(parameter_json(parameter, drive.parameters.limits(parameter))))
+            .map(|parameter| {
+                Value::Object(parameter_json(
+                    tables,
+                    parameter,
+                    drive.parameters.limits(parameter),
+                ))
+            })
             .collect();
         output.document(
             "list",
@@ -338,7 +357,7 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
     for parameter in &parameters {
         table.row([
             parameter.name.to_owned(),
-            number_of(parameter),
+            number_of(tables, parameter),
             access_word(parameter.access).to_owned(),
             parameter.unit.to_owned(),
             parameter.description.to_owned(),
@@ -358,16 +377,18 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
 }
 
 /// Text in name or description, or the number itself.
-fn filtered(tables: &'static profidrive::catalogue::Catalogue, text: &str) -> Vec<&'static Parameter> {
+fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> Vec<&'static Parameter> {
     let by_number = text
         .parse::<ParameterReference>()
         .ok()
-        .and_then(|reference| match reference.target {
-            profidrive::notation::Target::Number(pnu) => tables.by_pnu(pnu),
-            profidrive::notation::Target::Name(_) => None,
-        });
+        .filter(|reference| matches!(reference.target, Target::Number(_)))
+        .and_then(|reference| parameters.select(&reference).ok()?.parameter);
     let mut found: Vec<_> = tables.filter(text).collect();
-    if let Some(exact) = by_number.filter(|exact| found.iter().all(|other| other.pnu != exact.pnu)) {
+    if let Some(exact) = by_number.filter(|exact| {
+        found
+            .iter()
+            .all(|other| (other.pnu, other.base) != (exact.pnu, exact.base))
+    }) {
         found.insert(0, exact);
     }
     found
@@ -397,6 +418,7 @@ fn list_numbers(
                     pnu: *pnu,
                     index: None,
                     writable: None,
+                    notation: Notation::Name,
                 }
                 .to_string(),
             );
@@ -413,7 +435,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     let reference = parse_all(std::slice::from_ref(&args.parameter))?.remove(0);
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let selection = drive.parameters.select(&reference)?;
-    let Some(parameter) = selection.parameter else {
+    let (Some(parameter), Some(tables)) = (selection.parameter, drive.model.catalogue) else {
         if let Some(whole) = drive
             .model
             .catalogue
@@ -434,7 +456,11 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     session.close()?;
     if output.json() {
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
-        fields.extend(parameter_json(parameter, drive.parameters.limits(parameter)));
+        fields.extend(parameter_json(
+            tables,
+            parameter,
+            drive.parameters.limits(parameter),
+        ));
         fields.insert("scaling".into(), parameter.rule(&drive.parameters.scaling).into());
         let values: Vec<Value> = readings.iter().map(reading_json).collect();
         fields.insert("values".into(), values.into());
@@ -444,14 +470,12 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     let limits = drive.parameters.limits(parameter);
     output.line(&output.paint(
         Colour::Strong,
-        &format!("{} ({})", parameter.name, number_of(parameter)),
+        &format!("{} ({})", parameter.name, number_of(tables, parameter)),
     ));
     let scaling = &drive.parameters.scaling;
-    let word = drive
-        .model
-        .catalogue
-        .and_then(|tables| tables.word(parameter.pnu));
-    for line in description_lines(parameter, scaling, limits, &readings, word) {
+    let word = tables.word_at(parameter.pnu, parameter.base);
+    let saved = saved_words(&drive.model, parameter);
+    for line in description_lines(parameter, scaling, limits, &readings, (word, &saved)) {
         output.line(&line);
     }
     Ok(())
@@ -462,7 +486,7 @@ fn description_lines(
     scaling: &Scaling,
     (low, high): (f64, f64),
     readings: &[Result<Reading, Refusal>],
-    word: Option<&Word>,
+    (word, saved): (Option<&Word>, &str),
 ) -> Vec<String> {
     let unit = parameter.unit_in(scaling);
     let with_unit = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
@@ -475,7 +499,7 @@ fn description_lines(
     line("meaning", parameter.description.to_owned());
     match readings {
         [Ok(reading)] => line("value", value::full(reading)),
-        [Err(refusal)] => line("value", format!("not readable now: {}", refusal.number)),
+        [Err(refusal)] => line("value", format!("not readable now: {}", refusal.words())),
         several => {
             let values: Vec<String> = several.iter().flatten().take(16).map(value::value).collect();
             let more = if several.len() > 16 { " .." } else { "" };
@@ -490,21 +514,21 @@ fn description_lines(
             unit.to_owned()
         },
     );
-    line(
-        "limits",
-        format!("{} to {}{}", with_unit(low), with_unit(high), known(parameter)),
-    );
-    line(
-        "default",
-        parameter.default.map_or_else(|| "unknown".into(), with_unit),
-    );
+    if parameter.length == 0 {
+        let limits = format!("{} to {}{}", with_unit(low), with_unit(high), known(parameter));
+        line("limits", limits);
+    }
+    let default = match parameter.text {
+        "" => parameter.default.map_or_else(|| "unknown".into(), with_unit),
+        text => format!("\"{text}\""),
+    };
+    line("default", default);
     line("access", access_word(parameter.access).to_owned());
     line("size", size_words(parameter));
-    line("scaling", parameter.rule(scaling));
-    line(
-        "saved",
-        if parameter.saved { "by DRV.NVSAVE" } else { "no" }.into(),
-    );
+    if parameter.length == 0 {
+        line("scaling", parameter.rule(scaling));
+    }
+    line("saved", saved.to_owned());
     for choice in parameter.choices {
         line("choice", format!("{} {}", choice.value, choice.text));
     }
@@ -520,8 +544,22 @@ fn description_lines(
             line("", format!("  {} {}", choice.value, choice.text));
         }
     }
-    line("source", parameter.source.to_owned());
+    let lead = if parameter.recalled { " (a lead only)" } else { "" };
+    line("source", format!("{}{lead}", parameter.source));
     lines
+}
+
+/// Whether the drive keeps the value over a power cycle, and what lets it do so.
+fn saved_words(model: &drive_client::Model, parameter: &Parameter) -> String {
+    let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
+    match (parameter.saved, model.dialect.saving) {
+        (false, _) => "no".into(),
+        (true, Saving::Always) => "with every write".into(),
+        (true, Saving::Request) => "when it is written with --save".into(),
+        (true, Saving::Command) => {
+            command.map_or_else(|| "yes".into(), |command| format!("by {}", command.name))
+        }
+    }
 }
 
 const fn known(parameter: &Parameter) -> &'static str {
@@ -533,8 +571,16 @@ const fn known(parameter: &Parameter) -> &'static str {
 }
 
 fn size_words(parameter: &Parameter) -> String {
-    let sign = if parameter.signed { "signed" } else { "unsigned" };
-    let octets = parameter.size.octets();
+    let sign = match (parameter.is_text(), parameter.length, parameter.signed) {
+        (true, ..) => "text",
+        (false, 1.., _) => "octets without a number",
+        (false, 0, true) => "signed",
+        (false, 0, false) => "unsigned",
+    };
+    let octets = match parameter.length {
+        0 => parameter.size.octets(),
+        length => usize::from(length),
+    };
     let plural = if octets == 1 { "" } else { "s" };
     let elements = match parameter.elements {
         0 | 1 => String::new(),
@@ -547,6 +593,7 @@ fn size_words(parameter: &Parameter) -> String {
                 pnu: high,
                 index: None,
                 writable: Some(parameter.access != Access::ReadOnly),
+                notation: Notation::Name,
             }
         ),
         None => String::new(),
@@ -562,25 +609,26 @@ const fn access_word(access: Access) -> &'static str {
     }
 }
 
-fn number_of(parameter: &Parameter) -> String {
+fn number_of(tables: &Catalogue, parameter: &Parameter) -> String {
     let writable = Some(parameter.access != Access::ReadOnly);
     Shown {
         pnu: parameter.pnu,
-        index: None,
+        index: parameter.base,
         writable,
+        notation: tables.notation,
     }
     .to_string()
 }
 
 /// Limits as `describe` shows them; null where only the size limits.
-fn parameter_json(parameter: &Parameter, limits: (f64, f64)) -> Map<String, Value> {
+fn parameter_json(tables: &Catalogue, parameter: &Parameter, limits: (f64, f64)) -> Map<String, Value> {
     let meanings = |list: &[profidrive::catalogue::Meaning]| -> Vec<Value> {
         list.iter()
             .map(|row| Value::Object(fields! { "value": row.value, "text": row.text }))
             .collect()
     };
     fields! {
-        "pnu": parameter.pnu, "name": parameter.name, "description": parameter.description, "unit": parameter.unit,
+        "pnu": parameter.pnu, "index": parameter.base, "number": number_of(tables, parameter), "name": parameter.name, "description": parameter.description, "unit": parameter.unit,
         "access": access_word(parameter.access), "elements": parameter.elements, "octets": parameter.size.octets(),
         "signed": parameter.signed, "high": parameter.high(), "saved": parameter.saved, "minimum": parameter.minimum.map(|_| limits.0),
         "maximum": parameter.maximum.map(|_| limits.1), "default": parameter.default, "choices": meanings(parameter.choices),
@@ -596,12 +644,12 @@ mod tests {
     #[test]
     fn a_description_says_unit_and_limits() {
         let parameter = AKD.by_name("DRV.ACC").unwrap();
-        let drive = drive_client::parameter::Parameters {
+        let drive = Parameters {
             catalogue: Some(&AKD),
             scaling: Scaling::default(),
         };
         let describe = |scaling: &Scaling| {
-            description_lines(parameter, scaling, drive.limits(parameter), &[], None).join("\n")
+            description_lines(parameter, scaling, drive.limits(parameter), &[], (None, "")).join("\n")
         };
         let text = describe(&Scaling::default());
         assert!(text.contains("limits     1.86 rpm/s to 50000000 rpm/s"), "{text}");
@@ -615,7 +663,7 @@ mod tests {
     fn a_description_names_bits_and_fields() {
         let parameter = AKD.by_name("MT.CNTL").unwrap();
         let word = AKD.word(parameter.pnu);
-        let text = description_lines(parameter, &Scaling::default(), (0.0, 1.0), &[], word).join("\n");
+        let text = description_lines(parameter, &Scaling::default(), (0.0, 1.0), &[], (word, "")).join("\n");
         assert!(
             text.contains("bit        4 A following task is executed"),
             "{text}"
@@ -626,15 +674,21 @@ mod tests {
 
     #[test]
     fn filters_find_names_words_and_numbers() {
+        let known = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
         assert!(
-            filtered(&AKD, "drv.acc")
+            filtered(&known, &AKD, "drv.acc")
                 .iter()
                 .any(|parameter| parameter.pnu == 2108)
         );
         assert_eq!(
-            filtered(&AKD, "p930").first().map(|parameter| parameter.pnu),
+            filtered(&known, &AKD, "p930")
+                .first()
+                .map(|parameter| parameter.pnu),
             Some(930)
         );
-        assert!(filtered(&AKD, "nothing like it").is_empty());
+        assert!(filtered(&known, &AKD, "nothing like it").is_empty());
     }
 }

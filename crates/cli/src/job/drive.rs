@@ -2,7 +2,7 @@
 
 use drive_client::Model;
 use drive_client::parameter::{Interpretation, Parameters, Reading, Selection, take_scale};
-use profidrive::catalogue::{Catalogue, Parameter, Scale, Scaling};
+use profidrive::catalogue::{Catalogue, Parameter, Scale};
 use profidrive::notation::{Elements, ParameterReference, Target};
 use profidrive::parameter::{CodeSpace, ErrorNames, ParameterAddress, ValueBlock};
 use profidrive::state::Mode;
@@ -35,13 +35,9 @@ impl JobDrive {
     /// A drive of this vendor and device.
     pub fn of(vendor_id: u16, device_id: u16) -> Self {
         let model = Model::of(vendor_id, device_id);
-        let parameters = Parameters {
-            catalogue: model.catalogue,
-            scaling: Scaling::default(),
-        };
         Self {
             model,
-            parameters,
+            parameters: Parameters::of(&model),
             known: Vec::new(),
             mode: None,
         }
@@ -84,7 +80,7 @@ impl JobDrive {
 
     /// The selection an address means.
     pub fn select(&self, address: ParameterAddress) -> Selection {
-        let parameter = self.parameter(address.pnu);
+        let parameter = self.parameters.at(address.pnu, address.subindex);
         let known = parameter.is_some_and(|parameter| parameter.elements > 1);
         let elements = (known || address.subindex > 0 || address.elements > 1).then(|| Elements {
             first: address.subindex,
@@ -95,12 +91,13 @@ impl JobDrive {
             elements,
             prefix: None,
         };
+        let number = Selection::number(address.pnu, self.parameters.notation());
         let plain = Selection {
-            pnu: address.pnu,
             first: address.subindex,
             count: u16::from(address.elements.max(1)),
             indexed: elements.is_some(),
             parameter,
+            ..number
         };
         self.parameters.select(&reference).unwrap_or(plain)
     }
@@ -116,16 +113,9 @@ impl JobDrive {
 
     /// The values of a block.
     pub fn readings(&self, address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> Vec<Reading> {
-        let selection = address.map_or(
-            Selection {
-                pnu: 0,
-                first: 0,
-                count: 1,
-                indexed: false,
-                parameter: None,
-            },
-            |address| self.select(address),
-        );
+        let selection = address.map_or(Selection::number(0, self.parameters.notation()), |address| {
+            self.select(address)
+        });
         let interpretation = Interpretation::of(block.format, self.code_space());
         let reading = |at, octets: &[u8]| {
             let reading = self

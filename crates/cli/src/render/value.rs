@@ -66,7 +66,7 @@ pub fn json(reading: &Reading) -> Value {
         Content::Octets => Value::from(hex_bytes(&reading.octets)),
     };
     let mut fields = fields! {
-        "pnu": reading.pnu, "index": reading.index, "name": reading.name, "value": content,
+        "pnu": reading.pnu, "index": reading.index, "number": reading.shown().to_string(), "name": reading.name, "value": content,
         "unit": reading.unit, "raw": reading.raw(), "hex": hex_bytes(&reading.octets),
         "format": reading.format, "writable": reading.writable,
     };

@@ -79,7 +79,7 @@ fn side(backup: &Backup, pnu: u16, index: Option<u16>) -> Side {
 }
 
 fn same(left: &Backup, a: &Reading, right: &Backup, b: &Reading) -> bool {
-    let parameter = right.parameters.catalogue.and_then(|tables| tables.by_pnu(b.pnu));
+    let parameter = right.parameters.at(b.pnu, b.index.unwrap_or(0));
     match (&a.content, &b.content, parameter) {
         (Content::Number { raw, .. }, Content::Number { raw: other, .. }, Some(parameter)) => {
             right

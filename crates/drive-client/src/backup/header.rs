@@ -46,7 +46,7 @@ impl Header {
 
     /// What is known about the kind of drive.
     #[must_use]
-    pub const fn known(&self) -> Model {
+    pub fn known(&self) -> Model {
         Model::of(self.vendor_id, self.device_id)
     }
 

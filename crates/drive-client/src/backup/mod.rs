@@ -173,20 +173,17 @@ const fn key(reading: &Reading) -> (u16, Option<u16>) {
 
 /// The one element that a reading is of.
 fn selection(parameters: &Parameters, reading: &Reading) -> Selection {
-    Selection {
-        pnu: reading.pnu,
-        first: reading.index.unwrap_or(0),
-        count: 1,
-        indexed: reading.index.is_some(),
-        parameter: parameters.catalogue.and_then(|tables| tables.by_pnu(reading.pnu)),
-    }
+    parameters.element(reading.pnu, reading.index)
 }
 
 /// What a parameter is to a backup: by the table, else by what the profile says of its number.
 #[must_use]
-pub fn rule(parameters: &Parameters, pnu: u16) -> BackupRule {
+pub fn rule(parameters: &Parameters, pnu: u16, index: Option<u16>) -> BackupRule {
+    let base = parameters
+        .at(pnu, index.unwrap_or(0))
+        .and_then(|found| found.base);
     match parameters.catalogue {
-        Some(tables) => tables.backup_rule(pnu),
+        Some(tables) => tables.backup_rule_at(pnu, base),
         None if PROFILE.contains(&pnu) => BackupRule {
             role: Role::Network,
             why: "the profile uses this number",
@@ -206,10 +203,10 @@ pub fn everything(model: &Model) -> Vec<Selection> {
         .parameters
         .iter()
         .filter(|parameter| {
-            let rule = tables.backup_rule(parameter.pnu);
+            let rule = tables.backup_rule_at(parameter.pnu, parameter.base);
             parameter.access == profidrive::catalogue::Access::ReadWrite
                 && matches!(rule.role, Role::Setting | Role::Network)
         })
-        .map(Selection::of)
+        .map(|parameter| Selection::of(parameter, tables.notation))
         .collect()
 }

@@ -9,7 +9,7 @@ use profidrive::parameter::{CodeSpace, Format};
 use profidrive::unit::UnitChoice;
 
 use super::header::Header;
-use super::print::{FORM, MAGIC};
+use super::print::{FORM, MAGIC, plain};
 use super::task::{self, Name};
 use super::{Backup, Task, key};
 use crate::parameter::{Interpretation, ParameterProblem, Parameters, Reading, Selection};
@@ -232,6 +232,10 @@ fn read_line(line: &Line<'_>, parameters: &Parameters, scaled: bool) -> Result<R
         return Ok(reading(parameters, &selection, format, octets));
     };
     let label = selection.label();
+    if parameter.length > 0 {
+        let octets = hex_octets(line.value)?;
+        return Ok(reading(parameters, &selection, parameter.format, octets));
+    }
     let raw = number(line.value, parameter, &label, parameters, scaled)?;
     let width = parameter.octets();
     let octets = raw.to_be_bytes();
@@ -251,7 +255,7 @@ fn reading(parameters: &Parameters, selection: &Selection, format: Format, octet
 
 /// `p2108 DRV.ACC`, `p2108`, `DRV.ACC`, `p0915[3]`: number and name, where both stand there, mean the same.
 fn select(text: &str, parameters: &Parameters) -> Result<Selection, String> {
-    let (first, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    let (first, rest) = number_and_name(text);
     let by_number = first
         .parse::<ParameterReference>()
         .ok()
@@ -263,22 +267,38 @@ fn select(text: &str, parameters: &Parameters) -> Result<Selection, String> {
     let mut selection = parameters
         .select(&reference)
         .map_err(|problem| explained(&problem))?;
-    if selection.count != 1 || (selection.indexed && reference.elements.is_none()) {
+    let array = selection.indexed && selection.parameter.is_none_or(Parameter::is_array);
+    if selection.count != 1 || (array && reference.elements.is_none()) {
         return Err(format!("{}: one element in each line", selection.label()));
     }
     // an element of a parameter that is no array is the parameter itself
-    if selection.parameter.is_some_and(|parameter| !parameter.is_array()) {
+    if selection
+        .parameter
+        .is_some_and(|parameter| !parameter.is_array() && parameter.base.is_none())
+    {
         selection.indexed = false;
     }
     let known = selection.parameter.map(|parameter| parameter.name);
     match known {
-        Some(known) if !name.is_empty() && !known.eq_ignore_ascii_case(name) => Err(format!(
+        Some(known) if !name.is_empty() && !plain(known).eq_ignore_ascii_case(name) => Err(format!(
             "{} is {known}, not {}: one of number and name is wrong",
             selection.shown(0),
             shorten(name)
         )),
         _ => Ok(selection),
     }
+}
+
+/// The number in front and what follows it: `p2108`, `1-20`, `ID 103`.
+fn number_and_name(text: &str) -> (&str, &str) {
+    let blank = |text: &str| text.find(char::is_whitespace).unwrap_or(text.len());
+    let (first, rest) = text.split_at(blank(text));
+    if !first.eq_ignore_ascii_case("id") {
+        return (first, rest);
+    }
+    let start = first.len() + (rest.len() - rest.trim_start().len());
+    let id = text.get(start..).unwrap_or_default();
+    text.split_at(start + blank(id))
 }
 
 /// A name that may have blanks in it, and its element.

@@ -2,7 +2,6 @@
 
 use profidrive::catalogue::{Parameter, Phase, Role, Scaling};
 use profidrive::notation::Shown;
-use profidrive::parameter::{CodeSpace, Format};
 
 use super::{Backup, Header, Pattern, Task, TasksTold, rule, selection, task};
 use crate::Refusal;
@@ -99,7 +98,7 @@ impl std::fmt::Display for Skip {
         match self {
             Self::Same => f.write_str("same value"),
             Self::ReadOnly => f.write_str("read-only"),
-            Self::Unreadable(refusal) => write!(f, "the drive does not tell it: {}", refusal.number),
+            Self::Unreadable(refusal) => write!(f, "the drive does not tell it: {}", refusal.words()),
             Self::Size { drive, file } => write!(f, "{file} octets in the file, {drive} in the drive"),
             Self::Limits {
                 minimum,
@@ -195,7 +194,7 @@ impl Plan {
         let mut scaling = present.parameters().scaling;
         for first in [true, false] {
             for reading in &chosen {
-                let is_first = rule(&plan.parameters, reading.pnu).phase == Phase::Scaling;
+                let is_first = rule(&plan.parameters, reading.pnu, reading.index).phase == Phase::Scaling;
                 if is_first != first {
                     continue;
                 }
@@ -315,7 +314,7 @@ fn decide(
     scaling: &Scaling,
 ) -> Result<Change, Skip> {
     let now = present.parameters();
-    let rule = rule(now, reading.pnu);
+    let rule = rule(now, reading.pnu, reading.index);
     match rule.role {
         // what need not be written needs no reason why it is not
         Role::Network if unchanged(wanted, present, reading) => return Err(Skip::Same),
@@ -365,13 +364,7 @@ fn decide(
             });
         }
         // the drive says what kind of value it is
-        _ => now.reading(
-            &selection,
-            0,
-            old.format,
-            Interpretation::of(Format(old.format), CodeSpace::V4),
-            &reading.octets,
-        ),
+        _ => now.reading(&selection, 0, old.format, like(old), &reading.octets),
     };
     let saved = selection.parameter.map(|parameter| parameter.saved);
     if choice.saved_only && saved == Some(false) {
@@ -454,8 +447,17 @@ fn number(here: &Parameters, selection: &Selection, old: &Reading, raw: i64) -> 
     }
     let octets = raw.to_be_bytes();
     let octets = octets.get(octets.len() - width..).unwrap_or_default();
-    let interpretation = Interpretation::of(Format(old.format), CodeSpace::V4);
-    Ok(here.reading(selection, 0, old.format, interpretation, octets))
+    Ok(here.reading(selection, 0, old.format, Interpretation::Plain, octets))
+}
+
+/// As the drive's own value was read.
+const fn like(old: &Reading) -> Interpretation {
+    match old.content {
+        Content::Number { .. } => Interpretation::Plain,
+        Content::Float(_) => Interpretation::Float,
+        Content::Text(_) => Interpretation::Text,
+        Content::Octets => Interpretation::Octets,
+    }
 }
 
 fn label(reading: &Reading) -> String {

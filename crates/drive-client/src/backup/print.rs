@@ -70,12 +70,21 @@ impl Backup {
 /// `p2108 DRV.ACC = 3000 rpm/s`
 fn assignment(backup: &Backup, reading: &Reading) -> String {
     let shown = selection(&backup.parameters, reading).shown(0);
-    let name = reading.name.map(|name| format!(" {name}")).unwrap_or_default();
+    let name = reading
+        .name
+        .map(|name| format!(" {}", plain(name)))
+        .unwrap_or_default();
     format!("{shown}{name} = {}", value(&backup.parameters, reading))
 }
 
+/// A name without what has a meaning in the text of a backup.
+pub(super) fn plain(name: &str) -> String {
+    let kept = name.chars().filter(|c| !matches!(c, '#' | '='));
+    kept.collect()
+}
+
 pub(super) fn value(parameters: &Parameters, reading: &Reading) -> String {
-    let parameter = parameters.catalogue.and_then(|tables| tables.by_pnu(reading.pnu));
+    let parameter = parameters.at(reading.pnu, reading.index.unwrap_or(0));
     match (&reading.content, parameter) {
         (Content::Number { raw, .. }, Some(parameter)) => {
             number(parameter, *raw, &reading.octets, &parameters.scaling)
@@ -137,10 +146,7 @@ fn hex(octets: &[u8]) -> String {
 
 /// What a person wants to know behind the value.
 fn comment(backup: &Backup, reading: &Reading) -> String {
-    let parameter = backup
-        .parameters
-        .catalogue
-        .and_then(|tables| tables.by_pnu(reading.pnu));
+    let parameter = backup.parameters.at(reading.pnu, reading.index.unwrap_or(0));
     let Some(parameter) = parameter else {
         let format = Format(reading.format);
         let kind = format.info(CodeSpace::V4).map_or("", |info| info.name);

@@ -3,6 +3,7 @@
 use std::fmt::{self, Write as _};
 
 use profidrive::catalogue::{Catalogue, Parameter};
+use profidrive::notation::Notation;
 use profidrive::parameter::{CodeSpace, Format};
 
 use super::{Backup, Pattern, print};
@@ -245,7 +246,13 @@ pub(super) fn field(parameters: &Parameters, parameter: &'static Parameter, raw:
         .unwrap_or_default();
     let format = Format(parameter.size.format_code());
     let interpretation = Interpretation::of(format, CodeSpace::V4);
-    parameters.reading(&Selection::of(parameter), 0, format.0, interpretation, octets)
+    parameters.reading(
+        &Selection::of(parameter, Notation::Name),
+        0,
+        format.0,
+        interpretation,
+        octets,
+    )
 }
 
 /// The same task in the numbers of another scaling; nothing when it is scaled alike.

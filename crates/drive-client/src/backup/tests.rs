@@ -1,7 +1,7 @@
 //! Text, comparison and plan, without a drive.
 
 use profidrive::catalogue::{AKD, Access, Parameter, Phase, Role, Scaling};
-use profidrive::notation::Shown;
+use profidrive::notation::{Notation, Shown};
 use profidrive::parameter::{ErrorNumber, Format};
 use profidrive::unit::UnitChoice;
 use proptest::prelude::*;
@@ -37,7 +37,7 @@ fn reading(parameters: &Parameters, parameter: &'static Parameter, index: u16, r
         first: index,
         count: 1,
         indexed: parameter.is_array(),
-        parameter: Some(parameter),
+        ..Selection::of(parameter, Notation::Name)
     };
     parameters.reading(
         &selection,
@@ -215,11 +215,9 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
     };
     let read = |pnu, index: Option<u16>, format: Format, octets: &[u8]| {
         let selection = Selection {
-            pnu,
             first: index.unwrap_or(0),
-            count: 1,
             indexed: index.is_some(),
-            parameter: None,
+            ..Selection::number(pnu, Notation::Name)
         };
         let interpretation = Interpretation::of(format, profidrive::parameter::CodeSpace::V4);
         Ok(parameters.reading(&selection, 0, format.0, interpretation, octets))
@@ -234,10 +232,12 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
             pnu: 1300,
             index: None,
             writable: None,
+            notation: Notation::Name,
         },
         name: None,
         write: false,
         number: ErrorNumber::NO_RIGHTS,
+        names: profidrive::parameter::ErrorNames::Profile,
         information: None,
         advice: None,
     };
@@ -544,7 +544,7 @@ proptest! {
         let plan = Plan::new(&wanted, &present, &Choice::default());
         prop_assert!(plan.changes.is_sorted_by_key(|change| change.phase));
         for change in &plan.changes {
-            prop_assert_eq!(rule(present.parameters(), change.new.pnu).role, Role::Setting);
+            prop_assert_eq!(rule(present.parameters(), change.new.pnu, None).role, Role::Setting);
             let target = wanted.reading(change.new.pnu, None).unwrap();
             prop_assert_eq!(change.new.raw(), target.raw());
             let back = plan.way_back();

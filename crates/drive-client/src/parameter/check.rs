@@ -71,6 +71,11 @@ impl Parameters {
                 count: selection.count,
             });
         }
+        if selection.parameter.is_some_and(|parameter| parameter.length > 0) {
+            return Err(ParameterProblem::Text {
+                parameter: selection.label(),
+            });
+        }
         let Some(parameter) = selection.parameter else {
             if let Some(whole) = self.catalogue.and_then(|tables| tables.by_high(selection.pnu)) {
                 return Err(ParameterProblem::HighHalf {

@@ -12,6 +12,7 @@ pub(crate) use wide::{halves, join, split};
 
 pub use crate::session::take_scale;
 
+use crate::Model;
 use profidrive::catalogue::{Catalogue, Parameter, Scaling};
 use profidrive::notation::{QuantityError, ReferenceError, UnitMismatch};
 
@@ -25,6 +26,15 @@ pub struct Parameters {
 }
 
 impl Parameters {
+    /// Of a model, as delivered.
+    #[must_use]
+    pub fn of(model: &Model) -> Self {
+        Self {
+            catalogue: model.catalogue,
+            scaling: model.scaling(),
+        }
+    }
+
     /// The number that means here what `raw` means under another scaling.
     pub(crate) fn converted(&self, parameter: &Parameter, raw: i64, from: &Scaling) -> i64 {
         if self.scales_as(parameter, from) {
@@ -101,6 +111,12 @@ pub enum ParameterProblem {
     /// Cannot be written.
     #[error("{parameter} is read-only")]
     ReadOnly {
+        /// The parameter.
+        parameter: String,
+    },
+    /// A number for something that is none.
+    #[error("{parameter} is text: only numbers can be written")]
+    Text {
         /// The parameter.
         parameter: String,
     },

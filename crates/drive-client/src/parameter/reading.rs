@@ -1,7 +1,7 @@
 //! A value as it came from the drive, with everything known about it.
 
-use profidrive::catalogue::Parameter;
-use profidrive::notation::Shown;
+use profidrive::catalogue::{Access, Parameter};
+use profidrive::notation::{Notation, Shown};
 use profidrive::parameter::{CodeSpace, Format, Kind};
 use profidrive::state::Mode;
 
@@ -15,6 +15,8 @@ pub struct Reading {
     pub pnu: u16,
     /// Element, where elements are told apart.
     pub index: Option<u16>,
+    /// How its number is written.
+    pub notation: Notation,
     /// The maker's name, where known.
     pub name: Option<&'static str>,
     /// Whether it can be written, where known.
@@ -116,6 +118,7 @@ impl Reading {
             pnu: self.pnu,
             index: self.index,
             writable: self.writable,
+            notation: self.notation,
         }
     }
 }
@@ -131,7 +134,11 @@ impl Parameters {
         interpretation: Interpretation,
         octets: &[u8],
     ) -> Reading {
-        let parameter = selection.parameter;
+        let shown = selection.shown(offset);
+        // several elements of a number that collects parameters
+        let parameter = selection
+            .parameter
+            .or_else(|| self.at(selection.pnu, shown.index.unwrap_or(0)));
         let content = self.content(parameter, interpretation, octets);
         let raw = match content {
             Content::Number { raw, .. } => Some(raw),
@@ -139,9 +146,10 @@ impl Parameters {
         };
         Reading {
             pnu: selection.pnu,
-            index: selection.shown(offset).index,
+            index: shown.index,
+            notation: selection.notation,
             name: parameter.map(|parameter| parameter.name),
-            writable: selection.writable(),
+            writable: parameter.map(|parameter| parameter.access != Access::ReadOnly),
             format,
             octets: octets.to_vec(),
             content,
@@ -150,7 +158,7 @@ impl Parameters {
             choice: parameter
                 .zip(raw)
                 .and_then(|(parameter, raw)| parameter.choice(raw)),
-            word: raw.and_then(|_| self.word(selection.pnu, octets, Mode::default())),
+            word: raw.and_then(|_| self.word(selection.pnu, shown.index, octets, Mode::default())),
             high_half_of: self
                 .catalogue
                 .and_then(|tables| tables.by_high(selection.pnu))
@@ -162,13 +170,15 @@ impl Parameters {
     #[must_use]
     pub fn in_mode(&self, mut reading: Reading, mode: Mode) -> Reading {
         if reading.word.is_some() {
-            reading.word = self.word(reading.pnu, &reading.octets, mode);
+            reading.word = self.word(reading.pnu, reading.index, &reading.octets, mode);
         }
         reading
     }
 
-    fn word(&self, pnu: u16, octets: &[u8], mode: Mode) -> Option<Vec<String>> {
-        Some(self.catalogue?.word(pnu)?.told(whole(octets), mode))
+    fn word(&self, pnu: u16, index: Option<u16>, octets: &[u8], mode: Mode) -> Option<Vec<String>> {
+        let tables = self.catalogue?;
+        let base = tables.at(pnu, index.unwrap_or(0))?.base;
+        Some(tables.word_at(pnu, base)?.told(whole(octets), mode))
     }
 
     fn content(

@@ -1,7 +1,7 @@
 //! From what a person wrote to parameter number and elements.
 
 use profidrive::catalogue::{Access, Parameter};
-use profidrive::notation::{Elements, ParameterReference, Shown, Target};
+use profidrive::notation::{Elements, Notation, ParameterReference, Shown, Target};
 
 use super::{ParameterProblem, Parameters};
 
@@ -10,7 +10,7 @@ use super::{ParameterProblem, Parameters};
 pub struct Selection {
     /// Parameter number.
     pub pnu: u16,
-    /// First element, 0 for a parameter that is no array.
+    /// First element as a subindex on the wire: 0 for a parameter that is no array, the application id of a Vacon.
     pub first: u16,
     /// How many elements, at least 1.
     pub count: u16,
@@ -18,18 +18,34 @@ pub struct Selection {
     pub indexed: bool,
     /// What the tables say.
     pub parameter: Option<&'static Parameter>,
+    /// How its number is written.
+    pub notation: Notation,
 }
 
 impl Selection {
     /// All of one parameter of the tables.
     #[must_use]
-    pub fn of(parameter: &'static Parameter) -> Self {
+    pub fn of(parameter: &'static Parameter, notation: Notation) -> Self {
         Self {
             pnu: parameter.pnu,
-            first: 0,
+            first: parameter.subindex(0),
             count: parameter.elements.max(1),
-            indexed: parameter.is_array(),
+            indexed: parameter.is_array() || parameter.base.is_some(),
             parameter: Some(parameter),
+            notation,
+        }
+    }
+
+    /// A number of which nothing else is known.
+    #[must_use]
+    pub const fn number(pnu: u16, notation: Notation) -> Self {
+        Self {
+            pnu,
+            first: 0,
+            count: 1,
+            indexed: false,
+            parameter: None,
+            notation,
         }
     }
 
@@ -48,6 +64,7 @@ impl Selection {
             pnu: self.pnu,
             index,
             writable: self.writable(),
+            notation: self.notation,
         }
     }
 
@@ -58,12 +75,13 @@ impl Selection {
             first: self.first,
             count: self.count,
         };
+        // what one number collects is called by its element
+        let collected = matches!(self.notation, Notation::Id { pnu } if pnu == self.pnu && self.indexed);
         let shown = Shown {
-            pnu: self.pnu,
-            index: None,
-            writable: self.writable(),
+            index: collected.then_some(self.first),
+            ..self.shown(0)
         };
-        let elements = if self.indexed {
+        let elements = if self.indexed && !(collected && self.count == 1) {
             elements.to_string()
         } else {
             String::new()
@@ -82,18 +100,44 @@ impl Parameters {
     /// An unknown name (with the nearest ones), or elements that the tables do not have. A number that is in no
     /// table is passed on: the drive may know it.
     pub fn select(&self, reference: &ParameterReference) -> Result<Selection, ParameterProblem> {
+        let notation = self.notation();
+        let first = reference.elements.map(|elements| elements.first);
         let (pnu, parameter) = match &reference.target {
-            Target::Number(pnu) => (*pnu, self.catalogue.and_then(|tables| tables.by_pnu(*pnu))),
             Target::Name(name) => {
                 let parameter = self.named(name)?;
                 (parameter.pnu, Some(parameter))
             }
+            Target::Number(number) => {
+                let (pnu, id) = self
+                    .catalogue
+                    .map_or((*number, None), |tables| tables.meant(*number, reference.prefix));
+                match (id, self.at(pnu, id.or(first).unwrap_or(0))) {
+                    (Some(id), None) => return Ok(unknown_id(pnu, id, notation)),
+                    (_, found) => (pnu, found),
+                }
+            }
         };
+        let elements = reference.elements.unwrap_or_default();
+        let several = parameter.is_none() || elements.count > 1;
+        if several && self.catalogue.is_some_and(|tables| tables.is_collecting(pnu)) {
+            return Ok(Selection {
+                first: elements.first,
+                count: elements.count.max(1),
+                indexed: true,
+                ..Selection::number(pnu, notation)
+            });
+        }
+        let base = parameter.and_then(|parameter| parameter.base);
         let size = parameter.map_or(u32::from(u16::MAX) + 1, |parameter| {
             u32::from(parameter.elements.max(1))
         });
         let array = parameter.is_some_and(Parameter::is_array);
         let elements = match reference.elements {
+            // `ID 103` is the element already
+            Some(elements) if base.is_some() && reference.target == Target::Number(pnu) => Elements {
+                first: elements.first.saturating_sub(base.unwrap_or(0)),
+                count: elements.count,
+            },
             Some(elements) => elements,
             None if array => Elements {
                 first: 0,
@@ -103,18 +147,18 @@ impl Parameters {
         };
         let count = elements.count.max(1);
         let selection = Selection {
-            pnu,
-            first: elements.first,
+            first: elements.first.saturating_add(base.unwrap_or(0)),
             count,
-            indexed: array || (parameter.is_none() && reference.elements.is_some()),
+            indexed: array || base.is_some() || (parameter.is_none() && reference.elements.is_some()),
             parameter,
+            ..Selection::number(pnu, notation)
         };
         if u32::from(elements.first) + u32::from(count) > size {
             let index = u32::from(elements.first).max(size);
             let whole = Selection {
-                first: 0,
+                first: base.unwrap_or(0),
                 count: 1,
-                indexed: false,
+                indexed: base.is_some(),
                 ..selection
             };
             let elements = u16::try_from(size).unwrap_or(u16::MAX);
@@ -125,6 +169,29 @@ impl Parameters {
             });
         }
         Ok(selection)
+    }
+
+    /// How the maker writes numbers.
+    #[must_use]
+    pub fn notation(&self) -> Notation {
+        self.catalogue.map_or(Notation::Name, |tables| tables.notation)
+    }
+
+    /// One element as a drive tells it: by number, and by index where there is one.
+    #[must_use]
+    pub fn element(&self, pnu: u16, index: Option<u16>) -> Selection {
+        Selection {
+            first: index.unwrap_or(0),
+            indexed: index.is_some(),
+            parameter: self.at(pnu, index.unwrap_or(0)),
+            ..Selection::number(pnu, self.notation())
+        }
+    }
+
+    /// The parameter of the tables that a number and a subindex on the wire mean.
+    #[must_use]
+    pub fn at(&self, pnu: u16, subindex: u16) -> Option<&'static Parameter> {
+        self.catalogue?.at(pnu, subindex)
     }
 
     fn named(&self, name: &str) -> Result<&'static Parameter, ParameterProblem> {
@@ -145,10 +212,19 @@ impl Parameters {
     }
 }
 
+/// An application id that no table has: the drive may know it.
+const fn unknown_id(pnu: u16, id: u16, notation: Notation) -> Selection {
+    Selection {
+        first: id,
+        indexed: true,
+        ..Selection::number(pnu, notation)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::catalogue::{AKD, Scaling, VACON, VLT};
 
     const DRIVE: Parameters = Parameters {
         catalogue: Some(&AKD),
@@ -183,6 +259,53 @@ mod tests {
         );
         let error = select("DRV.ACC[1]").unwrap_err().to_string();
         assert_eq!(error, "DRV.ACC (p2108) has no elements, element 1 does not exist");
+    }
+
+    #[test]
+    fn one_parameter_in_every_spelling_of_its_maker() {
+        let of = |catalogue| {
+            move |text: &str| {
+                let drive = Parameters {
+                    catalogue: Some(catalogue),
+                    scaling: DELIVERED,
+                };
+                let found = drive
+                    .select(&text.parse().unwrap())
+                    .map_err(|error| error.to_string());
+                found.map(|found| (found.pnu, found.first, found.label()))
+            }
+        };
+        let vlt = of(&VLT);
+        for text in ["1-20", "120", "p120", "PNU 120", "motor-power-kw"] {
+            assert_eq!(
+                vlt(text),
+                Ok((120, 0, "Motor Power [kW] (1-20)".into())),
+                "{text}"
+            );
+        }
+        assert_eq!(
+            vlt("15-30[1]"),
+            Ok((1530, 1, "Fault Log: Error Code (15-30[1])".into()))
+        );
+        let vacon = of(&VACON);
+        for text in [
+            "ID 103",
+            "ID103",
+            "103",
+            "id103",
+            "10001[103]",
+            "acceleration-time-1",
+        ] {
+            let expected = (10001, 103, "Acceleration time 1 (ID 103)".into());
+            assert_eq!(vacon(text), Ok(expected), "{text}");
+        }
+        assert_eq!(vacon("930"), Ok((930, 0, "Operating mode (r0930)".into())));
+        assert_eq!(vacon("p103").unwrap().0, 103);
+        assert_eq!(vacon("ID 3333"), Ok((10001, 3333, "ID 3333".into())));
+        assert_eq!(vacon("947[2]"), Ok((947, 2, "Fault numbers (r0947[2])".into())));
+        let several = vacon("10001[101..103]").unwrap();
+        assert_eq!((several.0, several.1), (10001, 101));
+        assert!(vlt("1-20[1]").unwrap_err().contains("has no elements"));
     }
 
     #[test]

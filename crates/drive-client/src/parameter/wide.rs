@@ -19,13 +19,7 @@ pub(crate) fn split(selections: &[Selection]) -> Vec<Selection> {
     let mut all = Vec::with_capacity(selections.len());
     for selection in selections {
         all.push(*selection);
-        all.extend(high(selection).map(|pnu| Selection {
-            pnu,
-            first: 0,
-            count: 1,
-            indexed: false,
-            parameter: None,
-        }));
+        all.extend(high(selection).map(|pnu| Selection::number(pnu, selection.notation)));
     }
     all
 }
@@ -114,6 +108,7 @@ mod tests {
             name: None,
             write: false,
             number: ErrorNumber::UNKNOWN_PARAMETER,
+            names: profidrive::parameter::ErrorNames::Profile,
             information: None,
             advice: None,
         })

@@ -1,12 +1,12 @@
 //! Saving the settings of a drive, and bringing them back.
 
 use profidrive::catalogue::{Access, Phase, Role};
-use profidrive::notation::{Elements, ParameterReference, Target};
-use profidrive::parameter::{ErrorNumber, Format, Identifier, plan_changes};
+use profidrive::notation::{Elements, Notation, ParameterReference, Target};
+use profidrive::parameter::{ErrorNumber, Format, Identifier, Saving, plan_changes};
 use profinet::Medium;
 
 use super::Session;
-use super::parameters::Outgoing;
+use super::parameters::{Outgoing, format_of, saver};
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
 use crate::parameter::{Interpretation, Selection, halves};
 use crate::{Drive, Error};
@@ -83,11 +83,9 @@ where
             .map(|(pnu, description)| {
                 let array = description.filter(|one| one.identifier.has(Identifier::ARRAY));
                 Selection {
-                    pnu,
-                    first: 0,
                     count: array.map_or(1, |one| one.elements.max(1)),
                     indexed: array.is_some(),
-                    parameter: None,
+                    ..Selection::number(pnu, Notation::Name)
                 }
             })
             .collect())
@@ -123,10 +121,8 @@ where
             .selections()
             .into_iter()
             .map(|selection| Selection {
-                parameter: drive
-                    .model
-                    .catalogue
-                    .and_then(|tables| tables.by_pnu(selection.pnu)),
+                parameter: drive.parameters.at(selection.pnu, selection.first),
+                notation: drive.parameters.notation(),
                 ..selection
             })
             .filter(|selection| {
@@ -341,24 +337,17 @@ where
     }
 
     fn save(&mut self, drive: &mut Drive, journal: &mut Journal, keep: &mut Keep<'_>) -> Result<(), Error> {
-        let command = drive
-            .model
-            .catalogue
-            .and_then(|tables| tables.with_role(Role::Save))
-            .ok_or_else(|| Error::UnknownModel {
-                drive: drive.label(),
-                what: "how to save its parameters",
-                vendor_id: drive.station.vendor_id,
-                device_id: drive.station.device_id,
-            })?;
-        let selection = drive
-            .parameters
-            .select(&ParameterReference::number(command.pnu))?;
+        if drive.model.dialect.saving == Saving::Always {
+            journal.set_saved(Saved::Yes);
+            return Ok(());
+        }
+        let command = saver(drive)?;
+        let selection = Selection::of(command, drive.parameters.notation());
         let outgoing = Outgoing {
             selection,
-            format: Format(command.size.format_code()),
+            format: format_of(command, drive.model.dialect),
             count: 1,
-            octets: vec![0; command.size.octets() - 1]
+            octets: vec![0; command.octets().saturating_sub(1)]
                 .into_iter()
                 .chain([1])
                 .collect(),
@@ -426,16 +415,7 @@ fn places(journal: &Journal, which: impl Fn(&Step) -> bool) -> Vec<usize> {
 }
 
 fn selection(drive: &Drive, change: &Change) -> Selection {
-    Selection {
-        pnu: change.new.pnu,
-        first: change.new.index.unwrap_or(0),
-        count: 1,
-        indexed: change.new.index.is_some(),
-        parameter: drive
-            .model
-            .catalogue
-            .and_then(|tables| tables.by_pnu(change.new.pnu)),
-    }
+    drive.parameters.element(change.new.pnu, change.new.index)
 }
 
 fn outgoing(drive: &Drive, change: &Change) -> Outgoing {

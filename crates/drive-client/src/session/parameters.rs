@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use profidrive::catalogue::{Role, Size};
+use profidrive::catalogue::{Parameter, Role, Size};
 use profidrive::notation::Shown;
 use profidrive::parameter::{
-    Answer, Description, ErrorNumber, Format, NewValue, ParameterAddress, RequestId, Response, encode_change,
-    encode_read, plan_changes, plan_reads, split_array,
+    Answer, Description, Dialect, ErrorNumber, Format, Keep, NewValue, ParameterAddress, RequestId, Response,
+    Saving, encode_change_as, encode_read, plan_changes, plan_reads, split_array,
 };
 use profinet::Medium;
 
@@ -18,6 +18,8 @@ use crate::parameter::{
 };
 use crate::{Drive, Error, Refusal};
 
+/// Transfer to non-volatile memory, of the profile.
+const SAVE: u16 = 971;
 /// Octets of the largest request any dialect allows.
 const MAX_REQUEST: usize = 1024;
 
@@ -28,6 +30,8 @@ pub enum WriteMode {
     DryRun,
     /// Values are written and read back.
     Write,
+    /// The same, and the drive is told to keep them over a power cycle.
+    Save,
 }
 
 /// A change that was checked against the tables and compared with the present value.
@@ -247,6 +251,11 @@ where
         assignments: &[Assignment],
         mode: WriteMode,
     ) -> Result<Vec<ChangeOutcome>, Error> {
+        let dialect = drive.model.dialect;
+        let command = match (mode, dialect.saving) {
+            (WriteMode::Save, Saving::Command) => Some(save_command(drive)?),
+            _ => None,
+        };
         let mut changes = Vec::new();
         for assignment in assignments {
             let selection = drive.parameters.select(&assignment.reference)?;
@@ -279,7 +288,11 @@ where
                     old.next()
                 };
                 let pnu = change.selection.pnu;
-                let role = drive.model.catalogue.map(|tables| tables.backup_rule(pnu).role);
+                let base = change.selection.parameter.and_then(|parameter| parameter.base);
+                let role = drive
+                    .model
+                    .catalogue
+                    .map(|tables| tables.backup_rule_at(pnu, base).role);
                 ChangeOutcome {
                     change,
                     old,
@@ -292,7 +305,11 @@ where
         if mode == WriteMode::DryRun {
             return Ok(outcomes);
         }
-        self.write_outcomes(drive, &mut outcomes)?;
+        let id = match mode {
+            WriteMode::Save => dialect.change_id(Keep::Permanent),
+            WriteMode::Write | WriteMode::DryRun => None,
+        };
+        self.write_outcomes(drive, &mut outcomes, id.unwrap_or(RequestId::Change))?;
         let mut back: Vec<Selection> = Vec::new();
         for outcome in &outcomes {
             if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
@@ -309,13 +326,26 @@ where
                 outcome.new = new.next();
             }
         }
+        // what was refused is not kept by halves
+        let done = outcomes
+            .iter()
+            .all(|outcome| matches!(outcome.written, Some(Ok(()))));
+        if let Some(mut command) = command.filter(|_| done) {
+            self.write_outcomes(drive, std::slice::from_mut(&mut command), RequestId::Change)?;
+            outcomes.push(command);
+        }
         Ok(outcomes)
     }
 
-    fn write_outcomes(&mut self, drive: &Drive, outcomes: &mut [ChangeOutcome]) -> Result<(), Error> {
+    fn write_outcomes(
+        &mut self,
+        drive: &Drive,
+        outcomes: &mut [ChangeOutcome],
+        id: RequestId,
+    ) -> Result<(), Error> {
         let mut encoded = Vec::new();
         for outcome in outcomes.iter() {
-            let (format, octets) = encode(outcome)?;
+            let (format, octets) = encode(outcome, drive.model.dialect)?;
             encoded.push(Outgoing {
                 selection: outcome.change.selection,
                 format,
@@ -325,7 +355,7 @@ where
         }
         let sizes: Vec<usize> = encoded.iter().map(|value| value.octets.len()).collect();
         for group in plan_changes(&sizes, drive.model.dialect) {
-            let answers = self.change(drive, encoded.get(group.clone()).unwrap_or_default())?;
+            let answers = self.change_as(id, drive, encoded.get(group.clone()).unwrap_or_default())?;
             for (at, answer) in group.zip(answers) {
                 if let Some(outcome) = outcomes.get_mut(at) {
                     outcome.written = Some(answer);
@@ -338,6 +368,15 @@ where
     /// Writes values with one request; they must fit into one ([`plan_changes`]). One answer for each.
     pub(super) fn change(
         &mut self,
+        drive: &Drive,
+        outgoing: &[Outgoing],
+    ) -> Result<Vec<Result<(), Refusal>>, Error> {
+        self.change_as(RequestId::Change, drive, outgoing)
+    }
+
+    fn change_as(
+        &mut self,
+        id: RequestId,
         drive: &Drive,
         outgoing: &[Outgoing],
     ) -> Result<Vec<Result<(), Refusal>>, Error> {
@@ -355,13 +394,14 @@ where
         // The caller has seen to the size of the request; only values of two numbers make it longer.
         let sizes: Vec<usize> = parts.iter().map(|part| part.octets.len()).collect();
         for group in plan_changes(&sizes, drive.model.dialect) {
-            self.change_parts(drive, parts.get(group).unwrap_or_default(), &mut answers)?;
+            self.change_parts(id, drive, parts.get(group).unwrap_or_default(), &mut answers)?;
         }
         Ok(answers)
     }
 
     fn change_parts(
         &mut self,
+        id: RequestId,
         drive: &Drive,
         parts: &[Part<'_>],
         answers: &mut [Result<(), Refusal>],
@@ -379,10 +419,10 @@ where
         let addresses: Vec<ParameterAddress> = values.iter().map(|value| value.address).collect();
         let mut buffer = [0; MAX_REQUEST];
         let reference = self.next_reference();
-        let length = encode_change(reference, dialect, &values, &mut buffer)
+        let length = encode_change_as(id, reference, dialect, &values, &mut buffer)
             .map_err(|error| malformed(drive, &error))?;
         let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
-        let response = Response::parse(&answer, RequestId::Change, reference, &addresses, dialect)
+        let response = Response::parse(&answer, id, reference, &addresses, dialect)
             .map_err(|error| malformed(drive, &error))?;
         for (part, answer) in parts.iter().zip(response.answers()) {
             if let (Answer::Error(error), Some(place)) = (answer, answers.get_mut(part.at)) {
@@ -430,6 +470,37 @@ where
     }
 }
 
+/// The command that lets a drive keep its values, as a change; 1 executes it in every make.
+fn save_command(drive: &Drive) -> Result<ChangeOutcome, Error> {
+    let parameter = saver(drive)?;
+    let selection = Selection::of(parameter, drive.parameters.notation());
+    let value = CheckedValue {
+        raw: 1,
+        engineering: 1.0,
+        unit: "",
+    };
+    Ok(ChangeOutcome {
+        change: PlannedChange { selection, value },
+        old: None,
+        written: None,
+        new: None,
+        acts: true,
+    })
+}
+
+/// The parameter that saves all settings: the maker's, else that of the profile.
+pub(super) fn saver(drive: &Drive) -> Result<&'static Parameter, Error> {
+    let tables = drive.model.catalogue;
+    tables
+        .and_then(|tables| tables.with_role(Role::Save).or_else(|| tables.by_pnu(SAVE)))
+        .ok_or_else(|| Error::UnknownModel {
+            drive: drive.label(),
+            what: "how to save its parameters",
+            vendor_id: drive.station.vendor_id,
+            device_id: drive.station.device_id,
+        })
+}
+
 fn needs_scaling(selection: &Selection) -> bool {
     selection
         .parameter
@@ -444,15 +515,23 @@ fn is_command(selection: &Selection) -> bool {
 
 /// The addresses of one selection.
 fn items(at: usize, selection: &Selection, drive: &Drive) -> Vec<Item> {
-    let octets = selection.parameter.map(|parameter| parameter.size.octets());
     let dialect = drive.model.dialect;
-    let parts = split_array(
-        selection.pnu,
-        selection.first,
-        selection.count,
-        octets.unwrap_or(4),
-        dialect,
-    );
+    let octets = selection.parameter.map(|parameter| match parameter.wide {
+        // a number for each half
+        true => parameter.size.octets(),
+        false => parameter.octets(),
+    });
+    let string = selection.parameter.is_some_and(|parameter| parameter.length > 0);
+    let parts = if string {
+        // each of them alone: what a number of elements means for strings differs from drive to drive
+        let elements = selection.first..selection.first.saturating_add(selection.count);
+        elements
+            .map(|element| ParameterAddress::value(selection.pnu, element))
+            .collect()
+    } else {
+        let octets = octets.unwrap_or(4);
+        split_array(selection.pnu, selection.first, selection.count, octets, dialect)
+    };
     parts
         .into_iter()
         .map(|address| Item {
@@ -483,6 +562,7 @@ fn refusal(
         name,
         write,
         number,
+        names: drive.model.dialect.error_names,
         information,
         advice: tables.and_then(|tables| tables.not_now(selection.pnu)),
     }
@@ -495,11 +575,20 @@ fn malformed(drive: &Drive, error: &dyn std::fmt::Display) -> Error {
     }
 }
 
+/// The format that values of a parameter travel in to a drive: their true type where it takes that, else their size.
+pub(super) const fn format_of(parameter: &Parameter, dialect: &Dialect) -> Format {
+    if dialect.substitution_only {
+        Format(parameter.size.format_code())
+    } else {
+        parameter.format.in_space(dialect.code_space)
+    }
+}
+
 /// Format and octets of a value: by the table, else as the drive sent the old one.
-fn encode(outcome: &ChangeOutcome) -> Result<(Format, Vec<u8>), Error> {
+fn encode(outcome: &ChangeOutcome, dialect: &Dialect) -> Result<(Format, Vec<u8>), Error> {
     let CheckedValue { raw, engineering, .. } = outcome.change.value;
     let (format, width) = match (outcome.change.selection.parameter, &outcome.old) {
-        (Some(parameter), _) => (Format(parameter.size.format_code()), parameter.octets()),
+        (Some(parameter), _) => (format_of(parameter, dialect), parameter.octets()),
         (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),
         (None, Some(Err(refusal))) => {
             return Err(Error::Refused {
@@ -536,11 +625,15 @@ fn encode(outcome: &ChangeOutcome) -> Result<(Format, Vec<u8>), Error> {
 mod tests {
     use super::*;
     use crate::parameter::Parameters;
-    use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
 
     fn outcome(text: &str) -> ChangeOutcome {
+        outcome_of(&AKD, text)
+    }
+
+    fn outcome_of(catalogue: &'static Catalogue, text: &str) -> ChangeOutcome {
         let tables = Parameters {
-            catalogue: Some(&AKD),
+            catalogue: Some(catalogue),
             scaling: Scaling::default(),
         };
         let assignment: Assignment = text.parse().unwrap();
@@ -557,12 +650,56 @@ mod tests {
 
     #[test]
     fn values_travel_in_the_size_of_their_parameter() {
-        assert_eq!(encode(&outcome("930=2")).unwrap(), (Format::WORD, vec![0, 2]));
-        assert_eq!(encode(&outcome("DRV.OPMODE=1")).unwrap(), (Format::BYTE, vec![1]));
         assert_eq!(
-            encode(&outcome("DRV.ACC=5000")).unwrap(),
+            encode(&outcome("930=2"), &Dialect::AKD).unwrap(),
+            (Format::WORD, vec![0, 2])
+        );
+        assert_eq!(
+            encode(&outcome("DRV.OPMODE=1"), &Dialect::AKD).unwrap(),
+            (Format::BYTE, vec![1])
+        );
+        assert_eq!(
+            encode(&outcome("DRV.ACC=5000"), &Dialect::AKD).unwrap(),
             (Format::DOUBLE_WORD, vec![0, 0, 0, 0, 0, 0x4C, 0x4B, 0x40])
         );
-        assert_eq!(encode(&outcome("1004=-1")).unwrap().1.len(), 2);
+        assert_eq!(encode(&outcome("1004=-1"), &Dialect::AKD).unwrap().1.len(), 2);
+    }
+
+    #[test]
+    fn values_travel_in_the_formats_of_their_make() {
+        let vlt = |text: &str| encode(&outcome_of(&VLT, text), &Dialect::VLT).unwrap();
+        assert_eq!(vlt("3-41=5s"), (Format::UNSIGNED32, vec![0, 0, 0x01, 0xF4]));
+        assert_eq!(vlt("8-10=1"), (Format::UNSIGNED8, vec![1]));
+        assert_eq!(vlt("1-20=0.75kW"), (Format::UNSIGNED32, vec![0, 0, 0, 75]));
+        let vacon = |text: &str| encode(&outcome_of(&VACON, text), &Dialect::VACON).unwrap();
+        assert_eq!(vacon("ID103=5s"), (Format::WORD, vec![0, 50]));
+        assert_eq!(vacon("102=50Hz"), (Format::WORD, vec![0x13, 0x88]));
+        let error = |text: &str| {
+            let tables = Parameters {
+                catalogue: Some(&VLT),
+                scaling: Scaling::default(),
+            };
+            let assignment: Assignment = text.parse().unwrap();
+            let selection = tables.select(&assignment.reference).unwrap();
+            tables
+                .check(&selection, &assignment.quantity)
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(
+            error("15-40=1").contains("(15-40) is read-only"),
+            "{}",
+            error("15-40=1")
+        );
+        assert!(
+            error("3-41=5A").contains("unit of current"),
+            "{}",
+            error("3-41=5A")
+        );
+        assert!(
+            error("14-21=601s").contains("outside 0 to 600 s"),
+            "{}",
+            error("14-21=601s")
+        );
     }
 }

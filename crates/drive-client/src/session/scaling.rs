@@ -122,13 +122,7 @@ where
         let wanted: Vec<Selection> = SCALING
             .iter()
             .filter_map(|&pnu| tables.by_pnu(pnu))
-            .map(|parameter| Selection {
-                pnu: parameter.pnu,
-                first: 0,
-                count: 1,
-                indexed: false,
-                parameter: Some(parameter),
-            })
+            .map(|parameter| Selection::of(parameter, tables.notation))
             .collect();
         for reading in self.read_plain(drive, &wanted)?.into_iter().flatten() {
             if let Some(number) = reading.number() {

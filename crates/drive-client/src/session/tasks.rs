@@ -1,6 +1,7 @@
 //! Motion tasks through their window: read, written back, and the window left as it was.
 
 use profidrive::catalogue::{Parameter, Role};
+use profidrive::notation::Notation;
 use profidrive::parameter::{ErrorNumber, Format, plan_changes};
 use profinet::Medium;
 
@@ -109,7 +110,7 @@ where
 
     /// What the window shows: its number, then its fields.
     fn window(&mut self, drive: &mut Drive, window: &Window) -> Result<Option<Vec<Reading>>, Error> {
-        let selections: Vec<Selection> = parameters(window).map(Selection::of).collect();
+        let selections: Vec<Selection> = parameters(window).map(shown).collect();
         Ok(self
             .read(drive, &selections)?
             .into_iter()
@@ -135,7 +136,7 @@ where
             .model
             .catalogue
             .and_then(|tables| tables.with_role(Role::Active));
-        let selections: Vec<Selection> = parameters(window).chain(active).map(Selection::of).collect();
+        let selections: Vec<Selection> = parameters(window).chain(active).map(shown).collect();
         let shown: Result<Vec<Reading>, _> = self.read(drive, &selections)?.into_iter().collect();
         let Ok(mut shown) = shown else {
             return Ok(Look::Not(format!("the drive does not tell task {number}")));
@@ -304,11 +305,16 @@ fn parameters(window: &Window) -> impl Iterator<Item = &'static Parameter> + use
     [window.number].into_iter().chain(window.fields)
 }
 
+/// A parameter of the window: motion tasks are of makes that call parameters by name.
+fn shown(parameter: &'static Parameter) -> Selection {
+    Selection::of(parameter, Notation::Name)
+}
+
 fn outgoing(parameter: &'static Parameter, raw: i64) -> Outgoing {
     let octets = raw.to_be_bytes();
     let octets = octets.get(octets.len() - parameter.octets()..);
     Outgoing {
-        selection: Selection::of(parameter),
+        selection: shown(parameter),
         format: Format(parameter.size.format_code()),
         count: 1,
         octets: octets.unwrap_or_default().to_vec(),

@@ -188,23 +188,15 @@ impl Catalogue {
     /// ```
     #[must_use]
     pub fn label(&self, parameter: &Parameter) -> String {
-        match (self.notation, parameter.base) {
-            (Notation::Name, _) if !parameter.name.is_empty() => parameter.name.into(),
-            (Notation::GroupIndex, None) => {
-                format!("{}-{:02}", parameter.pnu / 100, parameter.pnu % 100)
-            }
-            (Notation::Id { pnu }, Some(id)) if pnu == parameter.pnu => format!("ID {id}"),
-            (_, index) => {
-                let writable = Some(parameter.access != super::Access::ReadOnly);
-                format!(
-                    "{}",
-                    Shown {
-                        pnu: parameter.pnu,
-                        index,
-                        writable
-                    }
-                )
-            }
+        if self.notation == Notation::Name && !parameter.name.is_empty() {
+            return parameter.name.into();
         }
+        let shown = Shown {
+            pnu: parameter.pnu,
+            index: parameter.base,
+            writable: Some(parameter.access != super::Access::ReadOnly),
+            notation: self.notation,
+        };
+        format!("{shown}")
     }
 }

@@ -72,9 +72,10 @@ pub enum Prefix {
 /// assert_eq!(VACON.notation, Notation::Id { pnu: 10001 });
 /// assert_eq!(VLT.notation.example(), "1-20 (also 120 or p120), 15-30[1] for an element");
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Notation {
     /// By name, `DRV.ACC`; the number is the PNU.
+    #[default]
     Name,
     /// Group and index, `1-20`: PNU 120. Danfoss.
     GroupIndex,
@@ -361,31 +362,42 @@ impl fmt::Display for Elements {
 }
 
 /// A parameter number as it is printed: `p0922`, `r0947[0]`, and `0922` while it is not known whether it can be
-/// written.
+/// written; as its maker writes it where that is another way: `1-20`, `ID 103`.
 ///
 /// ```
-/// use profidrive::notation::Shown;
-/// assert_eq!(Shown { pnu: 947, index: Some(0), writable: Some(false) }.to_string(), "r0947[0]");
-/// assert_eq!(Shown { pnu: 2108, index: None, writable: Some(true) }.to_string(), "p2108");
+/// use profidrive::notation::{Notation, Shown};
+/// let shown = Shown { pnu: 947, index: Some(0), writable: Some(false), notation: Notation::Name };
+/// assert_eq!(shown.to_string(), "r0947[0]");
+/// assert_eq!(Shown { notation: Notation::GroupIndex, ..shown }.to_string(), "9-47[0]");
+/// let id = Shown { pnu: 10001, index: Some(103), notation: Notation::Id { pnu: 10001 }, ..shown };
+/// assert_eq!(id.to_string(), "ID 103");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shown {
     /// Parameter number.
     pub pnu: u16,
-    /// Element, for arrays.
+    /// Element, for arrays; of a number that collects parameters always.
     pub index: Option<u16>,
     /// From the description or the table of the drive.
     pub writable: Option<bool>,
+    /// How its maker writes it.
+    pub notation: Notation,
 }
 
 impl fmt::Display for Shown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.writable {
-            Some(true) => f.write_str("p")?,
-            Some(false) => f.write_str("r")?,
-            None => {}
+        match (self.notation, self.index) {
+            (Notation::Id { pnu }, Some(id)) if pnu == self.pnu => return write!(f, "ID {id}"),
+            (Notation::GroupIndex, _) => write!(f, "{}-{:02}", self.pnu / 100, self.pnu % 100)?,
+            _ => {
+                match self.writable {
+                    Some(true) => f.write_str("p")?,
+                    Some(false) => f.write_str("r")?,
+                    None => {}
+                }
+                write!(f, "{:04}", self.pnu)?;
+            }
         }
-        write!(f, "{:04}", self.pnu)?;
         self.index.map_or(Ok(()), |index| write!(f, "[{index}]"))
     }
 }

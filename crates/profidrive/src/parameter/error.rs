@@ -1,5 +1,7 @@
 //! Error numbers of the parameter manager.
 
+use alloc::format;
+use alloc::string::{String, ToString};
 use core::fmt;
 
 pub use super::generated_errors::ERRORS;
@@ -78,6 +80,21 @@ impl ErrorNumber {
             ErrorNames::Siemens => SIEMENS,
         };
         ERRORS.iter().chain(special).find(|row| row.number == self.0)
+    }
+
+    /// Number and meaning, with the words of a make.
+    ///
+    /// ```
+    /// use profidrive::parameter::{ErrorNames, ErrorNumber};
+    /// assert_eq!(ErrorNumber(0x65).words(ErrorNames::Danfoss), "0x65 wrong axis");
+    /// assert_eq!(ErrorNumber(0x65).words(ErrorNames::Profile), "0x65 manufacturer specific");
+    /// ```
+    #[must_use]
+    pub fn words(self, names: ErrorNames) -> String {
+        match self.info(names) {
+            Some(info) => format!("0x{:02X} {}", self.0, info.meaning),
+            None => self.to_string(),
+        }
     }
 }
 
