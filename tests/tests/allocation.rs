@@ -84,6 +84,42 @@ fn parameter_requests_and_answers() {
         assert_eq!(response.answers().count(), 2);
         let change = [5, 2, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, 0x43, 1, 0, 0, 0, 2];
         assert_eq!(serve(&change, &Dialect::AKD, &mut Drive, &mut answer), Ok(6));
+        // what the dialects of VLT and Vacon have beside that: double words, kept values, texts, own error numbers
+        for (dialect, id, octets) in [
+            (&Dialect::VLT, RequestId::ReadWide, 16),
+            (&Dialect::VLT, RequestId::Read, 16),
+            (&Dialect::VACON, RequestId::Read, 16),
+            (&Dialect::VACON, RequestId::ReadWide, 12),
+        ] {
+            request[..asked].copy_from_slice(&[
+                5,
+                id.octet(),
+                dialect.axis,
+                2,
+                0x10,
+                1,
+                0x03,
+                0xA2,
+                0,
+                0,
+                0x10,
+                1,
+                0x03,
+                0x9A,
+                0,
+                0,
+            ]);
+            assert_eq!(
+                serve(&request[..asked], dialect, &mut Drive, &mut answer),
+                Ok(octets)
+            );
+        }
+        let keep = [5, 0x42, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, 0x43, 1, 0, 0, 0, 2];
+        assert_eq!(serve(&keep, &Dialect::VLT, &mut Drive, &mut answer), Ok(4));
+        for attribute in [0x20, 0x30, 0x50] {
+            let other = [5, 1, 0, 1, attribute, 1, 0x03, 0xA2, 0, 0];
+            assert_eq!(serve(&other, &Dialect::VLT, &mut Drive, &mut answer), Ok(8));
+        }
     };
     run();
     assert_eq!(allocations(run), 0);

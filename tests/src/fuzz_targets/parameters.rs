@@ -39,8 +39,8 @@ pub fn parameter_request(data: &[u8]) {
         let Ok(request) = Request::parse(data, dialect.code_space) else {
             continue;
         };
-        // a client always asks the axis of its drive's dialect
-        if request.axis() != dialect.axis {
+        // a client always asks the axis of its drive's dialect, and what that drive can
+        if request.axis() != dialect.axis || !dialect.knows(request.id()) {
             continue;
         }
         let addresses: Vec<ParameterAddress> = request.addresses().collect();
@@ -118,43 +118,56 @@ pub fn description(data: &[u8]) {
     let _: String = description.name().collect();
 }
 
-/// Some of everything: PNU ending in 0 simple word, 1 array of 8 double words, 2 octet string of 20, 3 read-only byte, 4
-/// double word that is never accepted, 5 is not there.
+/// Some of everything, by PNU modulo 9: 0 simple word, 1 array of 8 double words, 2 octet string of 20, 3 read-only byte, 4
+/// double word that is never accepted, 5 not there, 6 array of 3 strings, 7 signed octet, 8 words that one number collects.
 struct SomeDrive;
 
 impl ParameterAccess for SomeDrive {
-    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
-        let (format, octets, elements, writable) = match pnu % 6 {
-            0 => (Format::UNSIGNED16, 2, 0, true),
-            1 => (Format::UNSIGNED32, 4, 8, true),
-            2 => (Format::OCTET_STRING, 1, 20, true),
-            3 => (Format::UNSIGNED8, 1, 0, false),
-            4 => (Format::INTEGER32, 4, 0, true),
+    fn attributes(&self, pnu: u16, subindex: u16) -> Option<Attributes> {
+        Some(match pnu % 9 {
+            0 => Attributes::simple(Format::UNSIGNED16, 2, true),
+            1 => Attributes {
+                elements: 8,
+                ..Attributes::simple(Format::UNSIGNED32, 4, true)
+            },
+            2 => Attributes {
+                format: Format::OCTET_STRING,
+                ..Attributes::string(20, true)
+            },
+            3 => Attributes::simple(Format::UNSIGNED8, 1, false),
+            4 => Attributes::simple(Format::INTEGER32, 4, true),
+            6 => Attributes::strings(3, 15, true),
+            7 => Attributes::simple(Format::INTEGER8, 1, true),
+            8 if !subindex.is_multiple_of(8) => Attributes {
+                first: subindex - subindex % 8 + 1,
+                elements: 7,
+                ..Attributes::simple(Format::N2, 2, true)
+            },
             _ => return None,
-        };
-        Some(Attributes {
-            elements,
-            ..Attributes::simple(format, octets, writable)
         })
     }
 
+    fn exists(&self, pnu: u16) -> bool {
+        pnu % 9 != 5
+    }
+
     fn read(&mut self, pnu: u16, subindex: u16) -> Result<u64, ErrorNumber> {
+        let facts = self.attributes(pnu, subindex).unwrap();
         assert!(
-            self.attributes(pnu, subindex)
-                .is_some_and(|a| subindex < a.elements.max(1)),
+            subindex - facts.first < facts.elements.max(1),
             "PNU {pnu}.{subindex}"
         );
         Ok(u64::from(pnu) ^ u64::from(subindex))
     }
 
     fn write(&mut self, pnu: u16, subindex: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
-        let attributes = self.attributes(pnu, subindex).unwrap();
+        let facts = self.attributes(pnu, subindex).unwrap();
         assert!(
-            attributes.writable && subindex < attributes.elements.max(1),
+            facts.writable && subindex - facts.first < facts.elements.max(1),
             "PNU {pnu}.{subindex}"
         );
-        assert!(attributes.octets == 8 || raw >> (8 * attributes.octets) == 0);
-        if pnu % 6 == 4 { Err(ErrorNumber(2)) } else { Ok(()) }
+        assert!(raw >> (8 * facts.octets) == 0);
+        if pnu % 9 == 4 { Err(ErrorNumber(2)) } else { Ok(()) }
     }
 
     fn description(&self, pnu: u16) -> Option<Description> {

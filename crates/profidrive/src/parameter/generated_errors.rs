@@ -110,8 +110,8 @@ pub static DANFOSS: &[ErrorInfo] = &[
 #[rustfmt::skip]
 pub static VACON: &[ErrorInfo] = &[
     ErrorInfo { number: 0x65, meaning: "invalid request reference", remedy: "send a reference from 1 to 255", subindex: false, source: "Vacon OPTEA manual p.122-123, OPTCP manual p.36" },
-    ErrorInfo { number: 0x66, meaning: "invalid request ID", remedy: "send 1 to read or 2 to change", subindex: false, source: "Vacon OPTEA manual p.122-123, OPTCP manual p.36" },
-    ErrorInfo { number: 0x67, meaning: "invalid axis", remedy: "send axis 1", subindex: false, source: "Vacon OPTEA manual p.122-123, OPTCP manual p.36" },
+    ErrorInfo { number: 0x66, meaning: "invalid request ID", remedy: "send 1 to read or 2 to change; some firmware answers with 0x21 instead", subindex: false, source: "Vacon OPTEA manual p.122-123, OPTCP manual p.36" },
+    ErrorInfo { number: 0x67, meaning: "invalid axis", remedy: "send axis 1", subindex: false, source: "Vacon OPTCP manual p.36; reserved in the OPTEA manual" },
     ErrorInfo { number: 0x68, meaning: "illegal number of parameters", remedy: "send 1 to 39 parameters", subindex: false, source: "Vacon OPTEA manual p.122-123, OPTCP manual p.36" },
     ErrorInfo { number: 0x69, meaning: "illegal attribute", remedy: "send 0x10 (value) or 0x20 (description)", subindex: false, source: "Vacon OPTEA manual p.122-123, OPTCP manual p.36" },
     ErrorInfo { number: 0x6b, meaning: "request too short", remedy: "send the whole request", subindex: false, source: "Vacon OPTEA manual p.122-123, OPTCP manual p.36" },

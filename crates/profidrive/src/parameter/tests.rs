@@ -1,6 +1,9 @@
 //! Byte examples of the manuals, the rules of the parameter manager, and damage.
 
+mod converter;
+mod makers;
 mod properties;
+mod vacon;
 
 use alloc::vec;
 use alloc::vec::Vec;
