@@ -162,7 +162,7 @@ impl<'a> Response<'a> {
     }
 
     /// A negative response that answers the request itself instead of its parameters: one error block for several of
-    /// them, or a response ID of no request (Vacon: 0x80).
+    /// them, a response ID of no request (Vacon: 0x80), or that of another kind to a request which only some drives know.
     fn whole_refusal(
         bytes: &[u8],
         found_id: u8,
@@ -173,7 +173,8 @@ impl<'a> Response<'a> {
         let (block, used) = ValueBlock::parse(bytes, HEADER, dialect.code_space).ok()?;
         let alone = HEADER + used == bytes.len();
         let whole = (alone && parameters != 1) || !id.is_answered_by(found_id);
-        let is_request_id = matches!(RequestId::from_octet(found_id & 0x7F), RequestId::Other(_));
+        let is_request_id = matches!(RequestId::from_octet(found_id & 0x7F), RequestId::Other(_))
+            || !matches!(id, RequestId::Read | RequestId::Change);
         (block.format == Format::ERROR && whole && (alone || is_request_id)).then(|| error_of(&block))
     }
 

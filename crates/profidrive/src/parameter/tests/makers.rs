@@ -180,6 +180,14 @@ fn requests_of_a_vlt_from_the_client() {
             Some(Answer::Error(ErrorNumber::NOT_NOW.into()))
         );
     }
+    // a drive that does not know the request, with one error for each of two parameters
+    let two = [one[0]; 2];
+    let unknown = hex("07 81 00 02 44 01 00 66 44 01 00 66");
+    let service = ErrorNumber::DANFOSS_UNKNOWN_SERVICE.into();
+    assert_eq!(
+        Response::parse(&unknown, RequestId::ChangePermanent, 7, &two, VLT),
+        Err(ResponseError::Refused(service))
+    );
     let wrong = hex("07 52 00 01");
     assert!(matches!(
         Response::parse(&wrong, RequestId::ChangePermanent, 7, &one, VLT),
