@@ -428,6 +428,8 @@ pub struct Simulate {
     /// Write the traffic of the drives to this file
     #[arg(long, value_name = "FILE")]
     pub pcap: Option<PathBuf>,
+    #[command(flatten)]
+    pub line: crate::commands::SerialOptions,
 }
 
 /// The drive models there are.

@@ -3,15 +3,16 @@
 use std::net::Ipv4Addr;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use drive_client::{Drive, DriveAddress, Session};
+use drive_client::{Drive, DriveAddress, LineAddress, LineConfig, Session};
 use indicatif::{ProgressBar, ProgressStyle};
 use network::linux::{
     Error as NetworkError, InterfaceInfo, PacketMedium, Patience, ServerPort, Stop, UdpMedium,
 };
 use profinet::controller::ControllerConfig;
-use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
+use profinet::{IpSuite, MacAddress};
 
 use crate::args::Interface;
+use crate::carrier::{self, Carrier};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::reach::{Reach, far, reach};
@@ -27,35 +28,8 @@ pub enum Need {
     Cyclic,
 }
 
-/// A network interface, with or without the right to raw frames.
-#[derive(Debug)]
-pub enum AnyMedium {
-    /// Everything.
-    Packet(Box<PacketMedium>),
-    /// Records only.
-    Udp(Box<UdpMedium>),
-}
-
-impl Medium for AnyMedium {
-    type Error = NetworkError;
-
-    fn now(&self) -> Instant {
-        match self {
-            Self::Packet(medium) => medium.now(),
-            Self::Udp(medium) => medium.now(),
-        }
-    }
-
-    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), NetworkError> {
-        match self {
-            Self::Packet(medium) => medium.step(endpoint, until),
-            Self::Udp(medium) => medium.step(endpoint, until),
-        }
-    }
-}
-
-/// A session on a real network.
-pub type Live = Session<AnyMedium>;
+/// A session on a real network, or a serial line.
+pub type Live = Session<Carrier>;
 
 /// Opens the network for a command.
 pub fn session(
@@ -120,7 +94,7 @@ fn packet(mut medium: PacketMedium, need: Need, stop: &Stop) -> Result<Live, Fai
     }
     medium.set_stop(stop.clone());
     let config = config(info.usable()?, info.ip());
-    Ok(Session::new(AnyMedium::Packet(Box::new(medium)), config))
+    Ok(Session::new(Carrier::Packet(Box::new(medium)), config))
 }
 
 fn udp(stop: &Stop) -> Result<Live, Failure> {
@@ -131,7 +105,7 @@ fn udp(stop: &Stop) -> Result<Live, Failure> {
         .and_then(|all| all.into_iter().find(|info| info.up && !info.loopback)?.mac)
         .unwrap_or(MacAddress([2, 0, 0, 0, 0, 1]));
     let config = config(mac, IpSuite::NONE);
-    Ok(Session::new(AnyMedium::Udp(Box::new(medium)), config).without_discovery())
+    Ok(Session::new(Carrier::Udp(Box::new(medium)), config).without_discovery())
 }
 
 fn config(mac: MacAddress, ip: IpSuite) -> ControllerConfig {
@@ -202,8 +176,11 @@ pub fn drive(
 ) -> Result<(Live, Drive), Failure> {
     let address: DriveAddress = text.parse().map_err(|error: drive_client::DriveAddressError| {
         Failure::usage(error.to_string())
-            .hint("DRIVE is a station name (akd-1), an IP address or a MAC address")
+            .hint("DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial line")
     })?;
+    if let DriveAddress::Line(at) = &address {
+        return at_line(at, interface, need, output);
+    }
     let mut session = session(interface, need, Some(&address), output)?;
     let spinner = spinner(output, format!("looking for {address}"));
     let found = session.find(&address);
@@ -213,7 +190,7 @@ pub fn drive(
         Some(model) => drive.taken_for(model),
         None => drive,
     };
-    if let (AnyMedium::Packet(medium), true) = (session.medium(), need != Need::Discovery) {
+    if let (Carrier::Packet(medium), true) = (session.medium(), need != Need::Discovery) {
         let info = medium.interface();
         match reach(&info.name, &info.addresses, &drive.label(), drive.station.ip)? {
             Reach::Near => {}
@@ -223,10 +200,40 @@ pub fn drive(
     Ok((session, drive))
 }
 
+/// Opens the serial port and finds the drive.
+fn at_line(
+    at: &LineAddress,
+    interface: &Interface,
+    need: Need,
+    output: &Output,
+) -> Result<(Live, Drive), Failure> {
+    if need == Need::Discovery {
+        return Err(Failure::usage(format!(
+            "{at} is at a serial line: it has no station name, IP address or signal"
+        )));
+    }
+    let stop = Stop::on_signals()
+        .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
+    let mut line = carrier::open(at)?;
+    line.set_stop(stop.clone());
+    let config = LineConfig::new(at.protocol, at.baud);
+    let mut session = Session::on_line(Carrier::Serial(Box::new(line)), config);
+    session.interrupt_with(move || stop.is_stopped());
+    let spinner = spinner(output, format!("looking for {at}"));
+    let found = session.find(&DriveAddress::Line(at.clone()));
+    spinner.finish_and_clear();
+    let drive = found?;
+    let drive = match interface.model {
+        Some(model) => drive.taken_for(model),
+        None => drive,
+    };
+    Ok((session, drive))
+}
+
 /// Nobody answered; without discovery the address may be the reason.
-fn not_found(error: drive_client::Error, medium: &AnyMedium, address: &DriveAddress) -> Failure {
+fn not_found(error: drive_client::Error, medium: &Carrier, address: &DriveAddress) -> Failure {
     let failure = Failure::from(error);
-    let (AnyMedium::Udp(_), DriveAddress::Ip(ip)) = (medium, address) else {
+    let (Carrier::Udp(_), DriveAddress::Ip(ip)) = (medium, address) else {
         return failure;
     };
     let own = InterfaceInfo::list().unwrap_or_default();

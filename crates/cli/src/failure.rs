@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde_json::{Map, Value};
 
+use crate::carrier::CarrierError;
 use crate::fields;
 
 /// The exit codes of the conventions.
@@ -107,10 +108,20 @@ impl From<network::linux::Error> for Failure {
     }
 }
 
+impl From<network::serial::Error> for Failure {
+    fn from(error: network::serial::Error) -> Self {
+        let failure = Self::new(Exit::Unreachable, error.to_string());
+        match error.hint() {
+            Some(hint) => failure.hint(hint),
+            None => failure,
+        }
+    }
+}
+
 impl From<drive_client::Error> for Failure {
     fn from(error: drive_client::Error) -> Self {
         if let drive_client::Error::Medium(inner) = &error
-            && let Some(network) = inner.downcast_ref::<network::linux::Error>()
+            && let Some(network) = inner.downcast_ref::<CarrierError>()
         {
             let failure = Self::new(Exit::Unreachable, network.to_string());
             return match network.hint() {
@@ -164,6 +175,9 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::Refused { .. }
         | Error::Axis { .. } => Exit::Refused,
         Error::Medium(_)
+        | Error::NoAnswer { .. }
+        | Error::LineSilent { .. }
+        | Error::Channel { .. }
         | Error::NotFound { .. }
         | Error::Ambiguous { .. }
         | Error::NeedsDiscovery { .. }
@@ -173,7 +187,9 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::ConnectionLost { .. }
         | Error::Record { .. }
         | Error::Timeout { .. } => Exit::Unreachable,
-        Error::Parameter(_) | Error::Misuse(_) => Exit::Usage,
+        Error::Parameter(_) | Error::Misuse(_) | Error::NotOnLine { .. } | Error::OtherWire { .. } => {
+            Exit::Usage
+        }
         Error::SpeedLimit { .. } | Error::Objections { .. } | Error::WrongMode { .. } => Exit::Safety,
         Error::NotAtRest { .. } => Exit::Safety,
         _ => Exit::Failed,

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod carrier;
 mod commands;
 mod connect;
 mod decode;

@@ -1,18 +1,23 @@
 //! How a person names a drive.
 
+mod line;
+
 use std::fmt;
 use std::net::Ipv4Addr;
 use std::str::FromStr;
 
 use profinet::MacAddress;
 
-/// A station name, an IP address or a MAC address.
+pub use line::{LineAddress, Parity};
+
+/// A station name, an IP address, a MAC address, or a place at a serial line.
 ///
 /// ```
 /// use drive_client::DriveAddress;
 /// assert!(matches!("akd-1".parse()?, DriveAddress::Name(_)));
 /// assert!(matches!("10.0.0.2".parse()?, DriveAddress::Ip(_)));
 /// assert!(matches!("02:50:4e:00:00:01".parse()?, DriveAddress::Mac(_)));
+/// assert!(matches!("fc:/dev/ttyUSB0/1".parse()?, DriveAddress::Line(_)));
 /// # Ok::<(), drive_client::DriveAddressError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -23,9 +28,11 @@ pub enum DriveAddress {
     Ip(Ipv4Addr),
     /// MAC address.
     Mac(MacAddress),
+    /// At a serial line.
+    Line(LineAddress),
 }
 
-/// The text is no station name, IP address or MAC address.
+/// The text is no station name, IP address, MAC address or place at a serial line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` names no drive: {reason}")]
 pub struct DriveAddressError {
@@ -44,6 +51,9 @@ impl FromStr for DriveAddress {
             text: text.to_owned(),
             reason,
         };
+        if let Some(line) = LineAddress::parse(text) {
+            return line.map(Self::Line);
+        }
         if let Ok(mac) = text.parse::<MacAddress>() {
             let single = !mac.is_multicast() && mac != MacAddress::default();
             return if single {
@@ -87,6 +97,7 @@ impl fmt::Display for DriveAddress {
             Self::Name(name) => f.write_str(name),
             Self::Ip(ip) => ip.fmt(f),
             Self::Mac(mac) => mac.fmt(f),
+            Self::Line(line) => line.fmt(f),
         }
     }
 }

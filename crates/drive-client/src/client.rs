@@ -11,7 +11,12 @@ use profinet::controller::{
 };
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 
+use profidrive::parameter::DecodeError;
+use profidrive::pkw::JobError;
+use uss::{ReceiverStatistics, SlaveId};
+
 use crate::axis::{AxisControl, Command, Goal, Progress, Seen, Traverse, Wiring};
+use crate::line::{Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, Registered};
 
 /// Most results that are kept for nobody.
@@ -28,14 +33,39 @@ pub enum Connection {
     Running,
     /// Ended without being asked to, or never came about.
     Lost(LostCause),
+    /// The drive at the serial line does not answer any more.
+    Silent,
     /// Released as asked for.
     Released,
+}
+
+/// A connection that a client has: a relation of PROFINET, or a drive at a serial line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Link {
+    /// On the network.
+    Relation(ArId),
+    /// At the line.
+    Slave(SlaveId),
+}
+
+impl From<ArId> for Link {
+    fn from(ar: ArId) -> Self {
+        Self::Relation(ar)
+    }
+}
+
+impl From<SlaveId> for Link {
+    fn from(slave: SlaveId) -> Self {
+        Self::Slave(slave)
+    }
 }
 
 /// A PROFINET controller that knows drives; an [`Endpoint`], driven by any [`Medium`](profinet::Medium).
 ///
 /// Axes under control are stepped here, right after each input: a caller that blocks on a parameter read does not
 /// hold up the axis beside it.
+///
+/// One made with [`on_line`](Self::on_line) is the master of a serial line too.
 ///
 /// ```
 /// use drive_client::Client;
@@ -59,6 +89,7 @@ pub enum Connection {
 pub struct Client {
     controller: Controller,
     mapper: Mapper,
+    line: Option<Line>,
     connections: HashMap<ArId, Connection>,
     axes: Vec<AxisLink>,
     heard: HashMap<DcpId, Vec<Station>>,
@@ -70,7 +101,8 @@ pub struct Client {
 /// One axis of one cyclic connection.
 #[derive(Debug)]
 struct AxisLink {
-    ar: ArId,
+    link: Link,
+    /// Where the telegram is; nowhere on a line.
     slot: u16,
     subslot: u16,
     wiring: Wiring,
@@ -142,6 +174,7 @@ impl Client {
         Self {
             mapper: Mapper::new(config.seed ^ MAPPER_SEED, mapper_port(config.client_port)),
             controller: Controller::new(config),
+            line: None,
             connections: HashMap::new(),
             axes: Vec::new(),
             heard: HashMap::new(),
@@ -149,6 +182,74 @@ impl Client {
             dcp: HashMap::new(),
             records: HashMap::new(),
         }
+    }
+
+    /// The master of a serial line. Its controller has no network and sends nothing.
+    #[must_use]
+    pub fn on_line(line: LineConfig) -> Self {
+        let nowhere = ControllerConfig::new(MacAddress::default(), IpSuite::NONE, "", 0);
+        Self {
+            line: Some(Line::new(line)),
+            ..Self::new(nowhere)
+        }
+    }
+
+    /// What the serial line has brought, telegrams and noise; `None` on a network.
+    #[must_use]
+    pub fn heard(&self) -> Option<&ReceiverStatistics> {
+        self.line.as_ref().map(Line::heard)
+    }
+
+    pub(crate) fn line(&mut self) -> Option<&mut Line> {
+        self.line.as_mut()
+    }
+
+    pub(crate) fn line_config(&self) -> Option<LineConfig> {
+        self.line.as_ref().map(Line::config)
+    }
+
+    /// Begins a parameter job of a drive at the line.
+    pub(crate) fn line_job(
+        &mut self,
+        now: Instant,
+        slave: SlaveId,
+        job: Result<Bridge, DecodeError>,
+    ) -> Result<(), DecodeError> {
+        self.line
+            .as_mut()
+            .map_or(Ok(()), |line| line.start(now, slave, job))
+    }
+
+    /// The end of a parameter job of a drive at the line.
+    pub(crate) fn take_line_job(&mut self, slave: SlaveId) -> Option<Result<Vec<u8>, JobError>> {
+        self.line.as_mut()?.take(slave)
+    }
+
+    /// Takes octets that came from the serial line.
+    pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
+        if let Some(line) = &mut self.line {
+            line.handle_octets(now, octets);
+        }
+        self.work(now);
+    }
+
+    /// Does what is due on the serial line at `now`.
+    pub fn handle_line_timeout(&mut self, now: Instant) {
+        if let Some(line) = &mut self.line {
+            line.handle_timeout(now);
+        }
+        self.work(now);
+    }
+
+    /// The next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of them.
+    pub fn poll_octets(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
+        self.line.as_mut()?.poll_octets(now, buffer)
+    }
+
+    /// When [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets) are due.
+    #[must_use]
+    pub fn poll_line_timeout(&self) -> Option<Instant> {
+        self.line.as_ref()?.poll_timeout()
     }
 
     /// The controller, to start requests with.
@@ -203,22 +304,54 @@ impl Client {
 
     /// What became of a connection.
     #[must_use]
-    pub fn connection(&self, ar: ArId) -> Connection {
-        self.connections.get(&ar).cloned().unwrap_or(Connection::Opening)
+    pub fn connection(&self, link: impl Into<Link>) -> Connection {
+        match link.into() {
+            Link::Relation(ar) => self.connections.get(&ar).cloned().unwrap_or(Connection::Opening),
+            Link::Slave(slave) => match self.line.as_ref() {
+                Some(line) if line.is_cyclic(slave) => match line.answers(slave) {
+                    None => Connection::Opening,
+                    Some(true) => Connection::Running,
+                    Some(false) => Connection::Silent,
+                },
+                _ => Connection::Released,
+            },
+        }
     }
 
     /// Forgets a connection that ended.
-    pub fn forget(&mut self, ar: ArId) {
-        self.connections.remove(&ar);
-        self.axes.retain(|axis| axis.ar != ar);
+    pub fn forget(&mut self, link: impl Into<Link>) {
+        let link = link.into();
+        match link {
+            Link::Relation(ar) => {
+                self.connections.remove(&ar);
+            }
+            Link::Slave(slave) => {
+                if let Some(line) = &mut self.line {
+                    line.set_cyclic(slave, false);
+                }
+            }
+        }
+        self.axes.retain(|axis| axis.link != link);
     }
 
     /// Keeps the telegram of `slot`/`subslot` of a cyclic connection from now on; control is not taken yet. `control`
     /// knows the mode of the drive, `wiring` where its signals are.
     pub fn attach_axis(&mut self, ar: ArId, slot: u16, subslot: u16, wiring: Wiring, control: AxisControl) {
-        self.axes.retain(|axis| axis.ar != ar);
+        self.attach(Link::Relation(ar), (slot, subslot), wiring, control);
+    }
+
+    /// Exchanges process data with a drive at the line from now on; control is not taken yet.
+    pub(crate) fn attach_slave(&mut self, slave: SlaveId, wiring: Wiring, control: AxisControl) {
+        if let Some(line) = &mut self.line {
+            line.set_cyclic(slave, true);
+        }
+        self.attach(Link::Slave(slave), (0, 0), wiring, control);
+    }
+
+    fn attach(&mut self, link: Link, (slot, subslot): (u16, u16), wiring: Wiring, control: AxisControl) {
+        self.axes.retain(|axis| axis.link != link);
         self.axes.push(AxisLink {
-            ar,
+            link,
             slot,
             subslot,
             wiring,
@@ -231,32 +364,36 @@ impl Client {
     }
 
     /// Sets what is wanted of the axis of a connection.
-    pub fn pursue(&mut self, now: Instant, ar: ArId, goal: Goal) {
-        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.ar == ar) {
+    pub fn pursue(&mut self, now: Instant, link: impl Into<Link>, goal: Goal) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
             axis.control.pursue(now, goal);
         }
         self.work(now);
     }
 
     /// Turns a ramp stop under way into a quick stop (OFF3).
-    pub fn hurry(&mut self, now: Instant, ar: ArId) {
-        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.ar == ar) {
+    pub fn hurry(&mut self, now: Instant, link: impl Into<Link>) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
             axis.control.hurry(now);
         }
         self.work(now);
     }
 
     /// Says how long the ramp stop of an axis may take from now on.
-    pub fn allow_stop(&mut self, ar: ArId, limit: Duration) {
-        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.ar == ar) {
+    pub fn allow_stop(&mut self, link: impl Into<Link>, limit: Duration) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
             axis.control.allow_stop(limit);
         }
     }
 
     /// The axis of a connection.
     #[must_use]
-    pub fn axis(&self, ar: ArId) -> Option<AxisView> {
-        let axis = self.axes.iter().find(|axis| axis.ar == ar)?;
+    pub fn axis(&self, link: impl Into<Link>) -> Option<AxisView> {
+        let link = link.into();
+        let axis = self.axes.iter().find(|axis| axis.link == link)?;
         Some(AxisView {
             goal: axis.control.goal(),
             progress: axis.control.progress(),
@@ -279,14 +416,25 @@ impl Client {
             self.take(event);
         }
         for axis in &mut self.axes {
-            let input = self.controller.input(axis.ar, axis.slot, axis.subslot);
-            let Some((data, provider)) = input else { continue };
-            let seen = axis.wiring.decode(data).filter(|_| provider.is_good());
-            let received = self
-                .controller
-                .statistics(axis.ar)
-                .map_or(0, |counts| counts.received);
+            let received = match axis.link {
+                Link::Relation(ar) => self.controller.statistics(ar).map_or(0, |counts| counts.received),
+                Link::Slave(slave) => self.line.as_ref().map_or(0, |line| line.replies(slave)),
+            };
             let before = axis.control.command().stw1;
+            let seen = match axis.link {
+                Link::Relation(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
+                    Some((data, provider)) => axis.wiring.decode(data).filter(|_| provider.is_good()),
+                    None => continue,
+                },
+                Link::Slave(slave) => {
+                    let Some(line) = &mut self.line else { continue };
+                    match line.take_inputs(slave) {
+                        Some(data) => axis.wiring.decode(&data),
+                        None if line.answers(slave) == Some(false) => None,
+                        None => continue,
+                    }
+                }
+            };
             let command = match seen {
                 Some(seen) => {
                     axis.seen = Some(seen);
@@ -299,15 +447,25 @@ impl Client {
             if command.stw1 != before {
                 axis.since = (received, axis.seen.map(|seen| seen.zsw1));
             }
-            if axis.sent != Some(command) {
-                let data = axis.wiring.encode(&command);
-                if self
+            if axis.sent == Some(command) {
+                continue;
+            }
+            let data = axis.wiring.encode(&command);
+            let sent = match axis.link {
+                Link::Relation(ar) => self
                     .controller
-                    .set_output(axis.ar, axis.slot, axis.subslot, data)
-                    .is_ok()
-                {
-                    axis.sent = Some(command);
-                }
+                    .set_output(ar, axis.slot, axis.subslot, data)
+                    .is_ok(),
+                Link::Slave(slave) => match (&mut self.line, data.try_into()) {
+                    (Some(line), Ok(outputs)) => {
+                        line.set_outputs(slave, outputs);
+                        true
+                    }
+                    _ => false,
+                },
+            };
+            if sent {
+                axis.sent = Some(command);
             }
         }
     }

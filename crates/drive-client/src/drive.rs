@@ -3,8 +3,11 @@
 use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
 use profidrive::parameter::Dialect;
 use profinet::controller::Station;
+use uss::SlaveId;
 
+use crate::line::Shape;
 use crate::parameter::{ParameterProblem, Parameters, Selection};
+use crate::session::format_of;
 
 /// Record index of the parameter channel: base mode parameter access, global.
 const GLOBAL_ACCESS: u16 = 0xB02F;
@@ -133,7 +136,7 @@ impl Model {
 /// A drive that was found.
 #[derive(Debug, Clone)]
 pub struct Drive {
-    /// What it said about itself.
+    /// What it said about itself. At a serial line its name is how it is addressed, and it has no other address.
     pub station: Station,
     /// What is known about its kind.
     pub model: Model,
@@ -141,6 +144,8 @@ pub struct Drive {
     pub parameters: Parameters,
     /// True once the values that scale others were read from it.
     pub(crate) scaled: bool,
+    /// Where it is at a serial line.
+    pub(crate) slave: Option<SlaveId>,
 }
 
 impl Drive {
@@ -161,6 +166,7 @@ impl Drive {
             parameters: Parameters::of(&model),
             model,
             scaled: false,
+            slave: None,
         }
     }
 
@@ -173,6 +179,23 @@ impl Drive {
             scaled: false,
             ..self
         }
+    }
+
+    /// True for a drive at a serial line: it has parameters and process data, but no records, name or IP address.
+    #[must_use]
+    pub const fn is_on_line(&self) -> bool {
+        self.slave.is_some()
+    }
+
+    /// At a serial line the channel tells only how wide a value is; the rest is in the tables.
+    pub(crate) fn shape(&self, pnu: u16) -> Option<Shape> {
+        let tables = self.model.catalogue?;
+        let parameter = tables.by_pnu(pnu).or_else(|| tables.by_high(pnu))?;
+        Some(Shape {
+            format: format_of(parameter, self.model.dialect),
+            octets: parameter.size.octets(),
+            array: parameter.is_array(),
+        })
     }
 
     /// Increments in one turn of MDI_TARPOS and XIST_A, as far as the scaling was read.

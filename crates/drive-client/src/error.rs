@@ -6,6 +6,7 @@ use std::time::Duration;
 use profidrive::catalogue::name_distance;
 use profidrive::notation::Shown;
 use profidrive::parameter::{ErrorNames, ErrorNumber};
+use profidrive::pkw::{JobError, PkwErrorNames};
 use profinet::MacAddress;
 use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 use profinet::wire::PnioStatus;
@@ -53,6 +54,44 @@ pub enum Error {
     NoIpAddress {
         /// The drive.
         drive: String,
+    },
+    /// Nobody answers at this address of a serial line.
+    #[error("no answer from {drive}{}", in_place(*.telegrams, *.noise))]
+    NoAnswer {
+        /// Who was asked.
+        drive: DriveAddress,
+        /// Telegrams heard of others.
+        telegrams: u64,
+        /// Octets and telegrams that make no sense.
+        noise: u64,
+    },
+    /// A drive at a serial line does not answer any more.
+    #[error("{drive} does not answer any more")]
+    LineSilent {
+        /// The drive.
+        drive: String,
+    },
+    /// The parameter channel of a serial line did not do what was wanted.
+    #[error("{drive}: {error}")]
+    Channel {
+        /// The drive.
+        drive: String,
+        /// Why.
+        error: JobError,
+    },
+    /// Something that drives at a serial line do not have.
+    #[error("{drive} is at a serial line: there is no {what}")]
+    NotOnLine {
+        /// The drive.
+        drive: String,
+        /// What there is not.
+        what: &'static str,
+    },
+    /// A drive at a serial line was asked for on a network, or the other way about.
+    #[error("{drive} is not to be reached this way")]
+    OtherWire {
+        /// Who was asked for.
+        drive: DriveAddress,
     },
     /// A DCP request failed.
     #[error("{drive}: {what}: {error}")]
@@ -311,6 +350,15 @@ impl fmt::Display for Refusal {
     }
 }
 
+/// What was heard instead of an answer.
+fn in_place(telegrams: u64, noise: u64) -> String {
+    match (telegrams, noise) {
+        (0, 0) => "; the line is silent".into(),
+        (_, 0) => "; others answer on this line".into(),
+        _ => format!("; {noise} octets or telegrams came that make no sense"),
+    }
+}
+
 /// PNU 930 in words.
 pub(crate) const fn mode_words(mode: Mode) -> &'static str {
     match mode {
@@ -358,6 +406,7 @@ fn others(drive: &DriveAddress, stations: &[Station]) -> String {
                 DriveAddress::Name(name) => name_distance(name, &station.name) as u64,
                 DriveAddress::Ip(ip) => u32::from(*ip).abs_diff(station.ip.address.into()).into(),
                 DriveAddress::Mac(mac) => number(*mac).abs_diff(number(station.mac)),
+                DriveAddress::Line(_) => 0,
             };
             (far, station.name.clone(), station.mac)
         });
@@ -478,6 +527,20 @@ impl Error {
             Self::Objections { objections, .. } => objections.first()?.hint().into(),
             Self::NotInTime { .. } => "--timeout gives it more time; `profidrive status DRIVE` tells what holds it".into(),
             Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),
+            Self::NoAnswer { telegrams, noise, .. } => match (telegrams, noise) {
+                (0, 0) => "check that the drive is on, its address and protocol (VLT: 8-30, 8-31), A and B of the wire",
+                (_, 0) => "check the address of the drive (VLT: 8-31)",
+                _ => "check baud rate and parity (VLT: 8-32, 8-33), and the termination of the line",
+            }
+            .into(),
+            Self::LineSilent { .. } => {
+                "check line and adapter; the drive stops by itself only where its time-out is set to that (VLT: 8-03, 8-04)"
+                    .into()
+            }
+            Self::Channel { error, .. } => error.remedy(PkwErrorNames::Profile).into(),
+            Self::OtherWire { .. } => {
+                "fc:PORT/ADDRESS and uss:PORT/ADDRESS are at a serial line, all others on a network".into()
+            }
             Self::ConnectionLost { .. } => {
                 "the drive stops by itself (AKD: F702); `profidrive ack DRIVE` once it is reachable again".into()
             }

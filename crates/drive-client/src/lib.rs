@@ -10,6 +10,7 @@
 //! | know | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
 //! | read and write | [`Session::read`], [`Session::write`] with [`parameter`] |
 //! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::restore`] |
+//! | the same over a serial line | [`Session::on_line`] and a [`Wire`] of octets |
 //! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
 #![forbid(unsafe_code)]
 
@@ -19,19 +20,23 @@ pub mod backup;
 mod client;
 mod drive;
 mod error;
+mod line;
 mod mapper;
 mod modules;
 pub mod parameter;
 mod session;
 pub mod status;
+mod wire;
 
-pub use address::{DriveAddress, DriveAddressError};
-pub use client::{AxisView, Client, Connection};
+pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
+pub use client::{AxisView, Client, Connection, Link};
 pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
+pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::modules_of;
 pub use session::{
     Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info, Peer,
     PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WriteMode,
 };
+pub use wire::Wire;

@@ -11,6 +11,7 @@
 //! | [`impaired`] | [`Impaired`](impaired::Impaired): a station behind a bad cable |
 //! | [`probe`] | [`Probe`](probe::Probe): a station that asks who has an address before it is taken |
 //! | [`linux`] | [`Runner`](linux::Runner): stations on an interface; [`PacketMedium`](linux::PacketMedium) and [`UdpMedium`](linux::UdpMedium) for clients |
+//! | [`serial`] | [`Port`](serial::Port) and [`Line`](serial::Line): serial ports, for drives without a network |
 //! | [`pcap`] | capture files: pcapng writer, pcap and pcapng reader |
 //! | [`files`] | files that are replaced whole or not at all |
 
@@ -24,3 +25,5 @@ pub mod linux;
 pub mod pcap;
 pub mod probe;
 pub mod segment;
+#[cfg(target_os = "linux")]
+pub mod serial;

@@ -5,6 +5,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`station`] | [`Station`](station::Station): a drive on the network, a PROFINET device with a drive in it |
+//! | [`serial`] | [`SerialStation`](serial::SerialStation): a drive at a serial line |
 //! | [`description`] | [`Description`](description::Description): identity and modules, from the model or a maker's GSDML file; the exported GSDML |
 //! | [`mod@drive`] | [`Drive`](drive::Drive): state machine, process data, parameters and faults, one tick per cycle |
 //! | [`axis`] | motor, load, speed loop and ramps |
@@ -16,5 +17,6 @@ pub mod axis;
 pub mod description;
 pub mod drive;
 pub mod model;
+pub mod serial;
 pub mod station;
 pub mod store;

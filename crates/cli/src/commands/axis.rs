@@ -12,13 +12,14 @@ use profinet::cyclic::Timing;
 use serde_json::{Map, Value};
 
 use crate::args::Cyclic;
-use crate::connect::{AnyMedium, Live};
+use crate::carrier::Carrier;
+use crate::connect::Live;
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
 use crate::render::live::{AxisView, LiveView};
 
-pub type Axis<'s> = drive_client::Axis<'s, AnyMedium>;
+pub type Axis<'s> = drive_client::Axis<'s, Carrier>;
 
 pub type Enabled<'a, 's> = drive_client::Enabled<'a, 's, AnyMedium>;
 

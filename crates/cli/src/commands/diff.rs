@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use drive_client::backup::{Backup, Side, TasksTold, compare, compare_tasks};
-use drive_client::{Drive, Refusal};
+use drive_client::{Drive, DriveAddress, Refusal};
 use profidrive::parameter::ErrorNumber;
 use serde_json::{Map, Value};
 
@@ -137,9 +137,11 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
 /// The file, where there is one of this name or the text is a path; `None` for a drive.
 fn source(text: &str) -> Result<Option<Backup>, Failure> {
     let path = Path::new(text);
-    if path.is_file() || text.contains('/') {
+    let drive = text.parse::<DriveAddress>();
+    let at_line = matches!(drive, Ok(DriveAddress::Line(_)));
+    if path.is_file() || (text.contains('/') && !at_line) {
         backup::read(path).map(Some)
-    } else if text.parse::<drive_client::DriveAddress>().is_err() {
+    } else if drive.is_err() {
         Err(Failure::usage(format!(
             "there is no file {text}, and no drive can have this name"
         )))

@@ -35,6 +35,7 @@ pub use jog::Jog;
 pub use r#move::Move;
 pub use restore::Args as Restore;
 pub use run::Run;
+pub use simulate::SerialOptions;
 pub use status::Status;
 pub use stop::Stop;
 pub use task::Task;

@@ -145,6 +145,19 @@ pub fn choose_telegram(
         .ok_or(NoTelegram { reported: trouble })
 }
 
+/// The process data of a serial line: control word and setpoint there, status word and actual value back, as telegram 1
+/// has them.
+///
+/// # Errors
+/// When the purpose needs more than that.
+pub fn process_words(device: &Device, purpose: Purpose) -> Result<Wiring, NoTelegram> {
+    let wiring =
+        Telegram::find(1, device.vendor_id).and_then(|telegram| Wiring::of(telegram, device.vendor_id).ok());
+    wiring
+        .filter(|wiring| purpose.signals().iter().all(|&signal| wiring.commands(signal)))
+        .ok_or(NoTelegram { reported: None })
+}
+
 /// The telegram that the drive reports, where its signals are known.
 fn own_wiring(
     device: &Device,

@@ -11,7 +11,7 @@ mod order;
 mod seen;
 mod wiring;
 
-pub use choose::{Choice, NoTelegram, Purpose, ReportedTelegram, choose_telegram};
+pub use choose::{Choice, NoTelegram, Purpose, ReportedTelegram, choose_telegram, process_words};
 pub use command::{Command, Traverse};
 pub use control::AxisControl;
 pub use evidence::Evidence;

@@ -102,7 +102,8 @@ impl Backup {
             if line.is_empty() {
                 continue;
             }
-            if let Some((what, value)) = line.split_once('=') {
+            // what a line of the head says may have any character in it
+            if let Some((what, value)) = line.split_once('=').filter(|(what, _)| !what.contains(':')) {
                 let (what, value) = (what.trim(), value.trim());
                 lines.push(Line { number, what, value });
             } else if let Some((key, value)) = line.split_once(':') {

@@ -2,14 +2,13 @@
 
 use std::time::Duration;
 
-use profinet::Medium;
 use profinet::controller::{ArId, CallId, LostCause, Misuse, RecordAddress, Resolve, ServiceError, Target};
 use profinet::wire::PnioStatus;
 use profinet::{Instant, MacAddress};
 use std::net::Ipv4Addr;
 
 use super::Session;
-use crate::{Client, Connection, Drive, Error};
+use crate::{Client, Connection, Drive, Error, Link, Wire};
 
 /// Longer than a connect may take with its repetitions.
 const CONNECT_LIMIT: Duration = Duration::from_secs(90);
@@ -56,22 +55,22 @@ fn target(drive: &Drive) -> Target {
     }
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Opens the way to the records of a drive, if it is not open.
     ///
     /// # Errors
     /// When the drive has no address, cannot be reached or refuses.
     pub fn open(&mut self, drive: &Drive) -> Result<(), Error> {
+        if drive.is_on_line() {
+            return Ok(());
+        }
         self.access(drive).map(|_| ())
     }
 
     pub(super) fn access(&mut self, drive: &Drive) -> Result<ArId, Error> {
         if let Some(known) = self.access.iter().find(|access| access.is_to(drive)).copied() {
             match self.client.connection(known.ar) {
-                Connection::Lost(_) | Connection::Released => self.drop_access(known.ar),
+                Connection::Lost(_) | Connection::Silent | Connection::Released => self.drop_access(known.ar),
                 // begun by a call that was interrupted
                 Connection::Opening => {
                     self.connected(drive, known.ar)?;
@@ -115,7 +114,7 @@ where
             }
             Some(_) => Ok(()),
             None => {
-                self.release(ar)?;
+                self.release(ar.into())?;
                 Err(Error::Timeout {
                     drive: drive.label(),
                     what: "connecting",
@@ -159,8 +158,14 @@ where
     }
 
     /// Releases a connection and waits for its end.
-    pub(super) fn release(&mut self, ar: ArId) -> Result<(), Error> {
-        self.release_within(ar, RELEASE_LIMIT)
+    pub(super) fn release(&mut self, link: Link) -> Result<(), Error> {
+        match link {
+            Link::Relation(ar) => self.release_within(ar, RELEASE_LIMIT),
+            Link::Slave(slave) => {
+                self.client.forget(slave);
+                Ok(())
+            }
+        }
     }
 
     fn release_within(&mut self, ar: ArId, limit: Duration) -> Result<(), Error> {
@@ -186,6 +191,10 @@ where
     /// # Errors
     /// When the drive cannot be reached or refuses.
     pub fn read_record(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
+        if drive.is_on_line() {
+            let (drive, what) = (drive.label(), "record");
+            return Err(Error::NotOnLine { drive, what });
+        }
         let what = || {
             format!(
                 "reading record 0x{:04X} of slot {} subslot 0x{:X}",
@@ -199,6 +208,9 @@ where
 
     /// One parameter job over the parameter channel of the drive.
     pub(super) fn job(&mut self, drive: &Drive, request: &[u8]) -> Result<Vec<u8>, Error> {
+        if let Some(slave) = drive.slave {
+            return self.line_job(drive, slave, request);
+        }
         let channel = drive.model.channel;
         let at = RecordAddress {
             api: channel.api,
@@ -248,19 +260,23 @@ where
     }
 
     /// Waits until a cyclic connection carries valid data.
-    pub(super) fn running(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
-        let end = self.wait(CONNECT_LIMIT, |client| match client.connection(ar) {
+    pub(super) fn running(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
+        let end = self.wait(CONNECT_LIMIT, |client| match client.connection(link) {
             Connection::Opening | Connection::Open => None,
             other => Some(other),
         })?;
         match end {
             Some(Connection::Running) => Ok(()),
             Some(Connection::Lost(cause)) => {
-                self.client.forget(ar);
+                self.client.forget(link);
                 Err(connect_error(drive, cause))
             }
+            Some(Connection::Silent) => {
+                self.client.forget(link);
+                Err(Error::LineSilent { drive: drive.label() })
+            }
             _ => {
-                self.client.forget(ar);
+                self.client.forget(link);
                 Err(Error::Timeout {
                     drive: drive.label(),
                     what: "cyclic data",

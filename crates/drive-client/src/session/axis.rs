@@ -5,8 +5,7 @@ use std::time::Duration;
 
 use profidrive::state::{Mode, Zsw1};
 use profidrive::telegram::signal;
-use profinet::Medium;
-use profinet::controller::{ArId, ConnectConfig, Resolve, Target};
+use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
 use profinet::cyclic::{CyclicStatistics, Timing};
 
 use super::Session;
@@ -17,12 +16,14 @@ use crate::axis::{
     AxisControl, Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Trouble,
 };
 use crate::client::AxisView;
-use crate::{Connection, Drive, Error};
+use crate::{Connection, Drive, Error, Link, Wire};
 
 /// PNU of the speed setpoint: carries its scale.
 const NSOLL_A: u16 = signal::NSOLL_A;
 /// One unit of MinDeviceInterval and of the send clock.
 const TICK: Duration = Duration::from_nanos(31_250);
+/// How long a drive at a line that fell silent is told to stop.
+const CALL_AGAIN: Duration = Duration::from_secs(2);
 /// Shortest time a drive has for accepting a task.
 const ACCEPT: Duration = Duration::from_secs(2);
 
@@ -102,12 +103,8 @@ pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
 /// [`enable`](Self::enable) gives the [`Enabled`] that has motions.
 ///
 /// ```
-/// use drive_client::{Axis, Error};
-/// use profinet::Medium;
-/// fn turn<M: Medium>(axis: &mut Axis<'_, M>) -> Result<(), Error>
-/// where
-///     M::Error: Send + Sync + 'static,
-/// {
+/// use drive_client::{Axis, Error, Wire};
+/// fn turn<M: Wire>(axis: &mut Axis<'_, M>) -> Result<(), Error> {
 ///     let mut enabled = axis.enable()?;
 ///     enabled.run(60.0)?;
 ///     enabled.hold(std::time::Duration::from_secs(1))?;
@@ -118,22 +115,15 @@ pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
 /// Without it there is nothing to call:
 ///
 /// ```compile_fail,E0599
-/// use drive_client::{Axis, Error};
-/// use profinet::Medium;
-/// fn turn<M: Medium>(axis: &mut Axis<'_, M>) -> Result<(), Error>
-/// where
-///     M::Error: Send + Sync + 'static,
-/// {
+/// use drive_client::{Axis, Error, Wire};
+/// fn turn<M: Wire>(axis: &mut Axis<'_, M>) -> Result<(), Error> {
 ///     axis.run(60.0)
 /// }
 /// ```
-pub struct Axis<'s, M: Medium>
-where
-    M::Error: Send + Sync + 'static,
-{
+pub struct Axis<'s, M: Wire> {
     pub(super) session: &'s mut Session<M>,
     pub(super) drive: Drive,
-    ar: ArId,
+    link: Link,
     pub(super) settings: AxisSettings,
     cycle: Duration,
     telegram: u16,
@@ -159,22 +149,16 @@ where
     quick: bool,
 }
 
-impl<M: Medium> std::fmt::Debug for Axis<'_, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Axis")
             .field("drive", &self.drive.label())
-            .field("ar", &self.ar)
+            .field("link", &self.link)
             .finish_non_exhaustive()
     }
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
     /// moves: control is taken with the first goal.
     ///
@@ -203,42 +187,59 @@ where
             deceleration,
         } = self.prepare(drive, &device, settings.purpose)?;
         let kept = self.keep(drive, &wiring)?;
-        let cycle = settings
-            .cycle
-            .unwrap_or(TICK * u32::from(device.min_device_interval));
-        let timing = Timing::for_interval(cycle).ok_or(profinet::controller::Misuse::Range("cycle"))?;
-        let mut config = ConnectConfig::new(layout.modules, timing);
-        config.watchdog_factor = settings.watchdog;
-        config.data_hold_factor = settings.watchdog;
-        config.resolve = if drive.station.name.is_empty() {
-            Resolve::Trust
-        } else {
-            Resolve::Check
+        let least = TICK * u32::from(device.min_device_interval);
+        let cycle = match self.client.line_config() {
+            // the line goes as fast as it can
+            Some(line) => line.exchange(),
+            None => settings.cycle.unwrap_or(least),
         };
-        let now = self.now();
-        let ar = self
-            .client
-            .controller()
-            .connect(now, Target::of(&drive.station), config)?;
+        let timing = match layout {
+            Some(_) => Some(Timing::for_interval(cycle).ok_or(Misuse::Range("cycle"))?),
+            None => None,
+        };
+        let cycle = timing.map_or(cycle, |timing| timing.interval());
         let limits = Limits {
-            dwell: (timing.interval() * 4).max(Duration::from_millis(8)),
+            dwell: (cycle * 4).max(Duration::from_millis(8)),
             stop: settings.stop,
             standstill: standstill(drive),
-            accept: ACCEPT.max(timing.interval() * 16),
+            accept: ACCEPT.max(cycle * 16),
             // a bit of the AKD, which is the only model whose telegrams are known
             task_active: Zsw1::TASK_ACTIVE,
             ..Limits::default()
         };
         let telegram = wiring.telegram();
-        let (slot, subslot) = layout.place;
         let control = AxisControl::in_mode(limits, mode);
-        // from here on the object below sees to the end of the connection
-        self.client.attach_axis(ar, slot, subslot, wiring, control);
+        let now = self.now();
+        // once it is attached the object below sees to the end of the connection
+        let link = match (layout.zip(timing), drive.slave) {
+            (Some((layout, timing)), _) => {
+                let mut config = ConnectConfig::new(layout.modules, timing);
+                config.watchdog_factor = settings.watchdog;
+                config.data_hold_factor = settings.watchdog;
+                config.resolve = if drive.station.name.is_empty() {
+                    Resolve::Trust
+                } else {
+                    Resolve::Check
+                };
+                let ar = self
+                    .client
+                    .controller()
+                    .connect(now, Target::of(&drive.station), config)?;
+                let (slot, subslot) = layout.place;
+                self.client.attach_axis(ar, slot, subslot, wiring, control);
+                Link::Relation(ar)
+            }
+            (None, Some(slave)) => {
+                self.client.attach_slave(slave, wiring, control);
+                Link::Slave(slave)
+            }
+            (None, None) => return Err(Misuse::UnknownConnection.into()),
+        };
         let mut axis = Axis {
             drive: drive.clone(),
-            ar,
+            link,
             settings,
-            cycle: timing.interval(),
+            cycle,
             telegram,
             telegram_before: reported,
             acceleration,
@@ -255,8 +256,10 @@ where
             session: self,
         };
         let drive = axis.drive.clone();
-        axis.session.running(&drive, ar)?;
-        axis.session.share(&drive, ar);
+        axis.session.running(&drive, link)?;
+        if let Link::Relation(ar) = link {
+            axis.session.share(&drive, ar);
+        }
         axis.taken = axis.session.now();
         Ok(axis)
     }
@@ -280,10 +283,7 @@ pub(super) fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
     })
 }
 
-impl<'s, M: Medium> Axis<'s, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<'s, M: Wire> Axis<'s, M> {
     /// Shows the axis to `watcher` after everything that happens while calls wait.
     pub fn watch(&mut self, watcher: impl FnMut(&AxisStatus) + 's) {
         self.watcher = Some(Box::new(watcher));
@@ -321,7 +321,7 @@ where
     /// The axis as it is now.
     #[must_use]
     pub fn status(&self) -> Option<AxisStatus> {
-        let view = self.session.client.axis(self.ar)?;
+        let view = self.session.client.axis(self.link)?;
         Some(AxisStatus {
             view,
             speed_set: (view.mode == Mode::Velocity).then(|| speed_rpm(&self.drive, view.command.nsoll_a)),
@@ -334,14 +334,17 @@ where
             position: view.seen.and_then(|seen| Some(self.turns(seen.xist_a?))),
             following_error: view.seen.and_then(|seen| Some(self.turns(seen.xist_error?))),
             time: self.session.now() - self.taken,
-            lost: matches!(self.session.client.connection(self.ar), Connection::Lost(_)),
+            lost: matches!(self.session.client.connection(self.link), Connection::Lost(_)),
         })
     }
 
-    /// Counters of the cyclic connection.
+    /// Counters of the cyclic connection; a serial line has none.
     #[must_use]
     pub fn statistics(&self) -> Option<CyclicStatistics> {
-        self.session.client.controller_ref().statistics(self.ar)
+        match self.link {
+            Link::Relation(ar) => self.session.client.controller_ref().statistics(ar),
+            Link::Slave(_) => None,
+        }
     }
 
     /// Takes control and gets ready for switching on (S2).
@@ -463,7 +466,7 @@ where
     pub(super) fn pursue(&mut self, goal: Goal) {
         let now = self.session.now();
         self.told = false;
-        self.session.client.pursue(now, self.ar, goal);
+        self.session.client.pursue(now, self.link, goal);
     }
 
     /// An axis that stopped by itself meanwhile is not started again before the caller knows.
@@ -514,17 +517,20 @@ where
         if let (Some(watcher), Some(status)) = (&mut self.watcher, &status) {
             watcher(status);
         }
-        if let Connection::Lost(cause) = self.session.client.connection(self.ar) {
-            return Err(Error::ConnectionLost {
-                drive: self.drive.label(),
-                cause,
-            });
+        let drive = || self.drive.label();
+        match self.session.client.connection(self.link) {
+            Connection::Lost(cause) => {
+                let drive = drive();
+                return Err(Error::ConnectionLost { drive, cause });
+            }
+            Connection::Silent => return Err(Error::LineSilent { drive: drive() }),
+            _ => {}
         }
-        let status = status.ok_or(profinet::controller::Misuse::UnknownConnection)?;
+        let status = status.ok_or(Misuse::UnknownConnection)?;
         let ramp = status.view.goal == Goal::Stop && !status.view.quick_stop && !status.view.at_rest;
         if ramp && self.session.hurries() {
             let now = self.session.now();
-            self.session.client.hurry(now, self.ar);
+            self.session.client.hurry(now, self.link);
         }
         match status.view.progress {
             Progress::Failed(trouble) => {
@@ -544,9 +550,12 @@ where
         }
         self.finished = true;
         let stopping = std::mem::replace(&mut self.session.stopping, true);
-        let running = self.session.client.connection(self.ar) == Connection::Running;
+        if self.session.client.connection(self.link) == Connection::Silent {
+            self.call_again();
+        }
+        let running = self.session.client.connection(self.link) == Connection::Running;
         let mut result = if running { self.bring_to_rest() } else { Ok(()) };
-        let released = self.session.release(self.ar);
+        let released = self.session.release(self.link);
         if result.is_ok() {
             result = released;
         }
@@ -557,6 +566,18 @@ where
         result
     }
 
+    /// A drive at a line that does not answer may still hear, and may run on if its time-out is not set: it is told to
+    /// stop for a while, and brought to rest once it answers.
+    fn call_again(&mut self) {
+        self.pursue(Goal::Stop);
+        let end = self.session.now() + CALL_AGAIN;
+        while self.session.now() < end && self.session.client.connection(self.link) == Connection::Silent {
+            if self.session.step(end).is_err() {
+                return;
+            }
+        }
+    }
+
     fn bring_to_rest(&mut self) -> Result<(), Error> {
         let control_taken = self
             .status()
@@ -565,7 +586,7 @@ where
         self.pursue(Goal::Released);
         // the drive must see the word without control before the connection ends
         let end = self.session.now() + self.cycle * 4;
-        while self.session.now() < end && self.session.client.connection(self.ar) == Connection::Running {
+        while self.session.now() < end && self.session.client.connection(self.link) == Connection::Running {
             self.session.step(end)?;
         }
         stopped?;
@@ -587,7 +608,7 @@ where
 
     /// What became of the connection.
     pub(super) fn connection(&self) -> Connection {
-        self.session.client.connection(self.ar)
+        self.session.client.connection(self.link)
     }
 
     /// As [`ramp_down`](Self::ramp_down), not to be interrupted.
@@ -610,7 +631,7 @@ where
     /// OFF1, and whatever it takes until the pulses are off or the control gives up.
     fn ramp_down(&mut self) -> Result<(), Error> {
         let limit = self.settings.stop + self.ramp_time();
-        self.session.client.allow_stop(self.ar, limit);
+        self.session.client.allow_stop(self.link, limit);
         self.pursue(Goal::Stop);
         loop {
             // a quick stop that took over is waited for as well, and told with the release
@@ -630,10 +651,7 @@ where
     }
 }
 
-impl<M: Medium> Drop for Axis<'_, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Drop for Axis<'_, M> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             // a watcher that panics once more would end the process before the axis stands

@@ -3,13 +3,12 @@
 use profidrive::catalogue::{Access, Phase, Role};
 use profidrive::notation::{Elements, Notation, ParameterReference, Target};
 use profidrive::parameter::{ErrorNumber, Format, Identifier, Saving, plan_changes};
-use profinet::Medium;
 
 use super::Session;
 use super::parameters::{Outgoing, format_of, saver};
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
 use crate::parameter::{Interpretation, Selection, halves};
-use crate::{Drive, Error};
+use crate::{Drive, Error, Wire};
 
 /// The lists of all parameters of a drive.
 const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
@@ -27,10 +26,7 @@ const REPAIRS: usize = 2;
 /// Where a journal is kept: on a disk, mostly.
 pub type Keep<'k> = dyn FnMut(&Journal) -> Result<(), Box<dyn std::error::Error + Send + Sync>> + 'k;
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// The numbers of all parameters, as the drive itself lists them (PNU 980 and following).
     ///
     /// # Errors

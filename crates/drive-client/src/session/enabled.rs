@@ -5,12 +5,11 @@ use std::time::Duration;
 
 use profidrive::notation::Position;
 use profidrive::state::Mode;
-use profinet::Medium;
 
 use super::Axis;
 use super::axis::{AxisStatus, speed_raw, speed_rpm};
 use crate::axis::{Evidence, Goal, Jog, MotionFacts, Move, MovePlan, Progress, Traverse};
-use crate::{Connection, Error};
+use crate::{Connection, Error, Wire};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
 const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
@@ -27,26 +26,17 @@ const HOME_MODE: u16 = 2203;
 ///
 /// It stands for operation that was reached. When the drive leaves it, by a fault for example, every motion returns
 /// what happened and nothing is sent: the axis has to be enabled again.
-pub struct Enabled<'a, 's, M: Medium>
-where
-    M::Error: Send + Sync + 'static,
-{
+pub struct Enabled<'a, 's, M: Wire> {
     axis: &'a mut Axis<'s, M>,
 }
 
-impl<M: Medium> std::fmt::Debug for Enabled<'_, '_, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> std::fmt::Debug for Enabled<'_, '_, M> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Enabled").field(&self.axis).finish()
     }
 }
 
-impl<'s, M: Medium> Deref for Enabled<'_, 's, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<'s, M: Wire> Deref for Enabled<'_, 's, M> {
     type Target = Axis<'s, M>;
 
     fn deref(&self) -> &Self::Target {
@@ -54,19 +44,13 @@ where
     }
 }
 
-impl<M: Medium> DerefMut for Enabled<'_, '_, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> DerefMut for Enabled<'_, '_, M> {
     fn deref_mut(&mut self) -> &mut Self::Target {
         self.axis
     }
 }
 
-impl<'a, 's, M: Medium> Enabled<'a, 's, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     pub(super) const fn new(axis: &'a mut Axis<'s, M>) -> Self {
         Self { axis }
     }
@@ -330,10 +314,7 @@ fn has_speed(status: &AxisStatus, rpm: f64) -> bool {
     }
 }
 
-impl<M: Medium> Drop for Enabled<'_, '_, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Drop for Enabled<'_, '_, M> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             // a watcher that panics once more would end the process before the axis stands

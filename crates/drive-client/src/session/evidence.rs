@@ -1,12 +1,11 @@
 //! What is asked of a drive whose axis does not get where it should, while it is still in operation. Reads only.
 
 use profidrive::telegram::signal;
-use profinet::Medium;
 
 use super::Axis;
-use crate::Error;
 use crate::axis::Evidence;
 use crate::parameter::Reading;
+use crate::{Error, Wire};
 
 /// PNUs of an AKD.
 const NEGATIVE_SWITCH: u16 = 2211;
@@ -17,10 +16,7 @@ const POSITIVE_LIMIT: u16 = 2231;
 const SOFTWARE_LIMITS: u16 = 2387;
 const FOLLOWING_ERROR: u16 = signal::kollmorgen::XIST_ERROR;
 
-impl<M: Medium> Axis<'_, M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Axis<'_, M> {
     /// Reads it now, if it has not been read since the motion began.
     pub(super) fn gather(&mut self) {
         if self.evidence.is_some() {

@@ -3,11 +3,10 @@
 use profidrive::catalogue::{Cleared, Reaction};
 use profidrive::fault::{ConsistentRead, Next, Shape};
 use profidrive::notation::{Elements, ParameterReference, Target};
-use profinet::Medium;
 
 use super::Session;
 use crate::parameter::{Reading, Selection};
-use crate::{Drive, Error, Refusal};
+use crate::{Drive, Error, Refusal, Wire};
 
 /// Fault message counter, fault numbers, their times and values, division of the buffer.
 const COUNTER: u16 = 944;
@@ -78,10 +77,7 @@ impl FaultReport {
     }
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// The fault buffer, newest situation first, read so that all of it belongs together.
     ///
     /// # Errors

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use profinet::controller::{DcpId, DcpReply, Filter, IdentifyOptions, Misuse, Station};
-use profinet::{Instant, IpSuite, MacAddress, Medium};
+use profinet::{Instant, IpSuite, MacAddress};
 
 use super::Session;
-use crate::{Client, Drive, DriveAddress, Error};
+use crate::{Client, Drive, DriveAddress, Error, Wire};
 
 /// Longer than any DCP request may take with its repetitions.
 const DCP_LIMIT: Duration = Duration::from_secs(30);
@@ -15,10 +15,7 @@ const MAPPER_LIMIT: Duration = Duration::from_secs(10);
 /// How long a second station of the same name may take to answer: ten times the response delay asked for.
 const SECOND_ANSWER: Duration = Duration::from_millis(100);
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Everybody who answers within `time`, by name and address.
     ///
     /// # Errors
@@ -74,21 +71,27 @@ where
     /// # Errors
     /// [`Error::NotFound`] with who was heard instead, [`Error::Ambiguous`] with all MAC addresses.
     pub fn find(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
-        if !self.discovery {
-            return self.find_by_trust(drive);
+        match (drive, self.is_on_line()) {
+            (DriveAddress::Line(at), true) => return self.find_on_line(at),
+            (DriveAddress::Line(_), false) | (_, true) => {
+                return Err(Error::OtherWire { drive: drive.clone() });
+            }
+            _ if !self.discovery => return self.find_by_trust(drive),
+            _ => {}
         }
         let filter = match drive {
             DriveAddress::Name(name) => Filter::name(name),
-            DriveAddress::Mac(_) | DriveAddress::Ip(_) => Filter::all(),
+            _ => Filter::all(),
         };
         let answers = match drive {
             DriveAddress::Name(_) => self.identify_one(filter)?,
-            DriveAddress::Mac(_) | DriveAddress::Ip(_) => self.identify(filter, IdentifyOptions::MANY)?,
+            _ => self.identify(filter, IdentifyOptions::MANY)?,
         };
         let fits = |station: &&Station| match drive {
             DriveAddress::Name(name) => station.name == *name,
             DriveAddress::Ip(ip) => station.ip.address == *ip,
             DriveAddress::Mac(mac) => station.mac == *mac,
+            DriveAddress::Line(_) => false,
         };
         let matching: Vec<&Station> = answers.iter().filter(fits).collect();
         match matching.as_slice() {
@@ -183,6 +186,10 @@ where
         what: &'static str,
         start: impl FnOnce(&mut Client, Instant, MacAddress) -> Result<DcpId, Misuse>,
     ) -> Result<(), Error> {
+        if drive.is_on_line() {
+            let (drive, what) = (drive.label(), "name, IP address or signal");
+            return Err(Error::NotOnLine { drive, what });
+        }
         let now = self.now();
         let id = start(&mut self.client, now, drive.station.mac)?;
         match self.wait(DCP_LIMIT, |client| client.take_dcp(id))? {

@@ -1,14 +1,14 @@
 //! Who a drive is.
 
 use profidrive::notation::ParameterReference;
+use profinet::MacAddress;
 use profinet::controller::RecordAddress;
 use profinet::wire::record::{Im0, ImText, PortPeer, PortReal, decode_relations, index};
 use profinet::wire::{DecodeError, Reader};
-use profinet::{MacAddress, Medium};
 
 use super::Session;
 use crate::parameter::{Reading, Selection};
-use crate::{Drive, Error, Refusal};
+use crate::{Drive, Error, Refusal, Wire};
 
 /// Subslot of the first port, in slot 0.
 const FIRST_PORT: u16 = 0x8001;
@@ -74,10 +74,7 @@ pub struct Info {
     pub readings: Vec<Reading>,
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Reads who a drive is and in which state. A drive that does not have something of it does not fail for that.
     ///
     /// # Errors
@@ -90,7 +87,8 @@ where
             refused: Vec::new(),
             readings: Vec::new(),
         };
-        for number in 0..4_u8 {
+        let records = if drive.is_on_line() { 0 } else { 4_u8 };
+        for number in 0..records {
             let at = RecordAddress {
                 api: 0,
                 slot: 0,
@@ -146,7 +144,7 @@ where
         match self.read_record(drive, at) {
             // a record that cannot be understood tells nothing
             Ok(data) => Ok(take_im(&mut identity, 0, &data).ok().and(identity)),
-            Err(Error::Record { .. }) => Ok(None),
+            Err(Error::Record { .. } | Error::NotOnLine { .. }) => Ok(None),
             Err(error) => Err(error),
         }
     }
@@ -166,16 +164,13 @@ where
         match self.read_record(drive, at) {
             Ok(data) => Ok(controller(&data)),
             // many devices do not tell
-            Err(Error::Record { .. }) => Ok(None),
+            Err(Error::Record { .. } | Error::NotOnLine { .. }) => Ok(None),
             Err(error) => Err(error),
         }
     }
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Who is at the other end of the first cable of a drive; empty when the device does not tell.
     ///
     /// # Errors
@@ -191,7 +186,7 @@ where
             Ok(data) => {
                 Ok(PortReal::decode(Reader::new(&data)).map_or_else(|_| Vec::new(), |port| peers(&port)))
             }
-            Err(Error::Record { .. }) => Ok(Vec::new()),
+            Err(Error::Record { .. } | Error::NotOnLine { .. }) => Ok(Vec::new()),
             Err(error) => Err(error),
         }
     }

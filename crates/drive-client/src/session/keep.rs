@@ -1,12 +1,11 @@
 //! Settings that a telegram carries in coarser steps than the drive has them: read before, put back afterwards.
 
 use profidrive::telegram::signal::kollmorgen;
-use profinet::Medium;
 
 use super::Session;
 use crate::axis::Wiring;
 use crate::parameter::{Assignment, Reading};
-use crate::{Drive, Error, WriteMode};
+use crate::{Drive, Error, Wire, WriteMode};
 
 /// Setpoint signals of an AKD and the setting that each of them changes.
 /// Source: AKD manual 5.6, signals 108 and 109 of telegram 354.
@@ -16,10 +15,7 @@ const CARRIED: [(u16, &str); 2] = [(kollmorgen::DRV_ACC, "DRV.ACC"), (kollmorgen
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Kept(Vec<(&'static str, f64)>);
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// The settings that a telegram is going to change, as they are.
     pub(super) fn keep(&mut self, drive: &mut Drive, wiring: &Wiring) -> Result<Kept, Error> {
         let mut kept = Vec::new();

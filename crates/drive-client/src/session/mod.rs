@@ -9,6 +9,7 @@ mod faults;
 mod find;
 mod info;
 mod keep;
+mod line;
 mod monitor;
 mod parameters;
 mod plugged;
@@ -20,16 +21,17 @@ mod tasks;
 
 use std::time::Duration;
 
+use profinet::Instant;
 use profinet::controller::ControllerConfig;
-use profinet::{Instant, Medium};
 
-use crate::{Client, Drive, Error};
+use crate::{Client, Drive, Error, LineConfig, Wire};
 
 pub use axis::{Axis, AxisSettings, AxisStatus};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, WarningEntry};
 pub use info::{Identity, Info, Peer};
 pub use monitor::Snapshot;
+pub(crate) use parameters::format_of;
 pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};
 pub use scaling::take_scale;
 pub use stop::{StopOutcome, StopWay};
@@ -37,7 +39,7 @@ pub use stop::{StopOutcome, StopWay};
 /// How often a caller's wish to stop is looked at while nothing happens.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// A client on a medium, with calls that wait for their result.
+/// A client on a wire, with calls that wait for their result.
 ///
 /// Reads only until told otherwise: nothing is written and nothing moves on construction, on finding or on reading.
 ///
@@ -71,10 +73,7 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// ```
 ///
 /// Leaving it by any way, an error or a wish to stop included, closes its connections at the drives.
-pub struct Session<M: Medium>
-where
-    M::Error: Send + Sync + 'static,
-{
+pub struct Session<M: Wire> {
     client: Client,
     medium: M,
     /// Says that the caller wants to stop.
@@ -100,20 +99,14 @@ struct Silence {
 /// How long a session that is left may still wait for each drive.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-impl<M: Medium> Drop for Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Drop for Session<M> {
     fn drop(&mut self) {
         // nobody is left to be told that the medium failed
         let _ = self.close_within(FAREWELL);
     }
 }
 
-impl<M: Medium> std::fmt::Debug for Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> std::fmt::Debug for Session<M> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Session")
             .field("client", &self.client)
@@ -121,15 +114,25 @@ where
     }
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// A session of a controller on a medium.
     #[must_use]
     pub fn new(medium: M, config: ControllerConfig) -> Self {
+        Self::of(medium, Client::new(config))
+    }
+
+    /// A session of the master of a serial line: its drives are named by [`LineAddress`](crate::LineAddress).
+    ///
+    /// Parameters travel one at a time, so that many take long. Until an axis is taken the process data sent along say
+    /// that nobody has control (bit 10 of the control word is 0): no drive acts on them.
+    #[must_use]
+    pub fn on_line(wire: M, config: LineConfig) -> Self {
+        Self::of(wire, Client::on_line(config))
+    }
+
+    fn of(medium: M, client: Client) -> Self {
         Self {
-            client: Client::new(config),
+            client,
             medium,
             interrupted: Box::new(|| false),
             hurry: Box::new(|| false),

@@ -1,11 +1,10 @@
 //! Looking at a drive beside its controller: reads only.
 
 use profidrive::notation::ParameterReference;
-use profinet::Medium;
 
 use super::Session;
 use crate::parameter::{Reading, Selection};
-use crate::{Drive, Error, Refusal};
+use crate::{Drive, Error, Refusal, Wire};
 
 /// Control word, status word, speed setpoint and speed as the drive shows them as parameters.
 const STW1: u16 = 1;
@@ -32,10 +31,7 @@ pub struct Snapshot {
     pub readings: Vec<Result<Reading, Refusal>>,
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// State words, speeds and `more`, read in as few jobs as possible.
     ///
     /// # Errors

@@ -8,7 +8,6 @@ use profidrive::parameter::{
     Answer, Description, Dialect, ErrorNumber, Format, Keep, NewValue, ParameterAddress, RequestId, Response,
     Saving, encode_change_as, encode_read, plan_changes, plan_reads, split_array,
 };
-use profinet::Medium;
 
 use super::Session;
 use super::scaling::is_scaling;
@@ -16,7 +15,7 @@ use crate::parameter::{
     Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection, halves, join,
     split,
 };
-use crate::{Drive, Error, Refusal};
+use crate::{Drive, Error, Refusal, Wire};
 
 /// Transfer to non-volatile memory, of the profile.
 const SAVE: u16 = 971;
@@ -103,10 +102,7 @@ struct Item {
     octets: Option<usize>,
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Reads every element of every selection, in order, in as few requests as the drive's limits allow. A refused
     /// parameter does not disturb the others.
     ///
@@ -576,7 +572,7 @@ fn malformed(drive: &Drive, error: &dyn std::fmt::Display) -> Error {
 }
 
 /// The format that values of a parameter travel in to a drive: their true type where it takes that, else their size.
-pub(super) const fn format_of(parameter: &Parameter, dialect: &Dialect) -> Format {
+pub(crate) const fn format_of(parameter: &Parameter, dialect: &Dialect) -> Format {
     if dialect.substitution_only {
         Format(parameter.size.format_code())
     } else {

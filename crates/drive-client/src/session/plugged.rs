@@ -1,7 +1,6 @@
 //! The modules of a drive as they really are: ident numbers are the maker's, and no table is sure to have them.
 
 use profidrive::catalogue::{Device, TelegramModule};
-use profinet::Medium;
 use profinet::controller::{ModuleConfig, RecordAddress, SubmoduleConfig};
 use profinet::wire::Reader;
 use profinet::wire::block::BlockType;
@@ -10,7 +9,7 @@ use profinet::wire::record::{Identification, IdentifiedModule, index};
 use super::Session;
 use crate::drive::PROFIDRIVE_API;
 use crate::modules::{PLACE, modules_of};
-use crate::{Drive, Error};
+use crate::{Drive, Error, Wire};
 
 /// What is plugged, as far as the device tells (RealIdentificationData).
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -29,10 +28,7 @@ pub(super) struct Layout {
     pub place: (u16, u16),
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Reads what is plugged. A device that does not tell has nothing to be known.
     pub(super) fn plugged(&mut self, drive: &Drive) -> Result<Plugged, Error> {
         Ok(Plugged {

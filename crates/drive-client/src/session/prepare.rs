@@ -4,16 +4,16 @@ use profidrive::catalogue::Device;
 use profidrive::notation::ParameterReference;
 use profidrive::state::{Mode, Zsw1};
 use profidrive::telegram::signal;
-use profinet::Medium;
 
 use super::Session;
 use super::plugged::Layout;
 use crate::axis::{
     ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, Wiring, choose_telegram, plan_move,
+    process_words,
 };
 use crate::error::mode_words;
 use crate::parameter::{Assignment, Reading, Selection};
-use crate::{Drive, Error, WriteMode};
+use crate::{Drive, Error, Wire, WriteMode};
 
 /// PNUs of the profile: telegram, mapping, mode.
 const TELEGRAM: u16 = 922;
@@ -47,7 +47,8 @@ const UNIT_ROTARY: u16 = 2393;
 pub(super) struct Prepared {
     pub mode: Mode,
     pub wiring: Wiring,
-    pub layout: Layout,
+    /// None on a serial line.
+    pub layout: Option<Layout>,
     /// The telegram the drive has now (PNU 922).
     pub reported: Option<u16>,
     /// DRV.ACC in rpm/s.
@@ -56,10 +57,7 @@ pub(super) struct Prepared {
     pub deceleration: Option<f64>,
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// The mode that a drive is in (PNU 930): `None` for one that is neither speed control nor positioning, or that
     /// does not tell.
     ///
@@ -226,7 +224,8 @@ where
         Ok(self.read(drive, &selections)?.into_iter().flatten().collect())
     }
 
-    /// The mode of the drive, the telegram for a purpose and the modules to connect with; in the telegram everything in it that no command carries preset to
+    /// The mode of the drive, the telegram for a purpose and the modules to connect with, which a serial line has none
+    /// of; in the telegram everything in it that no command carries preset to
     /// what the drive has now.
     pub(super) fn prepare(
         &mut self,
@@ -264,6 +263,20 @@ where
         };
         let told = words(MODE).first().copied();
         let mode = self.mode_for(drive, told, purpose)?;
+        if drive.is_on_line() {
+            let wiring = process_words(device, purpose).map_err(|problem| Error::Telegram {
+                drive: drive.label(),
+                problem,
+            })?;
+            return Ok(Prepared {
+                mode,
+                wiring,
+                layout: None,
+                reported: reported.number,
+                acceleration: number(DRV_ACC),
+                deceleration: number(DRV_DEC),
+            });
+        }
         let mut choice =
             choose_telegram(device, &reported, purpose, mode).map_err(|problem| Error::Telegram {
                 drive: drive.label(),
@@ -287,7 +300,7 @@ where
         Ok(Prepared {
             mode,
             wiring: choice.wiring,
-            layout,
+            layout: Some(layout),
             reported: reported.number,
             acceleration: number(DRV_ACC),
             deceleration: number(DRV_DEC),

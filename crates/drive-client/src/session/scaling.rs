@@ -1,11 +1,10 @@
 //! The values of a drive that scale other values.
 
 use profidrive::catalogue::{Parameter, Scale, Scaling};
-use profinet::Medium;
 
 use super::Session;
 use crate::parameter::Selection;
-use crate::{Drive, Error};
+use crate::{Drive, Error, Wire};
 
 const VELOCITY: u16 = 3064;
 const ACCELERATION: u16 = 3065;
@@ -107,10 +106,7 @@ pub(super) fn is_scaling(parameter: &Parameter) -> bool {
     SCALING.contains(&parameter.pnu) || matches!(parameter.pnu, VELOCITY_MIRROR | ACCELERATION_MIRROR)
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Reads the values of the drive that scale other values, once.
     ///
     /// # Errors

@@ -2,13 +2,12 @@
 
 use profidrive::state::{Stw1, Zsw1};
 use profidrive::telegram::signal;
-use profinet::Medium;
 
 use super::Session;
 use crate::axis::Wiring;
 use crate::parameter::Reading;
 use crate::status::DriveStatus;
-use crate::{Drive, Error};
+use crate::{Drive, Error, Wire};
 
 const TELEGRAM: u16 = 922;
 const SETPOINT_SIGNALS: u16 = 915;
@@ -51,10 +50,7 @@ const MAKER: [u16; 11] = [
     MOTION_DISABLE_SOURCES,
 ];
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Reads how a drive is; [`diagnose`](crate::status::diagnose) says what it comes down to. What the drive refuses
     /// to tell is left out.
     ///

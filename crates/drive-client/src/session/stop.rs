@@ -2,11 +2,9 @@
 
 use std::time::Duration;
 
-use profinet::Medium;
-
 use super::Session;
 use crate::parameter::{Assignment, Reading};
-use crate::{Drive, Error, WriteMode};
+use crate::{Drive, Error, Wire, WriteMode};
 
 /// PNUs of an AKD: power stage on, speed.
 const ACTIVE: u16 = 2110;
@@ -51,10 +49,7 @@ pub struct StopOutcome {
     pub at_rest: bool,
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Stops a drive that somebody else commands, and looks for up to `limit` whether it does.
     ///
     /// The controller of the drive is not asked and goes on: what it commands next may move the axis again.

@@ -3,13 +3,12 @@
 use profidrive::catalogue::{Parameter, Role};
 use profidrive::notation::Notation;
 use profidrive::parameter::{ErrorNumber, Format, plan_changes};
-use profinet::Medium;
 
 use super::Session;
 use super::parameters::Outgoing;
 use crate::backup::{Backup, Journal, Step, Task, TaskChange, TasksTold, Window};
 use crate::parameter::{Reading, Selection};
-use crate::{Drive, Error};
+use crate::{Drive, Error, Wire};
 
 /// Motion tasks written between two times that the journal is kept.
 const BATCH: usize = 16;
@@ -23,10 +22,7 @@ enum Look {
     Not(String),
 }
 
-impl<M: Medium> Session<M>
-where
-    M::Error: Send + Sync + 'static,
-{
+impl<M: Wire> Session<M> {
     /// Reads motion tasks into a backup, or has it say why not. Each is loaded into the edit window of the drive (MT.NUM,
     /// MT.LOAD), which gets back what it had. That moves nothing, but somebody may be at work with this window: so only
     /// while the power stage is off and no controller is connected.

@@ -27,5 +27,6 @@ pub use interface::InterfaceInfo;
 pub use medium::{PacketMedium, ServerPort, UdpMedium};
 pub use packet::PacketStatistics;
 pub use poll::{now, raise_priority};
+pub(crate) use poll::{wait_for_octets, wait_for_room};
 pub use runner::{Runner, Turn};
 pub use stop::{Bell, Patience, Stop};

@@ -6,6 +6,8 @@ use std::time::Duration;
 
 use profinet::Instant;
 
+use super::stop::Stop;
+
 /// The time of all Linux media: the monotonic clock, whose origin is the start of the computer.
 #[must_use]
 pub fn now() -> Instant {
@@ -143,6 +145,34 @@ fn timespec(time: Duration) -> libc::timespec {
         tv_sec: time.as_secs().min(i32::MAX as u64) as libc::time_t,
         tv_nsec: time.subsec_nanos().into(),
     }
+}
+
+/// Sleeps until `fd` has octets, the flag is set, or `until`. An end that is gone is an error.
+pub(crate) fn wait_for_octets(fd: RawFd, until: Instant, stop: Option<&Stop>) -> io::Result<()> {
+    let other = stop.map_or(-1, Stop::fd);
+    // a negative descriptor is not watched
+    let mut fds = [readable(fd), readable(other)];
+    wait(&mut fds, until.saturating_since(now()))?;
+    gone(fds[0].revents)
+}
+
+/// Sleeps until `fd` takes octets, or `until`. An end that is gone is an error.
+pub(crate) fn wait_for_room(fd: RawFd, until: Instant) -> io::Result<()> {
+    let mut fds = [libc::pollfd {
+        events: libc::POLLOUT,
+        ..readable(fd)
+    }];
+    wait(&mut fds, until.saturating_since(now()))?;
+    gone(fds[0].revents)
+}
+
+/// Hung up with nothing left to read.
+fn gone(events: libc::c_short) -> io::Result<()> {
+    let ended = events & (libc::POLLHUP | libc::POLLERR | libc::POLLNVAL) != 0;
+    if ended && events & libc::POLLIN == 0 {
+        return Err(io::Error::from_raw_os_error(libc::EIO));
+    }
+    Ok(())
 }
 
 /// Sleeps until one of `fds` has something, or for `timeout`. A signal ends it early, without error.

@@ -5,6 +5,7 @@ use profidrive::state::State;
 use profinet::device::Stored;
 use profinet::wire::PnioStatus;
 
+use crate::drive::Event as DriveEvent;
 use crate::store::ImageError;
 
 /// Something its owner should do or may want to know.
@@ -38,6 +39,13 @@ pub enum StationEvent {
         /// Why.
         cause: PnioStatus,
     },
+    /// The master of a serial line has control.
+    MasterTook,
+    /// The master of a serial line is silent.
+    MasterGone {
+        /// It had control; else it had given it back.
+        lost: bool,
+    },
     /// The profile state changed.
     State {
         /// Before.
@@ -61,6 +69,19 @@ pub enum StationEvent {
     },
 }
 
+impl From<DriveEvent> for StationEvent {
+    fn from(event: DriveEvent) -> Self {
+        match event {
+            DriveEvent::State { from, to } => Self::State { from, to },
+            DriveEvent::Fault { number } => Self::Fault { number },
+            DriveEvent::Acknowledged => Self::Acknowledged,
+            DriveEvent::Warning { number, active } => Self::Warning { number, active },
+            DriveEvent::Save { text } => Self::PersistParameters { text },
+            DriveEvent::Blink => Self::Blink,
+        }
+    }
+}
+
 impl StationEvent {
     /// What happened, in words; the meaning of fault numbers is from `catalogue`. `None` for what only asks to be kept.
     #[must_use]
@@ -78,6 +99,9 @@ impl StationEvent {
             }
             Self::Exchanging { telegram } => format!("exchanges data, telegram {telegram}"),
             Self::Disconnected { cause } => format!("disconnected: {cause}"),
+            Self::MasterTook => "a master has control".into(),
+            Self::MasterGone { lost: true } => "the master is silent: connection lost".into(),
+            Self::MasterGone { lost: false } => "the master has left".into(),
             Self::State { from, to } => format!("{from} -> {to}"),
             Self::Fault { number } => format!("fault F{number} {}", meaning(*number, false)),
             Self::Acknowledged => "faults acknowledged".into(),

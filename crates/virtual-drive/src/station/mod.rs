@@ -21,7 +21,7 @@ use profinet::{Endpoint, Instant, IpSuite, MacAddress, Traffic, Transmit};
 
 use crate::axis::Plant;
 use crate::description::{self, Description};
-use crate::drive::{Disconnect, Drive, Event as DriveEvent};
+use crate::drive::{Disconnect, Drive};
 use crate::model::Model;
 pub use channel::{AnswerFault, NoAnswerFault};
 use channel::{Channels, INDICES};
@@ -202,14 +202,7 @@ impl Station {
             self.device_event(now, event);
         }
         while let Some(event) = self.drive.poll_event() {
-            self.emit(match event {
-                DriveEvent::State { from, to } => StationEvent::State { from, to },
-                DriveEvent::Fault { number } => StationEvent::Fault { number },
-                DriveEvent::Acknowledged => StationEvent::Acknowledged,
-                DriveEvent::Warning { number, active } => StationEvent::Warning { number, active },
-                DriveEvent::Save { text } => StationEvent::PersistParameters { text },
-                DriveEvent::Blink => StationEvent::Blink,
-            });
+            self.emit(event.into());
         }
     }
 

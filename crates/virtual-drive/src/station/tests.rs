@@ -343,7 +343,7 @@ fn named_and_addressed_and_both_are_kept() {
 fn saved_parameters_come_back_and_damaged_ones_are_told() {
     let mut drive = Drive::new(&AKD);
     drive.reset_to_delivery();
-    let Some(DriveEvent::Save { text }) = drive.poll_event() else {
+    let Some(crate::drive::Event::Save { text }) = drive.poll_event() else {
         panic!("saves")
     };
     let mut config = StationConfig::new(&AKD, DRIVE);

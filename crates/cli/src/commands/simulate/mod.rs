@@ -1,5 +1,6 @@
 //! `profidrive simulate --model akd --name akd-1 -i IFACE`
 
+mod line;
 mod mailbox;
 mod plans;
 mod scribe;
@@ -29,6 +30,7 @@ use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::state::{self, DriveState};
 
+pub use line::SerialOptions;
 use mailbox::Mailbox;
 pub use plans::model_of;
 use plans::{Plan, description, plans};
@@ -59,6 +61,9 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     let scenario = args.plant.as_deref().map(read).transpose()?;
     if let Some(scenario) = scenario.as_ref().filter(|_| args.virtual_time) {
         return virtual_time::run(scenario, args.time, args.pcap.as_deref(), output);
+    }
+    if let Some(port) = &args.line.serial {
+        return line::run(args, port, output);
     }
     let interface = connect::interface(on)?.ok_or_else(connect::no_interface)?;
     let description = description(args, output)?;

@@ -1,0 +1,112 @@
+//! What carries a session of the command line: a network interface, UDP alone, or a serial line.
+
+use std::error::Error;
+use std::fmt;
+
+use drive_client::{Client, LineAddress, Parity, Wire};
+use network::linux::{Error as NetworkError, PacketMedium, UdpMedium};
+use network::serial::{self, Line, Port, Settings, Talker};
+use profinet::{Instant, Medium};
+
+/// A way to drives.
+#[derive(Debug)]
+pub enum Carrier {
+    /// A network interface with the right to raw frames: everything.
+    Packet(Box<PacketMedium>),
+    /// Records only.
+    Udp(Box<UdpMedium>),
+    /// Drives at a serial port.
+    Serial(Box<Line>),
+}
+
+/// Why a way failed.
+#[derive(Debug)]
+pub enum CarrierError {
+    /// The network.
+    Network(NetworkError),
+    /// The serial port.
+    Serial(serial::Error),
+}
+
+impl fmt::Display for CarrierError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Network(error) => error.fmt(f),
+            Self::Serial(error) => error.fmt(f),
+        }
+    }
+}
+
+impl Error for CarrierError {}
+
+impl CarrierError {
+    /// What one can do about it, where that is known.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Network(error) => error.hint(),
+            Self::Serial(error) => error.hint(),
+        }
+    }
+}
+
+impl Wire for Carrier {
+    type Error = CarrierError;
+
+    fn now(&self) -> Instant {
+        match self {
+            Self::Packet(medium) => Medium::now(medium.as_ref()),
+            Self::Udp(medium) => Medium::now(medium.as_ref()),
+            Self::Serial(_) => network::linux::now(),
+        }
+    }
+
+    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), CarrierError> {
+        match self {
+            Self::Packet(medium) => {
+                Medium::step(medium.as_mut(), client, until).map_err(CarrierError::Network)
+            }
+            Self::Udp(medium) => Medium::step(medium.as_mut(), client, until).map_err(CarrierError::Network),
+            Self::Serial(line) => line
+                .step(&mut Speaker(client), until)
+                .map_err(CarrierError::Serial),
+        }
+    }
+}
+
+/// A client at a serial line.
+struct Speaker<'a>(&'a mut Client);
+
+impl Talker for Speaker<'_> {
+    fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
+        self.0.handle_octets(now, octets);
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        self.0.handle_line_timeout(now);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
+        self.0.poll_octets(now, buffer)
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        self.0.poll_line_timeout()
+    }
+}
+
+/// Opens the port of a drive.
+pub fn open(at: &LineAddress) -> Result<Line, serial::Error> {
+    Ok(Line::new(Port::open(&at.port, settings(at.baud, at.parity))?))
+}
+
+/// Speed and parity as the port takes them.
+pub const fn settings(baud: u32, parity: Parity) -> Settings {
+    Settings {
+        baud,
+        parity: match parity {
+            Parity::Even => serial::Parity::Even,
+            Parity::Odd => serial::Parity::Odd,
+            Parity::None => serial::Parity::None,
+        },
+    }
+}

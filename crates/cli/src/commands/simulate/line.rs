@@ -1,0 +1,190 @@
+//! `profidrive simulate --model akd --serial /dev/ttyUSB0 --address 1`
+
+use std::sync::Arc;
+use std::thread::sleep;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use drive_client::{LineAddress, Parity};
+use network::linux::{Stop, now};
+use network::serial::{Error as SerialError, Line, Port, Talker};
+use profinet::Instant;
+use uss::SlaveConfig;
+use virtual_drive::serial::{SerialConfig, SerialStation};
+
+use super::plans::plans;
+use super::scribe::Scribe;
+use super::{Keeping, NAP, RETRY, count};
+use crate::args::Simulate;
+use crate::carrier::settings;
+use crate::failure::{Exit, Failure};
+use crate::output::Output;
+use crate::state::{self, DriveState};
+
+/// Octets of one telegram may come so far apart: adapters hand them over in lumps.
+const GAP: Duration = Duration::from_millis(30);
+/// Time between two steps while there is no port.
+const WITHOUT: Duration = Duration::from_millis(10);
+
+/// Drives at a serial line instead of a network.
+#[derive(Debug, Args)]
+pub struct SerialOptions {
+    /// Serial port: the drives are slaves of a serial line instead of stations on a network
+    #[arg(
+        long,
+        value_name = "PORT",
+        conflicts_with_all = ["plant", "virtual_time", "gsdml", "ip", "mac", "min_cycle", "pcap"]
+    )]
+    pub serial: Option<String>,
+    /// Protocol of the line
+    #[arg(long, value_enum, default_value = "fc", requires = "serial")]
+    pub protocol: Protocol,
+    /// Address of the (first) drive: 1 to 126, USS 0 to 31
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "serial")]
+    pub address: u8,
+    /// Bits per second
+    #[arg(long, default_value_t = 9600, requires = "serial")]
+    pub baud: u32,
+    /// Parity
+    #[arg(long, value_name = "even|odd|none", default_value = "even", value_parser = parity, requires = "serial")]
+    pub parity: Parity,
+}
+
+/// Protocols of a serial line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Protocol {
+    /// Danfoss FC protocol
+    Fc,
+    /// USS
+    Uss,
+}
+
+fn parity(text: &str) -> Result<Parity, &'static str> {
+    let known = Parity::ALL.into_iter().find(|parity| parity.name() == text);
+    known.ok_or("even, odd or none")
+}
+
+/// All drives of the line, each hearing what the others say.
+struct LineUp {
+    drives: Vec<(Arc<Keeping>, SerialStation)>,
+}
+
+impl Talker for LineUp {
+    fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
+        for (_, drive) in &mut self.drives {
+            drive.handle_octets(now, octets);
+        }
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        for (_, drive) in &mut self.drives {
+            drive.handle_timeout(now);
+        }
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
+        let mut drives = self.drives.iter_mut().enumerate();
+        let (speaker, length) =
+            drives.find_map(|(number, (_, drive))| Some((number, drive.poll_transmit(now, buffer)?)))?;
+        let octets = buffer.get(..length).unwrap_or_default();
+        for (number, (_, drive)) in self.drives.iter_mut().enumerate() {
+            if number != speaker {
+                drive.handle_octets(now, octets);
+            }
+        }
+        Some(length)
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        self.drives
+            .iter()
+            .filter_map(|(_, drive)| drive.poll_timeout())
+            .min()
+    }
+}
+
+/// Runs the drives of `args` at `port` until Ctrl-C or the end of their time.
+pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> {
+    if let Some(folder) = &args.state {
+        state::usable(folder)?;
+    }
+    let mut lineup = LineUp { drives: Vec::new() };
+    let scribe = Scribe::new(output.clone());
+    let start = now();
+    for (plan, number) in plans(args, None)?.iter().zip(u16::from(args.line.address)..) {
+        let slave = slave(&args.line, number)?;
+        let key = plan.key();
+        let state = DriveState::new(args.state.as_deref(), &key);
+        let mut config = SerialConfig::new(plan.drive.model, slave).with_gap(GAP);
+        config.parameters = state.read_parameters()?;
+        let keeping = Arc::new(Keeping {
+            key,
+            model: plan.drive.model,
+            state,
+        });
+        scribe.say(&keeping, now() - start, format!("ready: address {number}"));
+        lineup.drives.push((keeping, SerialStation::new(config)));
+    }
+    let name = LineAddress::path(port);
+    let open = || Port::open(&name, settings(args.line.baud, args.line.parity));
+    let stop = Stop::on_signals()
+        .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
+    let at = |port| {
+        let mut line = Line::new(port);
+        line.set_stop(stop.clone());
+        line
+    };
+    let mut line = Some(at(open()?));
+    output.say(&format!("{} at {name}; Ctrl-C ends", count(lineup.drives.len())));
+    let end = args.time.map(|time| start + time);
+    let mut next_try = start;
+    while !stop.is_stopped() && end.is_none_or(|end| now() < end) {
+        let until = end.unwrap_or(Instant::MAX).min(now() + NAP);
+        match &mut line {
+            Some(open) => match open.step(&mut lineup, until) {
+                Err(error @ (SerialError::Gone { .. } | SerialError::Stuck { .. })) => {
+                    output.warn(&format!(
+                        "{error}: waiting until it is back; the drives go on without it"
+                    ));
+                    line = None;
+                    next_try = now() + RETRY;
+                }
+                other => other?,
+            },
+            None => {
+                sleep(WITHOUT);
+                lineup.handle_timeout(now());
+                if now() >= next_try {
+                    next_try = now() + RETRY;
+                    line = open().ok().map(at);
+                    if line.is_some() {
+                        output.say(&format!("{name} is back"));
+                    }
+                }
+            }
+        }
+        for (keeping, drive) in &mut lineup.drives {
+            while let Some(event) = drive.poll_event() {
+                scribe.happened(keeping, now() - start, event);
+            }
+        }
+    }
+    scribe.finish();
+    Ok(())
+}
+
+/// The slave of a drive, if there is such an address.
+fn slave(options: &SerialOptions, number: u16) -> Result<SlaveConfig, Failure> {
+    let (range, config): (_, fn(u8, u32) -> SlaveConfig) = match options.protocol {
+        Protocol::Fc => (1..=126, SlaveConfig::fc),
+        Protocol::Uss => (0..=31, SlaveConfig::uss),
+    };
+    match u8::try_from(number) {
+        Ok(number) if range.contains(&number) => Ok(config(number, options.baud)),
+        _ => Err(Failure::usage(format!(
+            "no drive can have the address {number}: {} to {} are possible",
+            range.start(),
+            range.end()
+        ))),
+    }
+}

@@ -1,0 +1,376 @@
+//! The session over a serial line: virtual drives behind slaves, in virtual time, with everything a line does to octets.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::rc::Rc;
+use std::time::Duration;
+
+use drive_client::axis::Purpose;
+use drive_client::parameter::Selection;
+use drive_client::{AxisSettings, Client, Drive, DriveAddress, Error, LineConfig, Session, Wire, WriteMode};
+use profidrive::notation::ParameterReference;
+use profidrive::state::State;
+use profinet::Instant;
+use uss::{Protocol, SlaveConfig};
+use virtual_drive::model;
+use virtual_drive::serial::{SerialConfig, SerialStation};
+
+/// What a line does to the octets of both sides.
+#[derive(Clone, Copy, Default)]
+struct Line {
+    /// Nothing arrives.
+    cut: bool,
+    /// The client hears itself.
+    echo: bool,
+    /// So many telegrams in a hundred lose their last octets.
+    halved: u64,
+    /// So many have an octet changed.
+    changed: u64,
+    /// So many have noise in front.
+    noisy: u64,
+}
+
+/// The wire that the session has, and what is at the other end of it.
+struct Bus {
+    now: Instant,
+    line: Line,
+    random: u64,
+    drives: Vec<SerialStation>,
+    to_client: VecDeque<(Instant, Vec<u8>)>,
+    /// Process data that the client sent, each time it changed.
+    words: Vec<Vec<u8>>,
+}
+
+#[derive(Clone)]
+struct Shared(Rc<RefCell<Bus>>);
+
+impl Bus {
+    /// A number from 0 to 99, the same in each run.
+    fn dice(&mut self) -> u64 {
+        self.random = self
+            .random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.random >> 33) % 100
+    }
+
+    fn spoil(&mut self, mut octets: Vec<u8>) -> Vec<u8> {
+        if self.dice() < self.line.halved {
+            octets.truncate(octets.len() / 2);
+        }
+        if self.dice() < self.line.changed {
+            let place = self.dice() as usize % octets.len().max(1);
+            if let Some(octet) = octets.get_mut(place) {
+                *octet ^= 0x11;
+            }
+        }
+        if self.dice() < self.line.noisy {
+            octets.splice(0..0, [0xFF, 0x02, 0x00]);
+        }
+        octets
+    }
+}
+
+impl Wire for Shared {
+    type Error = Infallible;
+
+    fn now(&self) -> Instant {
+        self.0.borrow().now
+    }
+
+    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Infallible> {
+        let mut bus = self.0.borrow_mut();
+        let bus = &mut *bus;
+        let mut buffer = [0; uss::MAX_TELEGRAM];
+        let character = Duration::from_micros(1146);
+        while let Some(length) = client.poll_octets(bus.now, &mut buffer) {
+            let words = buffer[length - 5..length - 1].to_vec();
+            if bus.words.last() != Some(&words) {
+                bus.words.push(words);
+            }
+            let arrived = bus.now + character * u32::try_from(length).expect("short");
+            if bus.line.echo {
+                bus.to_client.push_back((arrived, buffer[..length].to_vec()));
+            }
+            let octets = bus.spoil(buffer[..length].to_vec());
+            for drive in bus.drives.iter_mut().filter(|_| !bus.line.cut) {
+                drive.handle_octets(arrived, &octets);
+            }
+        }
+        for from in 0..bus.drives.len() {
+            while let Some(length) = bus.drives[from].poll_transmit(bus.now, &mut buffer) {
+                let octets = bus.spoil(buffer[..length].to_vec());
+                for to in (0..bus.drives.len()).filter(|&to| to != from) {
+                    bus.drives[to].handle_octets(bus.now, &octets);
+                }
+                if !bus.line.cut {
+                    let arrived = bus.now + character * u32::try_from(length).expect("short");
+                    bus.to_client.push_back((arrived, octets));
+                }
+            }
+        }
+        let due = bus.drives.iter().filter_map(SerialStation::poll_timeout);
+        let due = due.chain(client.poll_line_timeout());
+        let due = due.chain(bus.to_client.front().map(|(at, _)| *at));
+        let next = due
+            .min()
+            .unwrap_or(until)
+            .max(bus.now + Duration::from_micros(50));
+        bus.now = next.min(until).max(bus.now);
+        while bus.to_client.front().is_some_and(|(at, _)| *at <= bus.now) {
+            if let Some((_, octets)) = bus.to_client.pop_front() {
+                client.handle_octets(bus.now, &octets);
+            }
+        }
+        for drive in &mut bus.drives {
+            drive.handle_timeout(bus.now);
+        }
+        client.handle_line_timeout(bus.now);
+        Ok(())
+    }
+}
+
+fn bench(protocol: Protocol, numbers: &[u8], line: Line) -> (Session<Shared>, Shared) {
+    let config = |&number| {
+        let slave = match protocol {
+            Protocol::Fc => SlaveConfig::fc(number, 9600),
+            Protocol::Uss => SlaveConfig::uss(number, 9600),
+        };
+        SerialStation::new(SerialConfig::new(&model::AKD, slave))
+    };
+    let bus = Shared(Rc::new(RefCell::new(Bus {
+        now: Instant::from_millis(1000),
+        line,
+        random: 7,
+        drives: numbers.iter().map(config).collect(),
+        to_client: VecDeque::new(),
+        words: Vec::new(),
+    })));
+    (
+        Session::on_line(bus.clone(), LineConfig::new(protocol, 9600)),
+        bus,
+    )
+}
+
+fn find(session: &mut Session<Shared>, text: &str) -> Result<Drive, Error> {
+    session.find(&text.parse::<DriveAddress>().expect("an address"))
+}
+
+fn select(drive: &Drive, text: &str) -> Selection {
+    let reference: ParameterReference = text.parse().expect("a parameter");
+    drive.parameters.select(&reference).expect("known")
+}
+
+const SECOND: Duration = Duration::from_secs(1);
+
+#[test]
+fn every_kind_of_value_comes_as_over_a_network() {
+    for (protocol, name) in [
+        (Protocol::Fc, "fc:/dev/ttyX/3"),
+        (Protocol::Uss, "uss:/dev/ttyX/3"),
+    ] {
+        let (mut session, bus) = bench(protocol, &[3], Line::default());
+        let mut drive = find(&mut session, name).unwrap();
+        assert_eq!(drive.model.name, "AKD");
+        // word, byte, double word, 64 bits, an element, a list, text in octets
+        let wanted: Vec<Selection> = [
+            "930",
+            "DRV.OPMODE",
+            "1004",
+            "DRV.ACC",
+            "947[0..7]",
+            "964[0]",
+            "NIST_A",
+        ]
+        .iter()
+        .filter_map(|text| drive.parameters.select(&text.parse().unwrap()).ok())
+        .collect();
+        let readings = session.read(&mut drive, &wanted).unwrap();
+        let numbers: Vec<Option<f64>> = readings.iter().map(|one| one.as_ref().ok()?.number()).collect();
+        assert!(numbers.iter().all(Option::is_some), "{protocol:?} {readings:?}");
+        assert_eq!(numbers[0], Some(1.0));
+        assert_eq!(numbers[3], Some(3000.0), "{:?}", readings[3]);
+        // nothing was commanded by looking
+        assert!(
+            bus.0.borrow().words.iter().all(|words| words == &[0; 4]),
+            "{:?}",
+            bus.0.borrow().words
+        );
+    }
+}
+
+#[test]
+fn a_write_arrives_and_is_read_back_and_refusals_are_told() {
+    let (mut session, bus) = bench(Protocol::Fc, &[1, 2], Line::default());
+    let mut drive = find(&mut session, "fc:/dev/ttyX/2").unwrap();
+    let outcomes = session
+        .write(
+            &mut drive,
+            &["DRV.ACC=5000".parse().unwrap(), "930=9".parse().unwrap()],
+            WriteMode::Write,
+        )
+        .unwrap();
+    assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
+    assert!(!outcomes[0].differs(), "{outcomes:?}");
+    assert!(matches!(outcomes[1].written, Some(Err(_))), "{outcomes:?}");
+    let replies: Vec<u64> = bus
+        .0
+        .borrow()
+        .drives
+        .iter()
+        .map(|drive| drive.counters().replies)
+        .collect();
+    assert_eq!(replies[0], 0, "the other drive was not asked");
+    let nobody = find(&mut session, "fc:/dev/ttyX/9").unwrap_err();
+    assert_eq!(
+        nobody.to_string(),
+        "no answer from fc:/dev/ttyX/9; others answer on this line"
+    );
+}
+
+#[test]
+fn an_axis_runs_and_is_brought_to_rest() {
+    for (protocol, name) in [
+        (Protocol::Fc, "fc:/dev/ttyX/1"),
+        (Protocol::Uss, "uss:/dev/ttyX/1"),
+    ] {
+        let (mut session, bus) = bench(protocol, &[1], Line::default());
+        let mut drive = find(&mut session, name).unwrap();
+        let settings = AxisSettings::for_purpose(Purpose::Speed);
+        let mut axis = session.take_axis(&mut drive, settings).unwrap();
+        let mut enabled = axis.enable().unwrap();
+        enabled.run(150.0).unwrap();
+        enabled.hold(SECOND).unwrap();
+        let speed = bus.0.borrow().drives[0].drive().axis().speed();
+        assert!((145.0..155.0).contains(&speed), "{speed}");
+        drop(enabled);
+        axis.release().unwrap();
+        let bus = bus.0.borrow();
+        assert_eq!(bus.drives[0].drive().state(), State::S2);
+        assert_eq!(
+            bus.words.last(),
+            Some(&vec![0, 0, 0, 0]),
+            "control was given back"
+        );
+    }
+}
+
+#[test]
+fn telegrams_for_moves_are_not_on_a_line() {
+    let (mut session, _bus) = bench(Protocol::Fc, &[1], Line::default());
+    let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
+    session
+        .write(&mut drive, &["930=2".parse().unwrap()], WriteMode::Write)
+        .unwrap();
+    let error = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .unwrap_err();
+    assert!(matches!(error, Error::Telegram { .. }), "{error}");
+}
+
+#[test]
+fn noise_halves_and_echo_change_no_value() {
+    let line = Line {
+        echo: true,
+        halved: 2,
+        changed: 2,
+        noisy: 2,
+        cut: false,
+    };
+    let (mut session, bus) = bench(Protocol::Fc, &[1, 2], line);
+    let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
+    let wanted: Vec<Selection> = [
+        "930",
+        "964[0]",
+        "964[1]",
+        "964[2]",
+        "DRV.ACC",
+        "DRV.DEC",
+        "DRV.OPMODE",
+    ]
+    .iter()
+    .map(|text| select(&drive, text))
+    .collect();
+    let clean = {
+        let before = std::mem::take(&mut bus.0.borrow_mut().line);
+        let clean = session.read(&mut drive, &wanted).unwrap();
+        bus.0.borrow_mut().line = before;
+        clean
+    };
+    for turn in 0..40 {
+        assert_eq!(session.read(&mut drive, &wanted).unwrap(), clean, "turn {turn}");
+    }
+    let heard = *session.client().heard().unwrap();
+    assert!(heard.checksums + heard.broken + heard.noise > 10, "{heard:?}");
+    // and an axis stays under control
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .unwrap();
+    let mut enabled = axis.enable().unwrap();
+    enabled.run(100.0).unwrap();
+    enabled.hold(SECOND * 5).unwrap();
+    drop(enabled);
+    axis.release().unwrap();
+    assert!(bus.0.borrow().drives[0].drive().axis().is_at_rest());
+}
+
+#[test]
+fn a_line_that_is_cut_is_told_soon_and_the_drive_stops() {
+    let (mut session, bus) = bench(Protocol::Fc, &[1], Line::default());
+    let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .unwrap();
+    let mut enabled = axis.enable().unwrap();
+    enabled.run(100.0).unwrap();
+    bus.0.borrow_mut().line.cut = true;
+    let before = bus.0.borrow().now;
+    let error = enabled.hold(SECOND * 60).unwrap_err();
+    assert!(matches!(error, Error::LineSilent { .. }), "{error}");
+    assert!(bus.0.borrow().now - before < SECOND);
+    drop(enabled);
+    drop(axis);
+    assert!(bus.0.borrow().now - before < SECOND * 6);
+    assert!(!bus.0.borrow().drives[0].drive().is_enabled());
+    let selection = select(&drive, "930");
+    let error = session.read(&mut drive, &[selection]).unwrap_err();
+    assert!(
+        matches!(error, Error::LineSilent { .. } | Error::Channel { .. }),
+        "{error}"
+    );
+    // and it is reached again as soon as the line is whole
+    bus.0.borrow_mut().line.cut = false;
+    assert_eq!(
+        session.read(&mut drive, &[selection]).unwrap()[0]
+            .as_ref()
+            .unwrap()
+            .raw(),
+        Some(1)
+    );
+}
+
+#[test]
+fn a_drive_that_does_not_hear_for_a_moment_is_told_to_stop_when_it_does() {
+    let (mut session, bus) = bench(Protocol::Fc, &[1], Line::default());
+    // a drive whose time-out is not set runs on by itself
+    {
+        let mut bus = bus.0.borrow_mut();
+        let mut config = SerialConfig::new(&model::AKD, SlaveConfig::fc(1, 9600));
+        config.timeout = SECOND * 1000;
+        bus.drives[0] = SerialStation::new(config);
+    }
+    let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .unwrap();
+    let mut enabled = axis.enable().unwrap();
+    enabled.run(100.0).unwrap();
+    bus.0.borrow_mut().line.cut = true;
+    assert!(enabled.hold(SECOND * 60).is_err());
+    bus.0.borrow_mut().line.cut = false;
+    drop(enabled);
+    drop(axis);
+    let bus = bus.0.borrow();
+    assert!(!bus.drives[0].drive().is_enabled() && bus.drives[0].drive().axis().is_at_rest());
+}

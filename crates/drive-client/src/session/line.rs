@@ -1,0 +1,123 @@
+//! What a serial line does differently from a network: who is there, and how a parameter job travels.
+
+use std::time::Duration;
+
+use profidrive::notation::Notation;
+use profidrive::pkw::JobError;
+use profinet::controller::Station;
+use uss::{Protocol, SlaveId};
+
+use super::Session;
+use crate::line::Bridge;
+use crate::parameter::Selection;
+use crate::{Drive, DriveAddress, Error, LineAddress, Model, Wire};
+
+/// Longer than a drive is asked before it counts as absent.
+const ASK_LIMIT: Duration = Duration::from_secs(5);
+/// Longer than the exchanges for one parameter may take, with every repetition.
+const PARAMETER_LIMIT: Duration = Duration::from_secs(10);
+/// Octets of one parameter address in a request.
+const ADDRESS: usize = 6;
+/// Whose protocol FC is.
+const FC_MODEL: &str = "vlt";
+/// Identification of the drive: vendor, then kind.
+const IDENTIFICATION: u16 = 964;
+
+impl<M: Wire> Session<M> {
+    pub(super) fn is_on_line(&self) -> bool {
+        self.client.line_config().is_some()
+    }
+
+    /// The drive at a place of the line, if it answers.
+    pub(super) fn find_on_line(&mut self, at: &LineAddress) -> Result<Drive, Error> {
+        let address = || DriveAddress::Line(at.clone());
+        let same = self
+            .client
+            .line_config()
+            .is_some_and(|line| line.protocol == at.protocol && line.baud == at.baud);
+        let slave = self.client.line().and_then(|line| line.slave(at.number));
+        let Some(slave) = slave.filter(|_| same) else {
+            return Err(Error::OtherWire { drive: address() });
+        };
+        if let Some(line) = self.client.line() {
+            line.ask(slave);
+        }
+        let answers = self.wait(ASK_LIMIT, |client| client.line()?.answers(slave))?;
+        if answers != Some(true) {
+            let heard = self.client.heard().copied().unwrap_or_default();
+            return Err(Error::NoAnswer {
+                drive: address(),
+                telegrams: heard.telegrams,
+                noise: heard.noise + heard.broken + heard.lengths + heard.checksums,
+            });
+        }
+        let mut station = Station {
+            name: at.to_string(),
+            ..Station::default()
+        };
+        let mut nobody = Drive::new(station.clone());
+        nobody.slave = Some(slave);
+        let identification = Selection {
+            pnu: IDENTIFICATION,
+            first: 0,
+            count: 2,
+            indexed: true,
+            parameter: None,
+            notation: Notation::Name,
+        };
+        let words: Vec<u16> = self
+            .read(&mut nobody, &[identification])?
+            .into_iter()
+            .flatten()
+            .filter_map(|reading| u16::try_from(reading.raw()?).ok())
+            .collect();
+        if let [vendor, device, ..] = words.as_slice() {
+            (station.vendor_id, station.device_id) = (*vendor, *device);
+        }
+        let told = station.vendor_id != 0;
+        let mut drive = Drive::new(station);
+        drive.slave = Some(slave);
+        Ok(match Model::by_name(FC_MODEL) {
+            // a drive without a network has no number for who it is
+            Some(model) if !told && at.protocol == Protocol::Fc => drive.taken_for(model),
+            _ => drive,
+        })
+    }
+
+    /// One parameter job through the parameter channel of a drive at the line.
+    pub(super) fn line_job(
+        &mut self,
+        drive: &Drive,
+        slave: SlaveId,
+        request: &[u8],
+    ) -> Result<Vec<u8>, Error> {
+        let bridge = Bridge::new(request, drive.model.dialect, |pnu| drive.shape(pnu));
+        let limit = PARAMETER_LIMIT * u32::try_from(request.len() / ADDRESS + 1).unwrap_or(1);
+        let now = self.now();
+        self.client
+            .line_job(now, slave, bridge)
+            .map_err(|error| Error::Malformed {
+                drive: drive.label(),
+                reason: error.to_string(),
+            })?;
+        let end = self.wait(limit, |client| client.take_line_job(slave));
+        if !matches!(end, Ok(Some(_)))
+            && let Some(line) = self.client.line()
+        {
+            line.drop_job(slave);
+        }
+        match end? {
+            Some(Ok(response)) => Ok(response),
+            Some(Err(JobError::Lost)) => Err(Error::LineSilent { drive: drive.label() }),
+            Some(Err(error)) => Err(Error::Channel {
+                drive: drive.label(),
+                error,
+            }),
+            None => Err(Error::Timeout {
+                drive: drive.label(),
+                what: "parameter access",
+                limit,
+            }),
+        }
+    }
+}

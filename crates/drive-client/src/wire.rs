@@ -1,0 +1,41 @@
+//! What carries a client: a network, or a serial line.
+
+use std::error::Error;
+
+use profinet::{Instant, Medium};
+
+use crate::Client;
+
+/// Something that carries the bytes of a [`Client`].
+///
+/// Every [`Medium`] is one, for drives on a network. A serial line is another one: it brings octets to
+/// [`Client::handle_octets`], sends what [`Client::poll_octets`] gives and wakes it with [`Client::handle_line_timeout`].
+pub trait Wire {
+    /// Why it failed.
+    type Error: Error + Send + Sync + 'static;
+
+    /// The present time.
+    fn now(&self) -> Instant;
+
+    /// Carries bytes to and from `client` until at least one input or deadline was handled or `until` is reached,
+    /// whichever is first.
+    ///
+    /// # Errors
+    /// When the wire itself fails; never because of received bytes.
+    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Self::Error>;
+}
+
+impl<M: Medium> Wire for M
+where
+    M::Error: Send + Sync + 'static,
+{
+    type Error = M::Error;
+
+    fn now(&self) -> Instant {
+        Medium::now(self)
+    }
+
+    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Self::Error> {
+        Medium::step(self, client, until)
+    }
+}

@@ -1,0 +1,83 @@
+//! What can be wrong with a serial port, in words for people.
+
+use std::io;
+
+/// Why a serial port cannot be used (on).
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is no such port.
+    #[error("there is no serial port {port}")]
+    NoSuchPort {
+        /// As it was named.
+        port: String,
+        /// Ports there are.
+        existing: Vec<String>,
+    },
+    /// The program may not open it.
+    #[error("not allowed to open the serial port {port}")]
+    NoPermission {
+        /// The port.
+        port: String,
+    },
+    /// Another program has it.
+    #[error("the serial port {port} is in use by another program")]
+    Busy {
+        /// The port.
+        port: String,
+    },
+    /// It is something else than a serial port.
+    #[error("{port} is no serial port")]
+    NotSerial {
+        /// The file.
+        port: String,
+    },
+    /// The port has no such speed.
+    #[error("the serial port {port} does not take these settings: {reason}")]
+    Settings {
+        /// The port.
+        port: String,
+        /// What the system says.
+        reason: String,
+    },
+    /// It was there and is no more: unplugged.
+    #[error("the serial port {port} went away")]
+    Gone {
+        /// The port.
+        port: String,
+    },
+    /// It takes no more octets.
+    #[error("the serial port {port} does not send")]
+    Stuck {
+        /// The port.
+        port: String,
+    },
+    /// Anything else the operating system refuses.
+    #[error("serial port {port}: {source}")]
+    System {
+        /// The port.
+        port: String,
+        /// Why it failed.
+        source: io::Error,
+    },
+}
+
+impl Error {
+    /// What one can do about it, where that is known.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NoSuchPort { existing, .. } if existing.is_empty() => {
+                Some("there is none; is the adapter plugged?".to_owned())
+            }
+            Self::NoSuchPort { existing, .. } => Some(format!("there are: {}", existing.join(", "))),
+            Self::NoPermission { .. } => Some(
+                "the group of the port is usually dialout: sudo usermod -a -G dialout $USER, then log in anew".to_owned(),
+            ),
+            Self::Busy { port } => Some(format!("find it: fuser -v {port}")),
+            Self::Gone { .. } => Some("plug the adapter in again".to_owned()),
+            Self::Stuck { .. } => Some("the adapter hangs: unplug it and plug it in again".to_owned()),
+            _ => None,
+        }
+    }
+}

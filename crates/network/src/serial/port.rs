@@ -1,0 +1,326 @@
+//! One serial port.
+
+use std::fs;
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::fd::{AsRawFd, RawFd};
+use std::path::Path;
+use std::time::Duration;
+
+use profinet::Instant;
+use serialport::{DataBits, FlowControl, SerialPort, StopBits, TTYPort};
+
+use super::Error;
+use crate::linux::{Stop, now};
+
+/// How long the port may take no octets at all.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// Parity of the characters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Parity {
+    /// The usual of drives.
+    #[default]
+    Even,
+    /// Odd.
+    Odd,
+    /// None.
+    None,
+}
+
+/// Speed and form of the characters: eight data bits, one stop bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// Bits per second.
+    pub baud: u32,
+    /// Parity.
+    pub parity: Parity,
+}
+
+impl Settings {
+    /// 8E1 at this speed.
+    #[must_use]
+    pub const fn new(baud: u32) -> Self {
+        Self {
+            baud,
+            parity: Parity::Even,
+        }
+    }
+}
+
+/// An open serial port, for this program alone.
+#[derive(Debug)]
+pub struct Port {
+    name: String,
+    tty: TTYPort,
+}
+
+impl Port {
+    /// Opens a port; what came before is thrown away.
+    ///
+    /// # Errors
+    /// No such port, no right, in use, no serial port, no such settings.
+    pub fn open(name: &str, settings: Settings) -> Result<Self, Error> {
+        let parity = match settings.parity {
+            Parity::Even => serialport::Parity::Even,
+            Parity::Odd => serialport::Parity::Odd,
+            Parity::None => serialport::Parity::None,
+        };
+        let builder = serialport::new(name, settings.baud)
+            .data_bits(DataBits::Eight)
+            .stop_bits(StopBits::One)
+            .parity(parity)
+            .flow_control(FlowControl::None)
+            .timeout(Duration::ZERO);
+        let tty = TTYPort::open(&builder).map_err(|error| opening(name, &error))?;
+        // nothing is lost but what nobody asked for
+        let _ = tty.clear(serialport::ClearBuffer::Input);
+        Ok(Self {
+            name: name.to_owned(),
+            tty,
+        })
+    }
+
+    /// Two ends of a line without any hardware: this one, and the name of the other, which is opened as any port.
+    ///
+    /// # Errors
+    /// When the system has no pseudo-terminal left.
+    pub fn pair() -> Result<(Self, String), Error> {
+        let failed = |error: serialport::Error| Error::System {
+            port: "pseudo-terminal".to_owned(),
+            source: error.into(),
+        };
+        let (mut tty, far) = TTYPort::pair().map_err(failed)?;
+        tty.set_timeout(Duration::ZERO).map_err(failed)?;
+        let name = far.name().unwrap_or_default();
+        // the end that stays open would see to it that nobody notices when the other one closes
+        drop(far);
+        Ok((
+            Self {
+                name: name.clone(),
+                tty,
+            },
+            name,
+        ))
+    }
+
+    /// Name as given.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn fd(&self) -> RawFd {
+        self.tty.as_raw_fd()
+    }
+
+    /// Sleeps until octets wait, the flag is set, or `until`.
+    ///
+    /// # Errors
+    /// When the port is gone.
+    pub(super) fn wait(&self, until: Instant, stop: Option<&Stop>) -> Result<(), Error> {
+        crate::linux::wait_for_octets(self.fd(), until, stop).map_err(|error| self.failed(error))
+    }
+
+    /// Takes octets that wait; 0 when there are none.
+    ///
+    /// # Errors
+    /// When the port is gone.
+    pub fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Error> {
+        match self.tty.read(buffer) {
+            Ok(0) => Err(self.gone()),
+            Ok(length) => Ok(length),
+            Err(error) if is_for_now(&error) => Ok(0),
+            Err(error) => Err(self.failed(error)),
+        }
+    }
+
+    /// Sends octets; waits for room half a second at most.
+    ///
+    /// # Errors
+    /// When the port is gone, or takes nothing for that long.
+    pub fn write(&mut self, mut octets: &[u8]) -> Result<(), Error> {
+        let end = now() + PATIENCE;
+        while !octets.is_empty() {
+            match self.tty.write(octets) {
+                Ok(0) => return Err(self.gone()),
+                Ok(length) => octets = octets.get(length..).unwrap_or_default(),
+                Err(error) if is_for_now(&error) && now() < end => {
+                    crate::linux::wait_for_room(self.fd(), end).map_err(|error| self.failed(error))?;
+                }
+                Err(error) if is_for_now(&error) => {
+                    return Err(Error::Stuck {
+                        port: self.name.clone(),
+                    });
+                }
+                Err(error) => return Err(self.failed(error)),
+            }
+        }
+        Ok(())
+    }
+
+    fn gone(&self) -> Error {
+        Error::Gone {
+            port: self.name.clone(),
+        }
+    }
+
+    fn failed(&self, source: io::Error) -> Error {
+        let code = source.raw_os_error();
+        let away = [libc::EIO, libc::ENXIO, libc::ENODEV, libc::EBADF, libc::EPIPE].map(Some);
+        if away.contains(&code) || source.kind() == ErrorKind::BrokenPipe {
+            return self.gone();
+        }
+        Error::System {
+            port: self.name.clone(),
+            source,
+        }
+    }
+}
+
+fn is_for_now(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+    )
+}
+
+/// Why a port cannot be opened, found out by looking at it once more.
+fn opening(name: &str, error: &serialport::Error) -> Error {
+    let port = name.to_owned();
+    let look = fs::OpenOptions::new().read(true).write(true).custom_open(name);
+    match look {
+        Err(source) if source.kind() == ErrorKind::NotFound => Error::NoSuchPort {
+            port,
+            existing: existing(),
+        },
+        Err(source) if source.kind() == ErrorKind::PermissionDenied => Error::NoPermission { port },
+        Err(source) if source.raw_os_error() == Some(libc::EBUSY) => Error::Busy { port },
+        Err(source) if source.raw_os_error() == Some(libc::EIO) => Error::Gone { port },
+        Err(source) => Error::System { port, source },
+        Ok(false) => Error::NotSerial { port },
+        Ok(true) => match error.kind() {
+            // the lock of another program that does not take the port for itself alone
+            serialport::ErrorKind::NoDevice => Error::Busy { port },
+            serialport::ErrorKind::Io(ErrorKind::WouldBlock | ErrorKind::ResourceBusy) => {
+                Error::Busy { port }
+            }
+            _ => Error::Settings {
+                port,
+                reason: error.to_string(),
+            },
+        },
+    }
+}
+
+/// Opens a file without waiting for a modem; says whether it is a terminal.
+trait CustomOpen {
+    fn custom_open(&mut self, name: &str) -> io::Result<bool>;
+}
+
+impl CustomOpen for fs::OpenOptions {
+    fn custom_open(&mut self, name: &str) -> io::Result<bool> {
+        use std::io::IsTerminal;
+        use std::os::unix::fs::OpenOptionsExt;
+        let file = self.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY).open(name)?;
+        Ok(file.is_terminal())
+    }
+}
+
+/// Serial ports that this computer seems to have: those with hardware behind them.
+fn existing() -> Vec<String> {
+    let Ok(entries) = fs::read_dir("/sys/class/tty") else {
+        return Vec::new();
+    };
+    let mut names: Vec<String> = entries
+        .flatten()
+        .filter(|entry| entry.path().join("device").exists())
+        .map(|entry| format!("/dev/{}", entry.file_name().to_string_lossy()))
+        .filter(|name| Path::new(name).exists())
+        .collect();
+    names.sort();
+    names.truncate(16);
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOON: Duration = Duration::from_secs(5);
+
+    #[test]
+    fn octets_go_both_ways_unchanged() {
+        let (mut near, name) = Port::pair().unwrap();
+        let mut far = Port::open(&name, Settings::new(19_200)).unwrap();
+        let all: Vec<u8> = (0..=255).collect();
+        for turn in 0..2 {
+            let (from, to) = if turn == 0 {
+                (&mut near, &mut far)
+            } else {
+                (&mut far, &mut near)
+            };
+            from.write(&all).unwrap();
+            let mut came = Vec::new();
+            let mut buffer = [0; 300];
+            while came.len() < all.len() {
+                to.wait(now() + SOON, None).unwrap();
+                let length = to.read(&mut buffer).unwrap();
+                assert!(length > 0, "{} octets came", came.len());
+                came.extend_from_slice(&buffer[..length]);
+            }
+            assert_eq!(came, all);
+            assert_eq!(to.read(&mut buffer).unwrap(), 0);
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_unplugged_is_told_at_once() {
+        let (near, name) = Port::pair().unwrap();
+        let mut far = Port::open(&name, Settings::new(9600)).unwrap();
+        let began = now();
+        drop(near);
+        let waited = far.wait(now() + Duration::from_secs(60), None);
+        let error = waited.err().or_else(|| far.read(&mut [0; 8]).err()).unwrap();
+        assert!(matches!(error, Error::Gone { .. }), "{error:?}");
+        assert!(far.write(b"x").is_err());
+        assert!(now() - began < Duration::from_secs(5));
+    }
+
+    #[test]
+    fn a_port_that_nobody_reads_is_told_and_does_not_hang() {
+        let (mut near, name) = Port::pair().unwrap();
+        let _far = Port::open(&name, Settings::new(9600)).unwrap();
+        let error = (0..1000).find_map(|_| near.write(&[0; 512]).err()).unwrap();
+        assert!(matches!(error, Error::Stuck { .. }), "{error:?}");
+    }
+
+    #[test]
+    fn what_cannot_be_opened_is_told_with_what_to_do() {
+        let open = |name: &str| Port::open(name, Settings::new(9600)).unwrap_err();
+        let error = open("/dev/ttyNOWHERE7");
+        assert_eq!(error.to_string(), "there is no serial port /dev/ttyNOWHERE7");
+        assert!(error.hint().is_some());
+        assert!(matches!(open("/dev/null"), Error::NotSerial { .. }));
+        let (_near, name) = Port::pair().unwrap();
+        let _first = Port::open(&name, Settings::new(9600)).unwrap();
+        let second = open(&name);
+        assert!(matches!(second, Error::Busy { .. }), "{second:?}");
+        let none = Error::NoPermission {
+            port: "/dev/ttyS0".into(),
+        };
+        assert!(none.hint().unwrap().contains("dialout"));
+    }
+
+    #[test]
+    fn a_flag_wakes_whoever_waits() {
+        let (near, name) = Port::pair().unwrap();
+        let _far = Port::open(&name, Settings::new(9600)).unwrap();
+        let stop = Stop::new().unwrap();
+        let other = stop.clone();
+        let began = now();
+        let thread = std::thread::spawn(move || other.stop());
+        near.wait(now() + Duration::from_secs(60), Some(&stop)).unwrap();
+        thread.join().unwrap();
+        assert!(now() - began < Duration::from_secs(30));
+    }
+}

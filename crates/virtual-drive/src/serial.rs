@@ -1,0 +1,299 @@
+//! A drive at a serial line: behind a slave of the Danfoss FC protocol or of USS.
+//!
+//! What the master sends comes to the same places as on a network: process data to the drive's telegram 1, the parameter
+//! channel to the drive's parameters. A control word without control (bit 10) is not acted on.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use profidrive::pkw::{PkwDialect, Server};
+use profidrive::state::Stw1;
+use profinet::Instant;
+use uss::{Layout, MAX_DATA, Parts, Protocol, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters};
+
+use crate::axis::Plant;
+use crate::drive::{Disconnect, Drive};
+use crate::model::Model;
+use crate::station::StationEvent;
+
+/// Words of process data: control word and setpoint, status word and actual value.
+const TELEGRAM: u16 = 1;
+/// Octets of them.
+const PROCESS: usize = 4;
+/// How often the drive is stepped while a master has control.
+const TICK: Duration = Duration::from_millis(4);
+/// Most events that wait; older ones are dropped.
+const MOST_EVENTS: usize = 256;
+
+/// How a drive at a line is made.
+#[derive(Debug, Clone)]
+pub struct SerialConfig {
+    /// The drive model.
+    pub model: &'static Model,
+    /// Protocol, address and times of the line.
+    pub slave: SlaveConfig,
+    /// A master that has control and is silent for so long is lost.
+    pub timeout: Duration,
+    /// Motor, load and travel; `None` for those of the model.
+    pub plant: Option<Plant>,
+    /// Text of the saved parameters from the last run.
+    pub parameters: Option<Vec<u8>>,
+}
+
+impl SerialConfig {
+    /// A new drive. Its master counts as lost after a second, the usual setting of Danfoss drives (8-03).
+    #[must_use]
+    pub const fn new(model: &'static Model, slave: SlaveConfig) -> Self {
+        Self {
+            model,
+            slave,
+            timeout: Duration::from_secs(1),
+            plant: None,
+            parameters: None,
+        }
+    }
+
+    /// Longest time from one octet to the next of a telegram, for ports that hand them over in lumps.
+    #[must_use]
+    pub fn with_gap(mut self, gap: Duration) -> Self {
+        self.slave.timing = self.slave.timing.with_gap(gap);
+        self
+    }
+}
+
+/// What the master is to the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Master {
+    /// Not there, or it only reads.
+    None,
+    /// It has, or had, control; `since` when it spoke last, `controls` what its last word said.
+    Heard { since: Instant, controls: bool },
+}
+
+/// A virtual drive behind a slave.
+///
+/// ```
+/// use profinet::Instant;
+/// use uss::SlaveConfig;
+/// use virtual_drive::{model, serial::{SerialConfig, SerialStation}};
+///
+/// let mut station = SerialStation::new(SerialConfig::new(&model::AKD, SlaveConfig::fc(1, 9600)));
+/// let now = Instant::from_millis(1000);
+/// // process data without control: the drive only tells how it is
+/// station.handle_octets(now, &[0x02, 0x06, 0x81, 0x00, 0x00, 0x00, 0x00, 0x85]);
+/// let now = station.poll_timeout().unwrap();
+/// station.handle_timeout(now);
+/// let mut reply = [0; uss::MAX_TELEGRAM];
+/// let length = station.poll_transmit(now, &mut reply).unwrap();
+/// assert_eq!(reply[..length], [0x02, 0x06, 0x81, 0x02, 0x40, 0x00, 0x00, 0xC7]); // S1, speed 0
+/// ```
+#[derive(Debug)]
+pub struct SerialStation {
+    drive: Drive,
+    slave: Slave,
+    layout: Layout,
+    server: Server,
+    master: Master,
+    timeout: Duration,
+    outputs: [u8; PROCESS],
+    inputs: [u8; PROCESS],
+    ticked: Instant,
+    events: VecDeque<StationEvent>,
+}
+
+impl SerialStation {
+    /// A drive as it starts.
+    #[must_use]
+    pub fn new(config: SerialConfig) -> Self {
+        let mut drive = Drive::new(config.model);
+        let started = config.parameters.as_ref().map(|text| drive.start_with(text));
+        if let Some(plant) = config.plant {
+            drive.set_plant(plant);
+        }
+        let dialect = match config.slave.protocol {
+            Protocol::Fc => PkwDialect::DANFOSS_FC,
+            Protocol::Uss => PkwDialect::SIEMENS_USS,
+        };
+        let mut station = Self {
+            drive,
+            layout: config.slave.layout,
+            slave: Slave::new(config.slave),
+            server: Server::new(dialect),
+            master: Master::None,
+            timeout: config.timeout,
+            outputs: [0; PROCESS],
+            inputs: [0; PROCESS],
+            ticked: Instant::ZERO,
+            events: VecDeque::new(),
+        };
+        if let Some(Err(error)) = started {
+            station.emit(StationEvent::ParametersIgnored(error));
+        }
+        station
+    }
+
+    /// Takes one event.
+    pub fn poll_event(&mut self) -> Option<StationEvent> {
+        self.events.pop_front()
+    }
+
+    /// The drive behind the line.
+    #[must_use]
+    pub const fn drive(&self) -> &Drive {
+        &self.drive
+    }
+
+    /// The drive, to put a load on it or to make it fail.
+    pub const fn drive_mut(&mut self) -> &mut Drive {
+        &mut self.drive
+    }
+
+    /// Its address.
+    #[must_use]
+    pub const fn number(&self) -> u8 {
+        self.slave.config().number
+    }
+
+    /// What it has done at the line.
+    #[must_use]
+    pub const fn counters(&self) -> &SlaveCounters {
+        self.slave.counters()
+    }
+
+    /// What it has heard.
+    #[must_use]
+    pub const fn line(&self) -> &ReceiverStatistics {
+        self.slave.line()
+    }
+
+    /// Takes octets from the line, those that other slaves send too.
+    pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
+        self.slave.handle_octets(time(now), octets);
+        self.serve(now);
+        self.settle();
+    }
+
+    /// Does what is due at `now`.
+    pub fn handle_timeout(&mut self, now: Instant) {
+        self.slave.handle_timeout(time(now));
+        self.serve(now);
+        if let Master::Heard { since, controls } = self.master
+            && now >= since + self.timeout
+        {
+            self.master = Master::None;
+            self.drive.disconnect(if controls {
+                Disconnect::Lost
+            } else {
+                Disconnect::Released
+            });
+            self.tick(now);
+            self.emit(StationEvent::MasterGone { lost: controls });
+        }
+        if self.next_tick().is_some_and(|due| due <= now) {
+            self.tick(now);
+        }
+        self.settle();
+    }
+
+    /// The reply, when it is due: its length in `buffer`, which has [`uss::MAX_TELEGRAM`] octets.
+    pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
+        self.slave.poll_transmit(time(now), buffer)
+    }
+
+    /// When [`handle_timeout`](Self::handle_timeout) or [`poll_transmit`](Self::poll_transmit) is due.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Instant> {
+        let line = self.slave.poll_timeout().map(|due| Instant::ZERO + due);
+        let lost = match self.master {
+            Master::Heard { since, .. } => Some(since + self.timeout),
+            Master::None => None,
+        };
+        [line, lost, self.next_tick()].into_iter().flatten().min()
+    }
+
+    fn next_tick(&self) -> Option<Instant> {
+        match self.master {
+            Master::Heard { .. } => Some(self.ticked + TICK),
+            Master::None => self.drive.next_tick(),
+        }
+    }
+
+    fn tick(&mut self, now: Instant) {
+        self.ticked = now;
+        let outputs = match self.master {
+            Master::Heard { .. } => Some(&self.outputs[..]),
+            Master::None => None,
+        };
+        self.drive.tick(now, outputs, &mut self.inputs);
+    }
+
+    /// Answers the request that came, if one did.
+    fn serve(&mut self, now: Instant) {
+        let Some(request) = self.slave.poll_request() else {
+            return;
+        };
+        let Some(parts) = self.layout.split(request.data) else {
+            return;
+        };
+        let mut reply = [0; MAX_DATA];
+        let mut length = 0;
+        if !parts.pkw.is_empty() {
+            match self.server.handle_block(parts.pkw, &mut self.drive, &mut reply) {
+                Ok(written) => length = written,
+                // no request of this channel: left without an answer
+                Err(_) => return,
+            }
+        }
+        if let Ok(outputs) = parts.pzd.try_into() {
+            self.take(now, outputs);
+        }
+        self.tick(now);
+        let mut data = [0; MAX_DATA];
+        let parts = Parts {
+            pkw: reply.get(..length).unwrap_or_default(),
+            pzd: &self.inputs,
+        };
+        if let Ok(length) = self.layout.join(parts, &mut data) {
+            // the layout is the slave's own; a broadcast is not answered
+            let _ = self.slave.respond(data.get(..length).unwrap_or_default());
+        }
+    }
+
+    /// Process data of the master. It has the drive from its first word with control on, until it is silent.
+    fn take(&mut self, now: Instant, outputs: [u8; PROCESS]) {
+        let [high, low, ..] = outputs;
+        let controls = Stw1(u16::from_be_bytes([high, low])).has(Stw1::CONTROL_BY_PLC);
+        match self.master {
+            Master::None if !controls => return,
+            Master::None => {
+                // every model has it
+                let _ = self.drive.connect(TELEGRAM, self.timeout);
+                self.drive.data_exchange();
+                self.emit(StationEvent::MasterTook);
+            }
+            Master::Heard { .. } => {}
+        }
+        self.outputs = outputs;
+        self.master = Master::Heard { since: now, controls };
+    }
+
+    fn settle(&mut self) {
+        while let Some(event) = self.drive.poll_event() {
+            self.emit(event.into());
+        }
+    }
+
+    fn emit(&mut self, event: StationEvent) {
+        if self.events.len() >= MOST_EVENTS {
+            self.events.pop_front();
+        }
+        self.events.push_back(event);
+    }
+}
+
+fn time(now: Instant) -> Duration {
+    now - Instant::ZERO
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,245 @@
+use super::*;
+use crate::model;
+use profidrive::pkw::{Answer, Client, ClientTiming, Job, Memory, PkwValue};
+use profidrive::state::State;
+use uss::{Address, Event, Master as LineMaster, MasterConfig, SlaveId};
+
+/// A master and some drives on one line, in virtual time.
+struct Bench {
+    now: Instant,
+    master: LineMaster,
+    layout: Layout,
+    drives: Vec<SerialStation>,
+    /// Nothing that the master sends arrives.
+    cut: bool,
+}
+
+impl Bench {
+    fn fc(numbers: &[u8]) -> Self {
+        let config = |&number| SerialConfig::new(&model::AKD, SlaveConfig::fc(number, 9600));
+        Self {
+            now: Instant::from_millis(1000),
+            master: LineMaster::new(MasterConfig::fc(9600)),
+            layout: Layout::FC,
+            drives: numbers.iter().map(config).map(SerialStation::new).collect(),
+            cut: false,
+        }
+    }
+
+    fn run(&mut self, limit: Duration) -> Vec<Event> {
+        let end = self.now + limit;
+        let mut events = Vec::new();
+        let mut buffer = [0; uss::MAX_TELEGRAM];
+        for _ in 0..1_000_000 {
+            if let Some(length) = self.master.poll_transmit(time(self.now), &mut buffer) {
+                // the telegram has arrived when its last octet has
+                let arrived = self.now + Duration::from_micros(1146) * u32::try_from(length).unwrap();
+                for drive in self.drives.iter_mut().filter(|_| !self.cut) {
+                    drive.handle_octets(arrived, &buffer[..length]);
+                }
+                self.now = arrived;
+            }
+            for from in 0..self.drives.len() {
+                while let Some(length) = self.drives[from].poll_transmit(self.now, &mut buffer) {
+                    for to in (0..self.drives.len()).filter(|&to| to != from) {
+                        self.drives[to].handle_octets(self.now, &buffer[..length]);
+                    }
+                    self.master.handle_octets(time(self.now), &buffer[..length]);
+                }
+            }
+            while let Some(event) = self.master.poll_event() {
+                events.push(event);
+            }
+            let due = self.drives.iter().filter_map(SerialStation::poll_timeout);
+            let master = self.master.poll_timeout().map(|due| Instant::ZERO + due);
+            let next = due
+                .chain(master)
+                .min()
+                .unwrap_or(end)
+                .max(self.now + Duration::from_micros(100));
+            if next > end {
+                break;
+            }
+            self.now = next;
+            self.master.handle_timeout(time(self.now));
+            for drive in &mut self.drives {
+                drive.handle_timeout(self.now);
+            }
+        }
+        self.now = end;
+        events
+    }
+
+    fn words(&mut self, slave: SlaveId, control: u16, setpoint: u16) {
+        let [a, b] = control.to_be_bytes();
+        let [c, d] = setpoint.to_be_bytes();
+        self.master.set_data(slave, &[a, b, c, d]).unwrap();
+    }
+
+    fn job(&mut self, slave: SlaveId, client: &mut Client, job: Job<'_>) -> profidrive::pkw::Outcome {
+        client.start(time(self.now), job).unwrap();
+        for _ in 0..100 {
+            let mut data = [0; MAX_DATA];
+            let now = time(self.now);
+            let parts = Parts {
+                pkw: client.request(now),
+                pzd: &[0; PROCESS],
+            };
+            let length = self.layout.join(parts, &mut data).unwrap();
+            self.master.set_data(slave, &data[..length]).unwrap();
+            let events = self.run(Duration::from_millis(60));
+            if events.contains(&Event::Reply(slave)) {
+                let reply = self.layout.split(self.master.reply(slave)).unwrap();
+                if let Some(outcome) = client.handle(time(self.now), reply.pkw) {
+                    return outcome;
+                }
+            }
+        }
+        panic!("no outcome")
+    }
+}
+
+const SECOND: Duration = Duration::from_secs(1);
+
+#[test]
+fn the_drive_runs_by_its_process_data_and_stops_when_the_master_falls_silent() {
+    let mut bench = Bench::fc(&[1]);
+    let drive = bench.master.add(Address::fc(1).unwrap(), &[0; 4]).unwrap();
+    bench.words(drive, 0x047E, 0);
+    bench.run(SECOND / 2);
+    bench.words(drive, 0x047F, 0x0199);
+    bench.run(SECOND);
+    assert_eq!(bench.drives[0].drive().state(), State::S4);
+    let [_, _, high, low] = bench.master.reply(drive) else {
+        panic!()
+    };
+    let speed = i16::from_be_bytes([*high, *low]);
+    assert!((390..430).contains(&speed), "{speed}");
+    bench.cut = true;
+    bench.run(SECOND * 4);
+    let station = &mut bench.drives[0];
+    assert_ne!(station.drive().state(), State::S4);
+    assert!(station.drive().axis().is_at_rest());
+    let events: Vec<StationEvent> = std::iter::from_fn(|| station.poll_event()).collect();
+    assert!(events.contains(&StationEvent::MasterTook), "{events:?}");
+    assert!(
+        events.contains(&StationEvent::MasterGone { lost: true }),
+        "{events:?}"
+    );
+    assert!(
+        events.contains(&StationEvent::Fault { number: 702 }),
+        "{events:?}"
+    );
+}
+
+#[test]
+fn a_master_that_only_reads_commands_nothing_and_its_leaving_is_no_fault() {
+    let mut bench = Bench::fc(&[1]);
+    let drive = bench.master.add(Address::fc(1).unwrap(), &[0; 4]).unwrap();
+    // everything but control
+    bench.words(drive, 0x007F, 0x2000);
+    bench.run(SECOND);
+    assert_eq!(bench.drives[0].drive().state(), State::S1);
+    bench.cut = true;
+    bench.run(SECOND * 2);
+    let station = &mut bench.drives[0];
+    let events: Vec<StationEvent> = std::iter::from_fn(|| station.poll_event()).collect();
+    assert_eq!(events, []);
+    // and one that gave control back in time
+    bench.cut = false;
+    bench.words(drive, 0x047E, 0);
+    bench.run(SECOND / 2);
+    bench.words(drive, 0, 0);
+    bench.run(SECOND / 2);
+    bench.cut = true;
+    bench.run(SECOND * 2);
+    let station = &mut bench.drives[0];
+    let events: Vec<StationEvent> = std::iter::from_fn(|| station.poll_event()).collect();
+    assert!(
+        events.contains(&StationEvent::MasterGone { lost: false }),
+        "{events:?}"
+    );
+    assert!(
+        !events
+            .iter()
+            .any(|event| matches!(event, StationEvent::Fault { .. })),
+        "{events:?}"
+    );
+}
+
+#[test]
+fn two_drives_answer_each_for_itself_and_a_broadcast_is_executed_and_not_answered() {
+    let mut bench = Bench::fc(&[1, 2]);
+    let first = bench.master.add(Address::fc(1).unwrap(), &[0; 4]).unwrap();
+    let second = bench.master.add(Address::fc(2).unwrap(), &[0; 4]).unwrap();
+    let mut channel = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::SERIAL);
+    let change = Job::Change {
+        pnu: 930,
+        element: None,
+        value: PkwValue::Word(2),
+        memory: Memory::Ram,
+    };
+    let written = bench.job(second, &mut channel, change);
+    assert_eq!(written, Ok(Answer::Value(PkwValue::Word(2))));
+    let mut channel = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::SERIAL);
+    let read = Job::Read {
+        pnu: 930,
+        element: None,
+    };
+    assert_eq!(
+        bench.job(first, &mut channel, read),
+        Ok(Answer::Value(PkwValue::Word(1)))
+    );
+    bench.words(first, 0, 0);
+    bench.words(second, 0, 0);
+    let replies = |bench: &Bench| {
+        bench
+            .drives
+            .iter()
+            .map(|drive| drive.counters().replies)
+            .sum::<u64>()
+    };
+    let before = replies(&bench);
+    // both are sent READY with control in one telegram
+    bench
+        .master
+        .broadcast(Address::FC_BROADCAST, &[0x04, 0x7E, 0, 0])
+        .unwrap();
+    bench.run(Duration::from_millis(400));
+    assert!(bench.drives.iter().all(|drive| drive.counters().broadcasts == 1));
+    for station in &mut bench.drives {
+        let events: Vec<StationEvent> = std::iter::from_fn(|| station.poll_event()).collect();
+        assert!(events.contains(&StationEvent::MasterTook), "{events:?}");
+    }
+    let (sent, answered) = (bench.master.statistics(first), replies(&bench) - before);
+    assert!(sent.timeouts == 0 && answered > 0);
+}
+
+#[test]
+fn what_is_damaged_on_the_way_is_neither_executed_nor_answered() {
+    let mut station = SerialStation::new(SerialConfig::new(&model::AKD, SlaveConfig::fc(1, 9600)));
+    let mut out = [0; uss::MAX_TELEGRAM];
+    let telegram = [0x02, 0x06, 0x81, 0x04, 0x7E, 0x00, 0x00, 0xFF];
+    for place in 0..telegram.len() {
+        let mut now = Instant::from_millis(1000 * (place as u64 + 1));
+        let mut damaged = telegram;
+        damaged[place] ^= 0x10;
+        station.handle_octets(now, &damaged);
+        for _ in 0..10 {
+            now += Duration::from_millis(10);
+            station.handle_timeout(now);
+            assert_eq!(station.poll_transmit(now, &mut out), None, "octet {place}");
+        }
+        assert_eq!(station.poll_event(), None);
+    }
+    for length in 0..telegram.len() {
+        let mut now = Instant::from_millis(100_000 + 1000 * length as u64);
+        station.handle_octets(now, &telegram[..length]);
+        for _ in 0..10 {
+            now += Duration::from_millis(10);
+            station.handle_timeout(now);
+            assert_eq!(station.poll_transmit(now, &mut out), None, "{length} octets");
+        }
+        assert_eq!(station.poll_event(), None);
+    }
+}
