@@ -21,7 +21,7 @@ use crate::render::live::{AxisView, LiveView};
 
 pub type Axis<'s> = drive_client::Axis<'s, Carrier>;
 
-pub type Enabled<'a, 's> = drive_client::Enabled<'a, 's, AnyMedium>;
+pub type Enabled<'a, 's> = drive_client::Enabled<'a, 's, Carrier>;
 
 /// Longest wait of a motion that ends with Ctrl-C only.
 pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);

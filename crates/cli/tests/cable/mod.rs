@@ -114,7 +114,7 @@ fn carry(mut near: Port, mut far: Port, state: &State) {
 
 fn spoil(mut octets: Vec<u8>, lump: u64, state: &State) -> Vec<u8> {
     let every = state.every.load(Ordering::SeqCst);
-    if every == 0 || lump % every != 0 {
+    if every == 0 || !lump.is_multiple_of(every) {
         return octets;
     }
     match state.spoiled.fetch_add(1, Ordering::SeqCst) % 3 {
