@@ -331,11 +331,7 @@ pub struct Explain {
     #[arg(allow_negative_numbers = true)]
     pub value: String,
     /// What the number is
-    #[arg(
-        long = "as",
-        value_enum,
-        value_name = "stw1|zsw1|state|fault|error|format|pnio"
-    )]
+    #[arg(long = "as", value_enum, value_name = "KIND")]
     pub kind: What,
     #[command(flatten)]
     pub model: Kind,
@@ -358,6 +354,32 @@ pub enum What {
     Format,
     /// PNIO status: ErrorCode, ErrorDecode, ErrorCode1, ErrorCode2
     Pnio,
+    /// Control word of a VLT with FC profile (8-10)
+    CtwFc,
+    /// Status word of a VLT with FC profile
+    StwFc,
+    /// Control word of a VLT with PROFIdrive profile
+    CtwVlt,
+    /// Status word of a VLT with PROFIdrive profile
+    StwVlt,
+    /// Control word of a VLT 2800 or FCD 300 with PROFIdrive profile
+    CtwVlt2800,
+    /// Status word of a VLT 2800 or FCD 300 with PROFIdrive profile
+    StwVlt2800,
+    /// Control word of a Vacon in telegrams 148 to 150
+    CtwVacon,
+    /// Status word of a Vacon in telegrams 148 to 150
+    StwVacon,
+    /// PKE of a parameter channel: request or reply, and parameter number
+    Pke,
+    /// Alarm word of a VLT (16-90)
+    AlarmWord,
+    /// Alarm word 2 of a VLT (16-91)
+    AlarmWord2,
+    /// Warning word of a VLT (16-92)
+    WarningWord,
+    /// Warning word 2 of a VLT (16-93)
+    WarningWord2,
 }
 
 #[derive(Debug, Args)]
@@ -365,24 +387,60 @@ pub struct Decode {
     /// Capture file, pcap or pcapng
     #[arg(value_name = "FILE", required_unless_present = "hex", conflicts_with = "hex")]
     pub file: Option<PathBuf>,
-    /// One parameter job in hexadecimal
+    /// Octets in hexadecimal: a parameter job, or what --as or --telegram says
     #[arg(long, value_name = "BYTES")]
     pub hex: Option<String>,
-    /// What the bytes are; guessed when left out
-    #[arg(long = "as", value_enum, value_name = "SIDE", requires = "hex")]
-    pub side: Option<Side>,
+    /// What the octets are; without it the side of a parameter job is guessed
+    #[arg(long = "as", value_enum, value_name = "WHAT", requires = "hex")]
+    pub octets: Option<Octets>,
+    /// The octets are cyclic data of this telegram: 1, 9 .., 101 to 108 (PPO types 1 to 8 of a VLT), 148 to 150 (Vacon)
+    #[arg(long, value_name = "NUMBER", requires = "hex", conflicts_with_all = ["octets", "request"])]
+    pub telegram: Option<u16>,
+    /// Who sent it, for words and telegrams that look the same from both; without it both are told
+    #[arg(long, value_enum, value_name = "WHO", requires = "hex")]
+    pub from: Option<Sender>,
     /// The request that belongs to a response, in hexadecimal
     #[arg(long, value_name = "BYTES", requires = "hex")]
     pub request: Option<String>,
+    #[command(flatten)]
+    pub model: Kind,
+}
+
+/// What octets can be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Octets {
+    /// Parameter job from the controller to the drive
+    Request,
+    /// Parameter job from the drive to the controller
+    Response,
+    /// The eight octets of the parameter channel in a PPO
+    Pkw,
+    /// The same in the Danfoss FC protocol, where the index stands elsewhere
+    PkwFc,
+    /// The same in USS
+    PkwUss,
+    /// Telegram of the Danfoss FC protocol
+    Fc,
+    /// USS telegram
+    Uss,
 }
 
 /// Direction of a parameter job.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// From the controller to the drive
     Request,
     /// From the drive to the controller
     Response,
+}
+
+/// Who sends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sender {
+    /// Controller or master
+    Controller,
+    /// Drive or slave
+    Drive,
 }
 
 #[derive(Debug, Args)]
@@ -557,6 +615,12 @@ mod tests {
             "profidrive status akd-1 --short --json",
             "profidrive explain 0x047F --as stw1",
             "profidrive decode trace.pcapng",
+            "profidrive decode trace.pcapng --model vlt",
+            "profidrive decode --hex 15FA000100000000 --as pkw-fc --model vlt --from controller",
+            "profidrive decode --hex 0206 --as fc",
+            "profidrive decode --hex 047F0000 --telegram 148 --model vacon",
+            "profidrive explain 0x047C --as ctw-fc",
+            "profidrive explain 0x40 --as alarm-word2",
             "profidrive read vlt-1 1-20 p120 15-30[1] --model vlt",
             "profidrive write vacon-1 ID103=5s 104=5s --save --model Vacon -i v0",
             "profidrive explain 13 --as fault --model vlt",

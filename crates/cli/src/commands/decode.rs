@@ -4,37 +4,76 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
+use drive_client::Model;
 use indicatif::{ProgressBar, ProgressStyle};
 use network::pcap::Reader;
+use profidrive::pkw::PkwDialect;
 use serde_json::Value;
+use uss::Protocol;
 
-use crate::args::{Decode, Side};
+use crate::args::{Decode, Octets, Sender, Side};
 use crate::decode::{Counts, Note, Walker, Weight};
 use crate::failure::{Exit, Failure};
 use crate::fields;
-use crate::job::{self, JobDrive};
+use crate::job::{self, Decoded, JobDrive};
 use crate::output::{Colour, Output};
 
 pub fn run(args: &Decode, output: &Output) -> Result<(), Failure> {
     match (&args.file, &args.hex) {
-        (Some(file), _) => capture(file, output),
-        (None, Some(hex)) => bytes(hex, args.side, args.request.as_deref(), output),
+        (Some(file), _) => capture(file, args.model.model, output),
+        (None, Some(hex)) => {
+            let decoded = octets(&parse_hex(hex)?, args)?;
+            if output.json() {
+                output.document("decode", decoded.fields);
+            } else {
+                for (weight, line) in decoded.lines {
+                    output.line(&painted(weight, &line, output));
+                }
+            }
+            Ok(())
+        }
         (None, None) => Err(Failure::usage("give a capture file, or bytes with --hex")),
     }
 }
 
-fn bytes(hex: &str, side: Option<Side>, request: Option<&str>, output: &Output) -> Result<(), Failure> {
-    let data = parse_hex(hex)?;
-    let request = request.map(parse_hex).transpose()?;
-    let decoded = job::decode(&mut JobDrive::default(), &data, side, request.as_deref())?;
-    if output.json() {
-        output.document("decode", decoded.fields);
-    } else {
-        for (weight, line) in decoded.lines {
-            output.line(&painted(weight, &line, output));
-        }
+/// The drive that octets are from: the one named, else `otherwise`.
+fn drive(args: &Decode, otherwise: &str) -> JobDrive {
+    args.model
+        .model
+        .or_else(|| Model::by_name(otherwise))
+        .map_or_else(JobDrive::default, JobDrive::new)
+}
+
+fn octets(data: &[u8], args: &Decode) -> Result<Decoded, Failure> {
+    let request = args.request.as_deref().map(parse_hex).transpose()?;
+    let output = args.from.map(|sender| sender == Sender::Controller);
+    let job = |side| job::decode(&mut drive(args, "akd"), data, side, request.as_deref());
+    let none = |reason: String| Failure::new(Exit::Failed, format!("this is no such telegram: {reason}"));
+    let serial = |otherwise, protocol| {
+        job::serial::decode(&drive(args, otherwise), protocol, data, output).map_err(none)
+    };
+    let words = |otherwise, dialect: Option<&PkwDialect>| {
+        let drive = drive(args, otherwise);
+        let output = output.or(request.as_ref().map(|_| false));
+        job::pkw::decode(&drive, dialect.unwrap_or(drive.ppo()), data, output).map_err(none)
+    };
+    match args.octets {
+        Some(Octets::Request) => job(Some(Side::Request)),
+        Some(Octets::Response) => job(Some(Side::Response)),
+        Some(Octets::Pkw) => words("standard", None),
+        Some(Octets::PkwFc) => words("vlt", Some(&PkwDialect::DANFOSS_FC)),
+        Some(Octets::PkwUss) => words("standard", Some(&PkwDialect::SIEMENS_USS)),
+        Some(Octets::Fc) => serial("vlt", Protocol::Fc),
+        Some(Octets::Uss) => serial("standard", Protocol::Uss),
+        None => match args.telegram {
+            Some(number) => job::telegram::decode(&drive(args, "akd"), number, data, output).map_err(none),
+            None => job(match args.from {
+                Some(Sender::Controller) => Some(Side::Request),
+                Some(Sender::Drive) => Some(Side::Response),
+                None => None,
+            }),
+        },
     }
-    Ok(())
 }
 
 /// Octets from text: `05 02`, `0502`, `05:02`, `0x05, 0x02`.
@@ -69,7 +108,7 @@ fn parse_hex(text: &str) -> Result<Vec<u8>, Failure> {
     }
 }
 
-fn capture(path: &Path, output: &Output) -> Result<(), Failure> {
+fn capture(path: &Path, model: Option<Model>, output: &Output) -> Result<(), Failure> {
     let shown = path.display();
     let unreadable =
         |error: &dyn std::fmt::Display| Failure::new(Exit::Failed, format!("cannot read {shown}: {error}"));
@@ -77,7 +116,7 @@ fn capture(path: &Path, output: &Output) -> Result<(), Failure> {
     let size = file.metadata().map_or(0, |data| data.len());
     let reader = Reader::new(file).map_err(|error| unreadable(&error))?;
     let bar = progress(size, output);
-    let mut walker = Walker::default();
+    let mut walker = Walker::new(model);
     let mut start = None;
     let mut damage = None;
     for captured in reader {

@@ -1,18 +1,22 @@
 //! `profidrive explain 0x047F --as stw1`
 
-use profidrive::catalogue::{AKD, Catalogue};
+use drive_client::Model;
+use profidrive::catalogue::{AKD, Catalogue, VLT};
+use profidrive::pkw::{PkwDialect, ReplyCode, RequestCode};
+use profidrive::state::{Mode, Profile};
+use profidrive::telegram::DANFOSS;
 use profinet::wire::status::PnioStatus;
 use serde_json::{Map, Value};
 
 use crate::args::{Explain, What};
 use crate::failure::Failure;
 use crate::fields;
-use crate::job;
+use crate::job::{self, JobDrive};
 use crate::output::Output;
 use crate::render::{hex16, words};
 
 pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
-    let (lines, fields) = explain(&args.value, args.kind, tables(args))?;
+    let (lines, fields) = explain(&args.value, args.kind, args.model.model)?;
     if output.json() {
         output.document("explain", fields);
     } else {
@@ -26,11 +30,12 @@ pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
 type Explained = (Vec<String>, Map<String, Value>);
 
 /// The tables of the model that was named; of an AKD where none was.
-fn tables(args: &Explain) -> &'static Catalogue {
-    args.model.model.and_then(|model| model.catalogue).unwrap_or(&AKD)
+fn tables(model: Option<Model>) -> &'static Catalogue {
+    model.and_then(|model| model.catalogue).unwrap_or(&AKD)
 }
 
-fn explain(text: &str, kind: What, tables: &Catalogue) -> Result<Explained, Failure> {
+fn explain(text: &str, kind: What, model: Option<Model>) -> Result<Explained, Failure> {
+    let tables = tables(model);
     Ok(match kind {
         What::Stw1 => {
             let word = word(text)?;
@@ -49,6 +54,29 @@ fn explain(text: &str, kind: What, tables: &Catalogue) -> Result<Explained, Fail
                 fields,
             )
         }
+        What::CtwFc => control(Profile::DanfossFc, "ctw-fc", text)?,
+        What::CtwVlt => control(Profile::DanfossProfidrive, "ctw-vlt", text)?,
+        What::CtwVlt2800 => control(Profile::Vlt2800Profidrive, "ctw-vlt2800", text)?,
+        What::CtwVacon => control(Profile::VaconPpo, "ctw-vacon", text)?,
+        What::StwFc => status(Profile::DanfossFc, "stw-fc", text)?,
+        What::StwVlt => status(Profile::DanfossProfidrive, "stw-vlt", text)?,
+        What::StwVlt2800 => status(Profile::Vlt2800Profidrive, "stw-vlt2800", text)?,
+        What::StwVacon => status(Profile::VaconPpo, "stw-vacon", text)?,
+        What::Pke => {
+            let pke = word(text)?;
+            let drive = model.map_or_else(|| JobDrive::of(DANFOSS, 1), JobDrive::new);
+            let lines = job::pkw::pke_lines(&drive, &PkwDialect::DANFOSS_FC, pke);
+            let fields = fields! {
+                "as": "pke", "raw": pke, "ak": pke >> 12, "pnu": pke & 0x0FFF,
+                "request": RequestCode((pke >> 12) as u8).info().name,
+                "reply": ReplyCode((pke >> 12) as u8).info().name,
+            };
+            (lines, fields)
+        }
+        What::AlarmWord => bits(text, "alarm-word", 1690, false, 0)?,
+        What::AlarmWord2 => bits(text, "alarm-word2", 1691, false, 32)?,
+        What::WarningWord => bits(text, "warning-word", 1692, true, 0)?,
+        What::WarningWord2 => bits(text, "warning-word2", 1693, true, 32)?,
         What::State => {
             let word = word(text)?;
             let state = words::state(word, None);
@@ -70,6 +98,62 @@ fn explain(text: &str, kind: What, tables: &Catalogue) -> Result<Explained, Fail
             (lines, fields)
         }
     })
+}
+
+fn control(profile: Profile, kind: &str, text: &str) -> Result<Explained, Failure> {
+    let word = word(text)?;
+    let mode = Mode::default();
+    let table = profile.control_bits(mode);
+    let means = words::control_meaning(profile, mode, word);
+    let mut fields = fields! { "as": kind, "profile": profile.name(), "meaning": means.as_str() };
+    fields.insert("word".into(), words::word_json(table, word));
+    Ok((
+        words::word_lines(&format!("{} control word", profile.name()), table, word, &means),
+        fields,
+    ))
+}
+
+fn status(profile: Profile, kind: &str, text: &str) -> Result<Explained, Failure> {
+    let word = word(text)?;
+    let table = profile.status_bits(Mode::default());
+    let means = words::status_meaning(profile, word, None);
+    let mut fields = fields! { "as": kind, "profile": profile.name(), "meaning": means.as_str() };
+    fields.insert("word".into(), words::word_json(table, word));
+    Ok((
+        words::word_lines(&format!("{} status word", profile.name()), table, word, &means),
+        fields,
+    ))
+}
+
+/// Alarm and warning words of a VLT: each bit is a fault of the table. `first` is the number of bit 0 in the table.
+fn bits(text: &str, kind: &str, pnu: u16, warning: bool, first: u8) -> Result<Explained, Failure> {
+    let value = number(text, 32)?;
+    let name = VLT.by_pnu(pnu).map_or("", |parameter| parameter.name);
+    let letter = if warning { 'n' } else { 'F' };
+    let mut lines = vec![format!(
+        "VLT {name} ({}-{:02}) 0x{value:08X}",
+        pnu / 100,
+        pnu % 100
+    )];
+    let mut set = Vec::new();
+    for bit in (0..32_u8).filter(|bit| value >> bit & 1 == 1) {
+        let fault = VLT
+            .faults
+            .iter()
+            .find(|fault| fault.warning == warning && fault.bit == Some(first + bit));
+        let meaning = fault.map_or("not in the table", |fault| fault.meaning);
+        let number = fault.map_or_else(|| "-".into(), |fault| format!("{letter}{}", fault.number));
+        lines.push(format!("  bit {bit:>2}  {number:<4}  {meaning}"));
+        set.push(serde_json::json!({
+            "bit": bit, "number": fault.map(|fault| fault.number), "meaning": meaning,
+            "remedy": fault.map(|fault| fault.remedy), "recalled": fault.map(|fault| fault.recalled),
+        }));
+    }
+    if set.is_empty() {
+        lines.push(format!("  no {}", if warning { "warning" } else { "alarm" }));
+    }
+    let fields = fields! { "as": kind, "raw": value, "hex": format!("0x{value:08X}"), "set": set };
+    Ok((lines, fields))
 }
 
 fn fault(text: &str, tables: &Catalogue) -> Result<Explained, Failure> {
@@ -144,33 +228,42 @@ fn pnio(text: &str) -> Result<Explained, Failure> {
 
 /// A 16-bit number: hexadecimal with 0x, binary with 0b, else decimal.
 fn word(text: &str) -> Result<u16, Failure> {
+    number(text, 16).map(|number| number as u16)
+}
+
+/// A number of so many bits, up to 32.
+fn number(text: &str, bits: u32) -> Result<u32, Failure> {
     let compact: String = text.trim().chars().filter(|c| *c != '_' && *c != ' ').collect();
     let lower = compact.to_ascii_lowercase();
     let parsed = if let Some(hex) = lower.strip_prefix("0x") {
-        u16::from_str_radix(hex, 16)
+        u32::from_str_radix(hex, 16)
     } else if let Some(binary) = lower.strip_prefix("0b") {
-        u16::from_str_radix(binary, 2)
+        u32::from_str_radix(binary, 2)
     } else {
         lower.parse()
     };
-    parsed.map_err(|_| {
-        Failure::usage(format!(
-            "`{text}` is no 16-bit number: write 0x047F, 1151 or 0b0000_0100_0111_1111"
-        ))
-    })
+    parsed
+        .ok()
+        .filter(|number| u64::from(*number) < 1 << bits)
+        .ok_or_else(|| {
+            Failure::usage(format!(
+                "`{text}` is no {bits}-bit number: write 0x047F, 1151 or 0b0000_0100_0111_1111"
+            ))
+        })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::ValueEnum;
 
     fn lines(text: &str, kind: What) -> String {
-        explain(text, kind, &AKD).unwrap().0.join("\n")
+        explain(text, kind, None).unwrap().0.join("\n")
     }
 
     #[test]
     fn faults_of_the_make_that_is_named() {
-        let told = explain("13", What::Fault, &profidrive::catalogue::VLT).unwrap();
+        let told = explain("13", What::Fault, Model::by_name("vlt")).unwrap();
         assert!(told.0[0].starts_with("VLT F13: "), "{:?}", told.0);
         assert_ne!(told.0[0], lines("13", What::Fault).lines().next().unwrap());
     }
@@ -215,10 +308,78 @@ mod tests {
             ("", What::Fault),
         ] {
             assert_eq!(
-                explain(text, kind, &AKD).unwrap_err().exit,
+                explain(text, kind, None).unwrap_err().exit,
                 crate::failure::Exit::Usage,
                 "{text}"
             );
         }
+    }
+
+    #[test]
+    fn words_of_the_makers() {
+        let text = lines("0x047C", What::CtwFc);
+        assert!(
+            text.starts_with("Danfoss FC control word 0x047C   0000 0100 0111 1100\n"),
+            "{text}"
+        );
+        assert!(text.contains("means  run: follows the setpoint\n"), "{text}");
+        for (word, kind, means) in [
+            ("0x043C", What::CtwFc, "ready: OFF, ramp stop if turning (OFF1)"),
+            ("0x0478", What::CtwFc, "stop with direct current (DC brake)"),
+            ("0x846C", What::CtwFc, "quick stop (OFF3), reverse"),
+            ("0x0474", What::CtwFc, "coast stop (OFF2)"),
+            (
+                "0x007C",
+                What::CtwFc,
+                "no control by the PLC: the drive ignores the word",
+            ),
+            ("0x047F", What::CtwVlt, "run: follows the setpoint"),
+            ("0x045F", What::CtwVlt, "holds the speed"),
+            ("0x047F", What::CtwVacon, "run: follows the setpoint"),
+            ("0x0F07", What::StwFc, "S4 operation"),
+            ("0x0608", What::StwVlt, "S1 switching on inhibited, with a fault"),
+        ] {
+            let text = lines(word, kind);
+            assert!(
+                text.contains(&format!("means  {means}\n")),
+                "{word} {kind:?}: {text}"
+            );
+        }
+        let words = What::value_variants().iter().filter(|kind| **kind != What::Pnio);
+        for kind in words {
+            let told = explain("0x80000000", *kind, None);
+            assert_eq!(
+                told.is_ok(),
+                matches!(
+                    kind,
+                    What::AlarmWord | What::AlarmWord2 | What::WarningWord | What::WarningWord2
+                ),
+                "{kind:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn alarm_words_name_their_faults() {
+        let first = VLT
+            .faults
+            .iter()
+            .find(|fault| !fault.warning && fault.bit.is_some_and(|bit| bit < 32))
+            .unwrap();
+        let text = lines(&format!("0x{:X}", 1_u64 << first.bit.unwrap()), What::AlarmWord);
+        assert!(
+            text.contains(&format!("F{}", first.number)) && text.contains(first.meaning),
+            "{text}"
+        );
+        assert!(lines("0", What::WarningWord).contains("no warning"));
+    }
+
+    #[test]
+    fn pke_from_both_sides() {
+        let text = lines("0x15FA", What::Pke);
+        assert!(
+            text.contains("15-30") && text.contains("AK 1 request value"),
+            "{text}"
+        );
     }
 }

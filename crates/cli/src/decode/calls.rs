@@ -15,6 +15,7 @@ use super::jobs::{Jobs, is_parameter_record};
 use super::names::Names;
 use super::udp::Datagram;
 use super::{Sink, Weight, connect, records};
+use crate::job::JobDrive;
 
 /// Most calls remembered at a time.
 const MAX_CALLS: usize = 1024;
@@ -44,10 +45,11 @@ struct Call {
 enum Context {
     #[default]
     None,
-    Connect(Box<connect::Asked>),
+    /// Which drive, and for what.
+    Connect(Ipv4Addr, Box<connect::Asked>),
     /// Of which drive, and what.
     Read(Ipv4Addr, ReadRequest),
-    Write(Vec<WriteRequest>),
+    Write(Ipv4Addr, Vec<WriteRequest>),
     Control(&'static str),
 }
 
@@ -177,9 +179,9 @@ fn request(
     let drive = *datagram.destination.ip();
     if matches!(
         header.operation,
-        operation::READ | operation::READ_IMPLICIT | operation::WRITE
+        operation::CONNECT | operation::READ | operation::READ_IMPLICIT | operation::WRITE
     ) {
-        jobs.identify(drive, &header.object);
+        names.drives.called(drive, &header.object);
     }
     let mut reader = Reader::new(body);
     NdrRequest::decode(&mut reader, header.order)?;
@@ -194,10 +196,10 @@ fn request(
                 );
                 sink.from = names.ip(*datagram.source.ip());
             }
-            for line in asked.words() {
+            for line in asked.words(names.drives.at(drive)) {
                 sink.note(Weight::Normal, "connect", line);
             }
-            Context::Connect(Box::new(asked))
+            Context::Connect(drive, Box::new(asked))
         }
         operation::READ | operation::READ_IMPLICIT => Context::Read(drive, ReadRequest::decode(&mut reader)?),
         operation::WRITE => {
@@ -206,14 +208,14 @@ fn request(
             if first.index == MULTIPLE_WRITE {
                 for item in WriteItems::new(Reader::new(data)) {
                     let (write, data) = item?;
-                    note_write(drive, &write, data, jobs, sink);
+                    note_write(names.drives.at(drive), &write, data, jobs, sink);
                     writes.push(write);
                 }
             } else {
-                note_write(drive, &first, data, jobs, sink);
+                note_write(names.drives.at(drive), &first, data, jobs, sink);
                 writes.push(first);
             }
-            Context::Write(writes)
+            Context::Write(drive, writes)
         }
         operation::RELEASE | operation::CONTROL => {
             let mut what = "control";
@@ -246,16 +248,19 @@ fn command(command: ControlCommand, block: BlockType) -> &'static str {
     }
 }
 
-fn note_write(drive: Ipv4Addr, write: &WriteRequest, data: &[u8], jobs: &mut Jobs, sink: &mut Sink<'_>) {
+fn note_write(drive: &JobDrive, write: &WriteRequest, data: &[u8], jobs: &mut Jobs, sink: &mut Sink<'_>) {
     if is_parameter_record(write.index) {
         jobs.request(drive, write, data, sink);
     } else {
         let place = records::place(write.api, write.slot, write.subslot);
-        let text = format!(
-            "write {} {place}, {} octets",
-            records::name(write.index),
-            data.len()
-        );
+        let text = match records::parameter(drive, write.slot, write.subslot, write.index) {
+            Some(record) => format!("write {} {place} = {}", record.name, record.content(drive, data)),
+            None => format!(
+                "write {} {place}, {} octets",
+                records::name(write.index),
+                data.len()
+            ),
+        };
         sink.note(Weight::Normal, "record", text);
     }
 }
@@ -272,7 +277,7 @@ fn response(
     let mut reader = Reader::new(body);
     let ndr = NdrResponse::decode(&mut reader, header.order)?;
     match context {
-        Context::Connect(asked) if ndr.status.is_ok() => {
+        Context::Connect(drive, asked) if ndr.status.is_ok() => {
             let response = profinet::wire::block::ConnectResponse::decode(reader)?;
             for (weight, line) in asked.answer(&response) {
                 sink.note(weight, "connect", line);
@@ -280,39 +285,45 @@ fn response(
             if let Some(server) = &response.server {
                 names.learn(Some(response.ar.responder_mac), None, &server.station_name);
             }
-            relations.open(&asked, &response);
+            relations.open(&asked, &response, drive, names.drives.at(drive));
         }
-        Context::Connect(_) => refused("connect", ndr.status, sink),
+        Context::Connect(..) => refused("connect", ndr.status, sink),
         Context::Read(drive, read) if is_parameter_record(read.index) => {
             let data = if ndr.status.is_ok() {
                 Some(ReadResponse::decode(&mut reader)?.1)
             } else {
                 None
             };
-            jobs.answer(drive, &read, data, ndr.status, sink);
+            jobs.answer(names.drives.at(drive), &read, data, ndr.status, sink);
         }
-        Context::Read(_, read) => {
-            let what = records::name(read.index);
+        Context::Read(drive, read) => {
+            let drive = names.drives.at(drive);
+            let record = records::parameter(drive, read.slot, read.subslot, read.index);
+            let what = record
+                .as_ref()
+                .map_or_else(|| records::name(read.index), |record| record.name.clone());
             let place = records::place(read.api, read.slot, read.subslot);
             if ndr.status.is_ok() {
                 let (_, data) = ReadResponse::decode(&mut reader)?;
-                sink.note(
-                    Weight::Normal,
-                    "record",
-                    format!("{what} {place}: {}", records::content(data)),
-                );
+                let text = match record {
+                    Some(record) => format!("{what} {place} = {}", record.content(drive, data)),
+                    None => format!("{what} {place}: {}", records::content(data)),
+                };
+                sink.note(Weight::Normal, "record", text);
             } else {
                 refused(&format!("read of {what} {place}"), ndr.status, sink);
             }
         }
-        Context::Write(writes) => {
+        Context::Write(drive, writes) => {
             for write in &writes {
                 let status = match WriteResponse::decode(&mut reader) {
                     Ok(response) if !response.status.is_ok() => response.status,
                     _ => ndr.status,
                 };
                 if !status.is_ok() {
-                    let what = records::name(write.index);
+                    let drive = names.drives.at(drive);
+                    let what = records::parameter(drive, write.slot, write.subslot, write.index)
+                        .map_or_else(|| records::name(write.index), |record| record.name);
                     let place = records::place(write.api, write.slot, write.subslot);
                     refused(&format!("write of {what} {place}"), status, sink);
                 }

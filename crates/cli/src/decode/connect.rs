@@ -1,13 +1,15 @@
 //! Connects: what was asked for, what the device made of it.
 
-use profidrive::catalogue::AKD;
+use profidrive::catalogue::TelegramModule;
+use profidrive::telegram::Telegram;
 use profinet::wire::block::{
-    ArProperties, ArRequest, ArType, BlockType, Blocks, ConnectResponse, ExpectedModule, IocrRequest,
-    IocrType, ModuleState,
+    ArProperties, ArRequest, ArType, BlockType, Blocks, ConnectResponse, ExpectedModule, ExpectedSubmodule,
+    IocrRequest, IocrType, ModuleState,
 };
 use profinet::wire::{DecodeError, Reader};
 
 use super::Weight;
+use crate::job::JobDrive;
 use crate::render::number;
 use crate::render::table::clean;
 
@@ -44,7 +46,7 @@ pub fn request(reader: Reader<'_>) -> Result<Asked, DecodeError> {
 
 impl Asked {
     /// The request in words, one line per part.
-    pub fn words(&self) -> Vec<String> {
+    pub fn words(&self, drive: &JobDrive) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(ar) = &self.ar {
             let kind = ar_kind(ar.ar_type, ar.properties);
@@ -55,7 +57,7 @@ impl Asked {
             ));
         }
         lines.extend(self.iocrs.iter().map(iocr));
-        lines.extend(self.modules.iter().map(module));
+        lines.extend(self.modules.iter().map(|expected| module(drive, expected)));
         lines
     }
 
@@ -144,12 +146,33 @@ fn iocr(iocr: &IocrRequest) -> String {
     )
 }
 
-fn module(module: &ExpectedModule) -> String {
-    let telegram = AKD
-        .device
-        .telegram_of_module(module.ident)
-        .filter(|_| module.slot > 0)
-        .map_or_else(String::new, |row| format!(", AKD telegram {}", row.telegram));
+/// The telegram that a module of slot 1 and above carries: by its ident, by that of a submodule, or by its lengths.
+pub fn telegram(drive: &JobDrive, module: &ExpectedModule) -> Option<&'static Telegram> {
+    let rows = drive.tables()?.device.telegrams;
+    let lengths = |row: &&TelegramModule| {
+        let data = |submodule: &ExpectedSubmodule| (submodule.output_length(), submodule.input_length());
+        module
+            .submodules
+            .iter()
+            .any(|submodule| data(submodule) == (row.outputs, row.inputs))
+    };
+    let ident = |row: &&TelegramModule| {
+        module
+            .submodules
+            .iter()
+            .any(|submodule| submodule.ident == row.submodule)
+    };
+    let by_module = rows.iter().find(|row| row.module == module.ident);
+    let row = by_module
+        .or_else(|| rows.iter().filter(lengths).find(ident))
+        .or_else(|| rows.iter().find(lengths));
+    drive.telegram(row.filter(|_| module.slot > 0)?.telegram)
+}
+
+fn module(drive: &JobDrive, module: &ExpectedModule) -> String {
+    let telegram = telegram(drive, module).map_or_else(String::new, |telegram| {
+        format!(", {} telegram {}", drive.name(), telegram.number)
+    });
     let submodules: Vec<String> = module
         .submodules
         .iter()

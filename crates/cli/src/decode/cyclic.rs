@@ -1,14 +1,21 @@
 //! Cyclic data: only what changes.
 
-use profidrive::catalogue::AKD;
+use std::net::Ipv4Addr;
+
+use profidrive::pkw::Pkw;
+use profidrive::telegram::Telegram;
 use profinet::MacAddress;
 use profinet::wire::block::{ConnectResponse, IocrType};
 use profinet::wire::ethernet::Frame;
 use profinet::wire::rt::{Cyclic, DataStatus, Iops};
 
-use super::connect::Asked;
+use super::channel::Channel;
+use super::connect::{self, Asked};
+use super::names::Names;
 use super::{Sink, Weight};
-use crate::render::{hex16, words};
+use crate::job::JobDrive;
+use crate::job::telegram::Half;
+use crate::render::hex16;
 
 /// Most directions of connections followed at a time.
 const MAX_STREAMS: usize = 1024;
@@ -29,24 +36,45 @@ struct Stream {
     /// True from controller to device.
     output: bool,
     data_length: usize,
+    /// Address of the device.
+    device: Ipv4Addr,
     /// Drive telegrams in it.
     drives: Vec<DriveData>,
     status: Option<DataStatus>,
 }
 
-/// Where the first word of a telegram is, and what it was.
+/// Where a telegram is, and what it was.
 #[derive(Debug)]
 struct DriveData {
     slot: u16,
+    subslot: u16,
     offset: usize,
     length: usize,
+    telegram: Option<&'static Telegram>,
     word: Option<u16>,
+    speed: Speed,
+    channel: Channel,
     provider: Option<Iops>,
+}
+
+/// What goes the other way to or from the same submodule.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sent {
+    word: Option<u16>,
+    pkw: Pkw,
+}
+
+/// The speed as it was told last, and for how many frames it is what it is now.
+#[derive(Debug, Default)]
+struct Speed {
+    told: Option<i64>,
+    now: i64,
+    frames: u32,
 }
 
 impl Relations {
     /// Remembers the cyclic data of a connect that was accepted.
-    pub fn open(&mut self, asked: &Asked, response: &ConnectResponse) {
+    pub fn open(&mut self, asked: &Asked, response: &ConnectResponse, device: Ipv4Addr, drive: &JobDrive) {
         let Some(ar) = &asked.ar else { return };
         for (at, request) in asked.iocrs.iter().enumerate() {
             let output = request.iocr_type == IocrType::OUTPUT;
@@ -66,13 +94,17 @@ impl Relations {
             for api in &request.apis {
                 for object in &api.data {
                     let length = asked.data_length(api.api, object.slot, object.subslot, output);
-                    if length >= 2 && (api.api == PROFIDRIVE || asked.is_telegram(object.slot)) {
-                        let offset = object.offset.into();
+                    let telegram = asked.telegram(drive, object.slot);
+                    if length >= 2 && (api.api == PROFIDRIVE || telegram.is_some()) {
                         drives.push(DriveData {
                             slot: object.slot,
-                            offset,
+                            subslot: object.subslot,
+                            offset: object.offset.into(),
                             length,
+                            telegram,
                             word: None,
+                            speed: Speed::default(),
+                            channel: Channel::default(),
                             provider: None,
                         });
                     }
@@ -89,6 +121,7 @@ impl Relations {
                 frame_id,
                 output,
                 data_length,
+                device,
                 drives,
                 status: None,
             });
@@ -96,7 +129,7 @@ impl Relations {
     }
 
     /// Looks at a cyclic frame; false if it belongs to no known connection.
-    pub fn cyclic(&mut self, frame: &Frame<'_>, sink: &mut Sink<'_>) -> bool {
+    pub fn cyclic(&mut self, frame: &Frame<'_>, names: &mut Names, sink: &mut Sink<'_>) -> bool {
         let known =
             |stream: &Stream| stream.receiver == frame.destination && stream.frame_id == frame.frame_id.0;
         let Some(at) = self.streams.iter().position(known) else {
@@ -119,11 +152,16 @@ impl Relations {
             note_status(stream.status, status, sink);
             stream.status = Some(status);
         }
-        for drive in &mut stream.drives {
+        let drive = names.drives.at(stream.device);
+        for data in &mut stream.drives {
+            let same = |sent: &&DriveData| (sent.slot, sent.subslot) == (data.slot, data.subslot);
             let sent = opposite
-                .and_then(|other| other.drives.iter().find(|sent| sent.slot == drive.slot))
-                .and_then(|sent| sent.word);
-            drive.look(cyclic.data, stream.output, sent, sink);
+                .and_then(|other| other.drives.iter().find(same))
+                .map_or_else(Sent::default, |sent| Sent {
+                    word: sent.word,
+                    pkw: sent.channel.last,
+                });
+            data.look(drive, cyclic.data, stream.output, sent, sink);
         }
         true
     }
@@ -150,12 +188,11 @@ fn note_status(before: Option<DataStatus>, status: DataStatus, sink: &mut Sink<'
 }
 
 impl DriveData {
-    /// `sent` is the control word on the way to the same slot.
-    fn look(&mut self, data: &[u8], output: bool, sent: Option<u16>, sink: &mut Sink<'_>) {
-        let Some([high, low]) = data.get(self.offset..).and_then(|rest| rest.first_chunk::<2>()) else {
+    fn look(&mut self, drive: &mut JobDrive, data: &[u8], output: bool, sent: Sent, sink: &mut Sink<'_>) {
+        let Some(rest) = data.get(self.offset..) else {
             return;
         };
-        let provider = data.get(self.offset + self.length).map(|&octet| Iops(octet));
+        let provider = rest.get(self.length).map(|&octet| Iops(octet));
         if provider != self.provider {
             if let Some(provider) = provider.filter(|provider| !provider.is_good()) {
                 sink.note(
@@ -168,16 +205,61 @@ impl DriveData {
             }
             self.provider = provider;
         }
-        let word = u16::from_be_bytes([*high, *low]);
-        if self.word != Some(word) && provider.is_none_or(Iops::is_good) {
-            let (text, weight) = if output {
-                stw1(self.word, word)
-            } else {
-                zsw1(self.word, word, sent)
-            };
+        let Some(data) = rest.get(..self.length) else {
+            return;
+        };
+        if !provider.is_none_or(Iops::is_good) {
+            return;
+        }
+        let half = Half {
+            drive,
+            telegram: self.telegram,
+            output,
+        };
+        let pkw = half.pkw(data);
+        self.tell_word(half, data, sent, sink);
+        if let Some(pkw) = pkw {
+            self.channel.look(drive, pkw, output, sent.pkw, sink);
+        }
+    }
+
+    fn tell_word(&mut self, half: Half<'_>, data: &[u8], sent: Sent, sink: &mut Sink<'_>) {
+        let speed = half.speed(data);
+        let settled = speed.is_some_and(|speed| self.speed.look(speed));
+        let Some(word) = half.word(data) else { return };
+        // a new speed is told with the next word, a setpoint also once it stays
+        let tell_speed = speed.filter(|speed| self.speed.told.unwrap_or(0) != *speed);
+        let words = tell_speed.map(|speed| format!("{} {}", half.speed_name(), half.speed_text(speed)));
+        if self.word != Some(word) {
+            let first = self.word.is_none();
+            let (weight, text) = half.word_text(word, sent.word);
+            let mut text = format!("{} {text}", change(half.word_name(), self.word, word));
+            if let Some(words) = words {
+                text = format!("{text}; {words}");
+                self.speed.told = speed;
+            }
+            if let Some(assumed) = half.drive.assumed_words(self.telegram).filter(|_| first) {
+                text = format!("{text}; the names of the bits are right if {assumed}");
+            }
             sink.note(weight, "drive", text);
             self.word = Some(word);
+        } else if let Some(words) = words.filter(|_| settled && half.output) {
+            sink.note(Weight::Normal, "drive", words);
+            self.speed.told = speed;
         }
+    }
+}
+
+impl Speed {
+    /// True in the frame in which the speed has been the same for a while.
+    const fn look(&mut self, speed: i64) -> bool {
+        const SETTLED: u32 = 3;
+        if speed != self.now {
+            self.now = speed;
+            self.frames = 0;
+        }
+        self.frames = self.frames.saturating_add(1);
+        self.frames == SETTLED
     }
 }
 
@@ -185,35 +267,6 @@ fn change(name: &str, before: Option<u16>, word: u16) -> String {
     before.map_or_else(
         || format!("{name} {}", hex16(word)),
         |before| format!("{name} {} -> {}", hex16(before), hex16(word)),
-    )
-}
-
-fn stw1(before: Option<u16>, word: u16) -> (String, Weight) {
-    let set = words::set(words::stw1_bits(), word);
-    (
-        format!(
-            "{} {} {set}",
-            change("STW1", before, word),
-            words::stw1_meaning(word)
-        ),
-        Weight::Normal,
-    )
-}
-
-fn zsw1(before: Option<u16>, word: u16, sent: Option<u16>) -> (String, Weight) {
-    let set = words::set(words::zsw1_bits(), word);
-    let weight = match word {
-        fault if words::has_fault(fault) => Weight::Error,
-        warning if words::has_warning(warning) => Weight::Warning,
-        _ => Weight::Normal,
-    };
-    (
-        format!(
-            "{} {} {set}",
-            change("ZSW1", before, word),
-            words::state(word, sent)
-        ),
-        weight,
     )
 }
 
@@ -237,12 +290,9 @@ impl Asked {
         })
     }
 
-    /// True when the module of a slot is a drive telegram that is known here.
-    fn is_telegram(&self, slot: u16) -> bool {
-        let mut modules = self
-            .modules
-            .iter()
-            .filter(|module| module.slot == slot && slot > 0);
-        modules.any(|module| AKD.device.telegram_of_module(module.ident).is_some())
+    /// The telegram of a slot.
+    fn telegram(&self, drive: &JobDrive, slot: u16) -> Option<&'static Telegram> {
+        let mut modules = self.modules.iter().filter(|module| module.slot == slot);
+        modules.find_map(|module| connect::telegram(drive, module))
     }
 }

@@ -48,7 +48,7 @@ pub fn pdu(frame: &Frame<'_>, names: &mut Names, sink: &mut Sink<'_>) -> Result<
         }
         (ServiceId::Set, ServiceType::Success) => results(&pdu, sink)?,
         (_, ServiceType::Success) | (ServiceId::Hello, _) => {
-            let (mut name, mut ip) = (None, None);
+            let (mut name, mut ip, mut identity) = (None, None, None);
             let answers = list(pdu.blocks().map(|block| {
                 let block = block?;
                 if block.option == DcpOption::RESPONSE {
@@ -59,6 +59,7 @@ pub fn pdu(frame: &Frame<'_>, names: &mut Names, sink: &mut Sink<'_>) -> Result<
                 match answer {
                     Value::Name(text) => name = Some(text),
                     Value::Ip(suite) | Value::FullIp { suite, .. } => ip = Some(suite.address),
+                    Value::DeviceId { vendor, device } => identity = Some((vendor, device)),
                     Value::Options(_) => return Ok(String::new()),
                     _ => {}
                 }
@@ -70,6 +71,9 @@ pub fn pdu(frame: &Frame<'_>, names: &mut Names, sink: &mut Sink<'_>) -> Result<
                 Ok(format!("{}{conflict}", value(&answer)))
             }))?;
             names.learn(Some(frame.source), ip, name.unwrap_or_default());
+            if let (Some(ip), Some((vendor, device))) = (ip, identity) {
+                names.drives.discovered(ip, vendor, device);
+            }
             sink.from = names.mac(frame.source);
             let verb = match pdu.service {
                 ServiceId::Hello => "hello",

@@ -1,7 +1,6 @@
 //! Parameter jobs inside records: requests with names, answers matched with them.
 
 use std::collections::HashMap;
-use std::net::Ipv4Addr;
 
 use profinet::wire::PnioStatus;
 use profinet::wire::Uuid;
@@ -12,8 +11,6 @@ use crate::job::{self, JobDrive};
 
 /// Most channels with an open request.
 const MAX_OPEN: usize = 1024;
-/// Most drives remembered with what they told about themselves.
-const MAX_DRIVES: usize = 1024;
 
 /// True for the records that carry parameter jobs.
 pub const fn is_parameter_record(index: u16) -> bool {
@@ -26,41 +23,12 @@ type Channel = (Uuid, u16, u16, u16);
 #[derive(Debug, Default)]
 pub struct Jobs {
     open: HashMap<Channel, Vec<u8>>,
-    drives: Drives,
-}
-
-/// What each drive told about itself, by its address.
-#[derive(Debug, Default)]
-struct Drives {
-    known: HashMap<Ipv4Addr, JobDrive>,
-    /// Stands for all those there is no room for: knows nothing.
-    other: JobDrive,
-}
-
-impl Drives {
-    fn at(&mut self, ip: Ipv4Addr) -> &mut JobDrive {
-        if self.known.len() >= MAX_DRIVES && !self.known.contains_key(&ip) {
-            self.other = JobDrive::default();
-            return &mut self.other;
-        }
-        self.known.entry(ip).or_default()
-    }
 }
 
 impl Jobs {
-    /// The object of a call tells which vendor and device are at an address.
-    pub fn identify(&mut self, drive: Ipv4Addr, object: &Uuid) {
-        if let Some(told) = JobDrive::of_object(object) {
-            let known = self.drives.at(drive);
-            if !known.is_like(&told) {
-                *known = told;
-            }
-        }
-    }
-
     /// A request was written to a drive.
-    pub fn request(&mut self, drive: Ipv4Addr, write: &WriteRequest, data: &[u8], sink: &mut Sink<'_>) {
-        for (weight, line) in job::request_lines(self.drives.at(drive), data) {
+    pub fn request(&mut self, drive: &JobDrive, write: &WriteRequest, data: &[u8], sink: &mut Sink<'_>) {
+        for (weight, line) in job::request_lines(drive, data) {
             sink.note(weight, "parameter", line);
         }
         if self.open.len() < MAX_OPEN {
@@ -74,7 +42,7 @@ impl Jobs {
     /// An answer of a drive was read, or refused.
     pub fn answer(
         &mut self,
-        drive: Ipv4Addr,
+        drive: &mut JobDrive,
         read: &ReadRequest,
         data: Option<&[u8]>,
         status: PnioStatus,
@@ -84,7 +52,7 @@ impl Jobs {
         match data {
             Some(data) => {
                 let request = self.open.remove(&channel);
-                for (weight, line) in job::response_lines(self.drives.at(drive), data, request.as_deref()) {
+                for (weight, line) in job::response_lines(drive, data, request.as_deref()) {
                     sink.note(weight, "parameter", line);
                 }
             }

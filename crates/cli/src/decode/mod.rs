@@ -6,9 +6,11 @@
 
 mod alarms;
 mod calls;
+mod channel;
 mod connect;
 mod cyclic;
 mod dcp;
+mod drives;
 mod jobs;
 mod names;
 mod neighbours;
@@ -17,11 +19,13 @@ mod udp;
 
 use std::time::Duration;
 
+use drive_client::Model;
 use profinet::wire::ethernet::{Frame, FrameKind};
 use profinet::wire::lldp;
 
 use calls::Calls;
 use cyclic::Relations;
+use drives::Drives;
 use names::Names;
 use neighbours::Neighbours;
 
@@ -104,6 +108,13 @@ impl Sink<'_> {
 }
 
 impl Walker {
+    /// Drives that do not say what they are, are taken for this model; without one for an AKD.
+    pub fn new(model: Option<Model>) -> Self {
+        let mut walker = Self::default();
+        walker.names.drives = Drives::new(model);
+        walker
+    }
+
     /// What was seen so far.
     pub const fn counts(&self) -> Counts {
         self.counts
@@ -170,7 +181,7 @@ impl Walker {
                 }
             }
             _ if frame.frame_id.is_cyclic() => {
-                if self.relations.cyclic(frame, &mut sink) {
+                if self.relations.cyclic(frame, &mut self.names, &mut sink) {
                     self.counts.cyclic += 1;
                 } else {
                     self.counts.cyclic_unknown += 1;

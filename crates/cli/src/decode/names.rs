@@ -5,14 +5,16 @@ use std::net::Ipv4Addr;
 
 use profinet::MacAddress;
 
+use super::drives::Drives;
 use crate::render::table::clean;
 
 /// Most stations remembered; a capture of a whole plant has some hundreds.
 const MAX_STATIONS: usize = 8192;
 
-/// Names by address.
+/// Names by address, and what each drive is.
 #[derive(Debug, Default)]
 pub struct Names {
+    pub drives: Drives,
     by_mac: HashMap<MacAddress, String>,
     by_ip: HashMap<Ipv4Addr, String>,
 }

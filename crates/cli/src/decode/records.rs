@@ -1,6 +1,40 @@
 //! Records by number.
 
-use crate::render::hex_bytes;
+use profidrive::parameter::ParameterAddress;
+
+use crate::job::JobDrive;
+use crate::render::{hex_bytes, value};
+
+/// A record that is a parameter: its number is that of the parameter, its content the raw value.
+#[derive(Debug)]
+pub struct ParameterRecord {
+    /// Name and number of the parameter, and which view it is.
+    pub name: String,
+    address: ParameterAddress,
+}
+
+/// The parameter that a record of a drive is, where the drive has such records.
+pub fn parameter(drive: &JobDrive, slot: u16, subslot: u16, index: u16) -> Option<ParameterRecord> {
+    // these are records of the profile or of PROFINET
+    if index >= 0x8000 || index == 0x002F {
+        return None;
+    }
+    let view = drive.record_view(slot, subslot)?;
+    let address = drive.of_record(index)?;
+    let name = format!("{}, {}-bit record", drive.label(address), 8 * view.octets);
+    Some(ParameterRecord { name, address })
+}
+
+impl ParameterRecord {
+    /// The value, or the octets where they are too many for one.
+    pub fn content(&self, drive: &JobDrive, data: &[u8]) -> String {
+        if data.is_empty() || data.len() > 4 {
+            return content(data);
+        }
+        let reading = drive.number(self.address, data);
+        format!("{}   [{}]", value::full(&reading), hex_bytes(data))
+    }
+}
 
 /// Name of a record index.
 pub fn name(index: u16) -> String {
@@ -61,6 +95,23 @@ pub fn content(data: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn records_of_a_vacon_are_parameters() {
+        let drive = JobDrive::of(0x01BA, 0x0100);
+        let record = parameter(&drive, 1, 1, 103).unwrap();
+        assert_eq!(record.name, "Acceleration time 1 (ID 103), 16-bit record");
+        let text = record.content(&drive, &[0, 50]);
+        assert!(text.ends_with(" s   [00 32]"), "{text}");
+        assert!(
+            parameter(&drive, 1, 2, 103)
+                .unwrap()
+                .name
+                .ends_with("32-bit record")
+        );
+        assert!(parameter(&drive, 0, 1, 103).is_none() && parameter(&drive, 1, 1, 0xAFF0).is_none());
+        assert!(parameter(&JobDrive::default(), 1, 1, 103).is_none());
+    }
 
     #[test]
     fn records_have_names_where_there_are_any() {

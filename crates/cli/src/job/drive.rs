@@ -2,14 +2,18 @@
 
 use drive_client::Model;
 use drive_client::parameter::{Interpretation, Parameters, Reading, Selection, take_scale};
-use profidrive::catalogue::{Catalogue, Parameter, Scale};
-use profidrive::notation::{Elements, ParameterReference, Target};
-use profidrive::parameter::{CodeSpace, ErrorNames, ParameterAddress, ValueBlock};
-use profidrive::state::Mode;
+use profidrive::catalogue::{Catalogue, Parameter, RecordView, Scale};
+use profidrive::notation::{Elements, Notation, ParameterReference, Prefix, Target};
+use profidrive::parameter::{CodeSpace, ErrorNames, Format, ParameterAddress, ValueBlock};
+use profidrive::pkw::PkwDialect;
+use profidrive::state::{Mode, Profile};
+use profidrive::telegram::{DANFOSS, Telegram, VACON};
 use profinet::wire::Uuid;
 
 /// Operating mode: decides over the names of some bits of STW1 and ZSW1.
 const OPERATING_MODE: u16 = 930;
+/// VLT 8-10: whose control word it is.
+const CONTROL_PROFILE: u16 = 810;
 
 /// The drive that a job asks, or that answers it. It learns from what is read from it and written to it; what nobody
 /// told is assumed to be as delivered, and said to be assumed.
@@ -21,6 +25,8 @@ pub struct JobDrive {
     known: Vec<Scale>,
     /// The mode, once it was seen.
     mode: Option<Mode>,
+    /// The profile of the maker's own control word, once the parameter that chooses it was seen.
+    own_words: Option<Profile>,
 }
 
 impl Default for JobDrive {
@@ -34,12 +40,17 @@ impl Default for JobDrive {
 impl JobDrive {
     /// A drive of this vendor and device.
     pub fn of(vendor_id: u16, device_id: u16) -> Self {
-        let model = Model::of(vendor_id, device_id);
+        Self::new(Model::of(vendor_id, device_id))
+    }
+
+    /// A drive of this model.
+    pub fn new(model: Model) -> Self {
         Self {
-            model,
             parameters: Parameters::of(&model),
+            model,
             known: Vec::new(),
             mode: None,
+            own_words: None,
         }
     }
 
@@ -52,6 +63,11 @@ impl JobDrive {
     /// True when both are of one model.
     pub fn is_like(&self, other: &Self) -> bool {
         self.model.name == other.model.name
+    }
+
+    /// Name of its model.
+    pub const fn name(&self) -> &'static str {
+        self.model.name
     }
 
     /// Its tables, where there are any.
@@ -74,14 +90,68 @@ impl JobDrive {
         self.mode.unwrap_or_default()
     }
 
-    fn parameter(&self, pnu: u16) -> Option<&'static Parameter> {
-        self.tables().and_then(|tables| tables.by_pnu(pnu))
+    /// Its parameter channel in the words of a PPO.
+    pub const fn ppo(&self) -> &'static PkwDialect {
+        match self.model.dialect.error_names {
+            ErrorNames::Danfoss => &PkwDialect::DANFOSS_PPO,
+            _ => &PkwDialect::STANDARD,
+        }
+    }
+
+    fn vendor(&self) -> Option<u16> {
+        self.tables().map(|tables| tables.device.vendor_id)
+    }
+
+    /// The telegram of this number.
+    pub fn telegram(&self, number: u16) -> Option<&'static Telegram> {
+        Telegram::find(number, self.vendor().unwrap_or(0))
+    }
+
+    /// Whose control and status word a telegram carries.
+    pub fn words(&self, telegram: Option<&Telegram>) -> Profile {
+        let own = telegram.is_some_and(|telegram| telegram.own_words);
+        match self.vendor() {
+            Some(DANFOSS) if own => self.own_words(),
+            Some(DANFOSS) => Profile::DanfossProfidrive,
+            Some(VACON) if own => Profile::VaconPpo,
+            _ => Profile::Profidrive,
+        }
+    }
+
+    /// The maker's own control and status word, also that of its serial telegrams.
+    pub fn own_words(&self) -> Profile {
+        self.own_words.unwrap_or(Profile::DanfossFc)
+    }
+
+    /// What the names of the bits rest on and nobody told: `8-10 FC profile`.
+    pub fn assumed_words(&self, telegram: Option<&Telegram>) -> Option<&'static str> {
+        let own = telegram.is_some_and(|telegram| telegram.own_words);
+        (own && self.vendor() == Some(DANFOSS) && self.own_words.is_none()).then_some("8-10 FC profile")
+    }
+
+    /// The view that records of a subslot are, where they are parameters.
+    pub fn record_view(&self, slot: u16, subslot: u16) -> Option<&'static RecordView> {
+        let views = self.tables()?.device.layout.records;
+        views.iter().find(|view| slot == 1 && view.subslot == subslot)
+    }
+
+    /// The parameter that a record of such a view is.
+    pub fn of_record(&self, index: u16) -> Option<ParameterAddress> {
+        match self.tables()?.notation {
+            Notation::Id { pnu } => Some(ParameterAddress::value(pnu, index)),
+            _ => None,
+        }
+    }
+
+    /// The parameter of the tables that an address means.
+    pub fn parameter(&self, address: ParameterAddress) -> Option<&'static Parameter> {
+        self.tables()?.at(address.pnu, address.subindex)
     }
 
     /// The selection an address means.
     pub fn select(&self, address: ParameterAddress) -> Selection {
-        let parameter = self.parameters.at(address.pnu, address.subindex);
-        let known = parameter.is_some_and(|parameter| parameter.elements > 1);
+        let parameter = self.parameter(address);
+        let known = parameter.is_some_and(|parameter| parameter.elements > 1 || parameter.base.is_some());
         let elements = (known || address.subindex > 0 || address.elements > 1).then(|| Elements {
             first: address.subindex,
             count: u16::from(address.elements.max(1)),
@@ -89,17 +159,16 @@ impl JobDrive {
         let reference = ParameterReference {
             target: Target::Number(address.pnu),
             elements,
-            prefix: None,
+            // a number on the wire is a PNU, never an application id
+            prefix: Some(Prefix::Number),
         };
-        let number = Selection::number(address.pnu, self.parameters.notation());
-        let plain = Selection {
+        self.parameters.select(&reference).unwrap_or_else(|_| Selection {
             first: address.subindex,
             count: u16::from(address.elements.max(1)),
             indexed: elements.is_some(),
             parameter,
-            ..number
-        };
-        self.parameters.select(&reference).unwrap_or(plain)
+            ..Selection::number(address.pnu, self.parameters.notation())
+        })
     }
 
     /// Name and number of what an address means; the high half of a 64-bit value is called so.
@@ -111,11 +180,19 @@ impl JobDrive {
         }
     }
 
+    /// Name and number of a parameter as a whole.
+    pub fn whole_label(&self, pnu: u16) -> String {
+        let parameter = self.parameter(ParameterAddress::value(pnu, 0));
+        let number = Selection::number(pnu, self.parameters.notation());
+        Selection { parameter, ..number }.label()
+    }
+
     /// The values of a block.
     pub fn readings(&self, address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> Vec<Reading> {
-        let selection = address.map_or(Selection::number(0, self.parameters.notation()), |address| {
-            self.select(address)
-        });
+        let selection = address.map_or_else(
+            || Selection::number(0, self.parameters.notation()),
+            |address| self.select(address),
+        );
         let interpretation = Interpretation::of(block.format, self.code_space());
         let reading = |at, octets: &[u8]| {
             let reading = self
@@ -131,10 +208,58 @@ impl JobDrive {
             .collect()
     }
 
+    /// A number that came without a format: in a parameter channel, in cyclic data or as a record. The parameter's own
+    /// type says what it is.
+    pub fn number(&self, address: ParameterAddress, octets: &[u8]) -> Reading {
+        let parameter = self.parameter(address);
+        let typed = parameter.map(|parameter| Interpretation::of(parameter.format, CodeSpace::V4));
+        let interpretation = typed
+            .filter(|typed| !matches!(typed, Interpretation::Text | Interpretation::Octets))
+            .unwrap_or(Interpretation::Plain);
+        let used = parameter.map_or(octets.len(), |parameter| parameter.size.octets());
+        let octets = octets
+            .len()
+            .checked_sub(used)
+            .and_then(|unused| octets.get(unused..))
+            .unwrap_or(octets);
+        let format = match octets.len() {
+            1 => Format::BYTE,
+            2 => Format::WORD,
+            _ => Format::DOUBLE_WORD,
+        };
+        let selection = self.select(address);
+        let reading = self
+            .parameters
+            .reading(&selection, 0, format.0, interpretation, octets);
+        self.parameters.in_mode(reading, self.mode())
+    }
+
+    /// Speed in rpm of a number of NSOLL_A or NIST_A, and what that rests on if nobody told. `full` is the number of
+    /// 100 % where the telegram has a scale of its own.
+    pub fn speed(&self, raw: i64, full: Option<u16>) -> (f64, Option<String>) {
+        let scaling = &self.parameters.scaling;
+        let rpm = match (full, scaling.reference) {
+            #[expect(clippy::cast_precision_loss, reason = "words")]
+            (Some(full), Some(reference)) => raw as f64 * reference / f64::from(full),
+            _ => scaling.speed().engineering(raw),
+        };
+        (rpm, self.assumed_scale(Scale::Velocity))
+    }
+
+    /// A number of NSOLL_A or NIST_A in percent, where 100 % has a number.
+    pub fn percent(&self, raw: i64, full: Option<u16>) -> Option<f64> {
+        let n2 = self.parameters.scaling.reference.map(|_| 0x4000);
+        #[expect(clippy::cast_precision_loss, reason = "words")]
+        full.or(n2).map(|full| raw as f64 * 100.0 / f64::from(full))
+    }
+
     /// What the value of this parameter was made with that nobody told: `PN.VELSCALING 1638`.
-    pub fn assumption(&self, pnu: u16) -> Option<String> {
-        let scale = self.parameter(pnu)?.scale;
-        if self.known.contains(&scale) {
+    pub fn assumption(&self, address: ParameterAddress) -> Option<String> {
+        self.assumed_scale(self.parameter(address)?.scale)
+    }
+
+    fn assumed_scale(&self, scale: Scale) -> Option<String> {
+        if self.known.contains(&scale) || scale.is_fixed() {
             return None;
         }
         let scaling = &self.parameters.scaling;
@@ -156,21 +281,33 @@ impl JobDrive {
     /// Takes over what a value that was read or written tells about the others.
     pub fn learn(&mut self, address: ParameterAddress, block: &ValueBlock<'_>) {
         for reading in self.readings(Some(address), block) {
-            if reading.pnu == OPERATING_MODE {
-                self.mode = match reading.raw() {
-                    Some(1) => Some(Mode::Velocity),
-                    Some(2) => Some(Mode::Position),
-                    _ => None,
-                };
-            }
-            let number = reading.number().filter(|number| *number > 0.0);
-            let scale = number.and_then(|number| {
-                self.tables()?;
-                take_scale(&mut self.parameters.scaling, reading.pnu, number)
-            });
-            if let Some(scale) = scale.filter(|scale| !self.known.contains(scale)) {
-                self.known.push(scale);
-            }
+            self.learn_from(&reading);
+        }
+    }
+
+    /// Takes over what a reading tells about other values.
+    pub fn learn_from(&mut self, reading: &Reading) {
+        if reading.pnu == OPERATING_MODE {
+            self.mode = match reading.raw() {
+                Some(1) => Some(Mode::Velocity),
+                Some(2) => Some(Mode::Position),
+                _ => None,
+            };
+        }
+        if self.vendor() == Some(DANFOSS) && reading.pnu == CONTROL_PROFILE {
+            self.own_words = match reading.raw() {
+                Some(0) => Some(Profile::DanfossFc),
+                Some(1) => Some(Profile::DanfossProfidrive),
+                _ => None,
+            };
+        }
+        let number = reading.number().filter(|number| *number > 0.0);
+        let scale = number.and_then(|number| {
+            self.tables()?;
+            take_scale(&mut self.parameters.scaling, reading.pnu, number)
+        });
+        if let Some(scale) = scale.filter(|scale| !self.known.contains(scale)) {
+            self.known.push(scale);
         }
     }
 }

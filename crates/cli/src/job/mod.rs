@@ -1,8 +1,12 @@
 //! Parameter jobs in words: what a request asks, what a response answers.
 
+mod description;
 mod drive;
 mod explain;
+pub mod pkw;
 mod response;
+pub mod serial;
+pub mod telegram;
 
 use drive_client::parameter::Reading;
 use profidrive::catalogue::WordKind;
@@ -97,7 +101,10 @@ fn label(drive: &JobDrive, address: ParameterAddress) -> String {
     let text = drive.label(address);
     match address.attribute {
         Attribute::Value => text,
-        Attribute::Description => format!("description of {text}"),
+        Attribute::Description => {
+            let element = description::element(address.subindex);
+            format!("{element} of {}", drive.whole_label(address.pnu))
+        }
         Attribute::Text => format!("texts of {text}"),
         Attribute::Other(code) => format!("attribute 0x{code:02X} of {text}"),
     }
@@ -126,10 +133,15 @@ fn block_text(drive: &JobDrive, address: Option<ParameterAddress>, block: &Value
     if address.is_some_and(|address| address.attribute == Attribute::Description)
         && let Some(description) = Description::decode(block.data)
     {
-        return format!("\"{}\"", description.name().collect::<String>().trim_end());
+        return description::words(&description, drive.code_space());
+    }
+    if address.is_some_and(|address| address.attribute == Attribute::Text)
+        && let Some(texts) = description::texts(block.data)
+    {
+        return texts;
     }
     let readings = drive.readings(address, block);
-    let assumed = address.and_then(|address| drive.assumption(address.pnu));
+    let assumed = address.and_then(|address| drive.assumption(address));
     if let ([one], Some(assumed)) = (readings.as_slice(), &assumed) {
         let raw = one.raw().map_or_else(String::new, |raw| format!("raw {raw}, "));
         return format!("{raw}{} if {assumed}", value::full(one));
@@ -170,7 +182,7 @@ fn block_json(
         "format": block.format.0, "format_name": format_name(drive, block.format), "count": block.count,
         "hex": hex_bytes(block.data), "values": values,
     };
-    if let Some(assumed) = address.and_then(|address| drive.assumption(address.pnu)) {
+    if let Some(assumed) = address.and_then(|address| drive.assumption(address)) {
         fields.insert("assumed".into(), assumed.into());
     }
     fields

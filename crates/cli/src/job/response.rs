@@ -174,7 +174,7 @@ fn answer(
                     .unwrap_or(u16::MAX),
             );
             let information = block.raw(1);
-            let mut text = format!("  {said}refused: {number}");
+            let mut text = format!("  {said}refused: {}", number.words(drive.error_names()));
             if let Some(information) = information {
                 text = format!("{text}, information {information}");
             }
@@ -184,7 +184,7 @@ fn answer(
             fields.insert(
                 "error".into(),
                 json!({
-                    "number": number.0, "meaning": number.to_string(), "information": information,
+                    "number": number.0, "meaning": number.words(drive.error_names()), "information": information,
                 }),
             );
             (Weight::Error, text)

@@ -244,6 +244,84 @@ fn nonsense_is_told_as_such() {
     }
 }
 
+/// The same numbers mean something else to another make: formats, errors, requests, who a parameter is.
+#[test]
+fn jobs_of_the_other_makes() {
+    let told = |model: &str, request: &str, response: Option<&str>| {
+        let mut drive = JobDrive::new(drive_client::Model::by_name(model).unwrap());
+        match response {
+            Some(response) => answered(&mut drive, request, response),
+            None => request_lines(&drive, &octets(request))
+                .into_iter()
+                .map(|(_, line)| line)
+                .collect(),
+        }
+    };
+    let read = "07 01 00 01 10 01 01 9E 00 00";
+    let text = told("vlt", read, Some("07 01 00 01 06 01 03 E8"));
+    assert!(
+        text.contains("Motor Speed High Limit [Hz] (4-14) = 100 Hz   [Unsigned16 03 E8]"),
+        "{text}"
+    );
+    let text = told("vlt", read, Some("07 81 00 01 44 01 00 65"));
+    assert!(text.contains("refused: 0x65 wrong axis"), "{text}");
+    for (id, verb) in [
+        ("42", "change request (kept)"),
+        ("52", "change request (double words)"),
+    ] {
+        let text = told(
+            "vlt",
+            &format!("07 {id} 00 01 10 01 01 9E 00 00 43 01 00 00 03 E8"),
+            None,
+        );
+        assert!(
+            text.starts_with(verb) && text.contains("(4-14) = 100 Hz"),
+            "{text}"
+        );
+    }
+    let text = told(
+        "vlt",
+        "07 51 00 01 10 01 01 9E 00 00",
+        Some("07 01 00 01 43 01 00 00 03 E8"),
+    );
+    assert!(text.contains("(4-14) = 100 Hz   [Double word"), "{text}");
+    let text = told(
+        "vlt",
+        "08 01 00 01 10 06 06 04 00 00",
+        Some("08 01 00 01 09 06 46 43 2D 33 30 32"),
+    );
+    assert!(text.contains("(15-40") && text.contains("= \"FC-302\""), "{text}");
+    let description = "09 01 00 01 20 01 01 9E 00 00";
+    let octets = "00 06 00 00 00 00 00 00 1C FF 00 00 00 00 4D 6F 74 6F 72 20 53 70 65 65 64 20 48 69 67 68 \
+                  00 00 00 00 00 00 05 28 00 00 00 00 00 00 00 00";
+    let text = told("vlt", description, Some(&format!("09 01 00 01 0A 2E {octets}")));
+    assert!(
+        text.contains("description of Motor Speed High Limit [Hz] (4-14) = \"Motor Speed High\", Unsigned16, 0 to 132 Hz"),
+        "{text}"
+    );
+    let texts = "0A 01 00 01 30 02 00 64 00 00";
+    let text = told(
+        "vlt",
+        texts,
+        Some(&format!(
+            "0A 01 00 01 0A 20 {} {}",
+            "53 70 65 65 64 20 6F 70 65 6E 20 6C 6F 6F 70 20",
+            "54 6F 72 71 75 65 20 20 20 20 20 20 20 20 20 20"
+        )),
+    );
+    assert!(text.contains("= \"Speed open loop\", \"Torque\""), "{text}");
+    // OPTEA p. 119: an application id stands in the subindex of PNU 10001
+    let read = "03 01 01 01 10 01 27 11 00 67";
+    let text = told("vacon", read, Some("03 01 01 01 42 01 00 32"));
+    assert!(
+        text.contains("Acceleration time 1 (ID 103) = 5 s   [Word 00 32]"),
+        "{text}"
+    );
+    let text = told("vacon", read, Some("03 81 01 01 44 01 00 66"));
+    assert!(text.contains("refused: 0x66 "), "{text}");
+    assert!(!text.contains("unknown service"), "{text}");
+}
+
 proptest::proptest! {
     #[test]
     fn any_bytes_give_an_answer(

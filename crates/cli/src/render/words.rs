@@ -1,7 +1,7 @@
 //! Control and status words, states: what the bits say to a person.
 
 use profidrive::state::bits::{self, Bit};
-use profidrive::state::{Mode, State, Stw1, Zsw1};
+use profidrive::state::{Correction, Mode, Profile, Setpoint, SpeedCommand, State, Stw1, Zsw1};
 use serde_json::{Value, json};
 
 use super::{hex16, nibbles};
@@ -127,6 +127,73 @@ fn task_meaning(stw1: Stw1) -> &'static str {
     } else {
         "operation, a traversing task may run"
     }
+}
+
+/// What the whole control word of a profile does to a drive that runs.
+pub fn control_meaning(profile: Profile, mode: Mode, word: u16) -> String {
+    if profile == Profile::Profidrive {
+        return stw1_meaning_in(mode, word).to_owned();
+    }
+    let orders = profile.orders(word, State::S4);
+    let stw1 = orders.stw1;
+    let runs = stw1.has(Stw1::CONTROL_BY_PLC | Stw1::NO_COAST_STOP | Stw1::NO_QUICK_STOP)
+        && stw1.has(Stw1::ON | Stw1::ENABLE_OPERATION)
+        && !stw1.has(Stw1::ACKNOWLEDGE_FAULT);
+    let means = match orders.speed {
+        Some(speed) if runs && !orders.dc_brake => speed_meaning(speed),
+        _ if stw1.has(Stw1::CONTROL_BY_PLC) && orders.dc_brake => "stop with direct current (DC brake)",
+        _ => stw1_meaning_in(Mode::Velocity, stw1.0),
+    };
+    let mut text = means.to_owned();
+    for (set, what) in [
+        (orders.reverse, "reverse".to_owned()),
+        (orders.second_ramp, "ramp 2".to_owned()),
+        (
+            orders.correction == Correction::SlowDown,
+            "slowed down".to_owned(),
+        ),
+        (orders.correction == Correction::CatchUp, "caught up".to_owned()),
+        (
+            orders.preset.is_some_and(|number| number > 0),
+            format!("preset reference {}", orders.preset.unwrap_or_default()),
+        ),
+        (
+            orders.set_up.is_some_and(|number| number > 0),
+            format!("set-up {}", orders.set_up.unwrap_or_default() + 1),
+        ),
+    ] {
+        if set {
+            text = format!("{text}, {what}");
+        }
+    }
+    text
+}
+
+fn speed_meaning(speed: SpeedCommand) -> &'static str {
+    match speed {
+        SpeedCommand::Channel(Setpoint::Follow) => "run: follows the setpoint",
+        SpeedCommand::Channel(Setpoint::Freeze) => "holds the speed",
+        SpeedCommand::Channel(Setpoint::RampToZero) => "ramp stop",
+        SpeedCommand::Channel(Setpoint::ZeroAtLimits) => "quick stop",
+        SpeedCommand::Jog1 => "jog",
+        SpeedCommand::Jog2 => "jog 2",
+        SpeedCommand::JogStop => "end of jog",
+    }
+}
+
+/// State of the drive out of the status word of a profile and the control word it was sent.
+pub fn status_meaning(profile: Profile, status: u16, sent: Option<u16>) -> String {
+    if profile == Profile::Profidrive {
+        return state(status, sent);
+    }
+    let fault = if profile.zsw1(status, sent.unwrap_or(0)).has(Zsw1::FAULT) {
+        ", with a fault"
+    } else {
+        ""
+    };
+    profile
+        .state(status, sent.unwrap_or(0))
+        .map_or_else(|| "not ready".into(), |state| format!("{state}{fault}"))
 }
 
 /// State of the drive out of ZSW1 and the control word it was sent: `S4 operation`. Without the control word, S3 and a

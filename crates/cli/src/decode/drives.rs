@@ -1,0 +1,87 @@
+//! What is known about each drive of a capture, by its address.
+
+use std::collections::HashMap;
+use std::net::Ipv4Addr;
+
+use drive_client::Model;
+use profinet::wire::Uuid;
+
+use crate::job::JobDrive;
+
+/// Most drives remembered with what they told about themselves.
+const MAX_DRIVES: usize = 1024;
+
+/// The drives of a capture.
+#[derive(Debug, Default)]
+pub struct Drives {
+    known: HashMap<Ipv4Addr, JobDrive>,
+    /// What a drive is taken for that does not say what it is.
+    model: Option<Model>,
+    /// Stands for all those there is no room for: knows nothing.
+    other: JobDrive,
+}
+
+impl Drives {
+    /// Drives that do not say what they are, are taken for this model.
+    pub fn new(model: Option<Model>) -> Self {
+        Self {
+            model,
+            ..Self::default()
+        }
+    }
+
+    /// The drive at an address.
+    pub fn at(&mut self, ip: Ipv4Addr) -> &mut JobDrive {
+        let fresh = self.model.map_or_else(JobDrive::default, JobDrive::new);
+        if self.known.len() >= MAX_DRIVES && !self.known.contains_key(&ip) {
+            self.other = fresh;
+            return &mut self.other;
+        }
+        self.known.entry(ip).or_insert(fresh)
+    }
+
+    /// The object of a call tells which vendor and device are at an address.
+    pub fn called(&mut self, ip: Ipv4Addr, object: &Uuid) {
+        if let Some(told) = JobDrive::of_object(object) {
+            self.take(ip, told);
+        }
+    }
+
+    /// A station told its address, vendor and device.
+    pub fn discovered(&mut self, ip: Ipv4Addr, vendor: u16, device: u16) {
+        if !ip.is_unspecified() && vendor != 0 {
+            self.take(ip, JobDrive::of(vendor, device));
+        }
+    }
+
+    fn take(&mut self, ip: Ipv4Addr, told: JobDrive) {
+        let known = self.at(ip);
+        if !known.is_like(&told) {
+            *known = told;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identity_decides_and_memory_is_bounded() {
+        let mut drives = Drives::default();
+        let ip = Ipv4Addr::new(10, 0, 0, 2);
+        assert_eq!(drives.at(ip).name(), "AKD");
+        drives.called(ip, &Uuid::object(1, 1, 0x0080));
+        assert_eq!(drives.at(ip).name(), "VLT");
+        drives.discovered(ip, 0x01BA, 0x0100);
+        assert_eq!(drives.at(ip).name(), "VACON");
+        drives.called(ip, &Uuid::NIL);
+        assert_eq!(drives.at(ip).name(), "VACON");
+        for number in 0..5000_u32 {
+            drives.at(Ipv4Addr::from(number));
+        }
+        assert_eq!(drives.known.len(), MAX_DRIVES);
+        let mut named = Drives::new(Model::by_name("vlt"));
+        assert_eq!(named.at(ip).name(), "VLT");
+    }
+}

@@ -1,0 +1,356 @@
+//! Cyclic data of a drive in words: parameter channel, control and status word, speed, further words.
+
+use profidrive::parameter::ParameterAddress;
+use profidrive::pkw::Pkw;
+use profidrive::state::{Profile, Zsw1};
+use profidrive::telegram::{Field, Image, Telegram, signal};
+use serde_json::{Map, Value, json};
+
+use super::{Decoded, JobDrive, pkw};
+use crate::decode::Weight;
+use crate::fields;
+use crate::render::{hex_bytes, hex16, number, value, words};
+
+/// One direction of the cyclic data of a drive.
+#[derive(Debug, Clone, Copy)]
+pub struct Half<'a> {
+    pub drive: &'a JobDrive,
+    /// None: all that is known is that the first word is the control or status word.
+    pub telegram: Option<&'static Telegram>,
+    /// True from the controller to the drive.
+    pub output: bool,
+}
+
+impl Half<'_> {
+    fn image(&self) -> Option<&'static Image> {
+        let telegram = self.telegram?;
+        let image = if self.output {
+            &telegram.setpoint
+        } else {
+            &telegram.actual
+        };
+        // what a freely mapped telegram has, nobody told
+        (image.octets > 0).then_some(image)
+    }
+
+    /// Whose words these are.
+    pub fn profile(&self) -> Profile {
+        self.drive.words(self.telegram)
+    }
+
+    /// The parameter channel, where there is one.
+    pub fn pkw(&self, data: &[u8]) -> Option<Pkw> {
+        let channel = self.telegram.is_some_and(|telegram| telegram.pkw);
+        let octets = data.first_chunk().filter(|_| channel)?;
+        Some(Pkw::from_octets(*octets))
+    }
+
+    /// The control or status word.
+    pub fn word(&self, data: &[u8]) -> Option<u16> {
+        let number = if self.output { signal::STW1 } else { signal::ZSW1 };
+        match self.image() {
+            Some(image) => image.get(data, number).and_then(|word| u16::try_from(word).ok()),
+            None => data.first_chunk().map(|octets| u16::from_be_bytes(*octets)),
+        }
+    }
+
+    /// Setpoint or actual value of the speed, as it travels.
+    pub fn speed(&self, data: &[u8]) -> Option<i64> {
+        let number = if self.output {
+            signal::NSOLL_A
+        } else {
+            signal::NIST_A
+        };
+        self.image()?.get(data, number)
+    }
+
+    /// What the word is called: makers with words of their own say CTW and STW.
+    pub fn word_name(&self) -> &'static str {
+        match (self.profile(), self.output) {
+            (Profile::Profidrive, true) => "STW1",
+            (Profile::Profidrive, false) => "ZSW1",
+            (_, true) => "CTW",
+            (_, false) => "STW",
+        }
+    }
+
+    /// What the speed is called.
+    pub fn speed_name(&self) -> &'static str {
+        match (self.profile(), self.output) {
+            (Profile::Profidrive, true) => "NSOLL_A",
+            (Profile::Profidrive, false) => "NIST_A",
+            (_, true) => "MRV",
+            (_, false) => "MAV",
+        }
+    }
+
+    /// What the word says. `sent` is the control word on the way to the drive.
+    pub fn word_text(&self, word: u16, sent: Option<u16>) -> (Weight, String) {
+        let profile = self.profile();
+        let mode = self.drive.mode();
+        if self.output {
+            let set = words::set(profile.control_bits(mode), word);
+            let means = words::control_meaning(profile, mode, word);
+            return (Weight::Normal, format!("{means} {set}"));
+        }
+        let set = words::set(profile.status_bits(mode), word);
+        let general = profile.zsw1(word, sent.unwrap_or(0));
+        let weight = if general.has(Zsw1::FAULT) {
+            Weight::Error
+        } else if general.has(Zsw1::WARNING) {
+            Weight::Warning
+        } else {
+            Weight::Normal
+        };
+        (
+            weight,
+            format!("{} {set}", words::status_meaning(profile, word, sent)),
+        )
+    }
+
+    /// `50 %, 750 rpm if a reference of 1500 rpm`.
+    pub fn speed_text(&self, raw: i64) -> String {
+        let full = self.telegram.and_then(|telegram| telegram.full_speed);
+        let (rpm, assumed) = self.drive.speed(raw, full);
+        let rpm = format!("{} rpm", number((rpm * 100.0).round() / 100.0));
+        let percent = self.drive.percent(raw, full).map_or_else(String::new, |percent| {
+            format!("{} %, ", number((percent * 100.0).round() / 100.0))
+        });
+        let condition = assumed.map_or_else(String::new, |assumed| format!(" if {assumed}"));
+        format!("{percent}{rpm}{condition}")
+    }
+
+    /// Everything in the data, one line for each part.
+    pub fn lines(&self, data: &[u8]) -> Vec<(Weight, String)> {
+        let mut lines = Vec::new();
+        if let Some(pkw) = self.pkw(data) {
+            let dialect = self.drive.ppo();
+            let (weight, text) = if self.output {
+                pkw::request(self.drive, dialect, pkw, None)
+            } else {
+                pkw::reply(self.drive, dialect, pkw, None)
+            };
+            lines.push((weight, row("PKW", &text)));
+        }
+        if let Some(word) = self.word(data) {
+            let (weight, text) = self.word_text(word, None);
+            let condition = self
+                .drive
+                .assumed_words(self.telegram)
+                .map_or_else(String::new, |assumed| format!(" if {assumed}"));
+            lines.push((
+                weight,
+                row(self.word_name(), &format!("{} {text}{condition}", hex16(word))),
+            ));
+        }
+        if let Some(raw) = self.speed(data) {
+            let octets = self.image().and_then(|image| {
+                let field = image.field(if self.output {
+                    signal::NSOLL_A
+                } else {
+                    signal::NIST_A
+                })?;
+                data.get(usize::from(field.offset)..)?.get(..2)
+            });
+            let text = format!(
+                "{}   [{}]",
+                self.speed_text(raw),
+                hex_bytes(octets.unwrap_or_default())
+            );
+            lines.push((Weight::Normal, row(self.speed_name(), &text)));
+        }
+        lines.extend(self.others(data));
+        lines
+    }
+
+    /// Signals and words beside control word and speed.
+    fn others(&self, data: &[u8]) -> Vec<(Weight, String)> {
+        let (Some(telegram), Some(image)) = (self.telegram, self.image()) else {
+            return Vec::new();
+        };
+        let told = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
+        let others = image
+            .fields
+            .iter()
+            .filter(|field| !told.contains(&field.signal.number));
+        let signals = others.filter_map(|field| {
+            let octets = part(data, field)?;
+            Some((
+                Weight::Normal,
+                row(
+                    field.signal.name,
+                    &format!("{}   [{}]", self.signal_text(field, octets), hex_bytes(octets)),
+                ),
+            ))
+        });
+        let words = telegram.parameter_words(image).filter_map(|(index, offset)| {
+            let octets = data.get(usize::from(offset)..)?.get(..2)?;
+            let name = format!("PCD {}", index + 1);
+            Some((Weight::Normal, row(&name, &format!("0x{}", joined(octets)))))
+        });
+        signals.chain(words).collect()
+    }
+
+    fn signal_text(&self, field: &Field, octets: &[u8]) -> String {
+        let address = ParameterAddress::value(field.signal.number, 0);
+        let known = self.drive.parameter(address);
+        if known.is_some_and(|parameter| parameter.octets() == octets.len()) && field.signal.vendor.is_some()
+            || known.is_some_and(|parameter| parameter.name == field.signal.name)
+        {
+            let assumed = self.drive.assumption(address);
+            let condition = assumed.map_or_else(String::new, |assumed| format!(" if {assumed}"));
+            return value::full(&self.drive.number(address, octets)) + &condition;
+        }
+        field
+            .signal
+            .decode(octets)
+            .map_or_else(String::new, |raw| raw.to_string())
+    }
+}
+
+fn part<'d>(data: &'d [u8], field: &Field) -> Option<&'d [u8]> {
+    data.get(usize::from(field.offset)..)?
+        .get(..usize::from(field.signal.octets()))
+}
+
+fn joined(octets: &[u8]) -> String {
+    octets.iter().map(|octet| format!("{octet:02X}")).collect()
+}
+
+fn row(name: &str, text: &str) -> String {
+    format!("  {name:<8} {text}")
+}
+
+/// Cyclic data of a telegram by its number. Without a direction both are told.
+pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>) -> Result<Decoded, String> {
+    let found = drive.telegram(telegram).ok_or_else(|| {
+        let all = drive
+            .tables()
+            .map_or(&[][..], |tables| tables.device.telegrams)
+            .iter()
+            .map(|row| row.telegram.to_string())
+            .collect::<Vec<_>>();
+        format!(
+            "no telegram {telegram} of {} is known; there are {}",
+            drive.name(),
+            all.join(", ")
+        )
+    })?;
+    let mut lines = Vec::new();
+    let mut halves = Vec::new();
+    for side in [true, false] {
+        if output.is_some_and(|wanted| wanted != side) {
+            continue;
+        }
+        let half = Half {
+            drive,
+            telegram: Some(found),
+            output: side,
+        };
+        let expected = half.image().map_or(data.len(), |image| usize::from(image.octets));
+        if !found.free && data.len() != expected {
+            let from = if side { "to" } else { "from" };
+            return Err(format!(
+                "telegram {telegram} has {expected} octets {from} the drive, there are {}",
+                data.len()
+            ));
+        }
+        let from = if side {
+            "from the controller"
+        } else {
+            "from the drive"
+        };
+        lines.push((
+            Weight::Normal,
+            format!("{} telegram {telegram} {from}", drive.name()),
+        ));
+        let told = half.lines(data);
+        halves.push(json!({
+            "from": if side { "controller" } else { "drive" },
+            "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
+            "word": half.word(data), "speed": half.speed(data),
+        }));
+        lines.extend(told);
+    }
+    let fields: Map<String, Value> =
+        fields! { "model": drive.name(), "telegram": telegram, "hex": hex_bytes(data), "halves": halves };
+    Ok(Decoded { lines, fields })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(vendor: u16, device: u16, telegram: u16, data: &[u8], output: bool) -> String {
+        let drive = JobDrive::of(vendor, device);
+        let decoded = decode(&drive, telegram, data, Some(output)).unwrap();
+        decoded.lines.into_iter().map(|(_, line)| line + "\n").collect()
+    }
+
+    /// FCM 300 p. 29: par. 207 = 1000, status word 0F07, 50 %.
+    #[test]
+    fn the_worked_ppo_1() {
+        let reply = [0x20, 0xCF, 0, 0, 0, 0, 3, 0xE8, 0x0F, 0x07, 0x20, 0];
+        let text = lines(0x0080, 1, 101, &reply, false);
+        assert!(text.contains("PKW      "), "{text}");
+        assert!(text.contains("1000"), "{text}");
+        assert!(text.contains("STW      0x0F07 S4 operation ["), "{text}");
+        assert!(text.contains("if 8-10 FC profile"), "{text}");
+        assert!(
+            text.contains("MAV      50 %, 750 rpm if a reference of 1500 rpm   [20 00]"),
+            "{text}"
+        );
+        let refused = [0x70, 0, 0, 0, 0, 0, 0, 2, 0x0F, 0x07, 0x20, 0];
+        let text = lines(0x0080, 1, 101, &refused, false);
+        assert!(text.contains("refused: 2 value exceeds the limits"), "{text}");
+        let request = [0x10, 0x78, 0, 0, 0, 0, 0, 0, 0x04, 0x7C, 0x20, 0];
+        let text = lines(0x0080, 1, 101, &request, true);
+        assert!(
+            text.contains("PKW      request value: Motor Power [kW] (1-20)"),
+            "{text}"
+        );
+        assert!(
+            text.contains("CTW      0x047C run: follows the setpoint ["),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn vacon_has_a_scale_and_words_of_its_own() {
+        let text = lines(0x01BA, 0x0100, 148, &[0x04, 0x7F, 0x13, 0x88], true);
+        assert!(
+            text.contains("CTW      0x047F run: follows the setpoint ["),
+            "{text}"
+        );
+        assert!(text.contains("MRV      50 %, 750 rpm"), "{text}");
+        let text = lines(0x01BA, 0x0100, 1, &[0x04, 0x7F, 0x20, 0x00], true);
+        assert!(text.contains("STW1     0x047F"), "{text}");
+        assert!(text.contains("NSOLL_A  50 %, 750 rpm"), "{text}");
+    }
+
+    #[test]
+    fn akd_signals_in_units() {
+        let text = lines(0x0105, 1, 1, &[0x04, 0x7F, 0x00, 0xA4], true);
+        assert!(
+            text.contains("NSOLL_A  60.04 rpm if PN.VELSCALING 1638"),
+            "{text}"
+        );
+        let data = [
+            0x04, 0x3F, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0x12, 0x34, 0, 5, 0, 1,
+        ];
+        let text = lines(0x0105, 1, 9, &data, true);
+        assert!(text.contains("MDI_TARPOS"), "{text}");
+    }
+
+    #[test]
+    fn wrong_lengths_and_numbers_are_told() {
+        let drive = JobDrive::of(0x0080, 1);
+        let error = decode(&drive, 101, &[0; 11], None).unwrap_err();
+        assert_eq!(error, "telegram 101 has 12 octets to the drive, there are 11");
+        let error = decode(&drive, 9999, &[0; 11], None).unwrap_err();
+        assert!(
+            error.ends_with("there are 1, 101, 102, 103, 104, 105, 106, 107, 108"),
+            "{error}"
+        );
+    }
+}
