@@ -495,6 +495,10 @@ pub struct Simulate {
 pub enum Model {
     /// Kollmorgen AKD
     Akd,
+    /// Danfoss VLT FC 302
+    Vlt,
+    /// Vacon 100
+    Vacon,
 }
 
 #[derive(Debug, Args)]

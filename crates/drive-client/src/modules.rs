@@ -3,47 +3,61 @@
 use profidrive::catalogue::{Device, TelegramModule};
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 
-/// Slot and subslot of the telegram.
+/// Slot of the telegram and of parameter access, and the subslot that every drive has there.
 pub(crate) const PLACE: (u16, u16) = (1, 1);
 
-/// Slot 0 with its interface and port, slot 1 with the module of a telegram, as the tables of a model have them.
+/// Slot and subslot of the telegram.
+pub(crate) const fn place_of(device: &Device) -> (u16, u16) {
+    (PLACE.0, device.layout.telegram)
+}
+
+/// Slot 0 with its interface and ports, slot 1 with the module of a telegram, as the tables of a model have them.
 ///
 /// ```
 /// use profidrive::catalogue::AKD;
 /// let telegram = AKD.device.telegram(1).unwrap();
 /// let modules = drive_client::modules_of(&AKD.device, telegram);
 /// assert_eq!(modules[1].ident, telegram.module);
+///
+/// // a VLT has two ports, and takes parameter jobs in a submodule of its own
+/// use profidrive::catalogue::VLT;
+/// let modules = drive_client::modules_of(&VLT.device, VLT.device.telegram(104).unwrap());
+/// let idents: Vec<u32> = modules[1].submodules.iter().map(|submodule| submodule.ident).collect();
+/// assert_eq!((modules[0].submodules.len(), idents), (4, vec![0xFFFF, 0x68]));
 /// ```
 #[must_use]
 pub fn modules_of(device: &Device, telegram: &TelegramModule) -> Vec<ModuleConfig> {
-    let (slot, subslot) = PLACE;
+    let (slot, subslot) = place_of(device);
     let submodule = |subslot, ident, input_length, output_length| SubmoduleConfig {
         subslot,
         ident,
         input_length,
         output_length,
     };
+    let point = &device.layout.parameters;
+    let data = submodule(subslot, telegram.submodule, telegram.inputs, telegram.outputs);
+    let mut submodules: Vec<_> = point
+        .submodule
+        .map(|ident| submodule(point.subslot, ident, 0, 0))
+        .into_iter()
+        .chain([data])
+        .collect();
+    submodules.sort_by_key(|submodule| submodule.subslot);
     vec![
         ModuleConfig {
             api: 0,
             slot: 0,
             ident: device.access_point_module,
-            submodules: vec![
-                submodule(1, device.access_point_submodule, 0, 0),
-                submodule(0x8000, device.interface_submodule, 0, 0),
-                submodule(0x8001, device.port_submodule, 0, 0),
-            ],
+            submodules: device
+                .access_point()
+                .map(|(subslot, ident)| submodule(subslot, ident, 0, 0))
+                .collect(),
         },
         ModuleConfig {
             api: device.api.into(),
             slot,
             ident: telegram.module,
-            submodules: vec![submodule(
-                subslot,
-                telegram.submodule,
-                telegram.inputs,
-                telegram.outputs,
-            )],
+            submodules,
         },
     ]
 }

@@ -296,9 +296,11 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
     })?;
     let model = match &raw.model {
         None => &model::AKD,
-        Some(text) => located(text, |text| match text.to_ascii_lowercase().as_str() {
-            "akd" => Ok(&model::AKD),
-            _ => Err(format!("no model `{text}`; there is: akd")),
+        Some(text) => located(text, |text| {
+            model::by_name(text).ok_or_else(|| {
+                let names = model::ALL.map(|model| model.catalogue.model.to_ascii_lowercase());
+                format!("no model `{text}`; there are: {}", names.join(", "))
+            })
         })?,
     };
     let mac = match &raw.mac {

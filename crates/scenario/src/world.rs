@@ -166,6 +166,8 @@ struct Desk {
     steps: std::vec::IntoIter<Step>,
     next: Option<Step>,
     outputs: Vec<u8>,
+    /// Subslot of the telegram.
+    subslot: u16,
 }
 
 impl World {
@@ -444,6 +446,7 @@ impl Desk {
             next: steps.next(),
             steps,
             outputs: vec![0; usize::from(outputs)],
+            subslot: device.layout.telegram,
         }
     }
 
@@ -505,7 +508,7 @@ impl Desk {
     fn send(&self, controller: &mut Controller) {
         if let Some(ar) = self.ar {
             // before the connection is there it is set again when it is
-            let _ = controller.set_output(ar, 1, 1, &self.outputs);
+            let _ = controller.set_output(ar, 1, self.subslot, &self.outputs);
         }
     }
 

@@ -4,11 +4,11 @@ use profidrive::catalogue::{Device, TelegramModule};
 use profinet::controller::{ModuleConfig, RecordAddress, SubmoduleConfig};
 use profinet::wire::Reader;
 use profinet::wire::block::BlockType;
-use profinet::wire::record::{Identification, IdentifiedModule, index};
+use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodule, index};
 
 use super::Session;
 use crate::drive::PROFIDRIVE_API;
-use crate::modules::{PLACE, modules_of};
+use crate::modules::{PLACE, modules_of, place_of};
 use crate::{Drive, Error, Wire};
 
 /// What is plugged, as far as the device tells (RealIdentificationData).
@@ -100,7 +100,7 @@ impl Plugged {
                 .collect();
         }
         let place = match self.drive.as_ref().filter(|module| !is_ours(device, module)) {
-            None => PLACE,
+            None => place_of(device),
             Some(_) if reported != Some(telegram.telegram) => return None,
             Some(module) => {
                 // where parameter access has a submodule of its own, it comes first
@@ -127,16 +127,18 @@ impl Plugged {
 
 /// True for a module of the tables: then its siblings are known too.
 fn is_ours(device: &Device, module: &IdentifiedModule) -> bool {
-    device
-        .telegram_of_module(module.ident)
-        .is_some_and(|known| matches!(module.submodules.as_slice(), [only] if only.ident == known.submodule))
+    device.telegram_of_module(module.ident).is_some_and(|known| {
+        let carries = |submodule: &IdentifiedSubmodule| {
+            submodule.subslot == device.layout.telegram && submodule.ident == known.submodule
+        };
+        module.submodules.iter().any(carries)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use profidrive::catalogue::AKD;
-    use profinet::wire::record::IdentifiedSubmodule;
 
     fn module(api: u32, slot: u16, ident: u32, submodules: &[(u16, u32)]) -> IdentifiedModule {
         IdentifiedModule {

@@ -146,6 +146,13 @@ pub struct DeviceConfig {
     /// Speaks with its neighbour: tells who it is by LLDP every 5 s, listens, and answers SNMP. A PROFINET device does; off
     /// where only the connections matter.
     pub neighbourhood: bool,
+    /// FrameID of the outputs where the controller leaves the choice (0xFFFF): class 1 and class 2.
+    pub output_frame_ids: [u16; 2],
+    /// Longest alarm taken from the controller, octets: 200 to 1432.
+    pub max_alarm_data: u16,
+    /// Slots that the ModuleDiffBlock names even when nothing differs there: proper module, substitute submodules. The
+    /// Danfoss VLT does so.
+    pub always_told: Vec<u16>,
     /// How long the application may take to answer a record before the engine refuses it.
     pub answer_limit: Duration,
 }
@@ -174,6 +181,9 @@ impl DeviceConfig {
             max_device_access: 4,
             follow_controller: false,
             neighbourhood: true,
+            output_frame_ids: [0xC000, 0x8000],
+            max_alarm_data: 200,
+            always_told: Vec::new(),
             answer_limit: Duration::from_secs(30),
         }
     }

@@ -26,10 +26,6 @@ use crate::wire::status::abort;
 use crate::wire::{PnioStatus, Reader, Uuid, Writer};
 use crate::{Instant, MAX_FRAME, RPC_PORT};
 
-/// Longest alarm taken from the controller.
-const MAX_ALARM_DATA: u16 = 200;
-/// FrameIDs offered for outputs when the controller leaves the choice: class 1 and class 2.
-const OUTPUT_FRAME_IDS: [u16; 2] = [0xC000, 0x8000];
 /// A relation for record access that was silent for so long gives way to a new one of its own initiator.
 const FORSAKEN: Duration = Duration::from_secs(2);
 /// Octets of blocks taken as answer to ApplicationReady.
@@ -194,11 +190,14 @@ impl Device {
         ) else {
             return Err(PnioStatus::connect(RPC, 2));
         };
-        let diff = self.slots.adapt(&self.config.modules, &cyclic.expected);
+        let diff = self
+            .slots
+            .adapt(&self.config.modules, &cyclic.expected, &self.config.always_told);
         let key = self.new_key();
+        let [class_1, class_2] = self.config.output_frame_ids;
         let output_frame = match output.request.frame_id {
-            0xFFFF if output.request.rt_class() == 1 => OUTPUT_FRAME_IDS[0],
-            0xFFFF => OUTPUT_FRAME_IDS[1],
+            0xFFFF if output.request.rt_class() == 1 => class_1,
+            0xFFFF => class_2,
             chosen => chosen,
         };
         let config = ProviderConfig {
@@ -240,7 +239,7 @@ impl Device {
             retries: alarm_cr.rta_retries,
             tag_high: Tag(alarm_cr.tag_high),
             tag_low: Tag(alarm_cr.tag_low),
-            max_length: alarm_cr.max_alarm_data_length.min(MAX_ALARM_DATA),
+            max_length: alarm_cr.max_alarm_data_length.min(self.config.max_alarm_data),
             low_only: alarm_cr.properties & 1 != 0,
         });
 
@@ -263,7 +262,7 @@ impl Device {
         AlarmCrResponse {
             alarm_cr_type: 1,
             local_alarm_reference: local_reference,
-            max_alarm_data_length: MAX_ALARM_DATA,
+            max_alarm_data_length: self.config.max_alarm_data,
         }
         .encode(&mut out);
         if !diff.modules.is_empty() {

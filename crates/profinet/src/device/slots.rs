@@ -143,11 +143,13 @@ impl Slots {
         result
     }
 
-    /// Plugs what a controller expects where the catalogue allows it, and says what differs then.
+    /// Plugs what a controller expects where the catalogue allows it, and says what differs then; of the slots
+    /// `always_told` also what does not.
     pub(super) fn adapt(
         &mut self,
         catalogue: &[ModuleDescription],
         expected: &[ExpectedModule],
+        always_told: &[u16],
     ) -> ModuleDiff {
         for module in expected {
             self.plug_expected(catalogue, expected, module.slot, module.ident);
@@ -159,10 +161,17 @@ impl Slots {
                 None => (ModuleState::NO_MODULE, Vec::new()),
                 Some(real) if real.ident != module.ident => (ModuleState::WRONG, Vec::new()),
                 Some(real) => {
+                    let told = always_told.contains(&module.slot);
                     let different: Vec<_> = module
                         .submodules
                         .iter()
-                        .filter_map(|s| compare(real, module.api, s))
+                        .filter_map(|s| {
+                            compare(real, module.api, s).or(told.then_some(DiffSubmodule {
+                                subslot: s.subslot,
+                                ident: s.ident,
+                                state: SubmoduleState::SUBSTITUTE,
+                            }))
+                        })
                         .collect();
                     if different.is_empty() {
                         continue;
@@ -209,7 +218,8 @@ fn compare(real: &ModuleDescription, api: u32, expected: &ExpectedSubmodule) -> 
 /// True if the difference says that this submodule cannot be used.
 pub(super) fn differs(diff: &ModuleDiff, slot: u16, subslot: u16) -> bool {
     diff.modules.iter().filter(|m| m.slot == slot).any(|module| {
-        module.state != ModuleState::PROPER || module.submodules.iter().any(|s| s.subslot == subslot)
+        let unusable = |s: &DiffSubmodule| s.subslot == subslot && !s.state.is_usable();
+        module.state != ModuleState::PROPER || module.submodules.iter().any(unusable)
     })
 }
 
@@ -253,14 +263,14 @@ mod tests {
         for (ident, octets, index) in [(0x68, 12, 2), (0x66, 4, 1), (0x65, 4, 0)] {
             assert!(
                 slots
-                    .adapt(&catalogue, &expected(ident, octets))
+                    .adapt(&catalogue, &expected(ident, octets), &[])
                     .modules
                     .is_empty()
             );
             assert_eq!(slots.plugged, [(1, index)]);
         }
         // none fits: the first, and the difference is told
-        let diff = slots.adapt(&catalogue, &expected(0x69, 4));
+        let diff = slots.adapt(&catalogue, &expected(0x69, 4), &[]);
         assert_eq!((slots.plugged[0], diff.modules[0].submodules.len()), ((1, 0), 1));
     }
 
@@ -274,7 +284,7 @@ mod tests {
             submodules: vec![ExpectedSubmodule::new(1, 7, 0, 0)],
         };
         let expected = [expected(0, 1), expected(0x3A00, 2), expected(0, 3)];
-        let diff = Slots { plugged: vec![] }.adapt(&[], &expected);
+        let diff = Slots { plugged: vec![] }.adapt(&[], &expected, &[]);
         let mut out = Vec::new();
         diff.encode(&mut out);
         let apis = Block::decode(&mut Reader::new(&out)).unwrap().body.u16("APIs");

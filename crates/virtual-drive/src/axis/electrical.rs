@@ -315,11 +315,17 @@ impl Electrical {
     }
 
     /// False when the bus is too low to make current.
-    pub(super) fn can_drive(&self) -> bool {
+    pub(crate) fn can_drive(&self) -> bool {
         match self.bus_override {
             None => self.square > DEAD * DEAD,
             Some(voltage) => voltage > DEAD,
         }
+    }
+
+    /// The mains is there.
+    #[must_use]
+    pub const fn has_mains(&self) -> bool {
+        self.mains > 0.0
     }
 
     /// Mains voltage, V; 0 is off.

@@ -316,20 +316,45 @@ fn module(texts: &mut Texts, device: &catalogue::Device, module: &TelegramModule
         physical_subslots: ValueList::EMPTY,
         subslots: Vec::new(),
         submodules: Vec::new(),
-        virtual_submodules: vec![Submodule {
-            id: format!("S_TEL_{number}"),
-            ident: data.ident,
-            api: data.api,
-            fixed_in_subslots: ValueList::one(data.subslot.into()),
-            process_alarms: false,
-            writable_im: ValueList::EMPTY,
-            info: Some(info),
-            io,
-            records: Vec::new(),
-            graphics: Vec::new(),
-        }],
+        virtual_submodules: module
+            .module
+            .submodules
+            .iter()
+            .map(|submodule| {
+                let carries = submodule.subslot == module.subslot;
+                Submodule {
+                    id: if carries {
+                        format!("S_TEL_{number}")
+                    } else {
+                        format!("S_PAP_{number}")
+                    },
+                    ident: submodule.ident,
+                    api: submodule.api,
+                    fixed_in_subslots: ValueList::one(submodule.subslot.into()),
+                    process_alarms: false,
+                    writable_im: ValueList::EMPTY,
+                    info: Some(if carries { info.clone() } else { point(texts) }),
+                    io: if carries { io.clone() } else { IoData::default() },
+                    records: Vec::new(),
+                    graphics: Vec::new(),
+                }
+            })
+            .collect(),
         graphics: Vec::new(),
     })
+}
+
+/// The submodule that takes parameter jobs and has no data.
+fn point(texts: &mut Texts) -> ModuleInfo {
+    let words = Words {
+        english: "Parameter access point",
+        german: "Parameterzugriffspunkt",
+    };
+    ModuleInfo {
+        name: Some(add(texts, "T_PAP", &words)),
+        info: Some(add(texts, "T_PAP_INFO", &words)),
+        ..ModuleInfo::default()
+    }
 }
 
 /// One item for each signal; words without a fixed signal have numbers.

@@ -19,12 +19,10 @@ use profinet::device::{Identity, ModuleDescription, ResetMode, SubmoduleDescript
 
 use crate::model::Model;
 
-/// Subslots of the interface and of the first port in slot 0.
+/// Subslot of the interface in slot 0; its ports follow.
 const INTERFACE: u16 = 0x8000;
-const PORT: u16 = 0x8001;
-/// Slot and subslot of the telegram in our own modules.
+/// Slot of the telegram in our own modules.
 const SLOT: u16 = 1;
-const SUBSLOT: u16 = 1;
 /// Longest telegram of any model, in octets.
 pub(crate) const LONGEST_TELEGRAM: u16 = 64;
 
@@ -99,21 +97,32 @@ impl Description {
             input_length: 0,
             output_length: 0,
         };
-        let telegrams = device.telegrams.iter().map(|telegram| TelegramModule {
-            telegram: telegram.telegram,
-            module: ModuleDescription {
-                ident: telegram.module,
-                slots: vec![SLOT],
-                submodules: vec![SubmoduleDescription {
-                    subslot: SUBSLOT,
-                    ident: telegram.submodule,
-                    api: u32::from(device.api),
-                    input_length: telegram.inputs,
-                    output_length: telegram.outputs,
-                }],
-            },
-            slot: SLOT,
-            subslot: SUBSLOT,
+        let layout = &device.layout;
+        let api = u32::from(device.api);
+        let telegrams = device.telegrams.iter().map(|telegram| {
+            let data = SubmoduleDescription {
+                subslot: layout.telegram,
+                ident: telegram.submodule,
+                api,
+                input_length: telegram.inputs,
+                output_length: telegram.outputs,
+            };
+            let point = layout.parameters.submodule.map(|ident| SubmoduleDescription {
+                api,
+                ..plain(layout.parameters.subslot, ident)
+            });
+            let mut submodules: Vec<_> = point.into_iter().chain([data]).collect();
+            submodules.sort_by_key(|submodule| submodule.subslot);
+            TelegramModule {
+                telegram: telegram.telegram,
+                module: ModuleDescription {
+                    ident: telegram.module,
+                    slots: vec![SLOT],
+                    submodules,
+                },
+                slot: SLOT,
+                subslot: layout.telegram,
+            }
         });
         Self {
             identity: Identity {
@@ -132,11 +141,10 @@ impl Description {
             access_points: vec![ModuleDescription {
                 ident: device.access_point_module,
                 slots: vec![0],
-                submodules: vec![
-                    plain(1, device.access_point_submodule),
-                    plain(INTERFACE, device.interface_submodule),
-                    plain(PORT, device.port_submodule),
-                ],
+                submodules: device
+                    .access_point()
+                    .map(|(subslot, ident)| plain(subslot, ident))
+                    .collect(),
             }],
             telegrams: telegrams.collect(),
             others: Vec::new(),

@@ -10,7 +10,7 @@ use crate::model::Live;
 impl Drive {
     /// What the parameter reads as: the value of the other one.
     pub(super) fn same(&self, parameter: &Parameter, other: u16) -> i64 {
-        match self.model.catalogue.by_pnu(other) {
+        match self.model.numbered(other) {
             Some(target) => self.converted(target, parameter, self.values.get(other)),
             None => 0,
         }
@@ -29,8 +29,7 @@ impl Drive {
     /// True when this signal is not the value that the other parameter has.
     pub(super) fn differs(&self, signal: &Parameter, other: u16, raw: i64) -> bool {
         self.model
-            .catalogue
-            .by_pnu(other)
+            .numbered(other)
             .is_some_and(|target| self.converted(signal, target, raw) != self.values.get(other))
     }
 
@@ -44,7 +43,7 @@ impl Drive {
         other: u16,
         raw: i64,
     ) -> Result<(), ErrorNumber> {
-        let target = self.model.catalogue.by_pnu(other);
+        let target = self.model.numbered(other);
         let target = target.ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
         let (low, high) = self.limits_through(parameter, target);
         if !(low..=high).contains(&raw) {
@@ -57,7 +56,7 @@ impl Drive {
     /// Lowest and highest number that a write accepts.
     pub(super) fn limits(&self, position: usize, parameter: &Parameter) -> (i64, i64) {
         let target = match self.live.get(position) {
-            Some(Live::Same(other) | Live::Through(other)) => self.model.catalogue.by_pnu(*other),
+            Some(Live::Same(other) | Live::Through(other)) => self.model.numbered(*other),
             _ => None,
         };
         match target {

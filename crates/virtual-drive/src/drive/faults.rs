@@ -4,13 +4,15 @@
 //! every tick), from other parts of the drive (a lost controller, a motion task that cannot run), and from outside
 //! ([`Injection`](super::Injection)). Source: AKD PROFINET manual 5.14.
 
+use std::time::Duration;
+
 use profidrive::catalogue::Cleared;
-use profidrive::fault::{Fault, FaultBuffer};
+use profidrive::fault::{Fault, FaultBuffer, Shape};
 use profidrive::state::FaultReaction;
 use profinet::Instant;
 
 use super::{Drive, Event, RESTLESS};
-use crate::model::{Cause, Limit, MOST_CONDITIONS, Model, When};
+use crate::model::{Cause, Limit, Lost, MOST_CONDITIONS, Model, When};
 
 /// Faults shown by DRV.FAULT1 and following; a situation of the buffer holds eight of them.
 const MOST_ACTIVE: usize = 10;
@@ -20,6 +22,9 @@ const MOST_LASTING: usize = 8;
 
 /// Warnings at one time.
 const MOST_WARNINGS: usize = 16;
+
+/// Faults in the log (VLT 15-30).
+const LOGGED: usize = 10;
 
 /// Value of FAULTn.ACTION: the fault is ignored.
 const IGNORE: i64 = 1;
@@ -102,12 +107,14 @@ pub(super) struct Faults {
     counting: u32,
     /// Since when a delayed condition has its cause.
     since: [Option<Instant>; MOST_CONDITIONS],
+    /// The faults that came last with their time, the newest first.
+    log: [(u16, Duration); LOGGED],
 }
 
 impl Faults {
-    pub const fn new() -> Self {
+    pub fn new(shape: Shape) -> Self {
         Self {
-            buffer: FaultBuffer::new(),
+            buffer: FaultBuffer::with_shape(shape).unwrap_or_default(),
             active: Numbers::NONE,
             lasting: Numbers::NONE,
             warnings: Numbers::NONE,
@@ -115,7 +122,28 @@ impl Faults {
             present: 0,
             counting: 0,
             since: [None; MOST_CONDITIONS],
+            log: [(0, Duration::ZERO); LOGGED],
         }
+    }
+
+    /// PNU 952.
+    pub const fn situations(&self) -> u16 {
+        self.buffer.situations()
+    }
+
+    /// Empties the buffer.
+    pub fn forget(&mut self) {
+        self.buffer.clear();
+    }
+
+    /// One of the faults that came last, from 0, and when.
+    pub fn logged(&self, place: usize) -> Option<(u16, Duration)> {
+        self.log.get(place).copied().filter(|(number, _)| *number != 0)
+    }
+
+    /// True while a fault is there that only a restart clears, or whose cause was put there from outside.
+    pub const fn has_lasting(&self) -> bool {
+        self.lasting.0[0] != 0
     }
 
     /// PNU 944.
@@ -273,6 +301,10 @@ impl Drive {
             number,
             ..Fault::default()
         });
+        self.faults.log.rotate_right(1);
+        if let Some(newest) = self.faults.log.first_mut() {
+            *newest = (number, self.last - Instant::ZERO);
+        }
         let known = self.model.catalogue.fault(number, false);
         if known.is_some_and(|fault| fault.cleared == Cleared::Restart) {
             self.faults.lasting.push(number);
@@ -351,7 +383,7 @@ impl Drive {
         if !self.faults.any() || !self.a_cause_lasts() {
             self.clear_requested = true;
             let status = self.decide();
-            self.process.status = status | self.application_status();
+            self.process.status = self.told(status);
             return;
         }
         let mut back = Numbers::<MOST_ACTIVE>::NONE;
@@ -481,6 +513,20 @@ impl Drive {
         put(Cause::NegativeSwitch, yes(inputs.limit_negative));
         put(Cause::BrakeClosed, yes(inputs.brake));
         put(Cause::SlowDisable, self.disabling_for());
+        if let Some(inverter) = &self.settings.inverter {
+            let output = axis.motor_output();
+            let load = 100.0 * output.thermal_load;
+            let counts = inverter.thermal_warning || inverter.thermal_trip;
+            put(Cause::MotorLoad, if counts { load } else { 0.0 });
+            put(
+                Cause::MotorLoadTrip,
+                if inverter.thermal_trip { load } else { 0.0 },
+            );
+            put(Cause::InverterLoad, 100.0 * electrical.drive_load());
+            put(Cause::CurrentLimit, yes(output.limited));
+            put(Cause::MainsLost, yes(!electrical.has_mains()));
+            put(Cause::MotorHot, electrical.motor_temperature());
+        }
         values
     }
 }
@@ -492,6 +538,34 @@ impl Drive {
             (self.last - self.disable_since).as_secs_f64() * 1000.0
         } else {
             0.0
+        }
+    }
+}
+
+impl Drive {
+    /// 32 bits of the alarm or warning word from a bit on: what is active has its bit in the table.
+    pub(super) fn alarm_word(&self, warning: bool, first: u8) -> i64 {
+        let catalogue = self.model.catalogue;
+        let bits = |number: u16| {
+            let bit = catalogue.fault(number, warning)?.bit?.checked_sub(first)?;
+            (bit < 32).then_some(1_i64 << bit)
+        };
+        let word = |word: i64, number: u16| word | bits(number).unwrap_or(0);
+        if warning {
+            self.faults.warnings.iter().fold(0, word)
+        } else {
+            self.faults.active.iter().fold(0, word)
+        }
+    }
+
+    /// The controller is lost: a fault, or a warning where the parameters say so.
+    pub(super) fn raise_lost(&mut self) {
+        let number = self.model.connection_lost_fault;
+        match self.model.connection_lost {
+            Lost::From(parameter, least) if self.values.get(parameter) < least => {
+                self.keep(number, Keeper::Action, true);
+            }
+            Lost::From(..) | Lost::Always => self.raise(number),
         }
     }
 }

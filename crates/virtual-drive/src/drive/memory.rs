@@ -4,12 +4,11 @@
 //! DRV.NVSAVE saves, DRV.NVLOAD fetches what was saved last, DRV.RSTVAR puts the values as delivered into the working
 //! memory and leaves what is saved alone. Motion tasks are kept like parameters. Source: AKD Parameter Guide 12/2009.
 
-use profidrive::catalogue::Scaling;
 use profidrive::parameter::ErrorNumber;
 
 use super::settings::Settings;
 use super::{Drive, Event};
-use crate::store::{Image, ImageError, Values};
+use crate::store::{Image, ImageError, Values, is_saved, key};
 
 /// Address mode: the address as DCP set it (IP.MODE 1, AKD PROFINET manual 3.4.1).
 const BY_DCP: i64 = 1;
@@ -42,7 +41,7 @@ impl Drive {
             .model
             .roles
             .address_mode
-            .and_then(|pnu| self.model.catalogue.by_pnu(pnu))
+            .and_then(|pnu| self.model.numbered(pnu))
         else {
             return;
         };
@@ -100,7 +99,7 @@ impl Drive {
         let saved = self.saved.as_deref();
         saved
             .and_then(|text| Image::decode(text.as_bytes()).ok())
-            .unwrap_or_else(|| Values::new(self.model.catalogue).image(&Scaling::default()))
+            .unwrap_or_else(|| Values::new(self.model.catalogue).image(&self.model.catalogue.scaling))
     }
 
     fn restore(&mut self, image: &Image) -> Result<usize, ImageError> {
@@ -115,6 +114,22 @@ impl Drive {
             .filter(|(name, text)| self.take_task_line(name, text))
             .count();
         Ok(left_out - taken)
+    }
+
+    /// Saves one value and nothing else.
+    pub(super) fn save_element(&mut self, position: usize, element: u16) {
+        let Some(parameter) = self.model.catalogue.parameters.get(position) else {
+            return;
+        };
+        if !is_saved(parameter) {
+            return;
+        }
+        let key = key(self.model.catalogue, position, element);
+        let raw = self.values.element_at(position, element);
+        let mut image = self.saved_image();
+        if image.set_as(&key, parameter, raw, &self.settings.scaling) {
+            self.keep_saved(&image);
+        }
     }
 
     fn keep_saved(&mut self, image: &Image) {

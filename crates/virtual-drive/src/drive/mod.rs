@@ -3,6 +3,7 @@
 mod another;
 mod faults;
 mod injection;
+mod inverter;
 mod memory;
 mod motion;
 mod outside;
@@ -13,13 +14,15 @@ mod settings;
 mod signals;
 mod telegrams;
 mod velocity;
+mod words;
 mod writing;
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use profidrive::catalogue::Scaling;
-use profidrive::state::{FaultReaction, Machine, SetpointChannel, Stw1, Zsw1};
+use profidrive::pkw;
+use profidrive::state::{FaultReaction, Machine, Orders, SetpointChannel, Stw1, Zsw1};
 use profinet::Instant;
 
 pub use injection::{Injection, InjectionError, Key as InjectionKey};
@@ -162,6 +165,11 @@ pub struct Drive {
     settings: Settings,
     saved: Option<String>,
     machine: Machine,
+    /// What the control word asks for that the machine took last.
+    orders: Orders,
+    /// Parameter channel in the process data.
+    pkw: Option<pkw::Server>,
+    meter: Meter,
     channel: SetpointChannel,
     /// Reaction to the faults that came since the last step of the machine.
     reaction: Option<FaultReaction>,
@@ -194,7 +202,7 @@ impl Drive {
     pub fn new(model: &'static Model) -> Self {
         let values = Values::new(model.catalogue);
         let settings = Settings::new(model, &values);
-        Self {
+        let mut drive = Self {
             model,
             live: model.live_by_position(),
             numbers: Self::listed_numbers(model),
@@ -203,9 +211,12 @@ impl Drive {
             settings,
             saved: None,
             machine: Machine::new(),
+            orders: Orders::default(),
+            pkw: model.pkw.map(|dialect| pkw::Server::new(*dialect)),
+            meter: Meter::default(),
             channel: SetpointChannel::default(),
             reaction: None,
-            faults: Faults::new(),
+            faults: Faults::new(model.fault_buffer),
             outside: Outside::default(),
             axis: Axis::new(model.plant),
             positioning: Positioning::new(),
@@ -222,7 +233,9 @@ impl Drive {
             restless: 0,
             last: Instant::ZERO,
             events: VecDeque::with_capacity(MOST_EVENTS),
-        }
+        };
+        drive.fit_motor();
+        drive
     }
 
     /// The model of the drive.
@@ -253,6 +266,9 @@ impl Drive {
         }
         self.keep(self.model.connection_lost_fault, Keeper::Action, false);
         self.take_command_source();
+        if let Some(server) = &mut self.pkw {
+            server.reset();
+        }
         self.link = Link::Cyclic {
             watchdog,
             running: false,
@@ -274,7 +290,7 @@ impl Drive {
         let exchanging = self.link.is_exchanging();
         self.link = Link::None;
         if exchanging && (cause == Disconnect::Lost || self.is_enabled()) {
-            self.raise(self.model.connection_lost_fault);
+            self.raise_lost();
         }
     }
 
@@ -285,6 +301,7 @@ impl Drive {
         let passed = now - self.last;
         self.last = now;
         self.take_outputs(outputs);
+        self.serve_channel(outputs, inputs);
         let was_enabled = self.is_enabled();
         let mut status = self.decide();
         self.hold_brake();
@@ -301,7 +318,8 @@ impl Drive {
         }
         status = self.look_after(status);
         self.position_settle();
-        self.process.status = status | self.application_status();
+        self.process.status = self.told(status);
+        self.meter.count(passed, self.is_enabled(), &self.axis);
         self.give_inputs(inputs);
     }
 
@@ -356,6 +374,7 @@ impl Drive {
     /// Puts the drive, where it is, on another motor, load and way.
     pub fn set_plant(&mut self, plant: Plant) {
         self.axis.set_plant(plant);
+        self.fit_motor();
     }
 
     /// True while the power stage is on (DRV.ACTIVE).
@@ -386,12 +405,33 @@ impl Drive {
     /// Bit 10 of the control word: the controller has control.
     const fn is_controlled_by_bus(&self) -> bool {
         matches!(self.link, Link::Cyclic { running: true, .. })
-            && self.process.control.has(Stw1::CONTROL_BY_PLC)
+            && self.process.orders.stw1.has(Stw1::CONTROL_BY_PLC)
     }
 
     /// Takes changed parameters over.
     fn apply(&mut self) {
         self.settings = Settings::new(self.model, &self.values);
+        self.fit_motor();
+        self.choose_words();
+    }
+}
+
+/// What is counted since power on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Meter {
+    on: Duration,
+    running: Duration,
+    /// Energy that went to the motor, Ws.
+    energy: f64,
+}
+
+impl Meter {
+    fn count(&mut self, passed: Duration, running: bool, axis: &Axis) {
+        self.on += passed;
+        if running {
+            self.running += passed;
+            self.energy += axis.motor_output().power.max(0.0) * passed.as_secs_f64();
+        }
     }
 }
 
@@ -400,6 +440,8 @@ impl Drive {
 #[error("this drive has no telegram {0}")]
 pub struct UnknownTelegram(pub u16);
 
+#[cfg(test)]
+mod bench;
 #[cfg(test)]
 mod conformance;
 #[cfg(test)]
@@ -414,3 +456,5 @@ mod telegram_tests;
 mod tests;
 #[cfg(test)]
 mod velocity_tests;
+#[cfg(test)]
+mod vlt_tests;

@@ -1,6 +1,6 @@
 //! From the state machine to what the power stage does, and back into the status word.
 
-use profidrive::state::{Inputs, Motion, State, Stw1, Zsw1};
+use profidrive::state::{Inputs, Motion, Profile, State, Stw1, Zsw1};
 
 use super::velocity::on_ramp;
 use super::{Drive, Event, Mode, Service};
@@ -14,8 +14,10 @@ impl Drive {
     /// Runs the state machine; the status word without the bits that depend on the axis.
     pub(super) fn decide(&mut self) -> u16 {
         let before = self.state();
+        let profile = self.profile();
+        let orders = profile.orders(self.process.control.0, before);
         let mut inputs = Inputs {
-            stw1: self.process.control,
+            stw1: orders.stw1,
             local: self.local_word(),
             standstill: self.axis.is_standing(self.settings.standstill),
             fault: self.reaction.take(),
@@ -45,7 +47,10 @@ impl Drive {
                 inputs.coast_stop = true;
             }
         }
-        let output = self.machine.step(&inputs);
+        let output = profile.step(&mut self.machine, &inputs);
+        if output.accepted && self.is_running() {
+            self.orders = orders;
+        }
         if output.acknowledged {
             self.acknowledged();
         }
@@ -111,7 +116,11 @@ impl Drive {
         let settings = &self.settings;
         match self.state().motion() {
             Motion::Coast => Command::Off,
-            Motion::RampStop => on_ramp(0.0, self.safe_stop(settings.ramps)),
+            Motion::RampStop if self.orders.dc_brake => Command::DcBrake {
+                current: settings.inverter.map_or(0.0, |inverter| inverter.brake_current),
+            },
+            Motion::RampStop => on_ramp(0.0, self.safe_stop(self.ramps())),
+            Motion::QuickStop if self.profile().quick_stop_on_ramp() => on_ramp(0.0, self.ramps()),
             Motion::QuickStop => on_ramp(
                 0.0,
                 self.safe_stop(Ramps {
@@ -133,8 +142,18 @@ impl Drive {
         }
     }
 
+    /// The status word for a state, with the bits that depend on the axis, in the words of the telegram in use.
+    pub(super) fn told(&self, status: u16) -> u16 {
+        let profile = self.profile();
+        let status = Zsw1(status | self.application_status());
+        if profile == Profile::Profidrive {
+            return status.0;
+        }
+        profile.status(self.state(), status, &self.conditions())
+    }
+
     /// The bits of the status word that depend on the axis.
-    pub(super) fn application_status(&self) -> u16 {
+    fn application_status(&self) -> u16 {
         let warning = if self.has_warning() { Zsw1::WARNING.0 } else { 0 };
         if self.settings.mode == Mode::Position {
             return self.position_status().0 | warning;

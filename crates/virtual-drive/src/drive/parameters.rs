@@ -1,8 +1,9 @@
 //! Parameter service: the drive behind base mode parameter access.
 
 use profidrive::catalogue::{Access, Parameter, Scale, Size};
+use profidrive::notation::Notation;
 use profidrive::parameter::{
-    Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, serve,
+    Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, Saving, serve,
 };
 
 use super::Drive;
@@ -48,14 +49,18 @@ impl ParameterAccess for Drive {
             .place(pnu, subindex)
             .map_or_else(|_| high(), |(_, _, parameter)| Some(parameter))?;
         let writable = parameter.access != Access::ReadOnly;
-        Some(Attributes {
-            elements: if parameter.is_array() {
-                parameter.elements
-            } else {
-                0
+        let attributes = match (parameter.length, parameter.is_array()) {
+            (0, array) => Attributes {
+                elements: if array { parameter.elements } else { 0 },
+                ..Attributes::simple(self.format(parameter), parameter.size.octets(), writable)
             },
+            (length, false) => Attributes::string(length, writable),
+            (length, true) => Attributes::strings(parameter.elements, length, writable),
+        };
+        Some(Attributes {
+            format: self.format(parameter),
             first: parameter.base.unwrap_or(0),
-            ..Attributes::simple(format(parameter), parameter.size.octets(), writable)
+            ..attributes
         })
     }
 
@@ -84,7 +89,7 @@ impl ParameterAccess for Drive {
 
     /// Of a 64-bit value the high half is written first and has no effect before the low half, which makes one value of
     /// both. A low half that comes alone is the whole value. Any other access in between forgets the high half.
-    fn write(&mut self, pnu: u16, subindex: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
+    fn write(&mut self, pnu: u16, subindex: u16, raw: u64, keep: Keep) -> Result<(), ErrorNumber> {
         let kept = self.half.take();
         if let Some(parameter) = self.model.catalogue.by_high(pnu) {
             let pnu = parameter.pnu;
@@ -109,7 +114,28 @@ impl ParameterAccess for Drive {
             (Size::Word | Size::Command, _) => i64::from(raw as u16),
             (Size::Dword, false) => i64::from(raw as u32),
         };
-        self.set_element(position, element, raw)
+        self.set_element(position, element, raw)?;
+        if keep == Keep::Permanent || self.model.dialect.saving == Saving::Always {
+            self.save_element(position, element);
+        }
+        Ok(())
+    }
+
+    /// With 927 at 0 the bus may change nothing but that.
+    fn may_change(&self, pnu: u16) -> bool {
+        self.model
+            .roles
+            .edit
+            .is_none_or(|edit| pnu == edit || self.values.get(edit) != 0)
+    }
+
+    /// Texts of an enumeration, the text of a value at its number.
+    fn text(&self, pnu: u16, index: u16) -> Option<[u8; 16]> {
+        if !self.model.texts {
+            return None;
+        }
+        let (_, _, parameter) = self.place(pnu, 0).ok()?;
+        parameter.choice(i64::from(index)).map(padded)
     }
 
     /// The limits are those of a double word: what can be written to this number alone. A high half is described as the
@@ -118,8 +144,7 @@ impl ParameterAccess for Drive {
         let catalogue = self.model.catalogue;
         let high = catalogue.by_high(pnu);
         let (position, _, parameter) = self.place(high.map_or(pnu, |parameter| parameter.pnu), 0).ok()?;
-        let scaling = &self.settings.scaling;
-        let mut flags = u16::from(format(parameter).0);
+        let mut flags = u16::from(self.format(parameter).0);
         let mut set = |flag: u16, when: bool| {
             if when {
                 flags |= flag;
@@ -127,17 +152,22 @@ impl ParameterAccess for Drive {
         };
         let (size_index, conversion_index) = match high {
             Some(_) => (0, 0),
+            None if self.model.catalogue.notation != Notation::Name => {
+                (parameter.variable.size, parameter.variable.conversion.0)
+            }
             None => unit(parameter).unwrap_or_default(),
         };
         let stored = matches!(self.live.get(position), Some(Live::Stored));
         set(Identifier::ARRAY, parameter.is_array());
         set(Identifier::READ_ONLY, parameter.access == Access::ReadOnly);
         set(Identifier::NO_SCALE, size_index == 0);
+        set(Identifier::CHANGED, stored && self.values.is_changed(position));
         set(
-            Identifier::CHANGED,
-            stored && self.values.at(position) != parameter.raw_default(scaling),
+            Identifier::TEXT,
+            self.model.texts && !parameter.choices.is_empty(),
         );
         let fits = parameter.size.range(parameter.signed);
+        let normalised = self.format(parameter) == Format::N2;
         let (low, high) = match high {
             Some(_) => (*fits.start(), *fits.end()),
             None => {
@@ -146,29 +176,54 @@ impl ParameterAccess for Drive {
                 (within(low), within(high))
             }
         };
-        let mut name = [b' '; 16];
-        for (place, octet) in name.iter_mut().zip(parameter.name.bytes()) {
-            *place = octet;
-        }
         Some(Description {
             identifier: Identifier(flags),
-            elements: if parameter.is_array() {
-                parameter.elements
-            } else {
-                0
+            elements: match (parameter.is_array(), parameter.length) {
+                (true, _) => parameter.elements,
+                (false, length) => length,
             },
             factor: 1.0,
             size_index,
             conversion_index,
-            name,
+            name: padded(parameter.name),
             minimum: (low as u32).to_be_bytes(),
             maximum: (high as u32).to_be_bytes(),
+            reference_pnu: if normalised { self.reference_number() } else { 0 },
+            normalisation: if normalised { NORMALISED } else { 0 },
             ..Description::default()
         })
     }
 }
 
-/// True type of the value; dialects that know only sizes do not show it.
+/// Normalisation of a cyclic value: valid, bit 14 is 100 %. Source: MCA 101 manual p. 33.
+const NORMALISED: u16 = 0x800E;
+
+/// A text in 16 characters.
+fn padded(text: &str) -> [u8; 16] {
+    let mut padded = [b' '; 16];
+    for (place, octet) in padded.iter_mut().zip(text.bytes()) {
+        *place = octet;
+    }
+    padded
+}
+
+impl Drive {
+    /// True type of the value. The table of an AKD has sizes only.
+    fn format(&self, parameter: &Parameter) -> Format {
+        if self.model.catalogue.notation == Notation::Name {
+            format(parameter)
+        } else {
+            parameter.format
+        }
+    }
+
+    /// PNU of the value that is 100 % of a reference.
+    fn reference_number(&self) -> u16 {
+        self.model.roles.inverter.map_or(0, |roles| roles.reference[1])
+    }
+}
+
+/// The type of a value of this size; dialects that know only sizes do not show it.
 const fn format(parameter: &Parameter) -> Format {
     match (parameter.size, parameter.signed) {
         (Size::Byte, true) => Format::INTEGER8,

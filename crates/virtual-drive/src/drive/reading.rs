@@ -6,8 +6,9 @@ use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Mapping;
 
 use super::faults::motor_sensor;
+use super::inverter::HORSEPOWER;
 use super::{Drive, Mode};
-use crate::model::{Live, Quantity, Sensor, Table};
+use crate::model::{Live, Quantity, Sensor, Table, numbered};
 
 /// PNUs of the lists of PNUs.
 const LISTS: core::ops::RangeInclusive<u16> = 980..=989;
@@ -33,9 +34,9 @@ impl Drive {
     ) -> Result<&'static Parameter, ErrorNumber> {
         let parameters = self.model.catalogue.parameters;
         let parameter = parameters.get(position).ok_or(ErrorNumber::UNKNOWN_PARAMETER)?;
-        if element < parameter.elements {
+        if element < count(parameter) {
             Ok(parameter)
-        } else if parameter.is_array() {
+        } else if parameter.is_array() || parameter.length > 0 {
             Err(ErrorNumber::SUBINDEX)
         } else {
             Err(ErrorNumber::NO_ARRAY)
@@ -45,8 +46,12 @@ impl Drive {
     fn number(&self, position: usize, parameter: &Parameter, element: u16) -> i64 {
         let live = self.live.get(position).copied().unwrap_or(Live::Stored);
         match live {
-            Live::Stored | Live::Mode if parameter.size != Size::Command => self.values.at(position),
-            Live::Stored | Live::Mode | Live::Do(_) => 0,
+            Live::Stored if parameter.is_text() => text_octet(parameter, element),
+            Live::Stored if parameter.length > 0 => octet(self.values.at(position), parameter, element),
+            Live::Stored | Live::Mode if parameter.size != Size::Command => {
+                self.values.element_at(position, element)
+            }
+            Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(_) => 0,
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Place(place) => wrap(self.place_number(place), parameter),
             Live::Same(other) => self.same(parameter, other),
@@ -60,10 +65,17 @@ impl Drive {
                 Mode::Speed => 1,
                 Mode::Position => 2,
             },
+            Live::Profile if parameter.length > 0 => octet(self.model.profile.into(), parameter, element),
             Live::Profile => i64::from(self.model.profile),
             Live::FaultCounter => i64::from(self.faults.counter()),
             Live::Fault(number) => i64::from(self.faults.active(usize::from(number))),
             Live::Warning(number) => i64::from(self.faults.warning(usize::from(number))),
+            Live::Signal(number) => self.process.signal(number),
+            Live::AlarmWord(first) => self.alarm_word(false, first),
+            Live::WarningWord(first) => self.alarm_word(true, first),
+            Live::ExtendedStatus => self.extended_status(),
+            Live::FaultSituations => i64::from(self.faults.situations()),
+            Live::Word { actual, number } => self.shown_word(actual, number),
             Live::Watchdog => i64::try_from(self.link.watchdog().as_millis()).unwrap_or(i64::MAX),
             Live::Active => i64::from(self.is_enabled()),
             Live::DisableSources => self.disable_sources(),
@@ -84,13 +96,15 @@ impl Drive {
                 let value = self.parameter(source.pnu).unwrap_or(0);
                 word | (value >> source.of & 1) << source.bit
             }),
+            Live::Array(Table::SetpointWords) => self.word_number(false, position, element),
+            Live::Array(Table::ActualWords) => self.word_number(true, position, element),
             Live::Array(table) => self.entry(table, usize::from(element)),
         }
     }
 
     /// The number of a parameter that is no array.
     pub(super) fn parameter(&self, pnu: u16) -> Option<i64> {
-        self.element(self.model.catalogue.position(pnu)?, 0).ok()
+        self.element(numbered(self.model.catalogue, pnu)?, 0).ok()
     }
 
     /// A measured value in its engineering unit.
@@ -114,6 +128,25 @@ impl Drive {
                 }
             }
             Quantity::Current | Quantity::CurrentCommand => axis.current(),
+            Quantity::Frequency
+            | Quantity::FrequencyPart
+            | Quantity::MotorVoltage
+            | Quantity::Power
+            | Quantity::Horsepower
+            | Quantity::PowerPart
+            | Quantity::Torque
+            | Quantity::TorquePart
+            | Quantity::MotorLoad
+            | Quantity::InverterLoad
+            | Quantity::BrakePower => self.of_motor(quantity),
+            Quantity::Reference
+            | Quantity::ReferenceFrequency
+            | Quantity::ReferencePart
+            | Quantity::SpeedPart
+            | Quantity::SpeedOfRange => self.of_reference(quantity),
+            Quantity::PowerTime => self.meter.on.as_secs_f64() / HOUR,
+            Quantity::RunningTime => self.meter.running.as_secs_f64() / HOUR,
+            Quantity::Energy => self.meter.energy / (1000.0 * HOUR),
             Quantity::TaskSpeed => axis.trajectory_speed(),
             Quantity::BusVoltage => axis.electrical().bus_voltage(),
             Quantity::RegenPower => axis.electrical().regen_power(),
@@ -137,6 +170,7 @@ impl Drive {
             version,
             i64::from(device.firmware_year),
             i64::from(device.firmware_day_month),
+            1, // drive objects
         ];
         match table {
             Table::SetpointSignals => mapped(self.process.setpoints(), element),
@@ -146,11 +180,20 @@ impl Drive {
                 .and_then(|number| self.parameter_of_signal(number))
                 .map_or(0, i64::from),
             Table::FaultNumbers => i64::from(self.fault_number(u16::try_from(element).unwrap_or(u16::MAX))),
+            Table::LogCodes => self.faults.logged(element).map_or(0, |(code, _)| code.into()),
+            Table::LogTimes => self
+                .faults
+                .logged(element)
+                .map_or(0, |(_, at)| at.as_secs() as i64),
+            Table::SetpointWords | Table::ActualWords => 0,
+            Table::Changed(list) => self.changed(usize::from(list) * PER_LIST + element, element),
             Table::Identification => unit.get(element).copied().unwrap_or(0),
-            // Type class 1 is an axis; application classes 1 and 3; the axis number that requests carry.
+            // Type class 1 is an axis; application classes 1 and, with positioning, 3; the axis number that requests carry.
             Table::DriveObject => match element {
                 5 => 1,
-                6 => 0b101,
+                6 if self.model.roles.mode.is_some() => 0b101,
+                6 => 1,
+                7 => i64::from(self.model.dialect.axis),
                 _ => unit.get(element).copied().unwrap_or(0),
             },
             Table::Numbers(list) => (element < PER_LIST)
@@ -170,9 +213,96 @@ impl Drive {
     }
 }
 
+impl Drive {
+    /// What the motor shows, in its engineering unit.
+    fn of_motor(&self, quantity: Quantity) -> f64 {
+        let output = self.axis.motor_output();
+        let plate = self.settings.inverter.as_ref().map(|inverter| inverter.plate);
+        let [power, torque, synchronous] = plate.map_or([1.0; 3], |plate| {
+            [plate.power, plate.torque(), plate.synchronous_speed()]
+        });
+        let shaft = output.torque * self.axis.speed() * std::f64::consts::TAU / 60.0;
+        let inverter = self.settings.inverter.as_ref();
+        match quantity {
+            Quantity::Frequency => output.frequency.abs(),
+            Quantity::FrequencyPart => {
+                let speed = plate.map_or(0.0, |plate| output.frequency / plate.frequency * synchronous);
+                100.0 * inverter.map_or(0.0, |inverter| inverter.part(speed))
+            }
+            Quantity::MotorVoltage => output.voltage,
+            Quantity::Power => shaft / 1000.0,
+            Quantity::Horsepower => shaft / 1000.0 * HORSEPOWER,
+            Quantity::PowerPart => 100.0 * shaft / power,
+            Quantity::Torque => output.torque,
+            Quantity::TorquePart => 100.0 * output.torque / torque,
+            Quantity::MotorLoad => 100.0 * output.thermal_load,
+            Quantity::InverterLoad => 100.0 * self.axis.electrical().drive_load(),
+            Quantity::BrakePower => self.axis.electrical().regen_power() / 1000.0,
+            _ => 0.0,
+        }
+    }
+
+    /// What the reference asks for and what is reached of it.
+    fn of_reference(&self, quantity: Quantity) -> f64 {
+        let Some(inverter) = &self.settings.inverter else {
+            return 0.0;
+        };
+        let (wanted, speed) = (self.wanted_speed(), self.axis.measured_speed());
+        match quantity {
+            Quantity::Reference => wanted,
+            Quantity::ReferenceFrequency => wanted.abs() * f64::from(inverter.plate.pole_pairs) / 60.0,
+            Quantity::ReferencePart => 100.0 * inverter.part(wanted),
+            Quantity::SpeedPart => 100.0 * inverter.part(speed),
+            Quantity::SpeedOfRange => 100.0 * inverter.part_of_range(speed),
+            _ => 0.0,
+        }
+    }
+
+    /// The n-th number of a parameter that is not as delivered.
+    fn changed(&self, place: usize, in_list: usize) -> i64 {
+        if in_list >= PER_LIST {
+            return 0;
+        }
+        let stored = |position: &usize| matches!(self.live.get(*position), Some(Live::Stored));
+        (0..self.live.len())
+            .filter(|position| stored(position) && self.values.is_changed(*position))
+            .filter_map(|position| self.model.catalogue.parameters.get(position))
+            .nth(place)
+            .map_or(0, |parameter| i64::from(parameter.pnu))
+    }
+}
+
+/// One octet of a text as delivered; blanks behind its end. In an array of texts all are alike.
+fn text_octet(parameter: &Parameter, place: u16) -> i64 {
+    let place = usize::from(place) % usize::from(parameter.length.max(1));
+    i64::from(parameter.text.as_bytes().get(place).copied().unwrap_or(b' '))
+}
+
+/// One octet of a number, high octet first.
+fn octet(value: i64, parameter: &Parameter, place: u16) -> i64 {
+    let from_the_end = u32::from(parameter.length.saturating_sub(place).saturating_sub(1));
+    value.checked_shr(8 * from_the_end).unwrap_or(0) & 0xFF
+}
+
+/// Seconds.
+const HOUR: f64 = 3600.0;
+
 /// Signal number in one word of a mapping.
 fn mapped(mapping: &Mapping, element: usize) -> i64 {
     u16::try_from(element).map_or(0, |word| i64::from(mapping.word(word)))
+}
+
+/// Elements on the wire: those of an array, the octets of a string and of all strings of an array.
+pub(super) const fn count(parameter: &Parameter) -> u16 {
+    if parameter.length > 0 {
+        parameter.length.saturating_mul(if parameter.elements == 0 {
+            1
+        } else {
+            parameter.elements
+        })
+    } else {
+        parameter.elements
+    }
 }
 
 /// Keeps the low bits that the size holds.

@@ -4,6 +4,7 @@ use profidrive::catalogue::Scaling;
 use profidrive::unit::UnitChoice;
 
 use super::faults::Watching;
+use super::inverter::Inverter;
 use super::position::Setup;
 use crate::axis::{Endurance, Ramps, Tuning};
 use crate::model::Model;
@@ -40,6 +41,7 @@ pub(super) struct Settings {
     /// A brake is fitted and holds the axis while the power stage is off.
     pub holds_when_off: bool,
     pub position: Setup,
+    pub inverter: Option<Inverter>,
 }
 
 /// Speed below which the axis counts as standing where no parameter says it, rpm.
@@ -67,9 +69,13 @@ impl Settings {
             },
             ..standard
         };
+        let inverter = roles.inverter.map(|roles| Inverter::new(roles, model, values));
+        if let Some(inverter) = &inverter {
+            scaling.reference = Some(inverter.reference[1]);
+        }
         let value = |pnu: Option<u16>, scaling: &Scaling| {
-            let parameter = model.catalogue.by_pnu(pnu?)?;
-            Some(parameter.engineering(values.get(parameter.pnu), scaling))
+            let parameter = model.numbered(pnu?)?;
+            Some(parameter.engineering(values.get(pnu?), scaling))
         };
         if let Some(peak) = value(roles.peak_current, &scaling) {
             scaling.peak_current = peak;
@@ -93,7 +99,7 @@ impl Settings {
         };
         let [drive_continuous, motor_continuous] = roles.continuous_current;
         let milliampere = |pnu: Option<u16>, otherwise: f64| value(pnu, 1000.0 * otherwise) / 1000.0;
-        Self {
+        let settings = Self {
             scaling,
             tuning: Tuning {
                 current_positive,
@@ -133,6 +139,23 @@ impl Settings {
             holds_when_off: matches!(roles.brake.map(raw), [Some(1), None | Some(0)]),
             fault_on_stop: raw(roles.bus_options).is_some_and(|options| options & 1 == 1),
             position: Setup::new(model, values, &scaling, [speed_negative, speed_positive]),
+            inverter,
+        };
+        match inverter {
+            Some(inverter) => settings.with(&inverter),
+            None => settings,
+        }
+    }
+
+    /// What a frequency converter has in the place of the parameters of a servo drive.
+    fn with(self, inverter: &Inverter) -> Self {
+        Self {
+            tuning: inverter.tuning(self.tuning),
+            ramps: inverter.ramps[0],
+            quick_stop: inverter.quick_stop,
+            jog_speed: inverter.jogs,
+            jog_ramps: inverter.jog_ramps,
+            ..self
         }
     }
 }

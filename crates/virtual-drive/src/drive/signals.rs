@@ -2,10 +2,11 @@
 //!
 //! Source: AKD manual 5.8 (signals; each is a parameter of the same number too), 5.11 (telegrams).
 
-use profidrive::state::Stw1;
+use profidrive::state::{Orders, Stw1};
 use profidrive::telegram::{Field, Mapping, Telegram, signal};
 use profidrive::unit::akd;
 
+use super::words::{ChosenWord, MOST_WORDS};
 use super::{Drive, Link};
 use crate::model::{Live, Model};
 
@@ -42,6 +43,13 @@ pub(super) struct Process {
     pub control: Stw1,
     /// Status word as sent last.
     pub status: u16,
+    /// What the control word asks for.
+    pub orders: Orders,
+    /// The telegram in use is one of the maker's own.
+    own: Option<&'static Telegram>,
+    /// Words that carry a parameter which is chosen by settings: first octet and word.
+    pub words_in: Vec<ChosenWord>,
+    pub words_out: Vec<ChosenWord>,
     /// Speed setpoint, rpm.
     pub speed: f64,
     /// Current setpoint, A.
@@ -61,6 +69,10 @@ impl Process {
             status2: 0,
             control: Stw1::default(),
             status: 0x0240,
+            orders: Orders::default(),
+            own: None,
+            words_in: Vec::with_capacity(MOST_WORDS),
+            words_out: Vec::with_capacity(MOST_WORDS),
             speed: 0.0,
             current: 0.0,
         };
@@ -84,7 +96,7 @@ impl Process {
                 mapping
                     .fields()
                     .iter()
-                    .map(|field| (*field, model.catalogue.position(field.signal.number))),
+                    .map(|field| (*field, model.position_of_signal(field.signal.number))),
             );
         };
         places(&setpoint, &mut self.takes);
@@ -92,7 +104,10 @@ impl Process {
         self.telegram = number;
         self.setpoint = setpoint;
         self.actual = actual;
+        self.own = Telegram::find(number, model.catalogue.device.vendor_id)
+            .filter(|telegram| telegram.vendor.is_some());
         self.control = Stw1::default();
+        self.orders = Orders::default();
         self.status2 = 0;
         self.speed = 0.0;
         self.current = 0.0;
@@ -114,6 +129,16 @@ impl Process {
         if let Some(place) = self.values.get_mut(usize::from(number)) {
             *place = value;
         }
+    }
+
+    /// The control and status word of the telegram in use have the maker's bits.
+    pub fn has_own_words(&self) -> bool {
+        self.own.is_some_and(|telegram| telegram.own_words)
+    }
+
+    /// The telegram in use if it is one of the maker's own.
+    pub const fn own_telegram(&self) -> Option<&'static Telegram> {
+        self.own
     }
 
     /// Number of the telegram in use, PNU 922.
@@ -164,7 +189,7 @@ impl Drive {
         let Some(outputs) = outputs else {
             let stopped = core::mem::replace(running, false);
             if stopped && self.settings.fault_on_stop {
-                self.raise(self.model.connection_lost_fault);
+                self.raise_lost();
             }
             return;
         };
@@ -173,8 +198,9 @@ impl Drive {
         if let Some(control) = self.process.setpoint.get(outputs, signal::STW1) {
             self.process.control = Stw1(control as u16);
             self.process.set_signal(signal::STW1, control);
+            self.process.orders = self.profile().orders(control as u16, self.state());
         }
-        if !self.process.control.has(Stw1::CONTROL_BY_PLC) {
+        if !self.process.orders.stw1.has(Stw1::CONTROL_BY_PLC) {
             return;
         }
         // From the last to the first: of a signal that is mapped twice the first place counts.
@@ -186,6 +212,7 @@ impl Drive {
                 self.take_setpoint(field.signal.number, position, value);
             }
         }
+        self.take_words(outputs);
         self.process.live_on();
     }
 
@@ -194,7 +221,7 @@ impl Drive {
     pub(super) fn take_setpoint(&mut self, number: u16, position: Option<usize>, value: i64) {
         self.process.set_signal(number, value);
         match number {
-            signal::NSOLL_A => self.process.speed = self.settings.scaling.speed().engineering(value),
+            signal::NSOLL_A => self.process.speed = self.speed_of(value),
             signal::kollmorgen::IL_CMD_FIELDBUS => {
                 self.process.current = akd::current(&self.settings.scaling).engineering(value);
             }
@@ -216,11 +243,14 @@ impl Drive {
         for (field, position) in &self.process.gives {
             let value = match (field.signal.number, position) {
                 (signal::ZSW2, _) => self.process.status2,
+                (signal::ZSW1, _) => self.process.status.into(),
+                (signal::NIST_A, _) if self.settings.inverter.is_some() => self.speed_number(),
                 (_, Some(position)) => self.element(*position, 0).unwrap_or(0),
                 _ => 0,
             };
             // Inputs that are too short for the telegram get what fits.
             let _ = field.set(inputs, value);
         }
+        self.give_words(inputs);
     }
 }

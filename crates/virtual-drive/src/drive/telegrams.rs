@@ -99,6 +99,7 @@ impl Drive {
         let (setpoint, actual) =
             mapped.unwrap_or_else(|| (Mapping::of(&telegram.setpoint), Mapping::of(&telegram.actual)));
         self.process.use_telegram(self.model, number, setpoint, actual);
+        self.choose_words();
         self.follow_command_source(&setpoint);
         true
     }
@@ -200,10 +201,10 @@ impl Drive {
 
     /// PNU of the parameter that a signal is (PNU 923); none for a number that is no signal or is reserved.
     pub(super) fn parameter_of_signal(&self, number: u16) -> Option<u16> {
-        let catalogue = self.model.catalogue;
-        Signal::find(number, catalogue.device.vendor_id)?;
-        let parameter = catalogue.by_pnu(number)?;
-        (parameter.name != RESERVED).then_some(number)
+        Signal::find(number, self.model.catalogue.device.vendor_id)?;
+        let of = self.model.process.signals.parameter(number)?;
+        let parameter = self.model.numbered(of)?;
+        (parameter.name != RESERVED).then_some(of)
     }
 }
 

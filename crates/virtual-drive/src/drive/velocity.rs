@@ -21,9 +21,12 @@ impl Drive {
     /// The setpoint channel in S4.
     pub(super) fn velocity_operation(&mut self) -> Command {
         let standing = self.axis.is_standing(self.settings.standstill);
-        let speed = self.channel.step(self.state(), self.machine.word(), standing);
+        let speed = match self.orders.speed {
+            Some(speed) => speed,
+            None => self.channel.step(self.state(), self.machine.word(), standing),
+        };
         let settings = &self.settings;
-        let [one, two] = settings.jog_speed;
+        let [one, two] = self.jog_speeds();
         let jog = match speed {
             SpeedCommand::Jog1 => Some(one),
             SpeedCommand::Jog2 => Some(two),
@@ -49,13 +52,18 @@ impl Drive {
     }
 
     fn speed_operation(&mut self, setpoint: Setpoint) -> Command {
-        let ramps = self.settings.ramps;
+        let ramps = self.ramps();
         let wanted = if self.stop_requested {
             0.0
         } else {
-            self.process.speed
+            self.wanted_speed()
+        };
+        let quick = Ramps {
+            acceleration: self.settings.quick_stop,
+            deceleration: self.settings.quick_stop,
         };
         let (target, ramp, hold) = match setpoint {
+            Setpoint::ZeroAtLimits if self.profile().zero_on_quick_ramp() => (0.0, Some(quick), false),
             Setpoint::Follow => (wanted, Some(ramps), false),
             Setpoint::Freeze => (wanted, Some(ramps), true),
             Setpoint::RampToZero => (0.0, Some(ramps), false),
@@ -92,13 +100,28 @@ impl Drive {
             return status;
         }
         let measured = self.axis.measured_speed();
-        if within(self.axis.speed_command(), measured) {
+        let follows = match &self.settings.inverter {
+            Some(inverter) => {
+                !self.axis.motor_output().limited && inverter.follows(self.axis.speed_command(), measured)
+            }
+            None => within(self.axis.speed_command(), measured),
+        };
+        if follows {
             status = status.with(Zsw1::IN_TOLERANCE);
         }
-        if within(self.target, measured) {
+        if self.is_at_speed() {
             status = status.with(Zsw1::REACHED);
         }
         status
+    }
+
+    /// The axis has the speed that is asked for; without feedback that is what the ramp puts out.
+    pub(super) fn is_at_speed(&self) -> bool {
+        let speed = match &self.settings.inverter {
+            Some(_) => self.axis.speed_command(),
+            None => self.axis.measured_speed(),
+        };
+        within(self.target, speed)
     }
 }
 

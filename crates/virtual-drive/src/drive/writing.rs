@@ -1,12 +1,14 @@
 //! What writing a parameter does.
 
+use std::time::Duration;
+
 use profidrive::catalogue::{Access, Parameter};
 
 use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Direction;
 
 use super::{Drive, Event, Service};
-use crate::model::{Action, Live, Table};
+use crate::model::{Action, Live, Table, numbered};
 
 impl Drive {
     /// Writes the number of one element as on the wire (sign included); `position` is the place in the catalogue.
@@ -29,11 +31,8 @@ impl Drive {
                     1 | 2 => raw,
                     _ => return Err(ErrorNumber::VALUE),
                 };
-                let position = self
-                    .model
-                    .roles
-                    .mode
-                    .and_then(|pnu| self.model.catalogue.position(pnu));
+                let position = self.model.roles.mode;
+                let position = position.and_then(|pnu| numbered(self.model.catalogue, pnu));
                 self.set_mode(position.ok_or(ErrorNumber::NOT_NOW)?, mode)?;
             }
             Live::Telegram => {
@@ -63,6 +62,31 @@ impl Drive {
                 let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
                 self.map_signal(Direction::Setpoint, element, number)?;
             }
+            Live::Array(Table::SetpointWords | Table::ActualWords) => {
+                self.choose_word(position, element, raw)?;
+            }
+            Live::ControlWord => return Err(ErrorNumber::NOT_NOW),
+            Live::Signal(number) => {
+                if self.is_commanded(number) {
+                    return Err(ErrorNumber::NOT_NOW);
+                }
+                self.within_limits(parameter, raw)?;
+                self.take_setpoint(number, None, raw);
+            }
+            Live::FaultSituations => {
+                if raw != 0 {
+                    return Err(ErrorNumber::RESET_ONLY);
+                }
+                self.faults.forget();
+            }
+            Live::Choose(actions) => {
+                let action = actions.iter().find(|(value, _)| *value == raw);
+                match action {
+                    Some((_, action)) => self.execute(*action)?,
+                    None if parameter.choices.is_empty() || parameter.choice(raw).is_some() => {}
+                    None => return Err(ErrorNumber::VALUE),
+                }
+            }
             Live::Array(Table::ActualSignals) => {
                 let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
                 self.map_signal(Direction::Actual, element, number)?;
@@ -72,10 +96,28 @@ impl Drive {
                 if !parameter.choices.is_empty() && parameter.choice(raw).is_none() {
                     return Err(ErrorNumber::VALUE);
                 }
-                self.values.set_at(position, raw);
+                self.values.set_element_at(position, element, raw);
             }
         }
         self.apply();
+        Ok(())
+    }
+
+    /// Chooses the parameter of a process data word (VLT 9-15 and 9-16). The first two words are fixed.
+    fn choose_word(&mut self, position: usize, element: u16, raw: i64) -> Result<(), ErrorNumber> {
+        if element < 2 {
+            return Err(ErrorNumber::NOT_CHANGEABLE);
+        }
+        let actual = matches!(self.live.get(position), Some(Live::Array(Table::ActualWords)));
+        let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
+        let fits = self.model.numbered(number).is_some_and(|chosen| {
+            let plain = chosen.length == 0 && !chosen.is_array();
+            plain && (actual || chosen.access == Access::ReadWrite)
+        });
+        if number != 0 && !fits {
+            return Err(ErrorNumber::VALUE);
+        }
+        self.values.set_element_at(position, element, raw);
         Ok(())
     }
 
@@ -124,6 +166,8 @@ impl Drive {
             Action::Save => self.save(),
             Action::Load => self.load()?,
             Action::Defaults => self.defaults()?,
+            Action::ResetEnergy => self.meter.energy = 0.0,
+            Action::ResetRunningTime => self.meter.running = Duration::ZERO,
             Action::Blink => self.emit(Event::Blink),
             Action::Nothing => {}
         }

@@ -3,11 +3,15 @@
 //! Source of the numbers: AKD PROFINET manual ed. M chapters 5 and 6; of the meanings `data/akd/`.
 
 use profidrive::catalogue;
+use profidrive::fault::Shape;
 use profidrive::parameter::Dialect;
 
 use super::akd_conditions::{ACTIONS, CONDITIONS};
 use super::live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
-use super::{HomeRoles, Model, PositionRoles, Roles, TaskRoles, UnitRoles};
+use super::{
+    Chosen, HomeRoles, Lost, Model, PositionRoles, ProcessFacts, Roles, Signals, TaskRoles, UnitRoles, Wire,
+    Words,
+};
 use crate::axis::Plant;
 
 /// The AKD of 3 A with a small servo motor.
@@ -17,9 +21,20 @@ pub static AKD: Model = Model {
     roles: ROLES,
     plant: Plant::SERVO,
     dialect: &Dialect::AKD,
+    pkw: None,
+    process: ProcessFacts {
+        words: Words::PROFIDRIVE,
+        signals: Signals::Numbers,
+        setpoints: Chosen::Nothing,
+        actuals: Chosen::Nothing,
+    },
+    wire: Wire::PLAIN,
     conditions: CONDITIONS,
     fault_actions: ACTIONS,
     connection_lost_fault: 702,
+    connection_lost: Lost::Always,
+    fault_buffer: Shape::EIGHT_BY_EIGHT,
+    texts: false,
     profile: 0x0329,
 };
 
@@ -52,7 +67,9 @@ const ROLES: Roles = Roles {
     bus_options: Some(2158),         // FBUS.PARAM02
     address_mode: Some(2606),        // IP.MODE
     brake: [Some(2241), Some(2242)], // MOTOR.BRAKE, MOTOR.BRAKERLS
+    edit: None,
     positioning: POSITIONING,
+    inverter: None,
 };
 
 const POSITIONING: PositionRoles = PositionRoles {

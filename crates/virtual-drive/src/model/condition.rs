@@ -49,11 +49,23 @@ pub enum Cause {
     BrakeClosed,
     /// A disable on the ramp takes longer than the limit, ms.
     SlowDisable,
+    /// Calculated thermal load of the motor above the limit, %.
+    MotorLoad,
+    /// The same, only while the calculated protection is to trip.
+    MotorLoadTrip,
+    /// How much of the inverter's reserve is used up above the limit, %.
+    InverterLoad,
+    /// The current limit holds the ramp.
+    CurrentLimit,
+    /// The mains is away.
+    MainsLost,
+    /// Temperature of the motor above the limit, degC.
+    MotorHot,
 }
 
 impl Cause {
     /// Number of causes.
-    pub const COUNT: usize = 14;
+    pub const COUNT: usize = 20;
 
     /// True when the value must be below the limit instead of above it.
     #[must_use]

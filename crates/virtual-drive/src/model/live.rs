@@ -15,6 +15,8 @@ pub enum Live {
     Setpoint,
     /// The same, and it sets another parameter, within the limits of that one.
     Through(u16),
+    /// A setpoint signal of another number: the value that came last.
+    Signal(u16),
     /// The control word that the controller sent last.
     ControlWord,
     /// The status word that the drive sends.
@@ -33,6 +35,23 @@ pub enum Live {
     Fault(u8),
     /// The n-th warning, 0 when there are fewer.
     Warning(u8),
+    /// The bits of the faults that are not acknowledged: 32 of them from this one on.
+    AlarmWord(u8),
+    /// The bits of the warnings: 32 of them from this one on.
+    WarningWord(u8),
+    /// Extended status word of a VLT (16-94).
+    ExtendedStatus,
+    /// Number of fault situations; writing 0 clears the buffer.
+    FaultSituations,
+    /// The chosen process data word, from 0, as the drive sends it or as it came.
+    Word {
+        /// To the controller.
+        actual: bool,
+        /// Behind control or status word and speed, from 0.
+        number: u8,
+    },
+    /// Writing a value does something; it reads as 0.
+    Choose(&'static [(i64, Action)]),
     /// Time in milliseconds after which the controller counts as lost.
     Watchdog,
     /// 1 while the power stage is on.
@@ -106,6 +125,44 @@ pub enum Quantity {
     MotorSensor,
     /// A temperature, degC.
     Temperature(Sensor),
+    /// Output frequency without sign, Hz.
+    Frequency,
+    /// The same with sign, % of the highest reference.
+    FrequencyPart,
+    /// Output voltage, V.
+    MotorVoltage,
+    /// Power at the shaft, kW.
+    Power,
+    /// The same in hp.
+    Horsepower,
+    /// The same, % of the nominal power.
+    PowerPart,
+    /// Torque, Nm.
+    Torque,
+    /// The same, % of the nominal torque.
+    TorquePart,
+    /// Calculated thermal load of the motor, %.
+    MotorLoad,
+    /// How much of the inverter's reserve is used up, %.
+    InverterLoad,
+    /// Power in the brake resistor, kW.
+    BrakePower,
+    /// What the reference asks for, rpm.
+    Reference,
+    /// The same, Hz.
+    ReferenceFrequency,
+    /// The same, % of the highest reference.
+    ReferencePart,
+    /// Speed, % of the highest reference.
+    SpeedPart,
+    /// Speed, % of the way from the lowest to the highest reference.
+    SpeedOfRange,
+    /// Time since power on, h.
+    PowerTime,
+    /// Time with the power stage on, h.
+    RunningTime,
+    /// Energy that went to the motor, kWh.
+    Energy,
 }
 
 /// What position, and in which unit.
@@ -149,12 +206,23 @@ pub enum Table {
     SignalParameters,
     /// PNU 947: fault numbers, 8 situations of 8.
     FaultNumbers,
+    /// PNU 915 of a drive whose process data words are chosen by parameter number: those numbers in a telegram of the
+    /// maker, signal numbers in one of the profile.
+    SetpointWords,
+    /// PNU 916 of such a drive.
+    ActualWords,
+    /// Codes of the faults that came last, the newest first.
+    LogCodes,
+    /// When they came, s since power on.
+    LogTimes,
     /// PNU 964: drive unit identification.
     Identification,
     /// PNU 975: drive object identification.
     DriveObject,
     /// PNU 980 and following: the n-th part of the list of all PNUs.
     Numbers(u8),
+    /// PNU 990 and following: the n-th part of the list of those that are not as delivered.
+    Changed(u8),
 }
 
 /// What a command does.
@@ -186,6 +254,10 @@ pub enum Action {
     Load,
     /// Values as delivered; not while the power stage is on.
     Defaults,
+    /// Forget the energy that was counted.
+    ResetEnergy,
+    /// Forget the time that was counted.
+    ResetRunningTime,
     /// Show which drive this is.
     Blink,
     /// Known, does nothing in a virtual drive.

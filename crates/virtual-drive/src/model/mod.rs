@@ -7,28 +7,54 @@
 mod akd;
 mod akd_conditions;
 mod condition;
+mod inverter;
 mod live;
 mod positioning;
+mod process;
+mod vacon;
+mod vlt;
 
 pub use akd::AKD;
 pub use condition::{Cause, Condition, Delay, Limit, When};
+pub use inverter::{InverterRoles, PlateRoles, RampTo};
 pub use live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 pub use positioning::{HomeRoles, PositionRoles, TaskRoles, UnitRoles};
+pub use process::{Chosen, Lost, ProcessFacts, Signals, Wire, Words};
+pub use vacon::VACON;
+pub use vlt::VLT;
 
-use profidrive::catalogue::Catalogue;
+use profidrive::catalogue::{Catalogue, Parameter};
+use profidrive::fault::Shape;
 use profidrive::parameter::Dialect;
+use profidrive::pkw::PkwDialect;
 
 use crate::axis::Plant;
 
 /// Most conditions a model can have.
 pub const MOST_CONDITIONS: usize = 32;
 
+/// Every model.
+pub static ALL: [&Model; 3] = [&AKD, &VLT, &VACON];
+
+/// The model with this name, case does not matter.
+///
+/// ```
+/// use virtual_drive::model;
+/// assert_eq!(model::by_name("vlt").unwrap().catalogue.model, "VLT");
+/// assert!(model::by_name("sinamics").is_none());
+/// ```
+#[must_use]
+pub fn by_name(name: &str) -> Option<&'static Model> {
+    ALL.into_iter()
+        .find(|model| model.catalogue.model.eq_ignore_ascii_case(name))
+}
+
 /// A drive model.
 #[derive(Debug)]
 pub struct Model {
     /// Its parameters, faults and modules.
     pub catalogue: &'static Catalogue,
-    /// Parameters that are not just stored, ascending by PNU; every other parameter keeps what is written.
+    /// Parameters that are not just stored, ascending by number; every other parameter keeps what is written.
     pub live: &'static [(u16, Live)],
     /// Parameters that the drive obeys.
     pub roles: Roles,
@@ -36,17 +62,30 @@ pub struct Model {
     pub plant: Plant,
     /// How its parameter manager answers.
     pub dialect: &'static Dialect,
+    /// How its parameter channel in process data and on a serial line answers, where it has one.
+    pub pkw: Option<&'static PkwDialect>,
+    /// What its process data are.
+    pub process: ProcessFacts,
+    /// What is particular about it on PROFINET.
+    pub wire: Wire,
     /// What it watches, and the numbers that come of it; at most [`MOST_CONDITIONS`].
     pub conditions: &'static [Condition],
     /// Faults with a parameter that says what becomes of them (0 fault, 1 nothing, 4 warning), ascending by fault.
     pub fault_actions: &'static [(u16, u16)],
     /// Fault raised when the controller is lost.
     pub connection_lost_fault: u16,
+    /// When that is a fault.
+    pub connection_lost: Lost,
+    /// Shape of its fault buffer.
+    pub fault_buffer: Shape,
+    /// It gives the texts of enumerations (attribute 0x30).
+    pub texts: bool,
     /// Value of PNU 965: profile 3, version 41.
     pub profile: u16,
 }
 
-/// PNUs of the parameters that the drive obeys; `None` where a model has no such parameter.
+/// Numbers of the parameters that the drive obeys, as its maker counts them: PNUs, or application ids of a Vacon. `None`
+/// where a model has no such parameter.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Roles {
     /// Acceleration ramp, rpm/s.
@@ -105,21 +144,79 @@ pub struct Roles {
     pub brake: [Option<u16>; 2],
     /// Bit 0: 1 raises the connection fault when the controller goes from RUN to STOP.
     pub bus_options: Option<u16>,
+    /// 0: the bus may change no parameter but this one (PNU 927).
+    pub edit: Option<u16>,
     /// What positioning obeys.
     pub positioning: PositionRoles,
+    /// What a frequency converter obeys; none for a servo drive.
+    pub inverter: Option<&'static InverterRoles>,
+}
+
+impl Roles {
+    /// A drive that obeys no parameter.
+    pub const NONE: Self = Self {
+        acceleration: None,
+        deceleration: None,
+        quick_stop: None,
+        standstill: None,
+        jog_speed: [None; 2],
+        jog_ramp: [None; 2],
+        peak_current: None,
+        current_limit: [None; 2],
+        speed_limit: [None; 2],
+        gain: None,
+        integral: None,
+        position_gain: None,
+        speed_forward: None,
+        continuous_current: [None; 2],
+        motor_peak_current: None,
+        motor_peak_time: None,
+        velocity_scaling: None,
+        acceleration_scaling: None,
+        position_scaling: None,
+        singleturn_bits: None,
+        mode: None,
+        command_source: None,
+        service_speed: None,
+        service_current: None,
+        disable_mode: None,
+        address_mode: None,
+        brake: [None; 2],
+        bus_options: None,
+        edit: None,
+        positioning: PositionRoles::NONE,
+        inverter: None,
+    };
+}
+
+/// Where in the catalogue the parameter with a number of its maker is: a PNU, or an application id of a Vacon.
+#[must_use]
+pub fn numbered(catalogue: &Catalogue, number: u16) -> Option<usize> {
+    let (pnu, base) = catalogue.meant(number, None);
+    catalogue
+        .place(pnu, base.unwrap_or_default())
+        .map(|(position, _)| position)
 }
 
 impl Model {
+    /// The parameter with a number of the maker.
+    #[must_use]
+    pub fn numbered(&self, number: u16) -> Option<&'static Parameter> {
+        self.catalogue.parameters.get(numbered(self.catalogue, number)?)
+    }
+
+    /// Where in the catalogue the parameter is that a signal is.
+    #[must_use]
+    pub fn position_of_signal(&self, signal: u16) -> Option<usize> {
+        numbered(self.catalogue, self.process.signals.parameter(signal)?)
+    }
+
     /// What a parameter is beyond its stored number, by position in the catalogue; made once per drive.
     #[must_use]
     pub fn live_by_position(&self) -> Box<[Live]> {
         let mut table = vec![Live::Stored; self.catalogue.parameters.len()].into_boxed_slice();
         for (pnu, live) in self.live {
-            if let Some(place) = self
-                .catalogue
-                .position(*pnu)
-                .and_then(|position| table.get_mut(position))
-            {
+            if let Some(place) = numbered(self.catalogue, *pnu).and_then(|position| table.get_mut(position)) {
                 *place = *live;
             }
         }

@@ -27,6 +27,23 @@ pub struct PositionRoles {
     pub error_window: u16,
 }
 
+impl PositionRoles {
+    /// The model has none of them.
+    pub const NONE: Self = Self {
+        task: TaskRoles::NONE,
+        home: HomeRoles::NONE,
+        unit: UnitRoles::NONE,
+        modulo_range: [0; 2],
+        modulo: 0,
+        modulo_direction: 0,
+        limits_enabled: 0,
+        limits: [0; 2],
+        target_window: 0,
+        speed_window: 0,
+        error_window: 0,
+    };
+}
+
 /// PNUs of the values of the motion task being edited.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct TaskRoles {
@@ -48,6 +65,21 @@ pub struct TaskRoles {
     pub dwell: u16,
     /// Profile table.
     pub profile: u16,
+}
+
+impl TaskRoles {
+    /// The model has none of them.
+    pub const NONE: Self = Self {
+        number: 0,
+        position: 0,
+        speed: 0,
+        acceleration: 0,
+        deceleration: 0,
+        control: 0,
+        next: 0,
+        dwell: 0,
+        profile: 0,
+    };
 }
 
 /// PNUs of homing.
@@ -77,6 +109,23 @@ pub struct HomeRoles {
     pub automatic: u16,
 }
 
+impl HomeRoles {
+    /// The model has none of them.
+    pub const NONE: Self = Self {
+        mode: 0,
+        speed: 0,
+        ramps: [0; 2],
+        direction: 0,
+        feedrate: 0,
+        current: 0,
+        position: 0,
+        distance: 0,
+        stop_error: 0,
+        farthest: 0,
+        automatic: 0,
+    };
+}
+
 /// PNUs of the unit of positions.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct UnitRoles {
@@ -88,4 +137,14 @@ pub struct UnitRoles {
     pub custom: [u16; 2],
     /// What a linear motor moves in one electrical revolution, um.
     pub pitch: u16,
+}
+
+impl UnitRoles {
+    /// The model has none of them.
+    pub const NONE: Self = Self {
+        motor: 0,
+        unit: [0; 2],
+        custom: [0; 2],
+        pitch: 0,
+    };
 }

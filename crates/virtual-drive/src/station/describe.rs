@@ -14,6 +14,9 @@ pub(crate) fn device_config(config: &StationConfig) -> DeviceConfig {
             .min_device_interval
             .unwrap_or(description.min_device_interval),
         reset_modes: description.reset_modes.clone(),
+        output_frame_ids: config.model.wire.output_frame_ids,
+        max_alarm_data: config.model.wire.max_alarm_data,
+        always_told: config.model.wire.always_told.to_vec(),
         ..DeviceConfig::new(config.mac, identity, description.modules())
     }
 }

@@ -3,6 +3,7 @@
 mod channel;
 pub(crate) mod describe;
 mod event;
+mod record;
 mod remember;
 #[cfg(test)]
 mod tests;
@@ -13,6 +14,7 @@ pub use remember::{network_from_text, network_to_text};
 use std::collections::VecDeque;
 use std::net::SocketAddrV4;
 
+use profidrive::catalogue::RecordView;
 use profinet::device::{ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, ResetMode, Stored};
 use profinet::wire::PnioStatus;
 use profinet::wire::rt::Iops;
@@ -28,6 +30,9 @@ use channel::{Channels, INDICES};
 
 /// Longest telegram of any model, in octets.
 const LONGEST_TELEGRAM: usize = description::LONGEST_TELEGRAM as usize;
+
+/// Records below this one can be parameters themselves.
+const FIRST_OTHER_RECORD: u16 = 0x8000;
 
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 256;
@@ -258,9 +263,12 @@ impl Station {
                 address,
                 length,
             } => {
-                let answer = self
-                    .check(address, PnioStatus::read)
-                    .and_then(|()| self.channels.read(now, ar, length));
+                let answer = match self.record_view(address) {
+                    Some(view) => self.drive.read_record(view, address.index),
+                    None => self
+                        .check(address, PnioStatus::read)
+                        .and_then(|()| self.channels.read(now, ar, length)),
+                };
                 let answer = answer.as_deref().map_err(|status| *status);
                 self.device.answer_read(now, token, answer);
             }
@@ -270,9 +278,12 @@ impl Station {
                 address,
                 data,
             } => {
-                let written = self
-                    .check(address, PnioStatus::write)
-                    .and_then(|()| self.channels.write(now, ar, &data, &mut self.drive));
+                let written = match self.record_view(address) {
+                    Some(view) => self.drive.write_record(view, address.index, &data),
+                    None => self
+                        .check(address, PnioStatus::write)
+                        .and_then(|()| self.channels.write(now, ar, &data, &mut self.drive)),
+                };
                 self.device.answer_write(now, token, written);
             }
             DeviceEvent::ProviderState { .. } | DeviceEvent::AlarmAcknowledged { .. } => {}
@@ -282,6 +293,19 @@ impl Station {
     /// The telegram that is plugged.
     fn telegram(&self) -> Option<&description::TelegramModule> {
         self.description.plugged(|slot| self.device.plugged_module(slot))
+    }
+
+    /// How a record that is a parameter itself is seen; none for every other record.
+    fn record_view(&self, address: RecordAddress) -> Option<RecordView> {
+        let views = self.drive.model().catalogue.device.layout.records;
+        let here = address.slot == self.slot() && address.index < FIRST_OTHER_RECORD;
+        let view = views.iter().find(|view| view.subslot == address.subslot)?;
+        here.then_some(*view)
+    }
+
+    /// The slot of the drive.
+    fn slot(&self) -> u16 {
+        self.telegram().map_or(1, |module| module.slot)
     }
 
     /// Refuses records that are not the parameter channel, which every submodule of the drive's API gives access to.

@@ -99,22 +99,32 @@ impl Image {
 
     /// Adds the number of a parameter, in its unit.
     pub fn push(&mut self, parameter: &Parameter, raw: i64, scaling: &Scaling) {
+        self.push_as(parameter.name, parameter, raw, scaling);
+    }
+
+    /// Adds the number of a parameter, in its unit, under another name than its own.
+    pub fn push_as(&mut self, name: &str, parameter: &Parameter, raw: i64, scaling: &Scaling) {
         let (text, comment) = print(parameter, raw, scaling);
-        self.entries.push((parameter.name.to_owned(), text, comment));
+        self.entries.push((name.to_owned(), text, comment));
     }
 
     /// Puts the number of a parameter in the place of the one that stands there, or behind all others; true when that
     /// changed anything.
     pub fn set(&mut self, parameter: &Parameter, raw: i64, scaling: &Scaling) -> bool {
+        self.set_as(parameter.name, parameter, raw, scaling)
+    }
+
+    /// As [`set`](Self::set), under another name than its own.
+    pub fn set_as(&mut self, name: &str, parameter: &Parameter, raw: i64, scaling: &Scaling) -> bool {
         let (text, comment) = print(parameter, raw, scaling);
-        match self.entries.iter_mut().find(|(name, ..)| name == parameter.name) {
+        match self.entries.iter_mut().find(|(known, ..)| known == name) {
             Some((_, present, _)) if *present == text => false,
             Some((_, present, remark)) => {
                 (*present, *remark) = (text, comment);
                 true
             }
             None => {
-                self.entries.push((parameter.name.to_owned(), text, comment));
+                self.entries.push((name.to_owned(), text, comment));
                 true
             }
         }

@@ -7,3 +7,4 @@ mod values;
 pub use image::{FORMAT, Image, ImageError, crc32};
 pub use storage::{CrashingStorage, Killed, Storage, load, save};
 pub use values::Values;
+pub(crate) use values::{is_saved, key};

@@ -1,27 +1,88 @@
 //! The present values of all parameters that are not measured.
 
+use std::collections::HashMap;
+
 use profidrive::catalogue::{Access, Catalogue, Parameter, Scale, Scaling};
+use profidrive::notation::Notation;
 
 use super::{Image, ImageError};
+use crate::model::numbered;
 
-/// One number per parameter of a catalogue, as on the wire. Arrays and measured values are not here.
+/// One number per parameter of a catalogue, as on the wire, and the elements of arrays that can be written. Strings and
+/// measured values are not here.
 #[derive(Debug, Clone)]
 pub struct Values {
     catalogue: &'static Catalogue,
     raw: Box<[i64]>,
+    /// Position of an array and where its elements begin, ascending.
+    arrays: Box<[(usize, usize)]>,
+    elements: Box<[i64]>,
 }
 
 impl Values {
     /// As delivered.
     #[must_use]
     pub fn new(catalogue: &'static Catalogue) -> Self {
-        let scaling = Scaling::default();
+        let scaling = &catalogue.scaling;
         let raw = catalogue
             .parameters
             .iter()
-            .map(|parameter| parameter.raw_default(&scaling))
+            .map(|parameter| parameter.raw_default(scaling))
             .collect();
-        Self { catalogue, raw }
+        let mut arrays = Vec::new();
+        let mut elements = Vec::new();
+        for (position, parameter) in catalogue.parameters.iter().enumerate() {
+            if parameter.is_array() && parameter.length == 0 && parameter.access == Access::ReadWrite {
+                arrays.push((position, elements.len()));
+                let fresh = parameter.raw_default(scaling);
+                elements.extend(std::iter::repeat_n(fresh, parameter.elements.into()));
+            }
+        }
+        Self {
+            catalogue,
+            raw,
+            arrays: arrays.into(),
+            elements: elements.into(),
+        }
+    }
+
+    /// Where an element of an array is kept.
+    fn cell(&self, position: usize, element: u16) -> Option<usize> {
+        let parameter = self.catalogue.parameters.get(position)?;
+        let found = self
+            .arrays
+            .binary_search_by_key(&position, |(position, _)| *position);
+        let (_, first) = self.arrays.get(found.ok()?)?;
+        (element < parameter.elements).then_some(first + usize::from(element))
+    }
+
+    /// One element of an array by its position in the catalogue; the number itself of a parameter that is none.
+    #[must_use]
+    pub fn element_at(&self, position: usize, element: u16) -> i64 {
+        match self.cell(position, element) {
+            Some(cell) => self.elements.get(cell).copied().unwrap_or(0),
+            None => self.at(position),
+        }
+    }
+
+    /// One element of an array by its number.
+    #[must_use]
+    pub fn element_of(&self, number: u16, element: u16) -> i64 {
+        numbered(self.catalogue, number).map_or(0, |position| self.element_at(position, element))
+    }
+
+    /// Sets one element of an array, or the number of a parameter that is none; cut to what fits.
+    pub fn set_element_at(&mut self, position: usize, element: u16, raw: i64) {
+        let (Some(cell), Some(parameter)) = (
+            self.cell(position, element),
+            self.catalogue.parameters.get(position),
+        ) else {
+            return self.set_at(position, raw);
+        };
+        let range = parameter.range();
+        if let Some(place) = self.elements.get_mut(cell) {
+            *place = raw.clamp(*range.start(), *range.end());
+        }
     }
 
     /// The catalogue the values belong to.
@@ -50,16 +111,29 @@ impl Values {
     /// The number of a parameter, 0 for an unknown one.
     #[must_use]
     pub fn get(&self, pnu: u16) -> i64 {
-        self.catalogue
-            .position(pnu)
-            .map_or(0, |position| self.at(position))
+        numbered(self.catalogue, pnu).map_or(0, |position| self.at(position))
     }
 
     /// Sets the number of a parameter; nothing happens for an unknown one.
     pub fn set(&mut self, pnu: u16, raw: i64) {
-        if let Some(position) = self.catalogue.position(pnu) {
+        if let Some(position) = numbered(self.catalogue, pnu) {
             self.set_at(position, raw);
         }
+    }
+
+    /// True when a parameter, or an element of it, is not as delivered.
+    #[must_use]
+    pub fn is_changed(&self, position: usize) -> bool {
+        let Some(parameter) = self.catalogue.parameters.get(position) else {
+            return false;
+        };
+        let fresh = parameter.raw_default(&self.catalogue.scaling);
+        let count = if self.cell(position, 0).is_some() {
+            parameter.elements
+        } else {
+            1
+        };
+        (0..count).any(|element| self.element_at(position, element) != fresh)
     }
 
     /// Puts every writable parameter back to the value as delivered (DRV.RSTVAR).
@@ -70,6 +144,7 @@ impl Values {
                 self.set_at(position, fresh.at(position));
             }
         }
+        self.elements = fresh.elements;
     }
 
     /// The image of everything that is saved.
@@ -78,10 +153,22 @@ impl Values {
         let mut image = Image::new(self.catalogue.model);
         for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
             if is_saved(parameter) {
-                image.push(parameter, self.at(position), scaling);
+                for element in 0..self.stored_elements(position) {
+                    let raw = self.element_at(position, element);
+                    image.push_as(&key(self.catalogue, position, element), parameter, raw, scaling);
+                }
             }
         }
         image
+    }
+
+    /// Elements that are kept: none of an array that only seems to be stored.
+    fn stored_elements(&self, position: usize) -> u16 {
+        match self.catalogue.parameters.get(position) {
+            Some(parameter) if parameter.is_array() && self.cell(position, 0).is_none() => 0,
+            Some(parameter) => parameter.elements.max(1),
+            None => 0,
+        }
     }
 
     /// Takes over a saved image: parameters that it does not name get the value as delivered; names that this model
@@ -104,25 +191,26 @@ impl Values {
         let fresh = Self::new(self.catalogue);
         for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
             if is_saved(parameter) {
-                self.set_at(position, fresh.at(position));
+                for element in 0..self.stored_elements(position) {
+                    self.set_element_at(position, element, fresh.element_at(position, element));
+                }
             }
         }
+        let known = self.keys();
         let mut taken = 0;
         // What scales others is itself a bare number and comes first.
         for first in [true, false] {
             let scaling = scaling(self);
             for (name, text) in image.entries() {
-                let found = self
-                    .catalogue
-                    .all_by_name(name)
-                    .find(|parameter| is_saved(parameter) && (parameter.scale == Scale::Raw) == first);
-                let value = found.and_then(|parameter| {
+                let value = known.get(name).and_then(|(position, element)| {
+                    let parameter = self.catalogue.parameters.get(*position)?;
                     let raw = image.number(parameter, text, &scaling)?;
                     let (low, high) = parameter.raw_limits(&scaling);
-                    (low..=high).contains(&raw).then_some((parameter.pnu, raw))
+                    let fits = (low..=high).contains(&raw) && (parameter.scale == Scale::Raw) == first;
+                    fits.then_some((*position, *element, raw))
                 });
-                if let Some((pnu, raw)) = value {
-                    self.set(pnu, raw);
+                if let Some((position, element, raw)) = value {
+                    self.set_element_at(position, element, raw);
                     taken += 1;
                 }
             }
@@ -131,9 +219,41 @@ impl Values {
     }
 }
 
-/// True for what DRV.NVSAVE stores.
-fn is_saved(parameter: &Parameter) -> bool {
-    parameter.saved && parameter.access == Access::ReadWrite && !parameter.is_array()
+impl Values {
+    /// Every key of an image with what it means.
+    fn keys(&self) -> HashMap<String, (usize, u16)> {
+        let mut keys = HashMap::new();
+        for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
+            if is_saved(parameter) {
+                for element in 0..self.stored_elements(position) {
+                    keys.insert(key(self.catalogue, position, element), (position, element));
+                }
+            }
+        }
+        keys
+    }
+}
+
+/// What stands for a parameter in an image: the maker's name where it has one, else its number as the maker writes it.
+pub(crate) fn key(catalogue: &Catalogue, position: usize, element: u16) -> String {
+    let Some(parameter) = catalogue.parameters.get(position) else {
+        return String::new();
+    };
+    let label = if catalogue.notation == Notation::Name {
+        parameter.name.to_owned()
+    } else {
+        catalogue.label(parameter)
+    };
+    if parameter.is_array() {
+        format!("{label}[{element}]")
+    } else {
+        label
+    }
+}
+
+/// True for what a drive keeps when it saves. The mapping of free telegrams of an AKD is not (its table has it so).
+pub(crate) fn is_saved(parameter: &Parameter) -> bool {
+    parameter.saved && parameter.access == Access::ReadWrite && parameter.length == 0
 }
 
 #[cfg(test)]

@@ -165,6 +165,8 @@ fn address(first: Network, offset: u16) -> IpSuite {
 pub const fn model_of(model: Model) -> &'static DriveModel {
     match model {
         Model::Akd => &model::AKD,
+        Model::Vlt => &model::VLT,
+        Model::Vacon => &model::VACON,
     }
 }
 

@@ -8,6 +8,7 @@ mod records;
 mod refusals;
 mod robust;
 mod start_up;
+mod vlt;
 
 use alloc::vec;
 use alloc::vec::Vec;

@@ -190,6 +190,8 @@ pub struct SubmoduleState(pub u16);
 impl SubmoduleState {
     /// Nothing differs.
     pub const OK: Self = Self(0x8000);
+    /// A compatible submodule is plugged.
+    pub const SUBSTITUTE: Self = Self(0x8800);
     /// Another submodule is plugged.
     pub const WRONG: Self = Self(0x9000);
     /// Nothing is plugged.
@@ -205,6 +207,12 @@ impl SubmoduleState {
     #[must_use]
     pub const fn ident_info(self) -> u8 {
         (self.0 >> 11 & 0xF) as u8
+    }
+
+    /// True when data can be exchanged with it: as expected or compatible, and owned by the controller that asks.
+    #[must_use]
+    pub const fn is_usable(self) -> bool {
+        self.ident_info() <= 1 && self.ar_info() == 0
     }
 
     /// ARInfo: 0 own, 1 ready pending, 2 superordinated locked, 3 locked by controller, 4 locked by supervisor.

@@ -1,0 +1,102 @@
+//! What differs in the process data, and on PROFINET around them.
+
+use profidrive::state::Profile;
+
+/// What the process data of a model are.
+#[derive(Debug, Clone, Copy)]
+pub struct ProcessFacts {
+    /// Whose control and status word it is.
+    pub words: Words,
+    /// Which parameters the signals are.
+    pub signals: Signals,
+    /// What the words behind control word and setpoint set, in telegrams of the maker.
+    pub setpoints: Chosen,
+    /// What the words behind status word and actual value tell, in telegrams of the maker.
+    pub actuals: Chosen,
+}
+
+/// Whose control and status word it is.
+#[derive(Debug, Clone, Copy)]
+pub struct Words {
+    /// In telegrams of the profile.
+    pub standard: Profile,
+    /// In telegrams of the maker
+    /// ([`Telegram::own_words`](profidrive::telegram::Telegram::own_words)).
+    pub own: Profile,
+    /// Where a parameter chooses the latter: its number and its values; any other value means `own`.
+    pub chosen: Option<(u16, &'static [(i64, Profile)])>,
+}
+
+impl Words {
+    /// Those of PROFIdrive.
+    pub const PROFIDRIVE: Self = Self {
+        standard: Profile::Profidrive,
+        own: Profile::Profidrive,
+        chosen: None,
+    };
+}
+
+/// Which parameters the signals are.
+#[derive(Debug, Clone, Copy)]
+pub enum Signals {
+    /// The parameter of a signal has its number (AKD).
+    Numbers,
+    /// Signal and number of its parameter; other signals are none.
+    Are(&'static [(u16, u16)]),
+}
+
+impl Signals {
+    /// Number of the parameter that a signal is.
+    #[must_use]
+    pub fn parameter(&self, signal: u16) -> Option<u16> {
+        match self {
+            Self::Numbers => Some(signal),
+            Self::Are(rows) => rows
+                .iter()
+                .find(|(known, _)| *known == signal)
+                .map(|(_, number)| *number),
+        }
+    }
+}
+
+/// How the free words of a telegram are filled. A parameter of four octets takes two words with the same number in both.
+#[derive(Debug, Clone, Copy)]
+pub enum Chosen {
+    /// There are none.
+    Nothing,
+    /// An element of this array for each word, counted from the control or status word.
+    Array(u16),
+    /// One parameter for each free word holds the number.
+    Each(&'static [u16]),
+    /// These parameters, one for each free word.
+    Fixed(&'static [u16]),
+}
+
+/// When a lost controller is a fault; else it is a warning of that number.
+#[derive(Debug, Clone, Copy)]
+pub enum Lost {
+    /// Always.
+    Always,
+    /// While this parameter has this value or a higher one.
+    From(u16, i64),
+}
+
+/// What is particular about a drive on PROFINET.
+#[derive(Debug, Clone, Copy)]
+pub struct Wire {
+    /// FrameID of the outputs where the controller leaves the choice: class 1 and class 2.
+    pub output_frame_ids: [u16; 2],
+    /// Longest alarm it takes, octets.
+    pub max_alarm_data: u16,
+    /// Slots whose modules the ModuleDiffBlock names even when nothing differs.
+    pub always_told: &'static [u16],
+}
+
+impl Wire {
+    /// Nothing is.
+    pub const PLAIN: Self = Self {
+        output_frame_ids: [0xC000, 0x8000],
+        max_alarm_data: 200,
+        always_told: &[],
+    };
+}
