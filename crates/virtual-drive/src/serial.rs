@@ -1,6 +1,6 @@
 //! A drive at a serial line: behind a slave of the Danfoss FC protocol or of USS.
 //!
-//! What the master sends comes to the same places as on a network: process data to the drive's telegram 1, the parameter
+//! What the master sends comes to the same places as on a network: process data to the telegram of the line, the parameter
 //! channel to the drive's parameters. A control word without control (bit 10) is not acted on.
 
 use std::collections::VecDeque;
@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use profidrive::pkw::{PkwDialect, Server};
 use profidrive::state::Stw1;
+use profidrive::telegram::Telegram;
 use profinet::Instant;
 use uss::{Layout, MAX_DATA, Parts, Protocol, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters};
 
@@ -16,9 +17,7 @@ use crate::drive::{Disconnect, Drive};
 use crate::model::Model;
 use crate::station::StationEvent;
 
-/// Words of process data: control word and setpoint, status word and actual value.
-const TELEGRAM: u16 = 1;
-/// Octets of them.
+/// Octets of process data: control word and setpoint, status word and actual value.
 const PROCESS: usize = 4;
 /// How often the drive is stepped while a master has control.
 const TICK: Duration = Duration::from_millis(4);
@@ -90,6 +89,8 @@ enum Master {
 #[derive(Debug)]
 pub struct SerialStation {
     drive: Drive,
+    /// What the process data of the line are.
+    telegram: u16,
     slave: Slave,
     layout: Layout,
     server: Server,
@@ -114,8 +115,11 @@ impl SerialStation {
             Protocol::Fc => PkwDialect::DANFOSS_FC,
             Protocol::Uss => PkwDialect::SIEMENS_USS,
         };
+        let telegram =
+            Telegram::of_line(config.model.catalogue.device.vendor_id).map_or(1, |telegram| telegram.number);
         let mut station = Self {
             drive,
+            telegram,
             layout: config.slave.layout,
             slave: Slave::new(config.slave),
             server: Server::new(dialect),
@@ -126,10 +130,18 @@ impl SerialStation {
             ticked: Instant::ZERO,
             events: VecDeque::new(),
         };
+        // what the drive tells before anybody has control has the form of the line already
+        station.connect();
+        station.drive.disconnect(Disconnect::Released);
         if let Some(Err(error)) = started {
             station.emit(StationEvent::ParametersIgnored(error));
         }
         station
+    }
+
+    fn connect(&mut self) {
+        // a model has the telegram of its maker
+        let _ = self.drive.connect(self.telegram, self.timeout);
     }
 
     /// Takes one event.
@@ -266,8 +278,7 @@ impl SerialStation {
         match self.master {
             Master::None if !controls => return,
             Master::None => {
-                // every model has it
-                let _ = self.drive.connect(TELEGRAM, self.timeout);
+                self.connect();
                 self.drive.data_exchange();
                 self.emit(StationEvent::MasterTook);
             }

@@ -145,14 +145,14 @@ pub fn choose_telegram(
         .ok_or(NoTelegram { reported: trouble })
 }
 
-/// The process data of a serial line: control word and setpoint there, status word and actual value back, as telegram 1
-/// has them.
+/// The process data of a serial line, see [`Telegram::of_line`].
 ///
 /// # Errors
 /// When the purpose needs more than that.
 pub fn process_words(device: &Device, purpose: Purpose) -> Result<Wiring, NoTelegram> {
-    let wiring =
-        Telegram::find(1, device.vendor_id).and_then(|telegram| Wiring::of(telegram, device.vendor_id).ok());
+    // words of a maker are not spoken here
+    let telegram = Telegram::of_line(device.vendor_id).filter(|telegram| !telegram.own_words);
+    let wiring = telegram.and_then(|telegram| Wiring::of(telegram, device.vendor_id).ok());
     wiring
         .filter(|wiring| purpose.signals().iter().all(|&signal| wiring.commands(signal)))
         .ok_or(NoTelegram { reported: None })

@@ -5,7 +5,7 @@ use profidrive::parameter::{
     Attribute, CodeSpace, DecodeError, Description, Dialect, ErrorNumber, Format, Kind, Octets,
     ParameterAddress, Request, RequestId, ValueBlock,
 };
-use profidrive::pkw::{Answer, Job, JobError, Memory, Outcome, PkwErrorNumber, PkwValue, StartError, Width};
+use profidrive::pkw::{Answer, Job, JobError, Memory, Outcome, PkwErrorNames, PkwValue, StartError, Width};
 
 /// Request ID of a change that is kept over a power cycle (Danfoss).
 const CHANGE_PERMANENT: u8 = 0x42;
@@ -86,18 +86,20 @@ pub struct Bridge {
     axis: u8,
     space: CodeSpace,
     memory: Memory,
+    names: PkwErrorNames,
     parts: Vec<Part>,
     at: usize,
 }
 
 impl Bridge {
-    /// Takes a request apart; `shape` knows the parameters, as far as there are tables.
+    /// Takes a request apart; `names` tells whose error numbers come back, `shape` knows the parameters, as far as there are tables.
     ///
     /// # Errors
     /// When the request cannot be taken apart.
     pub fn new(
         request: &[u8],
         dialect: &Dialect,
+        names: PkwErrorNames,
         shape: impl Fn(u16) -> Option<Shape>,
     ) -> Result<Self, DecodeError> {
         let request = Request::parse(request, dialect.code_space)?;
@@ -126,6 +128,7 @@ impl Bridge {
             } else {
                 Memory::Ram
             },
+            names,
             parts,
             at: 0,
         })
@@ -176,7 +179,7 @@ impl Bridge {
         let answer = match outcome {
             Ok(answer) => answer,
             Err(JobError::Refused(number)) => {
-                self.refuse(acyclic(number));
+                self.refuse(number.to_parameter(self.names));
                 return Ok(());
             }
             Err(JobError::NoRights) => {
@@ -412,13 +415,4 @@ fn is_text(format: Format) -> bool {
     format
         .info(CodeSpace::V4)
         .is_some_and(|info| info.octets == Octets::Counted && info.kind == Kind::Text)
-}
-
-/// The number of the other channel. Up to 18 they agree, and what is a maker's own stays.
-const fn acyclic(number: PkwErrorNumber) -> ErrorNumber {
-    ErrorNumber(match number.0 {
-        // the 16 of this channel means something else
-        16 => 0x12,
-        other => other,
-    })
 }

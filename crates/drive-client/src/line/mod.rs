@@ -62,7 +62,7 @@ impl LineConfig {
         }
     }
 
-    const fn dialect(self) -> PkwDialect {
+    pub(crate) const fn dialect(self) -> PkwDialect {
         match self.protocol {
             Protocol::Fc => PkwDialect::DANFOSS_FC,
             Protocol::Uss => PkwDialect::SIEMENS_USS,

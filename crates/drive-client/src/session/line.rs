@@ -91,7 +91,10 @@ impl<M: Wire> Session<M> {
         slave: SlaveId,
         request: &[u8],
     ) -> Result<Vec<u8>, Error> {
-        let bridge = Bridge::new(request, drive.model.dialect, |pnu| drive.shape(pnu));
+        let names = self.client.line_config().map(|line| line.dialect().error_names);
+        let bridge = Bridge::new(request, drive.model.dialect, names.unwrap_or_default(), |pnu| {
+            drive.shape(pnu)
+        });
         let limit = PARAMETER_LIMIT * u32::try_from(request.len() / ADDRESS + 1).unwrap_or(1);
         let now = self.now();
         self.client

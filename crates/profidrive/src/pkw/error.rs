@@ -104,6 +104,38 @@ impl PkwErrorNumber {
             _ => Self::OTHER,
         }
     }
+    /// The number of the acyclic channel that says the same, for a client that knows those. Beyond 18 some makers have
+    /// own numbers for what the profile has one for; what has none keeps its number.
+    ///
+    /// ```
+    /// use profidrive::parameter::ErrorNumber;
+    /// use profidrive::pkw::{PkwErrorNames, PkwErrorNumber};
+    /// assert_eq!(PkwErrorNumber(253).to_parameter(PkwErrorNames::Danfoss), ErrorNumber::SERVICE);
+    /// assert_eq!(PkwErrorNumber::LIMIT.to_parameter(PkwErrorNames::Danfoss), ErrorNumber::LIMIT);
+    /// ```
+    #[must_use]
+    pub fn to_parameter(self, names: PkwErrorNames) -> ErrorNumber {
+        let siemens = names == PkwErrorNames::Siemens;
+        let danfoss = names == PkwErrorNames::Danfoss;
+        match self.0 {
+            // the 16 of this channel means something else
+            16 => ErrorNumber::OTHER,
+            130 if danfoss => ErrorNumber(0x68),
+            131 if danfoss => ErrorNumber::NOT_NOW,
+            253 if danfoss => ErrorNumber::SERVICE,
+            254 if danfoss => ErrorNumber::ADDRESS,
+            101 if siemens => ErrorNumber::NOT_NOW,
+            102 if siemens => ErrorNumber::FORMAT,
+            20 | 104 if siemens => ErrorNumber::VALUE,
+            105 if siemens => ErrorNumber::SUBINDEX,
+            106 if siemens => ErrorNumber::SERVICE,
+            107 if siemens => ErrorNumber::TEXT_FIXED,
+            108 if siemens => ErrorNumber::VALUE_COUNT,
+            200 | 201 if siemens => ErrorNumber::LIMIT,
+            204 if siemens => ErrorNumber::PASSWORD,
+            other => ErrorNumber(other),
+        }
+    }
 }
 
 impl fmt::Display for PkwErrorNumber {

@@ -282,6 +282,26 @@ impl Telegram {
     /// Octets of the parameter channel.
     pub const PKW: u16 = 8;
 
+    /// The process data of a serial line: control word and setpoint there, status word and actual value back. That is the
+    /// telegram of the maker with these two words alone, in the maker's own words (PPO 3 of a VLT), else telegram 1.
+    ///
+    /// ```
+    /// use profidrive::telegram::{DANFOSS, KOLLMORGEN, Telegram};
+    /// let number = |vendor| Telegram::of_line(vendor).map(|telegram| telegram.number);
+    /// assert_eq!((number(DANFOSS), number(KOLLMORGEN)), (Some(103), Some(1)));
+    /// ```
+    #[must_use]
+    pub fn of_line(vendor: u16) -> Option<&'static Self> {
+        let two = |telegram: &&Self| {
+            telegram.own_words
+                && !telegram.pkw
+                && telegram.vendor == Some(vendor)
+                && telegram.setpoint.octets == 4
+                && telegram.actual.octets == 4
+        };
+        TELEGRAMS.iter().find(two).or_else(|| Self::find(1, vendor))
+    }
+
     /// The words of one half that carry a parameter chosen by settings of the drive: index of the word behind the
     /// parameter channel (that of VLT 9-15 and 9-16) and first octet.
     ///
