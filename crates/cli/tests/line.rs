@@ -13,8 +13,9 @@ use profidrive::notation::ParameterReference;
 use profidrive::state::State;
 use profinet::Instant;
 use uss::{Protocol, SlaveConfig};
-use virtual_drive::model;
+use virtual_drive::model::{self, Model};
 use virtual_drive::serial::{SerialConfig, SerialStation};
+use virtual_drive::station::StationEvent;
 
 /// What a line does to the octets of both sides.
 #[derive(Clone, Copy, Default)]
@@ -132,12 +133,21 @@ impl Wire for Shared {
 }
 
 fn bench(protocol: Protocol, numbers: &[u8], line: Line) -> (Session<Shared>, Shared) {
+    bench_of(&model::AKD, protocol, numbers, line)
+}
+
+fn bench_of(
+    model: &'static Model,
+    protocol: Protocol,
+    numbers: &[u8],
+    line: Line,
+) -> (Session<Shared>, Shared) {
     let config = |&number| {
         let slave = match protocol {
             Protocol::Fc => SlaveConfig::fc(number, 9600),
             Protocol::Uss => SlaveConfig::uss(number, 9600),
         };
-        SerialStation::new(SerialConfig::new(&model::AKD, slave))
+        SerialStation::new(SerialConfig::new(model, slave))
     };
     let bus = Shared(Rc::new(RefCell::new(Bus {
         now: Instant::from_millis(1000),
@@ -373,4 +383,54 @@ fn a_drive_that_does_not_hear_for_a_moment_is_told_to_stop_when_it_does() {
     drop(axis);
     let bus = bus.0.borrow();
     assert!(!bus.drives[0].drive().is_enabled() && bus.drives[0].drive().axis().is_at_rest());
+}
+
+#[test]
+fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
+    let (mut session, bus) = bench_of(&model::VLT, Protocol::Fc, &[1], Line::default());
+    let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
+    assert_eq!(drive.model.name, "VLT");
+    let wanted: Vec<Selection> = ["8-10", "1-20", "3-41", "15-40", "16-03"]
+        .iter()
+        .map(|text| select(&drive, text))
+        .collect();
+    let readings = session.read(&mut drive, &wanted).unwrap();
+    let told: Vec<String> = readings
+        .iter()
+        .map(|reading| format!("{:?}", reading.as_ref().unwrap().content))
+        .collect();
+    assert!(told[3].starts_with("Text("), "{told:?}");
+    let number = |text: &str, session: &mut Session<Shared>, drive: &mut Drive| {
+        let selection = select(drive, text);
+        session.read(drive, &[selection]).unwrap()[0]
+            .as_ref()
+            .unwrap()
+            .number()
+            .unwrap()
+    };
+    let outcomes = session
+        .write(
+            &mut drive,
+            &["3-41=5s".parse().unwrap(), "16-03=1".parse().unwrap()],
+            WriteMode::DryRun,
+        )
+        .map(|_| ())
+        .unwrap_err();
+    assert!(
+        outcomes.to_string().contains("read"),
+        "a status word cannot be written: {outcomes}"
+    );
+    let outcomes = session
+        .write(&mut drive, &["3-41=5s".parse().unwrap()], WriteMode::Write)
+        .unwrap();
+    assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
+    assert_eq!(number("3-41", &mut session, &mut drive), 5.0);
+    let saved = || {
+        let mut bus = bus.0.borrow_mut();
+        let events: Vec<StationEvent> = std::iter::from_fn(|| bus.drives[0].poll_event()).collect();
+        events
+            .iter()
+            .any(|event| matches!(event, StationEvent::PersistParameters { .. }))
+    };
+    assert!(!saved(), "a change goes to the RAM");
 }

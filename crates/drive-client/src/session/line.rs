@@ -74,12 +74,19 @@ impl<M: Wire> Session<M> {
         if let [vendor, device, ..] = words.as_slice() {
             (station.vendor_id, station.device_id) = (*vendor, *device);
         }
-        let told = station.vendor_id != 0;
+        let vendor = station.vendor_id;
         let mut drive = Drive::new(station);
         drive.slave = Some(slave);
+        // a VLT has no number of its kind on this line; older ones have none of their maker either
+        let maker = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
         Ok(match Model::by_name(FC_MODEL) {
-            // a drive without a network has no number for who it is
-            Some(model) if !told && at.protocol == Protocol::Fc => drive.taken_for(model),
+            Some(model)
+                if at.protocol == Protocol::Fc
+                    && drive.model.catalogue.is_none()
+                    && (vendor == 0 || maker(&model) == Some(vendor)) =>
+            {
+                drive.taken_for(model)
+            }
             _ => drive,
         })
     }
