@@ -51,6 +51,8 @@ pub struct Bus {
     ar: Option<ArId>,
     events: Vec<Event>,
     frames: Rc<RefCell<Seen>>,
+    /// How many of them were given to the test.
+    given: usize,
 }
 
 /// Frames with their times.
@@ -84,6 +86,7 @@ impl Bus {
             ar: None,
             events: Vec::new(),
             frames,
+            given: 0,
         };
         bus.run(Duration::from_millis(5));
         bus
@@ -250,7 +253,7 @@ impl Bus {
         (answer[1] == 0x82).then(|| u16::from_be_bytes([answer[6], answer[7]]))
     }
 
-    /// Ends it, and lets the dissector judge every frame since the last call of [`Bus::frames`]: `target/system/<name>`.
+    /// Ends it, and lets the dissector judge every frame: `target/system/<name>`.
     #[track_caller]
     pub fn judged(self, name: &str) {
         let file = memory::save(&format!("{name}.pcapng"), &self.frames.borrow());
@@ -260,7 +263,12 @@ impl Bus {
     /// Every frame since the last call, as it was on the wire.
     #[must_use]
     pub fn frames(&mut self) -> Vec<Vec<u8>> {
-        let frames = std::mem::take(&mut *self.frames.borrow_mut());
-        frames.into_iter().map(|(_, frame)| frame).collect()
+        let frames = self.frames.borrow();
+        let since = std::mem::replace(&mut self.given, frames.len());
+        frames
+            .iter()
+            .skip(since)
+            .map(|(_, frame)| frame.clone())
+            .collect()
     }
 }

@@ -105,6 +105,16 @@ fn what_goes_wrong_is_said() {
         ),
         (&["run", "akd-1", "--velocity", "3001rpm"], 6, "3000 rpm"),
         (
+            &["run", "akd-1", "--velocity", "60rpm", "--for", "-1s"],
+            2,
+            "a time is 0 or longer",
+        ),
+        (
+            &["reset", "akd-1", "--mode", "engineering", "--yes"],
+            3,
+            "`--mode communication` is offered by every drive",
+        ),
+        (
             &["reset", "akd-1", "--mode", "application"],
             6,
             "nobody is there to ask",
@@ -127,6 +137,30 @@ fn what_goes_wrong_is_said() {
         SHORT,
     );
     assert!(finished.err.contains("ctl0"), "{}", finished.err);
+}
+
+/// A setting that has its value is left alone, what acts is not, nor what stands behind something that may change it.
+#[test]
+fn what_the_drive_has_already_is_not_written() {
+    let lab = Lab::new("command-line-same");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let write = |assignments: &[&str]| json(&lab, &[&["write", "akd-1"], assignments].concat());
+    let column = |written: &Value, name: &str| -> Vec<bool> {
+        let changes = written["changes"].as_array().unwrap();
+        changes
+            .iter()
+            .map(|change| change[name].as_bool().unwrap())
+            .collect()
+    };
+    let first = write(&["DRV.ACC=5000rpm/s", "DRV.DEC=3000rpm/s"]);
+    assert_eq!(column(&first, "written"), [true, false], "{first}");
+    assert_eq!(column(&first, "same"), [false, true], "{first}");
+    let table = client(&lab, &["write", "akd-1", "DRV.ACC=5000rpm/s"]).ok().out;
+    assert!(table.contains("already 5000"), "{table}");
+    let window = write(&["MT.NUM=1", "MT.LOAD=1", "MT.P=0", "MT.SET=1"]);
+    assert_eq!(column(&window, "written"), [true; 4], "{window}");
+    let again = write(&["DRV.CLRFAULTS=1"]);
+    assert_eq!(column(&again, "written"), [true], "{again}");
 }
 
 #[test]

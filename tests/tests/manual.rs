@@ -90,6 +90,7 @@ fn writing_the_operation_mode_3_6_2() {
             .filter(|frame| carries(frame, DRIVE.0, &block(6, &response)));
         assert_eq!((written.count(), read.count()), (1, 1), "record {index:#06x}");
         assert_eq!((bus.read(930, 0), bus.read(2135, 0)), (2, 2));
+        bus.judged(&format!("manual-3-6-2-{index:04x}"));
     }
 }
 
@@ -132,6 +133,7 @@ fn velocity_mode_with_telegram_1_5_9() {
     assert!((0xA2..=0xA4).contains(&speed), "1 rps: {speed:#06x}");
     let rpm = bus.station().drive().axis().speed();
     assert!((rpm - 60.0).abs() < 0.7, "{rpm}");
+    bus.judged("manual-5-9");
 }
 
 #[test]
@@ -155,6 +157,7 @@ fn the_sample_project_7_1_4() {
         (0xA2..=0xA4).contains(&inputs[3]) && inputs[2] == 0,
         "{inputs:02X?}"
     );
+    bus.judged("manual-7-1-4");
 }
 
 /// The variable table of the sample shows 0x0237 and 0x009E with 0x00A3 asked for: a drive that stays 1.83 rpm behind,
@@ -185,4 +188,5 @@ fn the_values_of_the_variable_table_7_1_4() {
             "{answer:02X?}"
         );
     }
+    bus.judged("manual-7-1-4-table");
 }

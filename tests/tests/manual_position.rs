@@ -178,6 +178,7 @@ fn program_mode_5_10_1() {
     assert_eq!(answers.last().unwrap()[..], [0x3F, 0x37, 0x00, 0x00]);
     let turns = program.bus.station().drive().axis().position() as f64 / 4_294_967_296.0;
     assert!((turns - 5.0).abs() < 0.01, "{turns}");
+    program.bus.judged("manual-5-10-1");
 }
 
 #[test]
@@ -206,6 +207,7 @@ fn an_intermediate_stop_goes_on_through_bit_5_5_10_1() {
         course(&answers, 0x7400).ends_with(&[0x5000, 0x3400]),
         "{answers:02X?}"
     );
+    program.bus.judged("manual-5-10-1-pause");
 }
 
 /// STW1 and SATZANW with bit 15, STW2, MDI_TARPOS, MDI_VELOCITY, MDI_ACC, MDI_DEC, MDI_MOD.
@@ -268,6 +270,7 @@ fn mdi_with_the_handshake_of_the_figure_5_10_2() {
     assert_eq!(course(&answers[3..], 0x1080), [0x0080], "{answers:02X?}");
     assert_eq!(program.bus.read(2791, 0), 159);
     assert_ne!(program.bus.read(2134, 0) & 1 << 10, 0);
+    program.bus.judged("manual-5-10-2");
 }
 
 #[test]
@@ -294,4 +297,5 @@ fn homing_5_10_3_and_its_abort() {
     // Without a home position no task runs.
     let answers = program.send(&mdi(0x047F, 65_536, 0x0666_6666, 4, 1), 10);
     assert_eq!(word(answers.last().unwrap()) & 0x5000, 0);
+    program.bus.judged("manual-5-10-3");
 }

@@ -271,6 +271,45 @@ fn timeout_ends_a_run_along_its_ramp_however_long() {
     at_rest(&lab);
 }
 
+/// `| head`: nothing runs on unseen.
+#[test]
+fn a_reader_that_goes_away_stops_the_axis_along_its_ramp() {
+    let lab = Lab::new("head");
+    let _drive = simulate(&lab);
+    let program = built("profidrive");
+    let script = format!(
+        "{} -i ctl0 run akd-1 --velocity 600rpm --for 60s --watchdog 15 | head -n 2",
+        program.display()
+    );
+    let ended = lab.run(Side::Controller, "bash", ["-c", &script], SHORT);
+    assert_eq!(ended.out.lines().count(), 2, "{ended:?}");
+    assert!(
+        ended.err.contains("nobody reads the output any more: stopped"),
+        "{ended:?}"
+    );
+    assert!(ended.err.contains("axis at rest, control released"), "{ended:?}");
+    assert_eq!(number(&lab, "r947[0]"), 0.0, "no F702");
+    at_rest(&lab);
+}
+
+#[test]
+fn a_run_that_is_stopped_before_its_speed_says_so() {
+    let lab = Lab::new("unreached");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "DRV.ACC=20rpm/s"]).ok();
+    let mut run = start(&lab, &["run", "akd-1", "--velocity", "600rpm"]);
+    run.wait_for("S4 operation", SHORT);
+    let ended = run.interrupt(SHORT);
+    assert!(
+        ended
+            .err
+            .contains("600 rpm was not reached when the stop came, it was "),
+        "{ended:?}"
+    );
+    assert!(ended.err.contains("axis at rest"), "{ended:?}");
+    at_rest(&lab);
+}
+
 /// Enabled by its service channel: whatever moves an axis refuses before it takes control.
 #[test]
 fn local_operation_is_respected() {

@@ -90,6 +90,7 @@ fn any_setpoints_read_back_as_parameters() {
             }
         }
         assert!(!bus.station().drive().is_enabled() && !bus.station().drive().has_fault());
+        bus.judged(&format!("telegram-{}", module.telegram));
     }
 }
 
@@ -148,6 +149,7 @@ fn what_a_controller_uses_is_not_changed_under_it() {
             );
         }
         assert_eq!(bus.read(922, 0), u32::from(module.telegram));
+        bus.judged(&format!("telegram-{}-kept", module.telegram));
     }
 }
 
@@ -183,4 +185,5 @@ fn the_words_of_915_and_916_and_the_numbers_of_923() {
     for (number, parameter) in (0_u16..).zip(words) {
         assert_eq!(parameter, if signals.contains(&number) { number } else { 0 });
     }
+    bus.judged("telegram-numbers");
 }

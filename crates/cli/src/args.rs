@@ -3,11 +3,12 @@
 // help texts are printed as they stand: `947[0..7]` is no link
 #![allow(rustdoc::broken_intra_doc_links)]
 
+use std::ffi::OsString;
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use profidrive::notation::Quantity;
 
 use crate::commands::{
@@ -36,6 +37,31 @@ pub struct Cli {
     pub global: Global,
     #[command(subcommand)]
     pub command: Command,
+}
+
+impl Cli {
+    /// The command line, or what is wrong with it.
+    pub fn read<T: Into<OsString> + Clone>(line: impl IntoIterator<Item = T>) -> Result<Self, clap::Error> {
+        let matches = with_signs(Self::command()).try_get_matches_from(line)?;
+        Self::from_arg_matches(&matches)
+    }
+}
+
+/// A time with a sign is told as a wrong time, not as an unknown option.
+fn with_signs(command: clap::Command) -> clap::Command {
+    let is_time = |argument: &clap::Arg| {
+        let names = argument.get_value_names().unwrap_or_default();
+        names.iter().any(|name| name.as_str() == "TIME")
+    };
+    command
+        .mut_args(|argument| {
+            if is_time(&argument) {
+                argument.allow_hyphen_values(true)
+            } else {
+                argument
+            }
+        })
+        .mut_subcommands(with_signs)
 }
 
 /// The network to use.
@@ -568,13 +594,15 @@ fn model(text: &str) -> Result<drive_client::Model, String> {
 pub(crate) fn duration(text: &str) -> Result<Duration, String> {
     let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;
     let seconds = quantity.in_unit("s").map_err(|error| error.to_string())?;
+    if seconds < 0.0 {
+        return Err("a time is 0 or longer".into());
+    }
     Duration::try_from_secs_f64(seconds).map_err(|_| format!("`{text}` is no time"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_argument_tree_is_consistent() {
@@ -598,7 +626,18 @@ mod tests {
         assert_eq!(duration("16ms"), Ok(Duration::from_millis(16)));
         assert_eq!(duration("2"), Ok(Duration::from_secs(2)));
         assert!(duration("5rpm").unwrap_err().contains("accepted: s, ms"));
-        assert!(duration("-1s").is_err());
+        assert_eq!(duration("-1s"), Err("a time is 0 or longer".into()));
+        for line in [
+            "profidrive run akd-1 --velocity 60rpm --for -1s",
+            "profidrive monitor akd-1 --every -1s",
+            "profidrive simulate --for -1s",
+        ] {
+            let told = Cli::read(line.split(' ')).unwrap_err().to_string();
+            assert!(
+                told.contains("a time is 0 or longer") && !told.contains("tip:"),
+                "{told}"
+            );
+        }
     }
 
     #[test]

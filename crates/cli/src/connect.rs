@@ -66,7 +66,8 @@ pub fn session(
         (None, false) => return Err(no_interface()),
     };
     let (flag, urgent, told) = (stop.clone(), stop, output.clone());
-    session.interrupt_with(move || flag.is_stopped());
+    let reader = output.clone();
+    session.interrupt_with(move || flag.is_stopped() || reader.is_closed());
     session.hurry_with(move || {
         let now = urgent.is_urgent();
         if now {

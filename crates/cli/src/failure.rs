@@ -169,7 +169,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         }
         | Error::OwnedByController { .. }
         | Error::Record {
-            error: ServiceError::Refused { .. } | ServiceError::NotReady { .. },
+            error: ServiceError::Refused { .. },
             ..
         }
         | Error::Refused { .. }

@@ -20,8 +20,6 @@ mod state;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use clap::Parser;
-
 use crate::args::Cli;
 use crate::decode::Walker;
 use crate::failure::{Exit, Failure};
@@ -30,7 +28,7 @@ use crate::output::Output;
 /// The program: takes its arguments from the command line and gives its exit code.
 #[must_use]
 pub fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::read(std::env::args_os()) {
         Ok(cli) => cli,
         Err(error) => return misunderstood(&error),
     };

@@ -1,6 +1,7 @@
 //! The one place that decides what may be printed: data on stdout, talk on stderr.
 
 use std::io::{self, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Map, Value};
@@ -50,6 +51,8 @@ pub struct Output {
     colour_err: bool,
     live: bool,
     held: Arc<Mutex<Held>>,
+    /// Nobody reads stdout any more.
+    closed: Arc<AtomicBool>,
 }
 
 /// What a command has to say as JSON until it ends.
@@ -73,6 +76,7 @@ impl Output {
             colour_err: colour && io::stderr().is_terminal(),
             live: io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb"),
             held: Arc::default(),
+            closed: Arc::default(),
         }
     }
 
@@ -98,12 +102,12 @@ impl Output {
 
     /// Prints one line of data.
     pub fn line(&self, text: &str) {
-        write_out(&format!("{text}\n"));
+        self.write_out(&format!("{text}\n"));
     }
 
     /// Prints data that ends its own lines.
     pub fn raw(&self, text: &str) {
-        write_out(text);
+        self.write_out(text);
     }
 
     /// Takes the one JSON document of a command. It is printed when the command ends, with what went wrong in it.
@@ -111,13 +115,13 @@ impl Output {
         let earlier = self.held().document.replace(with_schema(command, fields));
         // nothing that was said is lost
         if let Some(earlier) = earlier {
-            write_out(&format!("{}\n", Value::Object(earlier)));
+            self.write_out(&format!("{}\n", Value::Object(earlier)));
         }
     }
 
     /// Prints one JSON document of a command that says many, at once and on a line of its own (JSON Lines).
     pub fn event(&self, command: &str, fields: Map<String, Value>) {
-        write_out(&format!("{}\n", document(command, fields)));
+        self.write_out(&format!("{}\n", document(command, fields)));
     }
 
     /// Tells something that went wrong, while the command goes on to its end, which will be another failure.
@@ -134,7 +138,7 @@ impl Output {
         if self.json
             && let Some(whole) = self.ending(failure)
         {
-            write_out(&format!("{}\n", Value::Object(whole)));
+            self.write_out(&format!("{}\n", Value::Object(whole)));
         }
         if let Some(failure) = failure {
             self.error(&failure.message, failure.hint.as_deref());
@@ -156,6 +160,20 @@ impl Output {
 
     fn held(&self) -> std::sync::MutexGuard<'_, Held> {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// True once somebody who read stdout went away (`| head`). Nothing goes on unseen: whoever waits for a drive takes it
+    /// for a wish to stop.
+    pub fn is_closed(&self) -> bool {
+        self.closed.load(Ordering::Relaxed)
+    }
+
+    fn write_out(&self, text: &str) {
+        let mut out = io::stdout().lock();
+        let result = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+        if result.is_err_and(|error| error.kind() == io::ErrorKind::BrokenPipe) {
+            self.closed.store(true, Ordering::Relaxed);
+        }
     }
 
     /// Says something to the person, not to a program that reads along.
@@ -216,12 +234,6 @@ fn paint(on: bool, colour: Colour, text: &str) -> String {
     } else {
         text.to_owned()
     }
-}
-
-/// A reader that went away (`| head`) ends the program quietly; the drive is stopped by the command's own end.
-fn write_out(text: &str) {
-    let mut out = io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
 fn write_err(text: &str) {

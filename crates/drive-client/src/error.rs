@@ -128,7 +128,7 @@ pub enum Error {
         cause: LostCause,
     },
     /// A record could not be read or written.
-    #[error("{drive}: {what}: {error}")]
+    #[error("{drive}: {}", once(.what, .error))]
     Record {
         /// The drive.
         drive: String,
@@ -367,6 +367,16 @@ pub(crate) const fn mode_words(mode: Mode) -> &'static str {
     }
 }
 
+/// What was tried and why it failed; said once where the reason begins with it.
+fn once(what: &str, error: &ServiceError) -> String {
+    let error = error.to_string();
+    if error.starts_with(what) {
+        error
+    } else {
+        format!("{what}: {error}")
+    }
+}
+
 fn local_text(enabled: bool) -> &'static str {
     if enabled {
         "it is enabled (S4) though no controller commands it"
@@ -389,6 +399,17 @@ fn telegram_text(number: Option<u16>) -> String {
 fn objections_text(objections: &[Objection]) -> String {
     let texts: Vec<String> = objections.iter().map(ToString::to_string).collect();
     texts.join("; ")
+}
+
+/// What to do about each of them; the same advice once.
+fn hints(objections: &[Objection]) -> Option<String> {
+    let mut hints: Vec<&str> = Vec::new();
+    for hint in objections.iter().map(Objection::hint) {
+        if !hints.contains(&hint) {
+            hints.push(hint);
+        }
+    }
+    (!hints.is_empty()).then(|| hints.join("; "))
 }
 
 /// Most stations of a list in a message.
@@ -502,6 +523,11 @@ impl Error {
                 }
             }
             .into(),
+            Self::Record {
+                error: ServiceError::NotReady { .. },
+                ..
+            } => "the drive is there, but its parameter channel does not answer: another tool may hold it, or it is busy; try again"
+                .into(),
             Self::Changing { .. } => "read it again; faults that come and go have a cause that comes and goes".into(),
             Self::NotAtRest { .. } => {
                 "switch it off first (OFF1, or stop its controller); `profidrive status DRIVE` says why it is on".into()
@@ -524,7 +550,7 @@ impl Error {
             }
             Self::Held { error, evidence } => evidence.hint().map_or_else(|| error.hint(), |hint| Some(hint.into()))?,
             Self::NotEnabled { .. } => "enable it again".into(),
-            Self::Objections { objections, .. } => objections.first()?.hint().into(),
+            Self::Objections { objections, .. } => hints(objections)?,
             Self::NotInTime { .. } => "--timeout gives it more time; `profidrive status DRIVE` tells what holds it".into(),
             Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),
             Self::NoAnswer { telegrams, noise, .. } => match (telegrams, noise) {
@@ -564,6 +590,48 @@ mod tests {
             ..Station::default()
         };
         (1..=count).map(station).collect()
+    }
+
+    #[test]
+    fn each_objection_to_a_move_has_its_own_advice() {
+        let limit = |upper| Objection::SoftwareLimit {
+            target: 10.0,
+            limit: 9.5,
+            upper,
+        };
+        let error = Error::Objections {
+            drive: "akd-1".into(),
+            objections: vec![Objection::NotHomed, limit(true), limit(false)],
+        };
+        let hint = error.hint().unwrap();
+        assert!(
+            hint.starts_with("`profidrive home DRIVE` sets the home position; `profidrive read"),
+            "{hint}"
+        );
+        assert_eq!(hint.matches("SWLS.LIMIT1").count(), 1, "{hint}");
+    }
+
+    #[test]
+    fn a_channel_that_is_never_ready_is_told_once() {
+        let error = Error::Record {
+            drive: "akd-1".into(),
+            what: "parameter access".into(),
+            error: ServiceError::NotReady {
+                limit: Duration::from_secs(10),
+                status: PnioStatus {
+                    code: 0xDE,
+                    decode: 0x80,
+                    code1: 0xB5,
+                    code2: 0,
+                },
+            },
+        };
+        let told = error.to_string();
+        assert!(
+            told.starts_with("akd-1: parameter access: not ready within 10000 ms"),
+            "{told}"
+        );
+        assert!(error.hint().is_some_and(|hint| hint.contains("try again")));
     }
 
     #[test]

@@ -206,7 +206,15 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
             &format!("Reset {what} of {station} to factory values?"),
         )?;
     }
-    session.reset(&drive, mode)?;
+    session.reset(&drive, mode).map_err(|error| {
+        let refused = matches!(error, drive_client::Error::Dcp { .. });
+        let failure = Failure::from(error);
+        if refused && failure.exit == Exit::Refused {
+            failure.hint(OFFERED)
+        } else {
+            failure
+        }
+    })?;
     output.say(&format!("{} reset: {what}", drive.label()));
     if output.json() {
         let fields = fields! { "mac": drive.station.mac.to_string(), "mode": mode, "what": what };
@@ -214,6 +222,10 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
     }
     Ok(())
 }
+
+/// No station tells by DCP which resets it offers.
+const OFFERED: &str = "the drive does not offer this reset; `--mode communication` is offered by every drive, which of \
+    application, engineering, all and device are is in its device description (ResetToFactoryModes)";
 
 const fn mode(mode: ResetMode) -> (u8, &'static str) {
     match mode {

@@ -227,7 +227,9 @@ pub fn finish(
     let statistics = axis.statistics();
     let released = axis.release();
     let interrupted = matches!(result, Err(Error::Interrupted));
-    if interrupted && end != End::Open {
+    if interrupted && output.is_closed() {
+        output.say("nobody reads the output any more: stopped");
+    } else if interrupted && end != End::Open {
         output.say("stopped before the end by Ctrl-C or a signal");
     }
     let result = match (result, end) {

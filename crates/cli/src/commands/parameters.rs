@@ -158,12 +158,17 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         (false, true) => WriteMode::Save,
         (false, false) => WriteMode::Write,
     };
-    let outcomes = session.write(&mut drive, &assignments, mode)?;
+    let (outcomes, same) = write_new(&mut session, &mut drive, &assignments, mode)?;
     session.close()?;
     if output.json() {
         let changes: Vec<Value> = outcomes
             .iter()
-            .map(|outcome| Value::Object(outcome_json(outcome)))
+            .zip(&same)
+            .map(|(outcome, same)| {
+                let mut fields = outcome_json(outcome);
+                fields.insert("same".into(), (*same).into());
+                Value::Object(fields)
+            })
             .collect();
         output.document(
             "write",
@@ -171,8 +176,12 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         );
     } else {
         let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "result"]);
-        for outcome in &outcomes {
-            table.row(outcome_row(outcome));
+        for (outcome, same) in outcomes.iter().zip(&same) {
+            let mut row = outcome_row(outcome);
+            if *same {
+                row[RESULT] = format!("already {}", wanted(outcome));
+            }
+            table.row(row);
         }
         for (assignment, outcome) in assignments.iter().zip(&outcomes) {
             if let Some(told) = raw_told(assignment, outcome) {
@@ -208,6 +217,58 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         }
     }
     last_failure(problems, output)
+}
+
+/// Writes what is new for the drive; one outcome for each assignment, and whether the drive had its value already. All of
+/// it is written where it is to be kept, as a value that is there may not be kept yet.
+fn write_new(
+    session: &mut connect::Live,
+    drive: &mut drive_client::Drive,
+    assignments: &[Assignment],
+    mode: WriteMode,
+) -> Result<(Vec<ChangeOutcome>, Vec<bool>), Failure> {
+    if mode == WriteMode::Save {
+        let outcomes = session.write(drive, assignments, mode)?;
+        let same = vec![false; outcomes.len()];
+        return Ok((outcomes, same));
+    }
+    let mut outcomes = session.write(drive, assignments, WriteMode::DryRun)?;
+    let same = already_so(drive, &outcomes);
+    let new: Vec<Assignment> = assignments
+        .iter()
+        .zip(&same)
+        .filter(|(_, same)| !**same)
+        .map(|(assignment, _)| assignment.clone())
+        .collect();
+    if mode == WriteMode::Write && !new.is_empty() {
+        let mut written = session.write(drive, &new, mode)?.into_iter();
+        for (outcome, _) in outcomes.iter_mut().zip(&same).filter(|(_, same)| !**same) {
+            if let Some(written) = written.next() {
+                *outcome = written;
+            }
+        }
+    }
+    Ok((outcomes, same))
+}
+
+/// Column of the result of a write.
+const RESULT: usize = 6;
+
+/// Which settings have the value already and are left alone. What acts is carried out each time; so is everything behind
+/// something that is no plain setting, as that may change what follows it.
+fn already_so(drive: &drive_client::Drive, outcomes: &[ChangeOutcome]) -> Vec<bool> {
+    let mut plain = true;
+    let tables = drive.model.catalogue;
+    outcomes
+        .iter()
+        .map(|outcome| {
+            let selection = &outcome.change.selection;
+            let base = selection.parameter.and_then(|parameter| parameter.base);
+            let role = tables.map(|tables| tables.backup_rule_at(selection.pnu, base).role);
+            plain &= role == Some(Role::Setting);
+            plain && outcome.is_same()
+        })
+        .collect()
 }
 
 /// What becomes of the new values when the drive loses its power.
@@ -340,11 +401,7 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
         let list: Vec<Value> = parameters
             .iter()
             .map(|parameter| {
-                Value::Object(parameter_json(
-                    tables,
-                    parameter,
-                    drive.parameters.limits(parameter),
-                ))
+                Value::Object(parameter_json(tables, parameter, &drive.parameters))
             })
             .collect();
         output.document(
@@ -456,11 +513,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     session.close()?;
     if output.json() {
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
-        fields.extend(parameter_json(
-            tables,
-            parameter,
-            drive.parameters.limits(parameter),
-        ));
+        fields.extend(parameter_json(tables, parameter, &drive.parameters));
         fields.insert("scaling".into(), parameter.rule(&drive.parameters.scaling).into());
         let values: Vec<Value> = readings.iter().map(reading_json).collect();
         fields.insert("values".into(), values.into());
@@ -519,7 +572,7 @@ fn description_lines(
         line("limits", limits);
     }
     let default = match parameter.text {
-        "" => parameter.default.map_or_else(|| "unknown".into(), with_unit),
+        "" => parameter.default_in(scaling).map_or_else(|| "unknown".into(), with_unit),
         text => format!("\"{text}\""),
     };
     line("default", default);
@@ -621,17 +674,18 @@ fn number_of(tables: &Catalogue, parameter: &Parameter) -> String {
 }
 
 /// Limits as `describe` shows them; null where only the size limits.
-fn parameter_json(tables: &Catalogue, parameter: &Parameter, limits: (f64, f64)) -> Map<String, Value> {
+fn parameter_json(tables: &Catalogue, parameter: &Parameter, drive: &Parameters) -> Map<String, Value> {
+    let limits = drive.limits(parameter);
     let meanings = |list: &[profidrive::catalogue::Meaning]| -> Vec<Value> {
         list.iter()
             .map(|row| Value::Object(fields! { "value": row.value, "text": row.text }))
             .collect()
     };
     fields! {
-        "pnu": parameter.pnu, "index": parameter.base, "number": number_of(tables, parameter), "name": parameter.name, "description": parameter.description, "unit": parameter.unit,
+        "pnu": parameter.pnu, "index": parameter.base, "number": number_of(tables, parameter), "name": parameter.name, "description": parameter.description, "unit": parameter.unit_in(&drive.scaling),
         "access": access_word(parameter.access), "elements": parameter.elements, "octets": parameter.size.octets(),
         "signed": parameter.signed, "high": parameter.high(), "saved": parameter.saved, "minimum": parameter.minimum.map(|_| limits.0),
-        "maximum": parameter.maximum.map(|_| limits.1), "default": parameter.default, "choices": meanings(parameter.choices),
+        "maximum": parameter.maximum.map(|_| limits.1), "default": parameter.default_in(&drive.scaling), "choices": meanings(parameter.choices),
         "bits": meanings(parameter.bits), "source": parameter.source,
     }
 }

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::Drive;
 use drive_client::axis::{MotionFacts, Purpose};
+use drive_client::{Drive, Error};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 
@@ -84,12 +84,28 @@ fn go(
             enabled.hold(time)
         }
         None => {
-            enabled.run(speed)?;
+            match enabled.reach_speed(speed, None) {
+                Err(Error::Interrupted) => {
+                    let actual = enabled.status().and_then(|status| status.speed_actual);
+                    output.warn(&unreached(speed, actual));
+                    return Err(Error::Interrupted);
+                }
+                Err(error @ (Error::SpeedNotReached { .. } | Error::Held { .. })) => {
+                    output.warn(&format!("{error}; it goes on, Ctrl-C stops it"));
+                }
+                other => other?,
+            }
             enabled.hold(axis::FOR_EVER)
         }
     });
     axis::finish(taken, result, end, "run", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, end, session, drive))
+}
+
+/// A run that ended before it was at its speed.
+fn unreached(speed: f64, actual: Option<f64>) -> String {
+    let actual = actual.map_or_else(String::new, |actual| format!(", it was {actual:.1} rpm"));
+    format!("{speed} rpm was not reached when the stop came{actual}")
 }
 
 /// What the drive will make of a speed that is above its own limit, or that leads into a limit switch.

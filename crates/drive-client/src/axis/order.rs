@@ -303,12 +303,14 @@ pub fn plan_move(
     if wire.is_none() {
         objections.push(Objection::Range { counts });
     }
+    // a target that does not fit says nothing about the way there
+    let known = wire.and(facts.position);
     let wanted = f64::from(wire.unwrap_or(0)) / per_turn;
     let range = facts.modulo_range.filter(|_| facts.modulo);
     let (target, distance) = if order.relative {
-        let end = facts.position.map(|position| position + wanted);
+        let end = known.map(|position| position + wanted);
         let target = range.map_or(end, |range| end.map(|end| range.wrap(end)));
-        (target, facts.position.map(|_| wanted))
+        (target, known.map(|_| wanted))
     } else {
         if let Some(range) = range.filter(|range| !(range.low..range.high).contains(&wanted)) {
             objections.push(Objection::ModuloRange {
@@ -318,7 +320,7 @@ pub fn plan_move(
             });
         }
         let distance = |from| range.map_or(wanted - from, |range| range.distance(from, wanted));
-        (Some(wanted), facts.position.map(distance))
+        (wire.map(|_| wanted), known.map(distance))
     };
     speed_objections(order.speed, distance, facts, speed_limit, &mut objections);
     let field = |number, value| {
@@ -582,6 +584,21 @@ mod tests {
                 turns(10.0),
                 with(&|facts| facts.homed = Some(false)),
                 vec![NotHomed],
+            ),
+            (
+                turns(10.0),
+                MotionFacts {
+                    homed: Some(false),
+                    ..limits
+                },
+                vec![
+                    NotHomed,
+                    SoftwareLimit {
+                        target: 10.0,
+                        limit: 9.5,
+                        upper: true,
+                    },
+                ],
             ),
             (turns(10.0), with(&|facts| facts.homed = None), none.clone()),
             (turns(10.0), with(&|facts| facts.fault = Some(true)), vec![Fault]),

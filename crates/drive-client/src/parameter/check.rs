@@ -173,9 +173,10 @@ impl Parameters {
         let range = parameter.range();
         let fits = |raw: i64| parameter.engineering(raw, &self.scaling);
         let (low, high) = (fits(*range.start()), fits(*range.end()));
+        let (minimum, maximum) = parameter.limits_in(&self.scaling);
         (
-            parameter.minimum.map_or(low, |limit| limit.max(low)),
-            parameter.maximum.map_or(high, |limit| limit.min(high)),
+            minimum.map_or(low, |limit| limit.max(low)),
+            maximum.map_or(high, |limit| limit.min(high)),
         )
     }
 }
@@ -228,6 +229,40 @@ mod tests {
         let assignment: Assignment = text.parse()?;
         let selection = drive.select(&assignment.reference)?;
         drive.check(&selection, &assignment.quantity)
+    }
+
+    /// The tables have limits in the unit of a drive as delivered, 2^16 counts for each revolution.
+    #[test]
+    fn limits_of_positions_are_in_the_unit_of_the_drive() {
+        for (unit, per_revolution) in [(2, 360.0), (4, 65_536.0), (0, 4_294_967_296.0)] {
+            let rotary_unit = UnitChoice {
+                rotary_unit: unit,
+                ..UnitChoice::DELIVERED
+            };
+            let drive = Parameters {
+                catalogue: Some(&AKD),
+                scaling: Scaling {
+                    unit: rotary_unit,
+                    ..Scaling::default()
+                },
+            };
+            let parameter = AKD.by_name("SWLS.LIMIT1").unwrap();
+            let most = parameter.maximum.unwrap() / 65_536.0 * per_revolution;
+            let (low, high) = drive.limits(parameter);
+            assert!(
+                (high - most.min(i64::MAX as f64)).abs() < 1e-9 * high,
+                "{high} {most}"
+            );
+            assert_eq!(low, -high.round(), "{low}");
+            // 2 * 10^11 revolutions are beyond, in every unit that can tell them
+            let assignment: Assignment = "SWLS.LIMIT1=200000000000rev".parse().unwrap();
+            let selection = drive.select(&assignment.reference).unwrap();
+            let checked = drive.check(&selection, &assignment.quantity);
+            assert!(
+                matches!(checked, Err(ParameterProblem::Limit { .. })),
+                "{checked:?}"
+            );
+        }
     }
 
     #[test]

@@ -58,6 +58,13 @@ pub struct ChangeOutcome {
 }
 
 impl ChangeOutcome {
+    /// True when the drive had this value before.
+    #[must_use]
+    pub fn is_same(&self) -> bool {
+        let old = self.old.as_ref().and_then(|old| old.as_ref().ok());
+        !self.acts && old.and_then(Reading::raw) == Some(self.change.value.raw)
+    }
+
     /// True when the value read back is another one than written; never for something that acts.
     #[must_use]
     pub fn differs(&self) -> bool {

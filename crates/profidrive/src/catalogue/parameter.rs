@@ -254,6 +254,41 @@ impl Parameter {
         unit::nearest(exact, self.range().into_inner()).value
     }
 
+    /// Lowest and highest engineering value where known, in the unit of a drive with this scaling.
+    ///
+    /// ```
+    /// use profidrive::catalogue::{AKD, Scaling};
+    /// use profidrive::unit::UnitChoice;
+    /// let limit = AKD.by_name("SWLS.LIMIT1").unwrap();
+    /// let degrees = UnitChoice { rotary_unit: 2, ..UnitChoice::DELIVERED };
+    /// let scaling = Scaling { unit: degrees, ..Scaling::default() };
+    /// assert_eq!(limit.limits_in(&scaling).1, limit.maximum.map(|counts| counts / 65_536.0 * 360.0));
+    /// assert_eq!(limit.limits_in(&Scaling::default()).1, limit.maximum);
+    /// ```
+    #[must_use]
+    pub fn limits_in(&self, scaling: &Scaling) -> (Option<f64>, Option<f64>) {
+        let factor = self.from_delivered(scaling);
+        (
+            self.minimum.map(|limit| limit * factor),
+            self.maximum.map(|limit| limit * factor),
+        )
+    }
+
+    /// The engineering value as delivered, in the unit of a drive with this scaling.
+    #[must_use]
+    pub fn default_in(&self, scaling: &Scaling) -> Option<f64> {
+        self.default.map(|value| value * self.from_delivered(scaling))
+    }
+
+    /// How many of the unit in force are one of the unit in which the tables have their values.
+    fn from_delivered(&self, scaling: &Scaling) -> f64 {
+        if self.user_unit {
+            scaling.unit.unit().per_revolution / unit::UnitChoice::DELIVERED.unit().per_revolution
+        } else {
+            1.0
+        }
+    }
+
     /// Lowest and highest number on the wire: the limits where known, else what fits. A limit between two numbers is the
     /// one inside.
     #[must_use]
@@ -263,9 +298,10 @@ impl Parameter {
             Some(limit) => self.raw_limit(limit, upwards, scaling),
             None => otherwise,
         };
+        let (minimum, maximum) = self.limits_in(scaling);
         (
-            of(self.minimum, *range.start(), true),
-            of(self.maximum, *range.end(), false),
+            of(minimum, *range.start(), true),
+            of(maximum, *range.end(), false),
         )
     }
 

@@ -78,9 +78,10 @@ impl Drive {
             )
         };
         let there = target.range();
+        let (minimum, maximum) = target.limits_in(scaling);
         (
-            limit(target.minimum, *there.start(), true),
-            limit(target.maximum, *there.end(), false),
+            limit(minimum, *there.start(), true),
+            limit(maximum, *there.end(), false),
         )
     }
 
@@ -112,6 +113,9 @@ mod tests {
     use super::*;
     use crate::model::AKD;
 
+    /// UNIT.PROTARY.
+    const UNIT_ROTARY: u16 = 2393;
+
     #[test]
     fn limits_of_the_other_one_in_ones_own_steps() {
         let mut drive = Drive::new(&AKD);
@@ -122,6 +126,16 @@ mod tests {
         assert_eq!(limits(&drive, 1001), (0, 15));
         assert_eq!(limits(&drive, 103), (0, 15));
         assert_eq!(limits(&drive, 1009), (1, 2000));
+        // Software limits: 2^37 revolutions, which is fewer degrees than counts.
+        let place = AKD.catalogue.by_name("SWLS.LIMIT1").unwrap().pnu;
+        assert_eq!(limits(&drive, place), (-(1 << 53), (1 << 53) - 1));
+        drive
+            .set_element(AKD.catalogue.position(UNIT_ROTARY).unwrap(), 0, 2)
+            .unwrap();
+        assert_eq!(limits(&drive, place).0, -(360 << 37));
+        drive
+            .set_element(AKD.catalogue.position(UNIT_ROTARY).unwrap(), 0, 4)
+            .unwrap();
         // DRV.ACC is 1.86 to 50,000,000 rpm/s: 65,530 steps of 763 are below, 65,531 above.
         assert_eq!(limits(&drive, 108), (1, 65_530));
         drive.values.set(3065, 1);

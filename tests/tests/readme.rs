@@ -1,0 +1,280 @@
+//! README as a newcomer reads it: the commands of its console blocks are run, in order, in one shell on one machine, and
+//! print what stands there.
+//!
+//! What README may leave out, and what cannot be equal:
+//! - a command with nothing below it has only to succeed; `..` alone on a line stands for any lines, at the end of a line
+//!   for the rest of it; a block that is no console block shows the end of what the command above it prints;
+//! - where an axis moves on the clock ([`ON_THE_CLOCK`]) times, numbers of frames, and speeds and positions of the moment
+//!   are any numbers, and counts are equal to 100; words, states, setpoints and targets are equal.
+//!
+//! Exit codes: that of a comment `# exit code N`, an error where `error:` is shown, else 0.
+
+use std::fmt::Write;
+use std::time::Duration;
+
+use system_tests::{Lab, Side, built, root, undisturbed};
+
+/// Commands whose output depends on the moment.
+const ON_THE_CLOCK: [&str; 4] = [
+    "profidrive run",
+    "profidrive move",
+    "profidrive write akd-1 930=2 && profidrive home",
+    "profidrive ack",
+];
+
+/// What is done instead of a command, each for its reason.
+const INSTEAD: [(&str, &str); 4] = [
+    // this test is a part of it
+    ("make test", ":"),
+    // what the Makefile runs, built already
+    ("make demo", "profidrive demo --fast"),
+    // the shell is in a namespace of its own already
+    ("unshare ", ":"),
+    // the description of any maker
+    (
+        "profidrive simulate --gsdml maker.xml",
+        "cp \"$DESCRIPTION\" maker.xml; profidrive simulate --gsdml maker.xml",
+    ),
+];
+
+/// A description of a drive that is not one of ours.
+const DESCRIPTION: &str = "tests/descriptions/GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
+
+/// All of it takes some twenty seconds.
+const LONGEST: Duration = Duration::from_secs(180);
+
+/// Stands for any lines.
+const ANY_LINES: &str = "..";
+/// Between the outputs of two commands.
+const MARK: &str = "@@ readme";
+
+/// A command, and what is shown below it.
+#[derive(Debug, Clone, Default)]
+struct Step {
+    command: String,
+    shown: Vec<String>,
+}
+
+impl Step {
+    fn on_the_clock(&self) -> bool {
+        ON_THE_CLOCK.iter().any(|start| self.command.starts_with(start))
+    }
+
+    /// The command without its comment.
+    fn bare(&self) -> &str {
+        self.command
+            .split_once("  # ")
+            .map_or(self.command.as_str(), |(command, _)| command)
+            .trim_end()
+    }
+
+    /// The exit code that the text promises; `None` for any failure.
+    fn code(&self) -> Option<i32> {
+        if let Some((_, code)) = self.command.split_once("# exit code ") {
+            return code.split_whitespace().next()?.parse().ok();
+        }
+        let fails = self.shown.iter().any(|line| line.starts_with("error: "));
+        (!fails).then_some(0)
+    }
+
+    /// What the shell is given.
+    fn script(&self, number: usize) -> String {
+        let mut command = self.bare().to_owned();
+        for (start, instead) in INSTEAD {
+            if let Some(rest) = command.strip_prefix(start) {
+                command = if instead == ":" {
+                    instead.to_owned()
+                } else {
+                    format!("{instead}{rest}")
+                };
+            }
+        }
+        // a file that README shows is one that the reader has written
+        let written = match command.strip_prefix("cat ") {
+            Some(file) => format!("cat >{file} <<'EOF'\n{}\nEOF\n", self.shown.join("\n")),
+            None => String::new(),
+        };
+        // a simulation in the background talks beside what follows; it is ready once it says how to end it
+        let command = match command.strip_suffix('&') {
+            Some(command) => format!(
+                "{command} >{number}.log 2>&1 &\nuntil grep -q 'Ctrl-C ends' {number}.log; do kill -0 $! || break; sleep 0.05; done"
+            ),
+            None => command,
+        };
+        format!("{written}{command}\nprintf '\\n{MARK} %s\\n' $?\n")
+    }
+}
+
+/// The commands of all console blocks in order.
+fn steps(text: &str) -> Vec<Step> {
+    let mut steps: Vec<Step> = Vec::new();
+    let mut block: Option<&str> = None;
+    let mut first = 0;
+    for line in text.lines() {
+        if let Some(kind) = line.strip_prefix("```") {
+            block = if block.is_some() { None } else { Some(kind) };
+            match block {
+                Some("console") => first = steps.len(),
+                Some("") => steps[first].shown.push(ANY_LINES.into()),
+                _ => {}
+            }
+            continue;
+        }
+        let prompt = line.strip_prefix("$ ").or_else(|| line.strip_prefix("# "));
+        match (block, prompt) {
+            (Some("console"), Some(command)) => steps.push(Step {
+                command: command.into(),
+                shown: Vec::new(),
+            }),
+            (Some("console"), None) => steps.last_mut().unwrap().shown.push(line.into()),
+            (Some(""), _) => steps[first].shown.push(line.into()),
+            _ => {}
+        }
+    }
+    steps
+}
+
+/// Words of a line; where it is of the moment, without the numbers that are.
+fn words(line: &str, moment: bool) -> Vec<String> {
+    if !moment {
+        return vec![line.trim_end().to_owned()];
+    }
+    let all: Vec<&str> = line.split_whitespace().collect();
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    let mut words: Vec<String> = Vec::new();
+    for (at, word) in all.iter().enumerate() {
+        let before = at.checked_sub(1).map_or("", |at| all[at]);
+        let after = all.get(at + 1).copied().unwrap_or("");
+        let after = after.trim_end_matches([',', ';', ')']);
+        let digits = word.trim_start_matches('(');
+        let of_the_moment =
+            matches!(after, "s" | "ms" | "cyclic" | "missed") || matches!(before, "actual" | "at");
+        words.push(match digits.parse::<f64>() {
+            Ok(_) if of_the_moment && is_number(word) => "#".into(),
+            Ok(counts) if after == "counts" => format!("{:.0}00", counts / 100.0),
+            _ => (*word).into(),
+        });
+    }
+    words
+}
+
+fn same_line(shown: &str, printed: &str, moment: bool) -> bool {
+    match shown.strip_suffix(" ..") {
+        Some(start) => words(printed, moment)
+            .concat()
+            .starts_with(&words(start, moment).concat()),
+        None => words(shown, moment) == words(printed, moment),
+    }
+}
+
+fn same(shown: &[String], printed: &[&str], moment: bool) -> bool {
+    match (shown.split_first(), printed.split_first()) {
+        (None, None) => true,
+        (Some((any, rest)), _) if any.trim() == ANY_LINES => {
+            (0..=printed.len()).any(|from| same(rest, &printed[from..], moment))
+        }
+        (Some((first, rest)), Some((line, lines))) => {
+            same_line(first, line, moment) && same(rest, lines, moment)
+        }
+        _ => false,
+    }
+}
+
+/// All of it once; what went wrong where the clock takes part.
+fn session(steps: &[Step]) -> Result<(), String> {
+    let lab = Lab::new("readme");
+    let program = built("profidrive");
+    let mut script = format!(
+        "exec 2>&1\nexport PATH={}:$PATH DESCRIPTION={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD\n",
+        program.parent().unwrap().display(),
+        root().join(DESCRIPTION).display(),
+        lab.folder().display()
+    );
+    for (number, step) in steps.iter().enumerate() {
+        script += &step.script(number);
+    }
+    script += "kill -KILL $(jobs -p)\n";
+    let file = lab.folder().join("session.sh");
+    std::fs::write(&file, script).unwrap();
+    let arguments = ["--net".as_ref(), "bash".as_ref(), file.as_os_str()];
+    let printed = lab.run(Side::Device, "unshare", arguments, LONGEST).out;
+    let (mut wrong, mut disturbed) = (String::new(), String::new());
+    let mut rest = printed.as_str();
+    for step in steps {
+        let mark = format!("\n{MARK} ");
+        let (output, more) = rest
+            .split_once(&mark)
+            .unwrap_or_else(|| panic!("the shell ended in `{}`:\n{rest}", step.command));
+        let (code, more) = more.split_once('\n').unwrap();
+        rest = more;
+        let code: i32 = code.parse().unwrap();
+        let lines: Vec<&str> = output.trim_end().lines().collect();
+        let fits = step.shown.is_empty() || same(&step.shown, &lines, step.on_the_clock());
+        let ends = step.code().map_or(code != 0, |promised| code == promised);
+        if fits && ends {
+            continue;
+        }
+        let what = format!(
+            "`{}` (exit code {code}) prints\n{output}\nREADME has\n{}\n",
+            step.command,
+            step.shown.join("\n")
+        );
+        let list = if step.on_the_clock() {
+            &mut disturbed
+        } else {
+            &mut wrong
+        };
+        let _ = writeln!(list, "{what}");
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+    if disturbed.is_empty() {
+        Ok(())
+    } else {
+        Err(disturbed)
+    }
+}
+
+#[test]
+fn a_newcomer_sees_what_readme_shows() {
+    let text = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let steps = steps(&text);
+    assert!(steps.len() >= 30, "{}", steps.len());
+    let shown = steps.iter().filter(|step| !step.shown.is_empty()).count();
+    assert!(shown >= 20, "{shown}");
+    undisturbed(|| session(&steps));
+}
+
+#[test]
+fn the_demo_is_the_one_of_the_makefile() {
+    let makefile = std::fs::read_to_string(root().join("Makefile")).unwrap();
+    assert!(makefile.contains("--bin profidrive -- demo $(ARGS)"));
+}
+
+#[test]
+fn what_may_differ_and_what_may_not() {
+    let shown: Vec<String> = ["a 1.0 s", "..", "set 60.04 rpm  actual 59.31 rpm", "b ..", ".."]
+        .map(String::from)
+        .into();
+    let lines = [
+        "a 2.5 s",
+        "x",
+        "y",
+        "set  60.04 rpm  actual  -3 rpm",
+        "b and more",
+        "z",
+    ];
+    assert!(same(&shown, &lines, true));
+    assert!(!same(&shown, &lines, false));
+    let other = ["a 2.5 s", "set 61 rpm actual 59.31 rpm", "b and more"];
+    assert!(!same(&shown, &other, true));
+    assert!(same_line(
+        "10 rev (655360 counts)",
+        "10 rev (655362 counts)",
+        true
+    ));
+    assert!(!same_line(
+        "10 rev (655360 counts)",
+        "11 rev (655362 counts)",
+        true
+    ));
+}
