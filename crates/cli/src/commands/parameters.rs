@@ -400,9 +400,7 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
     if output.json() {
         let list: Vec<Value> = parameters
             .iter()
-            .map(|parameter| {
-                Value::Object(parameter_json(tables, parameter, &drive.parameters))
-            })
+            .map(|parameter| Value::Object(parameter_json(tables, parameter, &drive.parameters)))
             .collect();
         output.document(
             "list",
@@ -572,7 +570,9 @@ fn description_lines(
         line("limits", limits);
     }
     let default = match parameter.text {
-        "" => parameter.default_in(scaling).map_or_else(|| "unknown".into(), with_unit),
+        "" => parameter
+            .default_in(scaling)
+            .map_or_else(|| "unknown".into(), with_unit),
         text => format!("\"{text}\""),
     };
     line("default", default);

@@ -267,7 +267,7 @@ impl Parameter {
     /// ```
     #[must_use]
     pub fn limits_in(&self, scaling: &Scaling) -> (Option<f64>, Option<f64>) {
-        let factor = self.from_delivered(scaling);
+        let factor = self.per_delivered(scaling);
         (
             self.minimum.map(|limit| limit * factor),
             self.maximum.map(|limit| limit * factor),
@@ -277,11 +277,11 @@ impl Parameter {
     /// The engineering value as delivered, in the unit of a drive with this scaling.
     #[must_use]
     pub fn default_in(&self, scaling: &Scaling) -> Option<f64> {
-        self.default.map(|value| value * self.from_delivered(scaling))
+        self.default.map(|value| value * self.per_delivered(scaling))
     }
 
     /// How many of the unit in force are one of the unit in which the tables have their values.
-    fn from_delivered(&self, scaling: &Scaling) -> f64 {
+    fn per_delivered(&self, scaling: &Scaling) -> f64 {
         if self.user_unit {
             scaling.unit.unit().per_revolution / unit::UnitChoice::DELIVERED.unit().per_revolution
         } else {
