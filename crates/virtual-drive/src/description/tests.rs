@@ -3,18 +3,20 @@ use profidrive::telegram::Telegram;
 
 use super::export::export;
 use super::*;
-use crate::model::AKD;
+use crate::model::{AKD, ALL};
 
 #[test]
 fn the_exported_file_is_sound_and_read_back_as_it_was() {
-    let exported = export(&AKD);
-    let name = exported.file_name.to_string();
-    let text = exported.description.to_xml();
-    let report = check(text.as_bytes(), Some(&name));
-    assert_eq!(report.problems, [], "{text}");
-    assert_eq!(report.description.as_ref(), Some(&exported.description));
-    assert_eq!(parse(text.as_bytes()), Ok(exported.description));
-    assert_eq!(name.parse::<FileName>(), Ok(exported.file_name));
+    for model in ALL {
+        let exported = export(model);
+        let name = exported.file_name.to_string();
+        let text = exported.description.to_xml();
+        let report = check(text.as_bytes(), Some(&name));
+        assert_eq!(report.problems, [], "{text}");
+        assert_eq!(report.description.as_ref(), Some(&exported.description));
+        assert_eq!(parse(text.as_bytes()), Ok(exported.description));
+        assert_eq!(name.parse::<FileName>(), Ok(exported.file_name));
+    }
 }
 
 #[test]

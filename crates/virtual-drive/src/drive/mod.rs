@@ -447,6 +447,8 @@ mod conformance;
 #[cfg(test)]
 mod fault_tests;
 #[cfg(test)]
+mod makers_tests;
+#[cfg(test)]
 mod memory_tests;
 #[cfg(test)]
 mod table_tests;
@@ -454,6 +456,8 @@ mod table_tests;
 mod telegram_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod vacon_tests;
 #[cfg(test)]
 mod velocity_tests;
 #[cfg(test)]
