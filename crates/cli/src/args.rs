@@ -180,7 +180,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct Drive {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
 }
 
@@ -263,7 +263,7 @@ pub enum ResetMode {
 
 #[derive(Debug, Args)]
 pub struct Read {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Parameters: DRV.ACC, 930, p930, r947[0], 947[0..7], 0x3A2; of a VLT 1-20, of a Vacon ID103
     #[arg(required = true, value_name = "PARAM")]
@@ -275,7 +275,7 @@ pub struct Read {
 
 #[derive(Debug, Args)]
 pub struct Write {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Assignments: DRV.ACC=5000rpm/s, 930=1, p930=0x0001; of a VLT 3-41=5s, of a Vacon ID103=5s
     #[arg(required = true, value_name = "PARAM=VALUE")]
@@ -290,7 +290,7 @@ pub struct Write {
 
 #[derive(Debug, Args)]
 pub struct List {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Only parameters with this text in name, number or description
     #[arg(long, value_name = "TEXT")]
@@ -305,7 +305,7 @@ pub struct List {
 
 #[derive(Debug, Args)]
 pub struct Describe {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Parameter: DRV.ACC, 930, p930, 0x3A2; of a VLT 1-20, of a Vacon ID103
     #[arg(value_name = "PARAM")]
@@ -324,7 +324,7 @@ pub struct Cyclic {
 
 #[derive(Debug, Args)]
 pub struct Ack {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
     #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
@@ -335,7 +335,7 @@ pub struct Ack {
 
 #[derive(Debug, Args)]
 pub struct Monitor {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Parameters to watch besides the state
     #[arg(value_name = "PARAM")]

@@ -17,7 +17,7 @@ use crate::render::value;
 /// Arguments of `backup`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// File to write; the settings go to stdout when left out
     #[arg(short, long, value_name = "FILE")]

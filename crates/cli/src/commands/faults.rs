@@ -22,7 +22,7 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// Arguments of `faults`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Also the faults that were acknowledged, situation by situation
     #[arg(long)]

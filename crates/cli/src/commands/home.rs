@@ -20,7 +20,7 @@ const SETTINGS: [&str; 4] = ["HOME.MODE", "HOME.DIR", "HOME.V", "HOME.ACC"];
 
 #[derive(Debug, Args)]
 pub struct Home {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Stop if homing takes longer
     #[arg(long, value_name = "TIME", default_value = "60s", value_parser = duration)]

@@ -18,7 +18,7 @@ use crate::render::table::{Table, clean};
 /// What to let happen to which virtual drive.
 #[derive(Debug, Args)]
 pub struct Inject {
-    /// Station name, IP address or MAC address of a drive that `profidrive simulate` runs on this computer
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS of a drive that `profidrive simulate` runs on this computer
     pub drive: Option<String>,
     /// What is to happen, in this order; without any: what can happen
     #[arg(value_name = "KEY=VALUE")]

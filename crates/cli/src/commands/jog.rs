@@ -20,7 +20,7 @@ const JOG_SPEED: [u16; 2] = [1004, 1005];
 
 #[derive(Debug, Args)]
 pub struct Jog {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Which jog setpoint of the drive: 1 (STW1 bit 8, PNU 1004) or 2 (bit 9, PNU 1005)
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]

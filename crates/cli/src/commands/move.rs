@@ -24,7 +24,7 @@ const LONGEST: Duration = Duration::from_secs(120);
 
 #[derive(Debug, Args)]
 pub struct Move {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Where to: 10rev, -90deg, 655360 (counts); with --relative how far
     #[arg(long, value_name = "POSITION", allow_hyphen_values = true)]

@@ -19,7 +19,7 @@ use crate::render::{number, value};
 /// Arguments of `restore`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// The backup
     pub file: PathBuf,

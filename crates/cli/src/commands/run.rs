@@ -19,7 +19,7 @@ const LONG_RAMP: Duration = Duration::from_secs(2);
 
 #[derive(Debug, Args)]
 pub struct Run {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Speed: 60rpm, -1rps; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]

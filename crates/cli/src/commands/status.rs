@@ -21,7 +21,7 @@ const MOTION_DISABLE_SOURCES: u16 = 2891;
 
 #[derive(Debug, Args)]
 pub struct Status {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Only the sentence
     #[arg(long)]

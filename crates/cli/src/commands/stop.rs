@@ -14,7 +14,7 @@ use crate::render::table::clean;
 
 #[derive(Debug, Args)]
 pub struct Stop {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Switch the power stage off too (DRV.DIS); its controller needs OFF and ON afterwards
     #[arg(long)]

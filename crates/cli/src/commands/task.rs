@@ -16,7 +16,7 @@ use crate::output::Output;
 
 #[derive(Debug, Args)]
 pub struct Task {
-    /// Station name, IP address or MAC address
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// Number of the motion task in the table of the drive
     #[arg(value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=128))]
