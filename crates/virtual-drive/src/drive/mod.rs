@@ -235,6 +235,7 @@ impl Drive {
             events: VecDeque::with_capacity(MOST_EVENTS),
         };
         drive.fit_motor();
+        drive.process.status = drive.told(drive.process.status);
         drive
     }
 

@@ -47,6 +47,14 @@ fn start_up_of_the_profidrive_profile() {
 }
 
 #[test]
+fn before_its_first_tick_a_drive_tells_its_own_words() {
+    let mut drive = Drive::new(&VLT);
+    let before = drive.status_word();
+    drive.tick(Instant::from_millis(4), None, &mut []);
+    assert_eq!((before, before.0), (drive.status_word(), 0x0640));
+}
+
+#[test]
 fn control_by_plc_and_quick_stop() {
     let mut bench = profidrive();
     bench.send(0x047E, 0, 40);
