@@ -220,11 +220,11 @@ class Script:
             self.find()
             self.connect()
             for frame in frames.split(","):
-                self.cyclic.set_output_data(1, 1, bytes.fromhex(frame))
+                self.cyclic.set_output_data(1, self.arguments.subslot, bytes.fromhex(frame))
                 time.sleep(self.arguments.hold)
-                before = bytes(self.cyclic.get_input_data(1, 1))
+                before = bytes(self.cyclic.get_input_data(1, self.arguments.subslot))
                 answer = self.job(bytes.fromhex(request), 0xB02E)
-                after = bytes(self.cyclic.get_input_data(1, 1))
+                after = bytes(self.cyclic.get_input_data(1, self.arguments.subslot))
                 say("signals", round=number, output=frame, before=before.hex(), answer=answer.hex(), after=after.hex())
             say("round", round=number, state=self.cyclic.state.name, errors=self.errors, timeouts=self.timeouts)
             self.release()
@@ -252,7 +252,7 @@ class Script:
         return {"median_ms": round(statistics.median(steps), 3), "max_ms": round(max(steps), 3)} if steps else {}
 
     def inputs_now(self):
-        data = self.cyclic.get_input_data(1, 1)
+        data = self.cyclic.get_input_data(1, self.arguments.subslot)
         if data is None:
             return None, None
         zsw1 = int.from_bytes(data[0:2], "big")
@@ -260,7 +260,7 @@ class Script:
         return zsw1, speed
 
     def output(self, stw1, setpoint):
-        self.cyclic.set_output_data(1, 1, stw1.to_bytes(2, "big") + setpoint.to_bytes(2, "big", signed=True))
+        self.cyclic.set_output_data(1, self.arguments.subslot, stw1.to_bytes(2, "big") + setpoint.to_bytes(2, "big", signed=True))
 
     def until(self, what, condition, seconds=5.0):
         end = time.monotonic() + seconds
@@ -337,6 +337,7 @@ def main():
     parser.add_argument("--patience", type=float, default=5.0, help="seconds that a search takes")
     parser.add_argument("--round", action="append", default=[], help="slots|output frames|parameter request, in hexadecimal")
     parser.add_argument("--hold", type=float, default=0.3, help="seconds that each frame of a round stands")
+    parser.add_argument("--subslot", type=int, default=1, help="where in slot 1 the telegram is")
     parser.add_argument("--steps", required=True)
     arguments = parser.parse_args()
     if arguments.input_frame_id:

@@ -26,16 +26,34 @@ pub fn controller<S: AsRef<str>>(lab: &Lab, arguments: &[S], limit: u64) -> Fini
 #[must_use]
 pub fn slots(device: &Device, telegram: u16) -> String {
     let module = device.telegram(telegram).unwrap();
-    format!(
-        "0:1:0:{dap}:{dap_sub}:0:0,0:0x8000:0:{dap}:{interface}:0:0,0:0x8001:0:{dap}:{port}:0:0,1:1:{api}:{tel}:{tel_sub}:{inputs}:{outputs}",
-        dap = device.access_point_module,
-        dap_sub = device.access_point_submodule,
-        interface = device.interface_submodule,
-        port = device.port_submodule,
-        api = device.api,
-        tel = module.module,
-        tel_sub = module.submodule,
-        inputs = module.inputs,
-        outputs = module.outputs,
-    )
+    let row = |slot: u16, subslot: u16, api: u16, ident: u32, submodule: u32, inputs: u16, outputs: u16| {
+        format!("{slot}:{subslot}:{api}:{ident}:{submodule}:{inputs}:{outputs}")
+    };
+    let mut rows: Vec<String> = device
+        .access_point()
+        .map(|(subslot, submodule)| row(0, subslot, 0, device.access_point_module, submodule, 0, 0))
+        .collect();
+    let parameters = &device.layout.parameters;
+    if let Some(submodule) = parameters.submodule {
+        rows.push(row(
+            1,
+            parameters.subslot,
+            device.api,
+            module.module,
+            submodule,
+            0,
+            0,
+        ));
+    }
+    let (inputs, outputs) = (module.inputs, module.outputs);
+    rows.push(row(
+        1,
+        device.layout.telegram,
+        device.api,
+        module.module,
+        module.submodule,
+        inputs,
+        outputs,
+    ));
+    rows.join(",")
 }
