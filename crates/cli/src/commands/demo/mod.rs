@@ -1,5 +1,7 @@
 //! `profidrive demo`: the whole chain in one process, every byte through the same code as on a wire.
 
+mod converters;
+
 use std::cell::{Cell, RefCell};
 use std::fs::File;
 use std::net::Ipv4Addr;
@@ -30,7 +32,6 @@ use crate::render::table::Table;
 use crate::render::{hex16, value, words};
 
 const NAME: &str = "akd-1";
-const DRIVE_MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 1]);
 const CONTROLLER_MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC0]);
 const MASK: Ipv4Addr = Ipv4Addr::new(255, 255, 255, 0);
 /// The page that is read by name.
@@ -62,7 +63,7 @@ struct Step {
 }
 
 /// Everything the demo promises, in order.
-const PROMISES: [&str; 11] = [
+const PROMISES: [&str; 20] = [
     "find the drive by name",
     "read its identity",
     "read a page of parameters by name",
@@ -74,6 +75,15 @@ const PROMISES: [&str; 11] = [
     "fault comes and is acknowledged",
     "stop along the ramp",
     "release",
+    "find the VLT by name",
+    "read a page of the VLT",
+    "parameter channel in PPO type 1",
+    "run the VLT at a reference",
+    "alarm comes and is reset",
+    "find the Vacon by name",
+    "read a page of the Vacon",
+    "run the Vacon at a reference",
+    "fault comes and is reset",
 ];
 
 struct Show {
@@ -84,7 +94,7 @@ struct Show {
 }
 
 pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
-    let (mut session, station) = stage(args)?;
+    let (mut session, [akd, vlt, vacon]) = stage(args)?;
     let view = LiveView::new(output.clone(), "demo");
     let mut show = Show {
         output: output.clone(),
@@ -92,8 +102,9 @@ pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
         position: Rc::new(Cell::new(None)),
         steps: Vec::new(),
     };
-    output.say("an in-memory Ethernet segment with a virtual AKD and a controller");
-    let result = play(&mut session, station, &mut show);
+    output.say("an in-memory Ethernet segment with a virtual AKD, a VLT, a Vacon and a controller");
+    let result = play(&mut session, akd, &mut show)
+        .and_then(|()| converters::play(&mut session, [vlt, vacon], &mut show));
     let closed = session.close();
     let taps = session.medium_mut().segment_mut().finish_taps();
     if let Err(error) = result.or(closed) {
@@ -129,7 +140,7 @@ pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
 }
 
 /// Drive and controller on a segment.
-fn stage(args: &Demo) -> Result<(Session<SegmentMedium>, StationId), Failure> {
+fn stage(args: &Demo) -> Result<(Session<SegmentMedium>, [StationId; 3]), Failure> {
     let ip = |last| IpSuite {
         address: Ipv4Addr::new(10, 0, 0, last),
         mask: MASK,
@@ -139,13 +150,22 @@ fn stage(args: &Demo) -> Result<(Session<SegmentMedium>, StationId), Failure> {
     if let Some(path) = &args.pcap {
         segment.add_tap(Box::new(capture(path)?));
     }
-    let mut config = StationConfig::new(&model::AKD, DRIVE_MAC);
-    config.network = Stored {
-        name: NAME.into(),
-        ip: ip(2),
-        ..Stored::default()
-    };
-    let station = segment.attach(Box::new(Host::new(Station::new(config))));
+    let mut number = 1;
+    let stations = [
+        (&model::AKD, NAME),
+        (&model::VLT, "vlt-1"),
+        (&model::VACON, "vacon-1"),
+    ]
+    .map(|(model, name)| {
+        let mut config = StationConfig::new(model, MacAddress([0x02, 0x50, 0x4E, 0, 0, number]));
+        number += 1;
+        config.network = Stored {
+            name: name.into(),
+            ip: ip(number),
+            ..Stored::default()
+        };
+        segment.attach(Box::new(Host::new(Station::new(config))))
+    });
     let pace = if args.fast { Pace::Virtual } else { Pace::Wall };
     let medium = SegmentMedium::new(segment, pace);
     let config = ControllerConfig::new(CONTROLLER_MAC, ip(1), "demo-controller", 1);
@@ -153,7 +173,7 @@ fn stage(args: &Demo) -> Result<(Session<SegmentMedium>, StationId), Failure> {
     if let Ok(stop) = Stop::on_signals() {
         session.interrupt_with(move || stop.is_stopped());
     }
-    Ok((session, station))
+    Ok((session, stations))
 }
 
 fn capture(path: &Path) -> Result<Writer<File>, Failure> {
@@ -166,7 +186,7 @@ fn capture(path: &Path) -> Result<Writer<File>, Failure> {
 fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Show) -> Result<(), Error> {
     let mut drive = find(session, show)?;
     identity(session, &mut drive, show)?;
-    page(session, &mut drive, show)?;
+    page(session, &mut drive, &PAGE, show)?;
     show.next();
     let settings = AxisSettings {
         cycle: Some(Duration::from_millis(16)),
@@ -243,10 +263,15 @@ fn identity(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut 
     Ok(())
 }
 
-fn page(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut Show) -> Result<(), Error> {
+fn page(
+    session: &mut Session<SegmentMedium>,
+    drive: &mut Drive,
+    names: &[&str],
+    show: &mut Show,
+) -> Result<(), Error> {
     show.next();
     let mut selections: Vec<Selection> = Vec::new();
-    for name in PAGE {
+    for name in names {
         selections.push(
             drive.parameters.select(
                 &name
@@ -272,8 +297,8 @@ fn page(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut Show
         }
     }
     show.check(
-        readings.len() == PAGE.len(),
-        format!("{} of {} parameters", readings.len(), PAGE.len()),
+        readings.len() == names.len(),
+        format!("{} of {} parameters", readings.len(), names.len()),
         "some parameters could not be read",
     )
 }
@@ -431,6 +456,13 @@ impl Show {
         if !self.output.json() {
             self.output
                 .line(&self.output.paint(Colour::Strong, &format!("> {what}")));
+        }
+    }
+
+    /// More about it.
+    fn tell(&self, text: &str) {
+        if !self.output.json() {
+            self.output.line(&format!("    {text}"));
         }
     }
 
