@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
 use profidrive::parameter::{Answer, Dialect, ParameterAddress, Request, RequestId, Response, ResponseError};
+use profidrive::telegram::{DANFOSS, VACON};
 use profinet::wire::Reader;
 use profinet::wire::block::{ReadResponse, WriteRequest};
 use profinet::wire::rpc::{Header, NdrRequest, NdrResponse, PacketType, operation};
@@ -56,6 +57,15 @@ pub fn misread(capture: &Path) -> Misread {
     found
 }
 
+/// The dialect of the drive that the object of a call names; makers that are not told apart have that of the test.
+fn of_call<'a>(header: &Header, dialect: &'a Dialect) -> &'a Dialect {
+    match header.object.object_parts().map(|(_, _, vendor)| vendor) {
+        Some(DANFOSS) => &Dialect::VLT,
+        Some(VACON) => &Dialect::VACON,
+        _ => dialect,
+    }
+}
+
 fn decoded(capture: &Path, dialect: &Dialect) -> Vec<(usize, Result<ParameterFrame, ResponseError>)> {
     let mut open: HashMap<([u8; 16], u16), Asked> = HashMap::new();
     let mut found = Vec::new();
@@ -66,6 +76,7 @@ fn decoded(capture: &Path, dialect: &Dialect) -> Vec<(usize, Result<ParameterFra
         let Ok((header, body)) = Header::decode(payload) else {
             continue;
         };
+        let dialect = of_call(&header, dialect);
         // fragments are joined by the dissector only in the last one; our jobs fit one PDU
         let mut reader = Reader::new(body);
         match (header.packet_type, header.operation) {

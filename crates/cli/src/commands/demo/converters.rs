@@ -93,7 +93,7 @@ fn introduce(session: &mut Session<SegmentMedium>, act: &Act, show: &mut Show) -
     show.next();
     let drive = session.find(&DriveAddress::Name(act.name.into()))?;
     show.done(format!(
-        "{}, so {} with its own numbers, formats and errors",
+        "{}, by its identity a {}",
         describe(&drive.station),
         drive.model.name
     ));
