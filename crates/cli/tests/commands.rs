@@ -209,6 +209,17 @@ fn a_speed_above_the_limit_is_stopped_before_anything_is_sent() {
 }
 
 #[test]
+fn a_plant_file_without_end_is_refused() {
+    let output = profidrive(&["simulate", "/dev/zero", "--virtual-time"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("/dev/zero: longer than 4194304 octets, this is no plant file"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
 fn an_unknown_interface_names_the_others() {
     let output = profidrive(&["scan", "-i", "no-such-interface"]);
     assert_eq!(output.status.code(), Some(4));

@@ -128,7 +128,10 @@ impl Drive {
                     deceleration: settings.quick_stop,
                 }),
             ),
-            Motion::FollowSetpoint if self.service == Service::Off => self.velocity_operation(),
+            Motion::FollowSetpoint if self.service == Service::Off => {
+                let command = self.velocity_operation();
+                self.kept_off_switches(command)
+            }
             Motion::FollowSetpoint => match settings.mode {
                 Mode::Current => Command::Current {
                     target: settings.service_current,
@@ -136,7 +139,7 @@ impl Drive {
                 _ => {
                     let (speed, ramps) = (settings.service_speed, settings.ramps);
                     self.target = speed;
-                    on_ramp(speed, ramps)
+                    self.kept_off_switches(on_ramp(speed, ramps))
                 }
             },
         }

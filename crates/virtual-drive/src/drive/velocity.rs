@@ -86,6 +86,36 @@ impl Drive {
         Command::Current { target }
     }
 
+    /// A hardware limit switch stops the axis in velocity mode too: what leads farther into it brakes with CS.DEC or the
+    /// own ramp, whichever is steeper, and stays; what leads out of it goes. Software limits belong to position mode.
+    /// Ours: the manual names the switches and their warnings, not what velocity mode does. A frequency converter has no
+    /// limit switches.
+    pub(super) fn kept_off_switches(&self, command: Command) -> Command {
+        let Command::Speed { target, ramp, hold } = command else {
+            return command;
+        };
+        if self.settings.inverter.is_some() {
+            return command;
+        }
+        let inputs = self.axis.inputs();
+        let leads_in =
+            |speed: f64| (speed > 0.0 && inputs.limit_positive) || (speed < 0.0 && inputs.limit_negative);
+        let moves_in = leads_in(self.axis.speed_command());
+        if !moves_in && !leads_in(target) {
+            return command;
+        }
+        let target = if hold || leads_in(target) { 0.0 } else { target };
+        let ramp = ramp.map(|ramp| Ramps {
+            deceleration: ramp.deceleration.max(self.settings.quick_stop),
+            ..ramp
+        });
+        Command::Speed {
+            target,
+            ramp,
+            hold: false,
+        }
+    }
+
     fn hold(&mut self) -> Command {
         self.target = 0.0;
         on_ramp(0.0, self.settings.ramps)

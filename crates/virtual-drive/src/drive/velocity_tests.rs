@@ -201,3 +201,55 @@ fn in_current_mode_the_setpoint_is_il_cmd_fieldbus() {
     send(&mut drive, 0x047E, 910, 0, 200);
     assert_eq!(drive.state(), State::S2);
 }
+
+#[test]
+fn a_hardware_limit_switch_stops_the_axis_and_lets_it_out_again() {
+    const TURN: i64 = 1 << 32;
+    for sign in [1_i64, -1] {
+        let mut bench = Bench::new();
+        let mut plant = crate::model::AKD.plant;
+        plant.travel = Some(crate::axis::Travel {
+            positive_switch: 3 * TURN,
+            negative_switch: -3 * TURN,
+            ..crate::axis::Travel::FREE
+        });
+        bench.drive.set_plant(plant);
+        let (state, warning) = if sign > 0 {
+            ("HWLS.POSSTATE", 107)
+        } else {
+            ("HWLS.NEGSTATE", 108)
+        };
+        let turns = |bench: &Bench| bench.drive.axis().position() as f64 / TURN as f64 * sign as f64;
+        bench.run(0);
+        let speed = 1638 * sign as i16; // 600 rpm
+        bench.send(0x047F, speed, 200);
+        // 600 rpm at 3000 rpm/s takes 1 revolution, and a cycle 0.16.
+        assert!((3.9..4.2).contains(&turns(&bench)), "{}", turns(&bench));
+        assert_eq!(bench.read("VL.FB_32"), 0);
+        assert_eq!((bench.read(state), bench.read("DRV.WARNING1")), (1, warning));
+        assert!(!bench.has(REACHED) && bench.has(0x0004), "{:#06x}", bench.status);
+        // Neither a frozen ramp nor a jog leads farther in.
+        let before = turns(&bench);
+        bench.send(0x045F, speed, 50);
+        bench.send(0x047F, speed, 50);
+        assert!((turns(&bench) - before).abs() < 0.01);
+        // Out: fine, and there it runs as ever.
+        bench.send(0x047F, -speed, 40);
+        assert_eq!(bench.read(state), 0);
+        assert!(bench.has(REACHED) && turns(&bench) < 3.0);
+    }
+}
+
+#[test]
+fn a_switch_that_is_touched_on_a_frozen_ramp_stops_the_axis() {
+    let mut bench = Bench::new();
+    bench.run(1638);
+    bench.send(0x045F, 1638, 20);
+    assert!(bench.read("VL.FB_32") > 500_000);
+    bench.drive.inject("limit+=on".parse().unwrap());
+    bench.send(0x045F, 1638, 20);
+    assert_eq!(bench.read("VL.FB_32"), 0);
+    bench.drive.inject("limit+=auto".parse().unwrap());
+    bench.send(0x047F, 1638, 60);
+    assert!(bench.read("VL.FB_32") > 500_000);
+}

@@ -1,5 +1,7 @@
 //! `profidrive gsdml check FILE`
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use gsdml::{Bitmap, Gsdml, Problem, Severity};
@@ -13,6 +15,9 @@ use crate::render::table::clean;
 
 /// Size of a picture in points.
 const PICTURE: (u32, u32) = (70, 40);
+
+/// Octets of a picture that are read; its size stands in the first 26.
+const HEAD: u64 = 64;
 
 pub fn run(args: &Check, output: &Output) -> Result<(), Failure> {
     let path = &args.file;
@@ -108,6 +113,14 @@ fn json(problem: &Problem) -> Map<String, Value> {
     }
 }
 
+/// The first octets of a picture, where its size stands.
+fn head(path: &Path) -> Option<Vec<u8>> {
+    let mut octets = Vec::new();
+    let file = File::open(path).ok()?;
+    file.take(HEAD).read_to_end(&mut octets).ok()?;
+    Some(octets)
+}
+
 /// Pictures that tools would look for beside the file.
 fn pictures(path: &Path, description: &Gsdml) -> Vec<String> {
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -119,7 +132,7 @@ fn pictures(path: &Path, description: &Gsdml) -> Vec<String> {
         }
         let found = ["bmp", "BMP"]
             .into_iter()
-            .find_map(|ending| std::fs::read(folder.join(format!("{}.{ending}", graphic.file))).ok());
+            .find_map(|ending| head(&folder.join(format!("{}.{ending}", graphic.file))));
         match found.as_deref().map(Bitmap::size_of) {
             None => wrong.push(format!("there is no {}.bmp beside the file", graphic.file)),
             Some(Some(PICTURE)) => {}

@@ -9,6 +9,7 @@ mod virtual_time;
 
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -219,10 +220,23 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
         .map_err(|error| Failure::new(Exit::Failed, format!("the capture is not complete: {error}")))
 }
 
-/// Reads a scenario file.
+/// Octets that a plant file may have at most.
+const MOST_OCTETS: u64 = 4 << 20;
+
+/// Reads a plant file, not more than one may have.
 fn read(path: &Path) -> Result<Scenario, Failure> {
     let failed = |why: String| Failure::new(Exit::Failed, format!("{}: {why}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;
+    let mut octets = Vec::new();
+    // one more than is taken, so that a longer file is told as such
+    File::open(path)
+        .and_then(|file| file.take(MOST_OCTETS + 1).read_to_end(&mut octets))
+        .map_err(|error| failed(error.to_string()))?;
+    if octets.len() as u64 > MOST_OCTETS {
+        return Err(failed(format!(
+            "longer than {MOST_OCTETS} octets, this is no plant file"
+        )));
+    }
+    let text = String::from_utf8(octets).map_err(|_| failed("this is no text (UTF-8)".to_owned()))?;
     text.parse()
         .map_err(|error: ScenarioError| Failure::usage(format!("{}, {error}", path.display())))
 }
