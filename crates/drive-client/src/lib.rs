@@ -30,13 +30,13 @@ mod wire;
 
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
-pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
+pub use drive::{Channel, Drive, Model, PROFIDRIVE_API, Words};
 pub use error::{Error, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::modules_of;
 pub use session::{
-    Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info, Peer,
-    PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WriteMode,
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info,
+    LoggedFault, Peer, PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WriteMode,
 };
 pub use wire::Wire;

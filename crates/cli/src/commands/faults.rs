@@ -3,9 +3,8 @@
 use std::time::Duration;
 
 use drive_client::parameter::Assignment;
-use drive_client::{Drive, FaultEntry, FaultReport, WarningEntry, WriteMode};
+use drive_client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
 use profidrive::catalogue::Role;
-use profidrive::notation::{Number, ParameterReference, Quantity};
 use serde_json::{Map, Value};
 
 use crate::args::Interface;
@@ -109,6 +108,12 @@ fn lines(report: &FaultReport, history: bool) -> Vec<Line> {
                 }
             });
         }
+        if !report.log.is_empty() {
+            lines.push(Line::Plain("log of the drive, the newest first".into()));
+        }
+        for fault in &report.log {
+            lines.push(Line::Plain(logged(fault)));
+        }
         let counter = report.counter;
         lines.push(Line::Plain(format!(
             "{counter} changes of the fault buffer so far (PNU 944)"
@@ -123,6 +128,19 @@ fn title(fault: &FaultEntry) -> String {
         "F{} {}",
         fault.number,
         fault.meaning.unwrap_or("not in the tables")
+    )
+}
+
+/// `  F14 Earth fault, value 3, time 120`
+fn logged(fault: &LoggedFault) -> String {
+    let meaning = fault.meaning.unwrap_or("not in the tables");
+    let part =
+        |name: &str, value: Option<i64>| value.map_or_else(String::new, |value| format!(", {name} {value}"));
+    format!(
+        "  F{} {meaning}{}{}",
+        fault.number,
+        part("value", fault.value),
+        part("time", fault.time)
     )
 }
 
@@ -146,8 +164,14 @@ fn json(drive: &Drive, report: &FaultReport, history: bool) -> Map<String, Value
         .warnings
         .as_ref()
         .map(|warnings| warnings.iter().map(warning_json).collect::<Vec<Value>>());
+    let logged = |fault: &LoggedFault| {
+        Value::Object(fields! {
+            "number": fault.number, "meaning": fault.meaning, "value": fault.value, "time": fault.time,
+        })
+    };
+    let log: Vec<Value> = report.log.iter().filter(|_| history).map(logged).collect();
     fields! {
-        "drive": drive.label(), "counter": report.counter, "situations": report.shape.situations,
+        "log": log, "drive": drive.label(), "counter": report.counter, "situations": report.shape.situations,
         "faults_per_situation": report.shape.faults, "fault_bit": report.zsw1.map(words::has_fault),
         "warning_bit": report.zsw1.map(words::has_warning), "faults": faults, "warnings": warnings,
     }
@@ -183,13 +207,7 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         output.say(&title(fault));
     }
     output.say(&format!("acknowledging with {} (p{})", command.name, command.pnu));
-    let assignment = Assignment {
-        reference: ParameterReference::number(command.pnu),
-        quantity: Quantity {
-            number: Number::Integer(1),
-            unit: None,
-        },
-    };
+    let assignment = Assignment::of(command, 1);
     let outcomes = session.write(&mut drive, &[assignment], WriteMode::Write)?;
     if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
         let drive = drive.label();
@@ -245,6 +263,7 @@ mod tests {
             faults,
             warnings: Some(Vec::new()),
             zsw1: Some(zsw1),
+            log: Vec::new(),
         }
     }
 

@@ -6,7 +6,7 @@ use drive_client::axis::Purpose;
 use drive_client::parameter::{ParameterProblem, Selection};
 use drive_client::{Drive, Error, Snapshot};
 use profidrive::notation::ParameterReference;
-use profidrive::state::Mode;
+use profidrive::state::{Mode, State, Zsw1};
 use serde_json::Value;
 
 use super::axis::{self, End, FOR_EVER, told};
@@ -15,7 +15,6 @@ use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
-use crate::render::live::words_json;
 use crate::render::{hex16, value, words};
 
 pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Failure> {
@@ -136,12 +135,39 @@ fn gone(failure: Failure) -> Failure {
     failure.hint("check power and cable of the drive; `profidrive scan` lists who answers")
 }
 
+/// Status and control word in the bits of the profile, whatever bits the make has.
+fn general(snapshot: &Snapshot) -> Option<(u16, Option<u16>)> {
+    let sent = snapshot.stw1;
+    let zsw1 = snapshot.profile.zsw1(snapshot.zsw1?, sent.unwrap_or_default());
+    let runs = zsw1.has(Zsw1::READY_TO_OPERATE);
+    let state = if runs { State::S4 } else { State::S2 };
+    Some((
+        zsw1.0,
+        sent.map(|word| snapshot.profile.orders(word, state).stw1.0),
+    ))
+}
+
+/// The bits of both words as the make calls them.
+fn snapshot_words(snapshot: &Snapshot) -> Value {
+    let mode = Mode::default();
+    let profile = snapshot.profile;
+    let stw1 = snapshot
+        .stw1
+        .map(|word| words::set_json(profile.control_bits(mode), word));
+    let zsw1 = snapshot
+        .zsw1
+        .map(|word| words::set_json(profile.status_bits(mode), word));
+    serde_json::json!({ "stw1": stw1, "zsw1": zsw1 })
+}
+
 fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output) {
+    let state = general(snapshot);
     if output.json() {
         let mut fields = fields! {
             "time": time.as_secs_f64(), "stw1": snapshot.stw1, "zsw1": snapshot.zsw1,
-            "state": snapshot.zsw1.map(|zsw1| words::state_number(zsw1, snapshot.stw1)), "fault_counter": snapshot.fault_counter,
-            "words": words_json(Mode::default(), snapshot.stw1, snapshot.zsw1),
+            "state": state.map(|(zsw1, stw1)| words::state_number(zsw1, stw1)), "fault_counter": snapshot.fault_counter,
+            "profile": snapshot.profile.name(),
+            "words": snapshot_words(snapshot),
         };
         for (name, reading) in [
             ("speed_set", &snapshot.speed_set),
@@ -165,10 +191,7 @@ fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output
     let mut line = format!(
         "{:>8.2} s  {:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
         time.as_secs_f64(),
-        snapshot.zsw1.map_or_else(
-            || "state unknown".into(),
-            |zsw1| words::state(zsw1, snapshot.stw1)
-        ),
+        state.map_or_else(|| "state unknown".into(), |(zsw1, stw1)| words::state(zsw1, stw1)),
         word(snapshot.stw1),
         word(snapshot.zsw1),
         speed(&snapshot.speed_set),

@@ -2,8 +2,8 @@
 
 use clap::Args;
 use drive_client::status::{Diagnosis, DriveStatus, Verdict, diagnose};
-use profidrive::catalogue::Catalogue;
-use profidrive::state::{Mode, bits};
+use profidrive::catalogue::{Catalogue, Part};
+use profidrive::state::{Mode, Profile};
 use serde_json::{Map, Value};
 
 use super::axis::{told, warned};
@@ -14,10 +14,6 @@ use crate::fields;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 use crate::render::{hex16, words};
-
-/// DRV.DISSOURCES and DRV.MOTIONDISSOURCES.
-const DISABLE_SOURCES: u16 = 2120;
-const MOTION_DISABLE_SOURCES: u16 = 2891;
 
 #[derive(Debug, Args)]
 pub struct Status {
@@ -78,11 +74,19 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
     line("state", status.state().map(|state| state.to_string()));
     line(
         "STW1",
-        status.stw1.map(|word| words::shown(bits::stw1(mode), word.0)),
+        status
+            .control_word
+            .map(|word| words::shown(status.profile.control_bits(mode), word)),
     );
     line(
         "ZSW1",
-        status.zsw1.map(|word| words::shown(bits::zsw1(mode), word.0)),
+        status
+            .status_word
+            .map(|word| words::shown(status.profile.status_bits(mode), word)),
+    );
+    line(
+        "words",
+        (status.profile != Profile::Profidrive).then(|| format!("of {}", status.profile.name())),
     );
     line("control", status.controller.as_ref().map(owner));
     line("telegram", status.telegram.map(|number| number.to_string()));
@@ -100,14 +104,14 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
         status
             .disable_sources
             .filter(|&sources| sources != 0)
-            .map(|sources| bits_of(tables, DISABLE_SOURCES, sources)),
+            .map(|sources| bits_of(tables, Part::DisableSources, sources)),
     );
     line(
         "motion held",
         status
             .motion_disable_sources
             .filter(|&sources| sources != 0)
-            .map(|sources| bits_of(tables, MOTION_DISABLE_SOURCES, sources)),
+            .map(|sources| bits_of(tables, Part::MotionDisableSources, sources)),
     );
     line("limits", limits(status));
     if mode == Mode::Position {
@@ -133,8 +137,12 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
 }
 
 /// `0x0003 [Software disable, Fault present]`
-fn bits_of(tables: Option<&Catalogue>, pnu: u16, word: u16) -> String {
-    match tables.and_then(|tables| tables.word(pnu)) {
+fn bits_of(tables: Option<&Catalogue>, part: Part, word: u16) -> String {
+    let known = tables.and_then(|tables| {
+        let parameter = tables.part(part)?;
+        tables.word_at(parameter.pnu, parameter.base)
+    });
+    match known {
         Some(known) => format!(
             "{} {}",
             hex16(word),
@@ -219,11 +227,17 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
     if let Some(controller) = &status.controller {
         fields.insert("controller".into(), controller.as_deref().into());
     }
-    if let Some(word) = status.stw1 {
-        fields.insert("stw1".into(), words::word_json(bits::stw1(mode), word.0));
+    if let Some(word) = status.control_word {
+        fields.insert(
+            "stw1".into(),
+            words::word_json(status.profile.control_bits(mode), word),
+        );
     }
-    if let Some(word) = status.zsw1 {
-        fields.insert("zsw1".into(), words::word_json(bits::zsw1(mode), word.0));
+    if let Some(word) = status.status_word {
+        fields.insert(
+            "zsw1".into(),
+            words::word_json(status.profile.status_bits(mode), word),
+        );
     }
     fields
 }
@@ -245,6 +259,8 @@ mod tests {
             controller: Some(Some("plc\u{1b}[2J".into())),
             stw1: Some(Stw1(0x043F)),
             zsw1: Some(Zsw1(0x2337)),
+            control_word: Some(0x043F),
+            status_word: Some(0x2337),
             telegram: Some(9),
             mode: Some(2),
             positive_switch: Some(true),

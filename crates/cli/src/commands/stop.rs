@@ -36,17 +36,18 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
     let owner = session.owner(&drive)?;
     session.close()?;
     let label = drive.label();
+    let command = way.command(&drive);
     if output.json() {
         output.document(
             "stop",
             fields! {
-                "drive": label.as_str(), "command": outcome.sent.then(|| way.command()),
+                "drive": label.as_str(), "command": outcome.sent.then_some(command),
                 "speed_before": outcome.speed_before, "speed": outcome.speed, "enabled": outcome.enabled,
                 "at_rest": outcome.at_rest, "controller": owner.clone().flatten(),
             },
         );
     } else {
-        output.line(&told(&label, way, &outcome));
+        output.line(&told(&label, command, &outcome));
     }
     let owned = owner.flatten().filter(|_| outcome.sent);
     if let Some(name) = &owned {
@@ -63,7 +64,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
         format!(
             "{label} is not at rest {} s after {}",
             args.timeout.as_secs_f64(),
-            way.command()
+            command
         ),
     )
     .hint(if args.disable {
@@ -74,7 +75,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
 }
 
 /// What was done, in one line.
-fn told(drive: &str, way: StopWay, outcome: &StopOutcome) -> String {
+fn told(drive: &str, command: &str, outcome: &StopOutcome) -> String {
     let speed =
         |rpm: Option<f64>| rpm.map_or_else(|| "an unknown speed".into(), |rpm| format!("{rpm:.1} rpm"));
     let stage = match outcome.enabled {
@@ -91,8 +92,7 @@ fn told(drive: &str, way: StopWay, outcome: &StopOutcome) -> String {
         "it still turns or is still on"
     };
     format!(
-        "{} sent to {drive} at {}: {end} ({}), {stage}",
-        way.command(),
+        "{command} sent to {drive} at {}: {end} ({}), {stage}",
         speed(outcome.speed_before),
         speed(outcome.speed)
     )
@@ -112,7 +112,7 @@ mod tests {
             at_rest: true,
         };
         assert_eq!(
-            told("akd-1", StopWay::Stop, &outcome),
+            told("akd-1", "DRV.STOP", &outcome),
             "DRV.STOP sent to akd-1 at 60.0 rpm: it stands (0.0 rpm), the power stage is still on"
         );
         let nothing = StopOutcome {
@@ -121,7 +121,7 @@ mod tests {
             ..outcome
         };
         assert_eq!(
-            told("akd-1", StopWay::Stop, &nothing),
+            told("akd-1", "DRV.STOP", &nothing),
             "akd-1 is at rest, the power stage is off: nothing was sent"
         );
         let turning = StopOutcome {
@@ -129,6 +129,6 @@ mod tests {
             at_rest: false,
             ..outcome
         };
-        assert!(told("akd-1", StopWay::Disable, &turning).starts_with("DRV.DIS sent to akd-1"));
+        assert!(told("akd-1", "DRV.DIS", &turning).starts_with("DRV.DIS sent to akd-1"));
     }
 }

@@ -303,8 +303,8 @@ impl JobDrive {
         }
         let number = reading.number().filter(|number| *number > 0.0);
         let scale = number.and_then(|number| {
-            self.tables()?;
-            take_scale(&mut self.parameters.scaling, reading.pnu, number)
+            let at = (reading.pnu, reading.index);
+            take_scale(self.tables()?, &mut self.parameters.scaling, at, number)
         });
         if let Some(scale) = scale.filter(|scale| !self.known.contains(scale)) {
             self.known.push(scale);

@@ -173,7 +173,7 @@ impl LiveView {
 }
 
 /// The bits of both words for programs, beside their numbers.
-pub fn words_json(mode: Mode, stw1: Option<u16>, zsw1: Option<u16>) -> Value {
+fn words_json(mode: Mode, stw1: Option<u16>, zsw1: Option<u16>) -> Value {
     Value::Object(fields! {
         "stw1": stw1.map(|word| words::set_json(bits::stw1(mode), word)),
         "zsw1": zsw1.map(|word| words::set_json(bits::zsw1(mode), word)),

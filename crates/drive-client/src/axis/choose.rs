@@ -165,7 +165,8 @@ fn own_wiring(
     number: u16,
 ) -> Option<(TelegramModule, Result<Wiring, WiringError>)> {
     let module = *device.telegram(number)?;
-    let telegram = Telegram::find(number, device.vendor_id)?;
+    // the maker's own words are not needed where the profile's telegrams are
+    let telegram = Telegram::find(number, device.vendor_id).filter(|telegram| !telegram.own_words)?;
     let mapped = telegram.free && !reported.setpoint.is_empty() && !reported.actual.is_empty();
     let wiring = if mapped {
         let (setpoint, actual) = (&reported.setpoint, &reported.actual);

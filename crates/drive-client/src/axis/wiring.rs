@@ -1,6 +1,6 @@
 //! Where the signals of an axis are in the cyclic data.
 
-use profidrive::state::Zsw1;
+use profidrive::state::Profile;
 use profidrive::telegram::{Direction, Mapping, MappingError, SetError, Telegram, signal};
 
 use super::command::Command;
@@ -57,6 +57,10 @@ pub struct Wiring {
     setpoint: Mapping,
     actual: Mapping,
     image: Vec<u8>,
+    /// Whose bits the words in the places of STW1 and ZSW1 have.
+    words: Profile,
+    /// The control word sent last.
+    sent: u16,
 }
 
 impl Wiring {
@@ -84,7 +88,29 @@ impl Wiring {
             image: vec![0; usize::from(setpoint.octets()).min(MOST_OCTETS)],
             setpoint,
             actual,
+            words: Profile::default(),
+            sent: 0,
         })
+    }
+
+    /// The same with control and status words of this profile: what goes in and comes out here is STW1 and ZSW1.
+    ///
+    /// ```
+    /// use drive_client::axis::{Command, Wiring};
+    /// use profidrive::state::{Profile, State, Stw1};
+    /// use profidrive::telegram::{DANFOSS, Telegram};
+    /// let telegram = Telegram::find(1, DANFOSS).unwrap();
+    /// let mut wiring = Wiring::of(telegram, DANFOSS)?.with_words(Profile::DanfossFc);
+    /// let run = Command { stw1: Stw1::RUN, nsoll_a: 0x2000, ..Command::default() };
+    /// assert_eq!(wiring.encode(&run), [0x04, 0x7C, 0x20, 0x00]);
+    /// let seen = wiring.decode(&[0x0F, 0x07, 0x20, 0x00]).unwrap();
+    /// assert_eq!(seen.zsw1.state(Stw1::RUN), Some(State::S4));
+    /// # Ok::<(), drive_client::axis::WiringError>(())
+    /// ```
+    #[must_use]
+    pub fn with_words(mut self, words: Profile) -> Self {
+        self.words = words;
+        self
     }
 
     /// A telegram whose signals are fixed, or the default of a free one.
@@ -161,8 +187,9 @@ impl Wiring {
     /// The octets of a command. Does not allocate.
     pub fn encode(&mut self, command: &Command) -> &[u8] {
         let task = &command.traverse;
+        self.sent = self.words.control(command.stw1);
         let values = [
-            (signal::STW1, i64::from(command.stw1.0)),
+            (signal::STW1, i64::from(self.sent)),
             (signal::NSOLL_A, i64::from(command.nsoll_a)),
             (signal::SATZANW, i64::from(task.satzanw)),
             (signal::MDI_TARPOS, i64::from(task.target)),
@@ -183,7 +210,9 @@ impl Wiring {
     pub fn decode(&self, data: &[u8]) -> Option<Seen> {
         let get = |number| self.actual.get(data, number);
         Some(Seen {
-            zsw1: Zsw1(u16::try_from(get(signal::ZSW1)?).ok()?),
+            zsw1: self
+                .words
+                .zsw1(u16::try_from(get(signal::ZSW1)?).ok()?, self.sent),
             nist_a: get(signal::NIST_A).and_then(|value| i16::try_from(value).ok()),
             xist_a: get(signal::XIST_A).map(wrapped),
             aktsatz: get(signal::AKTSATZ).and_then(|value| u16::try_from(value).ok()),
@@ -214,7 +243,7 @@ const fn wrapped(value: i64) -> i32 {
 mod tests {
     use super::*;
     use crate::axis::Traverse;
-    use profidrive::state::Stw1;
+    use profidrive::state::{Stw1, Zsw1};
     use profidrive::telegram::KOLLMORGEN;
 
     fn akd(number: u16) -> Wiring {

@@ -201,7 +201,9 @@ impl Plan {
                 match decide(wanted, present, reading, choice, &scaling) {
                     Ok(change) => {
                         if let Some(number) = change.new.number() {
-                            take_scale(&mut scaling, change.new.pnu, number);
+                            let at = (change.new.pnu, change.new.index);
+                            let tables = plan.parameters.catalogue;
+                            tables.and_then(|tables| take_scale(tables, &mut scaling, at, number));
                         }
                         plan.changes.push(change);
                     }

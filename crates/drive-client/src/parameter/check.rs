@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use profidrive::catalogue::{Access, Parameter, Scale};
-use profidrive::notation::{ParameterReference, Quantity};
+use profidrive::notation::{Elements, Number, ParameterReference, Prefix, Quantity, Target};
 
 use super::{ParameterProblem, Parameters, Selection};
 
@@ -14,6 +14,25 @@ pub struct Assignment {
     pub reference: ParameterReference,
     /// What to write.
     pub quantity: Quantity,
+}
+
+impl Assignment {
+    /// A whole number for a parameter of the tables, as it travels.
+    #[must_use]
+    pub fn of(parameter: &Parameter, number: i64) -> Self {
+        let base = parameter.base.map(|first| Elements { first, count: 1 });
+        Self {
+            reference: ParameterReference {
+                target: Target::Number(parameter.pnu),
+                elements: base,
+                prefix: Some(Prefix::Number),
+            },
+            quantity: Quantity {
+                number: Number::Integer(number),
+                unit: None,
+            },
+        }
+    }
 }
 
 impl FromStr for Assignment {

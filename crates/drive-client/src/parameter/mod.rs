@@ -48,12 +48,12 @@ impl Parameters {
     /// True when the numbers of a parameter mean the same under both scalings.
     pub(crate) fn scales_as(&self, parameter: &Parameter, other: &Scaling) -> bool {
         self.scaling.linear(parameter.scale) == other.linear(parameter.scale)
-            && (!parameter.user_unit || self.scaling.unit == other.unit)
+            && (!parameter.user_unit || self.scaling.unit.unit() == other.unit.unit())
     }
 
     /// How many units of a parameter here are one unit of it under another scaling.
     fn units_for_one(&self, parameter: &Parameter, from: &Scaling) -> f64 {
-        if parameter.user_unit && self.scaling.unit != from.unit {
+        if parameter.user_unit && self.scaling.unit.unit() != from.unit.unit() {
             self.scaling.unit.unit().per_revolution / from.unit.unit().per_revolution
         } else {
             1.0

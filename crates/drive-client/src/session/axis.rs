@@ -4,7 +4,6 @@
 use std::time::Duration;
 
 use profidrive::state::{Mode, Zsw1};
-use profidrive::telegram::signal;
 use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
 use profinet::cyclic::{CyclicStatistics, Timing};
 
@@ -18,8 +17,6 @@ use crate::axis::{
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error, Link, Wire};
 
-/// PNU of the speed setpoint: carries its scale.
-const NSOLL_A: u16 = signal::NSOLL_A;
 /// One unit of MinDeviceInterval and of the send clock.
 const TICK: Duration = Duration::from_nanos(31_250);
 /// How long a drive at a line that fell silent is told to stop.
@@ -271,16 +268,14 @@ fn standstill(drive: &Drive) -> u16 {
     raw.unsigned_abs().max(1)
 }
 
+/// NSOLL_A in the steps of the drive.
 pub(super) fn speed_raw(drive: &Drive, rpm: f64) -> Option<i16> {
-    let parameter = drive.model.catalogue?.by_pnu(NSOLL_A)?;
-    i16::try_from(parameter.raw(rpm, &drive.parameters.scaling)).ok()
+    let raw = drive.parameters.scaling.speed().raw(rpm).checked().ok()?;
+    i16::try_from(raw).ok()
 }
 
 pub(super) fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
-    let parameter = drive.model.catalogue.and_then(|tables| tables.by_pnu(NSOLL_A));
-    parameter.map_or(f64::from(raw), |parameter| {
-        parameter.engineering(raw.into(), &drive.parameters.scaling)
-    })
+    drive.parameters.scaling.speed().engineering(raw.into())
 }
 
 impl<'s, M: Wire> Axis<'s, M> {

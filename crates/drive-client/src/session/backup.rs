@@ -1,11 +1,13 @@
 //! Saving the settings of a drive, and bringing them back.
 
-use profidrive::catalogue::{Access, Phase, Role};
+use profidrive::catalogue::{Access, Part, Phase, Role};
 use profidrive::notation::{Elements, Notation, ParameterReference, Target};
 use profidrive::parameter::{ErrorNumber, Format, Identifier, Saving, plan_changes};
+use profidrive::state::Zsw1;
 
 use super::Session;
 use super::parameters::{Outgoing, format_of, saver};
+use super::prepare::zsw1_of;
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
 use crate::parameter::{Interpretation, Selection, halves};
 use crate::{Drive, Error, Wire};
@@ -14,10 +16,6 @@ use crate::{Drive, Error, Wire};
 const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
 /// Elements of one list: as many words as fit an answer.
 const LIST: u16 = 116;
-/// Status word as the profile numbers it, where there are no tables.
-const ZSW1: u16 = 968;
-/// Operation enabled.
-const ENABLED: i64 = 1 << 2;
 /// Elements read between two looks at the progress: three full requests.
 const PART: usize = 117;
 /// How often what the drive changed by itself is written again.
@@ -176,20 +174,21 @@ impl<M: Wire> Session<M> {
         let active = drive
             .model
             .catalogue
-            .and_then(|tables| tables.with_role(Role::Active))
-            .map(|parameter| parameter.pnu);
-        let selection = drive
-            .parameters
-            .select(&ParameterReference::number(active.unwrap_or(ZSW1)))?;
-        let reading = self.read(drive, &[selection])?.into_iter().next();
-        let raw = reading.and_then(Result::ok).and_then(|reading| reading.raw());
-        Ok(raw.map(|raw| {
-            if active.is_some() {
-                raw != 0
-            } else {
-                raw & ENABLED != 0
-            }
-        }))
+            .and_then(|tables| tables.with_role(Role::Active));
+        if let Some(active) = active {
+            let selection = Selection::of(active, drive.parameters.notation());
+            let reading = self.read(drive, &[selection])?.into_iter().next();
+            let raw = reading.and_then(Result::ok).and_then(|reading| reading.raw());
+            return Ok(raw.map(|raw| raw != 0));
+        }
+        let telegram = self.telegram_now(drive)?;
+        let told = self.ask(
+            drive,
+            &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
+        )?;
+        let zsw1 = zsw1_of(drive, &told, telegram);
+        // the motor turns as long as it is stopped too
+        Ok(zsw1.map(|word| word.has(Zsw1::OPERATION_ENABLED) || word.has(Zsw1::READY_TO_OPERATE)))
     }
 
     /// Writes what the plan of `journal` says, in its order, and reads it back; `save` lets the drive keep it. `keep` is

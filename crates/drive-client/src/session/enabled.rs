@@ -3,6 +3,7 @@
 use std::ops::{Deref, DerefMut};
 use std::time::Duration;
 
+use profidrive::catalogue::Part;
 use profidrive::notation::Position;
 use profidrive::state::Mode;
 
@@ -19,8 +20,6 @@ const SPEED_PATIENCE: (u32, Duration) = (2, Duration::from_secs(5));
 const SPEED_NEAR: (f64, f64) = (0.03, 2.0);
 /// HOME.MODE: set the position where the axis stands, take that of the feedback.
 const ON_THE_SPOT: [i64; 2] = [0, 13];
-/// PNU of HOME.MODE.
-const HOME_MODE: u16 = 2203;
 
 /// An enabled axis (S4). Dropping it, for whatever reason, ends in a ramp stop.
 ///
@@ -300,8 +299,8 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
 
     fn homes_on_the_spot(&mut self) -> Result<bool, Error> {
         let mut drive = self.axis.drive.clone();
-        let readings = self.axis.session.read_numbers(&mut drive, &[HOME_MODE])?;
-        let mode = readings.first().and_then(|reading| reading.raw());
+        let told = self.axis.session.ask(&mut drive, &[Part::HomeMode])?;
+        let mode = told.raw(Part::HomeMode);
         Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
     }
 }

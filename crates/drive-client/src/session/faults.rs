@@ -1,10 +1,12 @@
 //! What is wrong with a drive, and what was: fault buffer and warnings, beside any controller.
 
-use profidrive::catalogue::{Cleared, Reaction};
+use profidrive::catalogue::{Cleared, Fault, Part, Reaction};
 use profidrive::fault::{ConsistentRead, Next, Shape};
 use profidrive::notation::{Elements, ParameterReference, Target};
 
 use super::Session;
+use super::prepare::zsw1_of;
+use super::told::Told;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
 
@@ -14,10 +16,20 @@ const NUMBERS: u16 = 947;
 const TIMES: u16 = 948;
 const VALUES: u16 = 949;
 const DIVISION: u16 = 950;
-/// Status word.
-const ZSW1: u16 = 2;
-/// Beginning of the names of the parameters that hold warning numbers.
-const WARNING: &str = "DRV.WARNING";
+/// What is asked beside the buffer.
+const PARTS: [Part; 9] = [
+    Part::ControlWord,
+    Part::StatusWord,
+    Part::ControlProfile,
+    Part::Warning,
+    Part::WarningWord,
+    Part::AlarmWord,
+    Part::FaultLog,
+    Part::FaultLogValue,
+    Part::FaultLogTime,
+];
+/// Bits of one alarm or warning word.
+const WORD: u8 = 32;
 /// Reads of a fault buffer that keeps changing.
 const ATTEMPTS: u8 = 3;
 
@@ -66,8 +78,23 @@ pub struct FaultReport {
     pub faults: Vec<FaultEntry>,
     /// The warnings that are present; `None` where the drive has no numbers for them.
     pub warnings: Option<Vec<WarningEntry>>,
-    /// The status word, read with the warnings.
+    /// The status word in the bits of the profile, read with the warnings.
     pub zsw1: Option<u16>,
+    /// The log that the drive keeps beside the buffer, the newest first; empty where it has none.
+    pub log: Vec<LoggedFault>,
+}
+
+/// One entry of a log that only grows (VLT 15-30 to 15-32).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LoggedFault {
+    /// The maker's number.
+    pub number: u16,
+    /// What it means, where the tables know.
+    pub meaning: Option<&'static str>,
+    /// What the drive noted with it.
+    pub value: Option<i64>,
+    /// When it came, with the unit of the drive.
+    pub time: Option<i64>,
 }
 
 impl FaultReport {
@@ -94,43 +121,32 @@ impl<M: Wire> Session<M> {
     pub fn fault_report(&mut self, drive: &mut Drive) -> Result<FaultReport, Error> {
         let shape = self.fault_shape(drive)?;
         let (counter, faults) = self.fault_buffer(drive, shape)?;
-        let mut selections = select(drive, ZSW1, None).map_or_else(Vec::new, |one| vec![one]);
-        let numbers = warning_parameters(drive);
-        selections.extend(&numbers);
-        let mut readings = self.read(drive, &selections)?.into_iter();
-        let zsw1 = readings
-            .next()
-            .and_then(Result::ok)
-            .and_then(|reading| reading.raw());
-        let known = drive.model.catalogue;
-        let warnings: Vec<WarningEntry> = readings
-            .flatten()
-            .filter_map(|reading| u32::try_from(reading.raw()?).ok())
-            .filter(|number| *number != 0)
-            .map(|number| {
-                let row = u16::try_from(number)
-                    .ok()
-                    .and_then(|number| known?.fault(number, true));
-                WarningEntry {
-                    number,
-                    meaning: row.map(|row| row.meaning),
-                    remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
-                }
-            })
-            .collect();
+        let telegram = self.telegram_now(drive)?;
+        let told = self.ask(drive, &PARTS)?;
+        let mut faults = faults;
+        // a drive may tell a fault by its bit before the buffer has it
+        for (number, row) in by_bits(drive, &told, false) {
+            let known = |fault: &FaultEntry| fault.situation == 0 && fault.number == number;
+            if !faults.iter().any(known) {
+                faults.insert(0, entry(number, Some(row)));
+            }
+        }
         Ok(FaultReport {
             counter,
             shape,
             faults,
-            warnings: (!numbers.is_empty()).then_some(warnings),
-            zsw1: zsw1.and_then(|raw| u16::try_from(raw & 0xFFFF).ok()),
+            warnings: warnings(drive, &told),
+            zsw1: zsw1_of(drive, &told, telegram).map(|word| word.0),
+            log: log(drive, &told),
         })
     }
 
     /// How the buffer is divided: as the tables say, else as the drive says, else eight by eight.
     fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
-        if drive.model.catalogue.is_some() {
-            return Ok(Shape::EIGHT_BY_EIGHT);
+        let own = drive.model.catalogue.filter(|_| !drive.model.learned);
+        if let Some(tables) = own {
+            let elements = tables.by_pnu(NUMBERS).map_or(0, |parameter| parameter.elements);
+            return Ok(shape_of(elements));
         }
         let Some(selection) = select(drive, DIVISION, Some(2)) else {
             return Ok(Shape::EIGHT_BY_EIGHT);
@@ -200,13 +216,9 @@ impl<M: Wire> Session<M> {
             faults.push(FaultEntry {
                 situation: place.situation,
                 position: place.position,
-                number,
-                meaning: row.map(|row| row.meaning),
-                reaction: row.map(|row| row.reaction),
-                remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
-                cleared: row.map(|row| row.cleared),
                 time: beside(&times, at),
                 value: beside(&values, at),
+                ..entry(number, row)
             });
         }
         Ok((count, faults))
@@ -228,20 +240,96 @@ fn select(drive: &Drive, pnu: u16, elements: Option<u16>) -> Option<Selection> {
     drive.parameters.select(&reference).ok()
 }
 
-/// The parameters that hold the numbers of warnings.
-fn warning_parameters(drive: &Drive) -> Vec<Selection> {
-    let Some(tables) = drive.model.catalogue else {
-        return Vec::new();
+/// The shape of a buffer of the tables: eight by eight, or as many situations of one fault.
+fn shape_of(elements: u16) -> Shape {
+    match u8::try_from(elements) {
+        Ok(situations @ 1..64) => Shape {
+            situations,
+            faults: 1,
+        },
+        _ => Shape::EIGHT_BY_EIGHT,
+    }
+}
+
+/// A fault that is present, with what the tables say.
+fn entry(number: u16, row: Option<&Fault>) -> FaultEntry {
+    FaultEntry {
+        number,
+        meaning: row.map(|row| row.meaning),
+        reaction: row.map(|row| row.reaction),
+        remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
+        cleared: row.map(|row| row.cleared),
+        ..FaultEntry::default()
+    }
+}
+
+/// Faults or warnings that the bits of the drive's words say.
+fn by_bits(drive: &Drive, told: &Told, warning: bool) -> Vec<(u16, &'static Fault)> {
+    let part = if warning {
+        Part::WarningWord
+    } else {
+        Part::AlarmWord
     };
-    tables
-        .parameters
-        .iter()
-        .filter(|parameter| parameter.name.starts_with(WARNING))
-        .filter_map(|parameter| {
-            drive
-                .parameters
-                .select(&ParameterReference::number(parameter.pnu))
-                .ok()
+    let rows = drive.model.catalogue.map_or(&[][..], |tables| tables.faults);
+    let mut set = Vec::new();
+    for (word, first) in told.all(part).zip((0..).step_by(WORD.into())) {
+        let raw = word.raw().unwrap_or(0);
+        let bits = (0..WORD).filter(|bit| raw >> bit & 1 == 1);
+        for bit in bits.map(|bit| first + bit) {
+            let rows = rows.iter().filter(|row| row.warning == warning);
+            set.extend(
+                rows.filter(|row| row.bit == Some(bit))
+                    .map(|row| (row.number, row)),
+            );
+        }
+    }
+    set
+}
+
+/// Warnings by number and by bit; `None` where the drive has neither.
+fn warnings(drive: &Drive, told: &Told) -> Option<Vec<WarningEntry>> {
+    let words = told.find(Part::Warning).or(told.find(Part::WarningWord));
+    words?;
+    let tables = drive.model.catalogue;
+    let numbers = told.all(Part::Warning);
+    let numbers = numbers.filter_map(|reading| u32::try_from(reading.raw()?).ok());
+    let by_number = numbers.filter(|number| *number != 0).map(|number| {
+        let short = u16::try_from(number).ok();
+        (number, short.and_then(|number| tables?.fault(number, true)))
+    });
+    let by_bit = by_bits(drive, told, true)
+        .into_iter()
+        .map(|(number, row)| (u32::from(number), Some(row)));
+    Some(
+        by_number
+            .chain(by_bit)
+            .map(|(number, row)| WarningEntry {
+                number,
+                meaning: row.map(|row| row.meaning),
+                remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
+            })
+            .collect(),
+    )
+}
+
+fn log(drive: &Drive, told: &Told) -> Vec<LoggedFault> {
+    let beside = |part, index| {
+        let mut all = told.all(part);
+        all.find(|reading| reading.index == index).and_then(Reading::raw)
+    };
+    let codes = told.all(Part::FaultLog);
+    let entries = codes.filter_map(|reading| {
+        let number = u16::try_from(reading.raw()?).ok().filter(|number| *number != 0)?;
+        let row = drive
+            .model
+            .catalogue
+            .and_then(|tables| tables.fault(number, false));
+        Some(LoggedFault {
+            number,
+            meaning: row.map(|row| row.meaning),
+            value: beside(Part::FaultLogValue, reading.index),
+            time: beside(Part::FaultLogTime, reading.index),
         })
-        .collect()
+    });
+    entries.collect()
 }

@@ -1,5 +1,6 @@
 //! Who a drive is.
 
+use profidrive::catalogue::Part;
 use profidrive::notation::ParameterReference;
 use profinet::MacAddress;
 use profinet::controller::RecordAddress;
@@ -7,6 +8,7 @@ use profinet::wire::record::{Im0, ImText, PortPeer, PortReal, decode_relations, 
 use profinet::wire::{DecodeError, Reader};
 
 use super::Session;
+use super::told::places;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
 
@@ -107,10 +109,7 @@ impl<M: Wire> Session<M> {
         }
         info.controller = self.owner(drive)?;
         info.peers = self.peers(drive)?;
-        let page: Vec<Selection> = PAGE
-            .iter()
-            .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
-            .collect();
+        let page = page(drive);
         let readings = match self.read(drive, &page) {
             Ok(readings) => readings,
             // a device without a parameter channel still has its identity
@@ -190,6 +189,20 @@ impl<M: Wire> Session<M> {
             Err(error) => Err(error),
         }
     }
+}
+
+/// What tells who and how a drive is: by its tables, else the numbers of the profile.
+fn page(drive: &Drive) -> Vec<Selection> {
+    let own: Vec<Selection> = places(drive, Part::Page)
+        .into_iter()
+        .map(|(_, place)| place)
+        .collect();
+    if !own.is_empty() {
+        return own;
+    }
+    PAGE.iter()
+        .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
+        .collect()
 }
 
 fn peers(port: &PortReal<'_>) -> Vec<Peer> {

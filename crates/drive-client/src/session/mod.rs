@@ -18,6 +18,7 @@ mod scaling;
 mod status;
 mod stop;
 mod tasks;
+mod told;
 
 use std::time::Duration;
 
@@ -28,7 +29,7 @@ use crate::{Client, Drive, Error, LineConfig, Wire};
 
 pub use axis::{Axis, AxisSettings, AxisStatus};
 pub use enabled::Enabled;
-pub use faults::{FaultEntry, FaultReport, WarningEntry};
+pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
 pub use info::{Identity, Info, Peer};
 pub use monitor::Snapshot;
 pub(crate) use parameters::format_of;

@@ -1,22 +1,30 @@
 //! Looking at a drive beside its controller: reads only.
 
-use profidrive::notation::ParameterReference;
+use profidrive::catalogue::Part;
+use profidrive::state::Profile;
 
 use super::Session;
+use super::told::TELEGRAM;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
 
-/// Control word, status word, speed setpoint and speed as the drive shows them as parameters.
-const STW1: u16 = 1;
-const ZSW1: u16 = 2;
-const NSOLL_A: u16 = 5;
-const NIST_A: u16 = 6;
 /// Fault message counter.
 const FAULT_COUNTER: u16 = 944;
+
+const PARTS: [Part; 6] = [
+    Part::ControlWord,
+    Part::StatusWord,
+    Part::ControlProfile,
+    Part::SpeedSetpoint,
+    Part::SpeedActual,
+    Part::Speed,
+];
 
 /// A drive at a moment, from one parameter job.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
+    /// Whose bits the two words have.
+    pub profile: Profile,
     /// Control word the drive acts on.
     pub stw1: Option<u16>,
     /// Status word and speed.
@@ -37,21 +45,22 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the drive cannot be reached.
     pub fn snapshot(&mut self, drive: &mut Drive, more: &[Selection]) -> Result<Snapshot, Error> {
-        let mut selections: Vec<Selection> = [STW1, ZSW1, NSOLL_A, NIST_A, FAULT_COUNTER]
-            .iter()
-            .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
-            .collect();
-        selections.extend_from_slice(more);
-        let mut readings = self.read(drive, &selections)?.into_iter();
-        let mut next = || readings.next().and_then(Result::ok);
-        let word = |reading: Option<Reading>| reading?.raw().and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
+        let told = self.ask(drive, &PARTS)?;
+        let numbers = self.read_numbers(drive, &[FAULT_COUNTER, TELEGRAM])?;
+        let word = |pnu| {
+            let found = numbers.iter().find(|reading| reading.pnu == pnu);
+            let raw = found.and_then(Reading::raw);
+            raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
+        };
+        let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
         Ok(Snapshot {
-            stw1: word(next()),
-            zsw1: word(next()),
-            speed_set: next(),
-            speed_actual: next(),
-            fault_counter: word(next()),
-            readings: readings.collect(),
+            profile: told.profile(drive, word(TELEGRAM)),
+            stw1: control,
+            zsw1: status,
+            speed_set: told.speed(Part::SpeedSetpoint),
+            speed_actual: told.speed(Part::SpeedActual).or_else(|| told.speed(Part::Speed)),
+            fault_counter: word(FAULT_COUNTER),
+            readings: self.read(drive, more)?,
         })
     }
 }

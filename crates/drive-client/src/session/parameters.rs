@@ -320,9 +320,11 @@ impl<M: Wire> Session<M> {
             }
         }
         // a change of a value that scales others counts from here on
-        drive.scaled &= !back
-            .iter()
-            .any(|selection| selection.parameter.is_some_and(is_scaling));
+        let scales = |selection: &Selection| {
+            let known = selection.parameter.zip(drive.model.catalogue);
+            known.is_some_and(|(parameter, tables)| is_scaling(tables, parameter))
+        };
+        drive.scaled &= !back.iter().any(scales);
         let mut new = self.read(drive, &back)?.into_iter();
         for outcome in &mut outcomes {
             if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {

@@ -1,12 +1,13 @@
 //! What has to be known of a drive before its axis is taken or moved. Reads only.
 
-use profidrive::catalogue::Device;
+use profidrive::catalogue::{Device, Part};
 use profidrive::notation::ParameterReference;
 use profidrive::state::{Mode, Zsw1};
-use profidrive::telegram::signal;
+use profidrive::telegram::Telegram;
 
 use super::Session;
 use super::plugged::Layout;
+use super::told::{TELEGRAM, Told};
 use crate::axis::{
     ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, Wiring, choose_telegram, plan_move,
     process_words,
@@ -15,32 +16,54 @@ use crate::error::mode_words;
 use crate::parameter::{Assignment, Reading, Selection};
 use crate::{Drive, Error, Wire, WriteMode};
 
-/// PNUs of the profile: telegram, mapping, mode.
-const TELEGRAM: u16 = 922;
+/// PNUs of the profile: mapping, mode.
 const SETPOINT_SIGNALS: u16 = 915;
 const ACTUAL_SIGNALS: u16 = 916;
 const MODE: u16 = 930;
-/// PNUs of an AKD that matter for a move.
-const ZSW1: u16 = signal::ZSW1;
-const XIST_A: u16 = signal::XIST_A;
-const DRV_ACC: u16 = 2108;
-const DRV_DEC: u16 = 2115;
-const NEGATIVE_SWITCH: u16 = 2211;
-const POSITIVE_SWITCH: u16 = 2212;
-const MODULO_END_1: u16 = 2303;
-const MODULO_END_2: u16 = 2305;
-const MODULO_WAY: u16 = 2307;
-const MODULO: u16 = 2308;
-const LIMITS_ON: u16 = 2382;
-const LIMIT_0: u16 = 2383;
-const LIMIT_1: u16 = 2385;
-const BACKWARD: u16 = 2438;
-const FORWARD: u16 = 2439;
 
-const MOTOR_TYPE: u16 = 2260;
-const UNIT_IN: u16 = 2390;
-const UNIT_OUT: u16 = 2392;
-const UNIT_ROTARY: u16 = 2393;
+/// What matters for a move, and what a converter's ramps follow from.
+const MOTION: [Part; 26] = [
+    Part::ControlWord,
+    Part::StatusWord,
+    Part::ControlProfile,
+    Part::Position,
+    Part::Acceleration,
+    Part::Deceleration,
+    Part::RampUpTime,
+    Part::RampDownTime,
+    Part::MotorFrequency,
+    Part::MotorSpeed,
+    Part::MotorPoles,
+    Part::NegativeSwitch,
+    Part::PositiveSwitch,
+    Part::ModuloEnd1,
+    Part::ModuloEnd2,
+    Part::ModuloWay,
+    Part::Modulo,
+    Part::SoftwareLimitsOn,
+    Part::SoftwareLimit0,
+    Part::SoftwareLimit1,
+    Part::BackwardLimit,
+    Part::ForwardLimit,
+    Part::MotorType,
+    Part::UnitNumerator,
+    Part::UnitDenominator,
+    Part::UnitRotary,
+];
+
+/// What decides whether and how an axis is taken.
+const CONTROL: [Part; 10] = [
+    Part::ControlWord,
+    Part::StatusWord,
+    Part::ControlProfile,
+    Part::Acceleration,
+    Part::Deceleration,
+    Part::RampUpTime,
+    Part::RampDownTime,
+    Part::MotorFrequency,
+    Part::MotorSpeed,
+    Part::MotorPoles,
+];
 
 /// What an axis is taken with.
 #[derive(Debug)]
@@ -155,59 +178,35 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the drive cannot be reached.
     pub fn motion_facts(&mut self, drive: &mut Drive) -> Result<MotionFacts, Error> {
-        let readings = self.read_numbers(
-            drive,
-            &[
-                ZSW1,
-                XIST_A,
-                DRV_ACC,
-                DRV_DEC,
-                NEGATIVE_SWITCH,
-                POSITIVE_SWITCH,
-                MODULO_END_1,
-                MODULO_END_2,
-                MODULO_WAY,
-                MODULO,
-                LIMITS_ON,
-                LIMIT_0,
-                LIMIT_1,
-                BACKWARD,
-                FORWARD,
-                MOTOR_TYPE,
-                UNIT_IN,
-                UNIT_OUT,
-                UNIT_ROTARY,
-            ],
-        )?;
-        let find = |pnu| readings.iter().find(|reading| reading.pnu == pnu);
-        let number = |pnu| find(pnu).and_then(Reading::number);
-        let raw = |pnu| find(pnu).and_then(Reading::raw);
-        let zsw1 = raw(ZSW1)
-            .and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
-            .map(Zsw1);
-        let on = raw(LIMITS_ON).unwrap_or(0);
+        let told = self.ask(drive, &MOTION)?;
+        let (number, raw) = (|part| told.number(part), |part| told.raw(part));
+        let telegram = self.telegram_now(drive)?;
+        let zsw1 = zsw1_of(drive, &told, telegram);
+        let on = raw(Part::SoftwareLimitsOn).unwrap_or(0);
         // the signal wraps at 32 bits and has a sign, the table of the manual calls it unsigned
-        let position = raw(XIST_A).map(|raw| f64::from(raw as i32) / drive.counts_per_turn());
+        let position = raw(Part::Position).map(|raw| f64::from(raw as i32) / drive.counts_per_turn());
+        let forward = told.rpm(Part::ForwardLimit).map(f64::abs);
         let mut facts = MotionFacts {
             position,
             homed: zsw1.map(|word| word.has(Zsw1::HOMED)),
             fault: zsw1.map(|word| word.has(Zsw1::FAULT)),
-            modulo: raw(MODULO).is_some_and(|on| on != 0),
-            forward_limit: number(FORWARD).map(f64::abs),
-            backward_limit: number(BACKWARD).map(f64::abs),
-            negative_switch: raw(NEGATIVE_SWITCH).map(|state| state != 0),
-            positive_switch: raw(POSITIVE_SWITCH).map(|state| state != 0),
-            acceleration: number(DRV_ACC),
-            deceleration: number(DRV_DEC),
+            modulo: told.flag(Part::Modulo) == Some(true),
+            forward_limit: forward,
+            backward_limit: told.rpm(Part::BackwardLimit).map(f64::abs).or(forward),
+            negative_switch: told.flag(Part::NegativeSwitch),
+            positive_switch: told.flag(Part::PositiveSwitch),
+            acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
+            deceleration: told.ramp(Part::Deceleration, Part::RampDownTime),
             ..MotionFacts::default()
         };
         let units = units_per_turn(raw);
-        let place = |pnu| number(pnu).zip(units).map(|(place, units)| place / units);
-        facts.modulo_range = place(MODULO_END_1)
-            .zip(place(MODULO_END_2))
-            .and_then(|(one, other)| ModuloRange::new(one, other, raw(MODULO_WAY).unwrap_or(0)));
-        let limit = |bit: i64, pnu| place(pnu).filter(|_| on & bit != 0);
-        (facts.lowest, facts.highest) = match (limit(1, LIMIT_0), limit(2, LIMIT_1)) {
+        let place = |part| number(part).zip(units).map(|(place, units)| place / units);
+        facts.modulo_range = place(Part::ModuloEnd1)
+            .zip(place(Part::ModuloEnd2))
+            .and_then(|(one, other)| ModuloRange::new(one, other, raw(Part::ModuloWay).unwrap_or(0)));
+        let limit = |bit: i64, part| place(part).filter(|_| on & bit != 0);
+        (facts.lowest, facts.highest) = match (limit(1, Part::SoftwareLimit0), limit(2, Part::SoftwareLimit1))
+        {
             // which of the two is the upper one is up to who set them
             (Some(one), Some(other)) => (Some(one.min(other)), Some(one.max(other))),
             others => others,
@@ -233,21 +232,8 @@ impl<M: Wire> Session<M> {
         device: &Device,
         purpose: Purpose,
     ) -> Result<Prepared, Error> {
-        let numbers = [
-            TELEGRAM,
-            MODE,
-            ZSW1,
-            DRV_ACC,
-            DRV_DEC,
-            SETPOINT_SIGNALS,
-            ACTUAL_SIGNALS,
-        ];
-        let readings = self.read_numbers(drive, &numbers)?;
-        self.not_local(drive, &readings)?;
-        let number = |pnu| {
-            let found = readings.iter().find(|reading| reading.pnu == pnu);
-            found.and_then(Reading::number).filter(|&ramp| ramp > 0.0)
-        };
+        let readings = self.read_numbers(drive, &[TELEGRAM, MODE, SETPOINT_SIGNALS, ACTUAL_SIGNALS])?;
+        let told = self.ask(drive, &CONTROL)?;
         let words = |pnu| -> Vec<u16> {
             readings
                 .iter()
@@ -261,8 +247,8 @@ impl<M: Wire> Session<M> {
             setpoint: trimmed(words(SETPOINT_SIGNALS)),
             actual: trimmed(words(ACTUAL_SIGNALS)),
         };
-        let told = words(MODE).first().copied();
-        let mode = self.mode_for(drive, told, purpose)?;
+        self.not_local(drive, zsw1_of(drive, &told, reported.number))?;
+        let mode = self.mode_for(drive, words(MODE).first().copied(), purpose)?;
         if drive.is_on_line() {
             let wiring = process_words(device, purpose).map_err(|problem| Error::Telegram {
                 drive: drive.label(),
@@ -273,8 +259,8 @@ impl<M: Wire> Session<M> {
                 wiring,
                 layout: None,
                 reported: reported.number,
-                acceleration: number(DRV_ACC),
-                deceleration: number(DRV_DEC),
+                acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
+                deceleration: told.ramp(Part::Deceleration, Part::RampDownTime),
             });
         }
         let mut choice =
@@ -297,13 +283,15 @@ impl<M: Wire> Session<M> {
                 plugged: reported.number,
                 wanted: choice.module.telegram,
             })?;
+        let telegram = Telegram::find(choice.wiring.telegram(), drive.station.vendor_id);
+        let profile = drive.model.words.of(telegram, told.raw(Part::ControlProfile));
         Ok(Prepared {
             mode,
-            wiring: choice.wiring,
+            wiring: choice.wiring.with_words(profile),
             layout: Some(layout),
             reported: reported.number,
-            acceleration: number(DRV_ACC),
-            deceleration: number(DRV_DEC),
+            acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
+            deceleration: told.ramp(Part::Deceleration, Part::RampDownTime),
         })
     }
 
@@ -312,16 +300,23 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When somebody does, or the drive cannot be reached.
     pub fn check_control(&mut self, drive: &mut Drive) -> Result<(), Error> {
-        let readings = self.read_numbers(drive, &[ZSW1])?;
-        self.not_local(drive, &readings)
+        let telegram = self.telegram_now(drive)?;
+        let told = self.ask(
+            drive,
+            &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
+        )?;
+        self.not_local(drive, zsw1_of(drive, &told, telegram))
     }
 
-    fn not_local(&mut self, drive: &Drive, readings: &[Reading]) -> Result<(), Error> {
-        let raw = readings.iter().find(|reading| reading.pnu == ZSW1);
-        let word = raw
-            .and_then(Reading::raw)
-            .and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
-        let Some(word) = word.map(Zsw1) else {
+    /// The telegram that a drive has now (PNU 922).
+    pub(super) fn telegram_now(&mut self, drive: &mut Drive) -> Result<Option<u16>, Error> {
+        let readings = self.read_numbers(drive, &[TELEGRAM])?;
+        let raw = readings.first().and_then(Reading::raw);
+        Ok(raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok()))
+    }
+
+    fn not_local(&mut self, drive: &Drive, word: Option<Zsw1>) -> Result<(), Error> {
+        let Some(word) = word else {
             return Ok(());
         };
         let enabled = word.has(Zsw1::READY_TO_OPERATE | Zsw1::OPERATION_ENABLED);
@@ -361,6 +356,13 @@ impl<M: Wire> Session<M> {
     }
 }
 
+/// The status word of a drive in the bits of the profile.
+pub(super) fn zsw1_of(drive: &Drive, told: &Told, telegram: Option<u16>) -> Option<Zsw1> {
+    let status = told.word(Part::StatusWord)?;
+    let sent = told.word(Part::ControlWord).unwrap_or_default();
+    Some(told.profile(drive, telegram).zsw1(status, sent))
+}
+
 /// PNU 930: 1 speed control, 2 positioning.
 const fn mode_of(number: i64) -> Option<Mode> {
     match number {
@@ -372,16 +374,17 @@ const fn mode_of(number: i64) -> Option<Mode> {
 
 /// How many units of the position parameters one turn of a rotary motor has; `None` for a linear one.
 /// Source: AKD UNIT.PROTARY, UNIT.PIN, UNIT.POUT; MOTOR.TYPE 1 is linear.
-fn units_per_turn(raw: impl Fn(u16) -> Option<i64>) -> Option<f64> {
-    if raw(MOTOR_TYPE) == Some(1) {
+fn units_per_turn(raw: impl Fn(Part) -> Option<i64>) -> Option<f64> {
+    if raw(Part::MotorType) == Some(1) {
         return None;
     }
-    match raw(UNIT_ROTARY)? {
+    match raw(Part::UnitRotary)? {
         0 => Some(4_294_967_296.0),
         1 => Some(std::f64::consts::TAU),
         2 => Some(360.0),
         3 => {
-            let [numerator, denominator] = [UNIT_IN, UNIT_OUT].map(|pnu| raw(pnu).filter(|&part| part > 0));
+            let [numerator, denominator] =
+                [Part::UnitNumerator, Part::UnitDenominator].map(|part| raw(part).filter(|&value| value > 0));
             let part = |value: i64| f64::from(u32::try_from(value).unwrap_or(u32::MAX));
             Some(part(numerator?) / part(denominator?))
         }
@@ -401,48 +404,36 @@ fn trimmed(mut words: Vec<u16>) -> Vec<u16> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::AKD;
-
-    #[test]
-    fn the_numbers_are_those_of_the_tables() {
-        for (pnu, name) in [
-            (DRV_ACC, "DRV.ACC"),
-            (DRV_DEC, "DRV.DEC"),
-            (NEGATIVE_SWITCH, "HWLS.NEGSTATE"),
-            (POSITIVE_SWITCH, "HWLS.POSSTATE"),
-            (MODULO_END_1, "PL.MODP1"),
-            (MODULO_END_2, "PL.MODP2"),
-            (MODULO_WAY, "PL.MODPDIR"),
-            (MODULO, "PL.MODPEN"),
-            (LIMITS_ON, "SWLS.EN"),
-            (LIMIT_0, "SWLS.LIMIT0"),
-            (LIMIT_1, "SWLS.LIMIT1"),
-            (BACKWARD, "VL.LIMITN"),
-            (FORWARD, "VL.LIMITP"),
-            (MOTOR_TYPE, "MOTOR.TYPE"),
-            (UNIT_IN, "UNIT.PIN"),
-            (UNIT_OUT, "UNIT.POUT"),
-            (UNIT_ROTARY, "UNIT.PROTARY"),
-        ] {
-            assert_eq!(AKD.by_name(name).map(|found| found.pnu), Some(pnu), "{name}");
-        }
-    }
 
     #[test]
     fn position_units_as_the_drive_has_them() {
-        let with = |pairs: &'static [(u16, i64)]| {
+        let with = |pairs: &'static [(Part, i64)]| {
             move |pnu| pairs.iter().find(|pair| pair.0 == pnu).map(|pair| pair.1)
         };
-        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 4)])), Some(65_536.0));
-        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 0)])), Some(4_294_967_296.0));
-        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 2)])), Some(360.0));
-        let custom = with(&[(UNIT_ROTARY, 3), (UNIT_IN, 10), (UNIT_OUT, 4)]);
+        assert_eq!(units_per_turn(with(&[(Part::UnitRotary, 4)])), Some(65_536.0));
+        assert_eq!(
+            units_per_turn(with(&[(Part::UnitRotary, 0)])),
+            Some(4_294_967_296.0)
+        );
+        assert_eq!(units_per_turn(with(&[(Part::UnitRotary, 2)])), Some(360.0));
+        let custom = with(&[
+            (Part::UnitRotary, 3),
+            (Part::UnitNumerator, 10),
+            (Part::UnitDenominator, 4),
+        ]);
         assert_eq!(units_per_turn(custom), Some(2.5));
         assert_eq!(
-            units_per_turn(with(&[(UNIT_ROTARY, 3), (UNIT_IN, 10), (UNIT_OUT, 0)])),
+            units_per_turn(with(&[
+                (Part::UnitRotary, 3),
+                (Part::UnitNumerator, 10),
+                (Part::UnitDenominator, 0)
+            ])),
             None
         );
-        assert_eq!(units_per_turn(with(&[(UNIT_ROTARY, 4), (MOTOR_TYPE, 1)])), None);
+        assert_eq!(
+            units_per_turn(with(&[(Part::UnitRotary, 4), (Part::MotorType, 1)])),
+            None
+        );
         assert_eq!(units_per_turn(with(&[])), None);
     }
 

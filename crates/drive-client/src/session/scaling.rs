@@ -1,100 +1,99 @@
 //! The values of a drive that scale other values.
 
-use profidrive::catalogue::{Parameter, Scale, Scaling};
+use profidrive::catalogue::{Catalogue, Parameter, Part, Scale, Scaling};
 
 use super::Session;
-use crate::parameter::Selection;
 use crate::{Drive, Error, Wire};
 
-const VELOCITY: u16 = 3064;
-const ACCELERATION: u16 = 3065;
-const POSITION: u16 = 3014;
-const PEAK_CURRENT: u16 = 2132;
-const SINGLETURN: u16 = 1002;
-/// The profile's numbers of the first two.
-const VELOCITY_MIRROR: u16 = 1009;
-const ACCELERATION_MIRROR: u16 = 1008;
-const MOTOR_TYPE: u16 = 2260;
-const MOTOR_PITCH: u16 = 2251;
-const UNIT_ROTARY: u16 = 2393;
-const UNIT_LINEAR: u16 = 2391;
-const UNIT_NUMERATOR: u16 = 2390;
-const UNIT_DENOMINATOR: u16 = 2392;
-const SCALING: [u16; 11] = [
-    VELOCITY,
-    ACCELERATION,
-    POSITION,
-    PEAK_CURRENT,
-    SINGLETURN,
-    MOTOR_TYPE,
-    MOTOR_PITCH,
-    UNIT_ROTARY,
-    UNIT_LINEAR,
-    UNIT_NUMERATOR,
-    UNIT_DENOMINATOR,
+/// Every part that scales something.
+const SCALING: [Part; 16] = [
+    Part::VelocityScaling,
+    Part::AccelerationScaling,
+    Part::PositionScaling,
+    Part::PeakCurrent,
+    Part::SingleturnBits,
+    Part::MotorType,
+    Part::MotorPitch,
+    Part::UnitRotary,
+    Part::UnitLinear,
+    Part::UnitNumerator,
+    Part::UnitDenominator,
+    Part::Reference,
+    Part::ReferenceUnit,
+    Part::MotorFrequency,
+    Part::MotorSpeed,
+    Part::MotorPoles,
 ];
 
 /// Takes over the value of a parameter that scales others, in its engineering unit, and says which scale it is for;
-/// nothing happens for any other one, and by 0 nothing is scaled.
+/// nothing happens for any other one, and by 0 nothing is scaled. The reference of a converter depends on several
+/// parameters and is not taken here.
 ///
 /// ```
 /// use drive_client::parameter::take_scale;
-/// use profidrive::catalogue::{Scale, Scaling};
+/// use profidrive::catalogue::{AKD, Scale, Scaling};
 /// let mut scaling = Scaling::default();
-/// assert_eq!(take_scale(&mut scaling, 3064, 200.0), Some(Scale::Velocity)); // PN.VELSCALING
+/// assert_eq!(take_scale(&AKD, &mut scaling, (3064, None), 200.0), Some(Scale::Velocity)); // PN.VELSCALING
 /// assert_eq!(scaling.velocity, 200);
-/// assert_eq!(take_scale(&mut scaling, 2108, 200.0), None);
+/// assert_eq!(take_scale(&AKD, &mut scaling, (2108, None), 200.0), None);
 /// ```
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "saturates"
 )]
-pub fn take_scale(scaling: &mut Scaling, pnu: u16, number: f64) -> Option<Scale> {
+pub fn take_scale(
+    tables: &Catalogue,
+    scaling: &mut Scaling,
+    (pnu, index): (u16, Option<u16>),
+    number: f64,
+) -> Option<Scale> {
+    let base = tables.at(pnu, index.unwrap_or(0))?.base;
+    let part = tables.parts_at(pnu, base).find(|part| SCALING.contains(part))?;
     let unit = &mut scaling.unit;
-    Some(match pnu {
-        MOTOR_TYPE => {
+    Some(match part {
+        Part::MotorType => {
             unit.linear = number == 1.0;
             Scale::Position
         }
-        UNIT_ROTARY => {
+        Part::UnitRotary => {
             unit.rotary_unit = number as i64;
             Scale::Position
         }
-        UNIT_LINEAR => {
+        Part::UnitLinear => {
             unit.linear_unit = number as i64;
             Scale::Position
         }
         _ if number <= 0.0 => return None,
-        MOTOR_PITCH => {
+        Part::MotorPitch => {
             unit.pitch = number as i64;
             Scale::Position
         }
-        UNIT_NUMERATOR => {
+        Part::UnitNumerator => {
             unit.custom.0 = number as i64;
             Scale::Position
         }
-        UNIT_DENOMINATOR => {
+        Part::UnitDenominator => {
             unit.custom.1 = number as i64;
             Scale::Position
         }
-        VELOCITY | VELOCITY_MIRROR => {
+        Part::VelocityScaling => {
             scaling.velocity = number as u16;
             Scale::Velocity
         }
-        ACCELERATION | ACCELERATION_MIRROR => {
+        Part::AccelerationScaling => {
             scaling.acceleration = number as u16;
             Scale::Acceleration
         }
-        POSITION => {
+        Part::PositionScaling => {
             scaling.position = number as u32;
             Scale::Position
         }
-        PEAK_CURRENT => {
+        Part::PeakCurrent => {
             scaling.peak_current = number;
             Scale::Current
         }
-        SINGLETURN => {
+        Part::SingleturnBits => {
             scaling.singleturn_bits = number as u16;
             Scale::Singleturn
         }
@@ -102,8 +101,9 @@ pub fn take_scale(scaling: &mut Scaling, pnu: u16, number: f64) -> Option<Scale>
     })
 }
 
-pub(super) fn is_scaling(parameter: &Parameter) -> bool {
-    SCALING.contains(&parameter.pnu) || matches!(parameter.pnu, VELOCITY_MIRROR | ACCELERATION_MIRROR)
+pub(super) fn is_scaling(tables: &Catalogue, parameter: &Parameter) -> bool {
+    let mut parts = tables.parts_at(parameter.pnu, parameter.base);
+    parts.any(|part| SCALING.contains(&part))
 }
 
 impl<M: Wire> Session<M> {
@@ -115,17 +115,25 @@ impl<M: Wire> Session<M> {
         let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else {
             return Ok(());
         };
-        let wanted: Vec<Selection> = SCALING
-            .iter()
-            .filter_map(|&pnu| tables.by_pnu(pnu))
-            .map(|parameter| Selection::of(parameter, tables.notation))
-            .collect();
-        for reading in self.read_plain(drive, &wanted)?.into_iter().flatten() {
-            if let Some(number) = reading.number() {
-                take_scale(&mut drive.parameters.scaling, reading.pnu, number);
+        // what is read here scales nothing itself: asked again, nothing would be read
+        drive.scaled = true;
+        let told = match self.ask(drive, &SCALING) {
+            Ok(told) => told,
+            Err(error) => {
+                drive.scaled = false;
+                return Err(error);
+            }
+        };
+        for part in SCALING {
+            // of several parameters with one value the first counts
+            if let Some((reading, number)) = told.find(part).and_then(|one| Some((one, one.number()?))) {
+                let at = (reading.pnu, reading.index);
+                take_scale(tables, &mut drive.parameters.scaling, at, number);
             }
         }
-        drive.scaled = true;
+        if let Some(reference) = told.reference() {
+            drive.parameters.scaling.reference = Some(reference);
+        }
         Ok(())
     }
 }

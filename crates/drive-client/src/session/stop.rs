@@ -2,13 +2,12 @@
 
 use std::time::Duration;
 
+use profidrive::catalogue::Part;
+
 use super::Session;
-use crate::parameter::{Assignment, Reading};
+use crate::parameter::Assignment;
 use crate::{Drive, Error, Wire, WriteMode};
 
-/// PNUs of an AKD: power stage on, speed.
-const ACTIVE: u16 = 2110;
-const SPEED: u16 = 2428;
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
 /// Time between two looks.
@@ -17,20 +16,27 @@ const LOOK: Duration = Duration::from_millis(20);
 /// How to stop a drive by a parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopWay {
-    /// DRV.STOP: all motion along the ramp; the axis stays enabled.
+    /// AKD: DRV.STOP, all motion along the ramp; the axis stays enabled.
     Stop,
-    /// DRV.DIS: the power stage off, as DRV.DISMODE says; a controller needs OFF and ON afterwards.
+    /// AKD: DRV.DIS, the power stage off, as DRV.DISMODE says; a controller needs OFF and ON afterwards.
     Disable,
 }
 
 impl StopWay {
-    /// Name of the command.
+    /// What the command is among the parameters of a make.
     #[must_use]
-    pub const fn command(self) -> &'static str {
+    pub const fn part(self) -> Part {
         match self {
-            Self::Stop => "DRV.STOP",
-            Self::Disable => "DRV.DIS",
+            Self::Stop => Part::Stop,
+            Self::Disable => Part::Disable,
         }
+    }
+
+    /// Name of the command, for a make that has it.
+    #[must_use]
+    pub fn command(self, drive: &Drive) -> &'static str {
+        let parameter = drive.model.catalogue.and_then(|tables| tables.part(self.part()));
+        parameter.map_or("", |parameter| parameter.name)
     }
 }
 
@@ -62,23 +68,20 @@ impl<M: Wire> Session<M> {
         way: StopWay,
         limit: Duration,
     ) -> Result<StopOutcome, Error> {
-        if drive
-            .model
-            .catalogue
-            .is_none_or(|tables| tables.by_name(way.command()).is_none())
-        {
+        let command = drive.model.catalogue.and_then(|tables| tables.part(way.part()));
+        let Some(command) = command else {
             return Err(Error::UnknownModel {
                 drive: drive.label(),
                 what: "a parameter that stops it beside its controller",
                 vendor_id: drive.station.vendor_id,
                 device_id: drive.station.device_id,
             });
-        }
+        };
         let before = self.look_at(drive, way)?;
         if before.enabled == Some(false) && before.at_rest {
             return Ok(before);
         }
-        let assignment: Assignment = format!("{}=1", way.command()).parse()?;
+        let assignment = Assignment::of(command, 1);
         let outcomes = self.write(drive, &[assignment], WriteMode::Write)?;
         if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
             return Err(Error::Refused {
@@ -101,10 +104,8 @@ impl<M: Wire> Session<M> {
     }
 
     fn look_at(&mut self, drive: &mut Drive, way: StopWay) -> Result<StopOutcome, Error> {
-        let readings = self.read_numbers(drive, &[ACTIVE, SPEED])?;
-        let find = |pnu| readings.iter().find(|reading| reading.pnu == pnu);
-        let speed = find(SPEED).and_then(Reading::number);
-        let enabled = find(ACTIVE).and_then(Reading::raw).map(|raw| raw != 0);
+        let enabled = self.is_enabled(drive)?;
+        let speed = self.ask(drive, &[Part::Speed])?.rpm(Part::Speed);
         let stands = speed.is_some_and(|speed| speed.abs() < STANDS);
         Ok(StopOutcome {
             sent: false,

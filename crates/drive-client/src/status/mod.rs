@@ -4,7 +4,7 @@ mod rules;
 
 use std::fmt;
 
-use profidrive::state::{Mode, State, Stw1, Zsw1};
+use profidrive::state::{Mode, Profile, State, Stw1, Zsw1};
 
 use crate::{FaultEntry, WarningEntry};
 
@@ -15,6 +15,15 @@ pub use rules::Cause;
 pub struct DriveStatus {
     /// The drive, for the commands in the advice.
     pub drive: String,
+    /// Name of its model.
+    pub make: &'static str,
+    /// Whose bits its control and status word have; [`stw1`](Self::stw1) and [`zsw1`](Self::zsw1) say the same in those
+    /// of the profile.
+    pub profile: Profile,
+    /// The control word as it came.
+    pub control_word: Option<u16>,
+    /// The status word as it is sent.
+    pub status_word: Option<u16>,
     /// Name of the controller that has the cyclic connection: `Some(None)` when nobody has it.
     pub controller: Option<Option<String>>,
     /// Control word the drive was sent last.

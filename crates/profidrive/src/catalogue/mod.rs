@@ -24,6 +24,7 @@ mod fault;
 mod nearest;
 mod number;
 mod parameter;
+mod part;
 mod vacon;
 mod vlt;
 mod word;
@@ -34,6 +35,7 @@ pub use device::{DescriptionFacts, Device, Layout, ParameterPoint, RecordView, T
 pub use fault::{Cleared, Fault, Reaction};
 pub use nearest::name_distance;
 pub use parameter::{Access, Meaning, Parameter, Scale, Scaling, Size};
+pub use part::{Part, PartRow};
 pub use vacon::VACON;
 pub use vlt::VLT;
 pub use word::{Field, Word, WordKind};
@@ -55,6 +57,8 @@ pub struct Catalogue {
     pub device: Device,
     /// What each parameter that is no plain setting is to a tool that saves and restores, ascending by PNU.
     pub backup: &'static [BackupRule],
+    /// What parameters are to a client, in the order of the table.
+    pub parts: &'static [PartRow],
     /// Parameters whose bits say something each, ascending by PNU.
     pub words: &'static [Word],
     /// What to do when the present state forbids a write (error 0x11), for parameters where more can be said than that,

@@ -54,6 +54,7 @@ impl Catalogue {
             faults: &[],
             device,
             backup: &[],
+            parts: &[],
             words: &[],
             not_now: &[],
             index: index.leak(),

@@ -95,7 +95,7 @@ pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
 
 /// True when the pattern is the number (`p922`), the application id (`id103`), the name, or a name with `*` for any part
 /// and the parameter can be written.
-fn names(pattern: &str, parameter: &Known) -> bool {
+pub fn names(pattern: &str, parameter: &Known) -> bool {
     if let Some(pnu) = pattern
         .strip_prefix('p')
         .and_then(|number| number.parse::<u16>().ok())

@@ -13,6 +13,7 @@ mod faults;
 mod index;
 mod meanings;
 mod parameters;
+mod parts;
 
 /// A drive model whose tables are in `data/`.
 struct Model {
@@ -101,6 +102,8 @@ impl Model {
             meanings.bits_of_faults(word.parameter, &faults::bits(&faults, word.warnings, word.first)?)?;
         }
         let rules = Table::read(root, &data("backup.csv"))?;
+        let parts = Table::read(root, &data("parts.csv"))?;
+        let known = backup::known(&parameters)?;
         let mut device = device::DeviceFile::read(root, &data("device.toml"))?;
         let table = parameters::render(&parameters, &meanings, &Formats::read(root)?, &mut device.values)?;
         if let Some(name) = device.values.keys().next() {
@@ -117,11 +120,8 @@ impl Model {
             made("meanings", "meanings.csv", meanings.render()),
             made("index", "parameters.csv", index::render(&numbers, self.own_from)?),
             made("faults", "faults.csv", faults::render(&faults)?),
-            made(
-                "backup",
-                "backup.csv",
-                backup::render(&rules, &backup::known(&parameters)?)?,
-            ),
+            made("backup", "backup.csv", backup::render(&rules, &known)?),
+            made("parts", "parts.csv", parts::render(&parts, &known)?),
             made("parameters", "parameters.csv", table),
             made("words", "meanings.csv", meanings.render_words(&numbers)?),
         ])
@@ -138,11 +138,11 @@ impl Model {
         let scaling = device::render_scaling(device);
         format!(
             "use super::{{Catalogue, Scaling}};\nuse crate::notation::Notation;\n\n\
-             mod backup;\nmod device;\nmod faults;\nmod index;\nmod meanings;\nmod parameters;\nmod words;\n\n\
+             mod backup;\nmod device;\nmod faults;\nmod index;\nmod meanings;\nmod parameters;\nmod parts;\nmod words;\n\n\
              /// {about}\n\
              pub static {name}: Catalogue = Catalogue {{ model: {name:?}, notation: {notation}, scaling: {scaling}, parameters: parameters::PARAMETERS, \
              index: index::INDEX, names: index::NAMES, faults: faults::FAULTS, device: device::DEVICE, \
-             backup: backup::BACKUP, words: words::WORDS, not_now: words::NOT_NOW }};\n"
+             backup: backup::BACKUP, parts: parts::PARTS, words: words::WORDS, not_now: words::NOT_NOW }};\n"
         )
     }
 }
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!(models, folders);
         for model in MODELS {
             let files = model.files(&root).unwrap();
-            assert_eq!(files.len(), 8);
+            assert_eq!(files.len(), 9);
             for file in &files {
                 let home = format!("crates/profidrive/src/catalogue/{}/", model.folder);
                 assert!(file.path.starts_with(&home), "{}", file.path);

@@ -9,6 +9,7 @@ mod faults;
 mod index;
 mod meanings;
 mod parameters;
+mod parts;
 mod words;
 
 /// Vacon 100 with PROFINET (built in, or option OPTEA).
@@ -22,6 +23,7 @@ pub static VACON: Catalogue = Catalogue {
     faults: faults::FAULTS,
     device: device::DEVICE,
     backup: backup::BACKUP,
+    parts: parts::PARTS,
     words: words::WORDS,
     not_now: words::NOT_NOW,
 };

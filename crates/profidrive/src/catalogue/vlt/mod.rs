@@ -9,6 +9,7 @@ mod faults;
 mod index;
 mod meanings;
 mod parameters;
+mod parts;
 mod words;
 
 /// Danfoss VLT AutomationDrive FC 302 with the PROFINET option MCA 120.
@@ -22,6 +23,7 @@ pub static VLT: Catalogue = Catalogue {
     faults: faults::FAULTS,
     device: device::DEVICE,
     backup: backup::BACKUP,
+    parts: parts::PARTS,
     words: words::WORDS,
     not_now: words::NOT_NOW,
 };

@@ -1,0 +1,229 @@
+//! What a parameter is to a client: where a drive tells its speed, its ramps, its control word.
+
+use super::{Catalogue, Parameter};
+
+macro_rules! parts {
+    ($($(#[$doc:meta])* $name:ident = $key:literal;)*) => {
+        /// What a parameter tells or sets that more than one make has. A make without it has no such row.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum Part {
+            $($(#[$doc])* $name,)*
+        }
+
+        impl Part {
+            /// Every part.
+            pub const ALL: &'static [Self] = &[$(Self::$name,)*];
+
+            /// The word for it in `data/<model>/parts.csv`.
+            #[must_use]
+            pub const fn key(self) -> &'static str {
+                match self {
+                    $(Self::$name => $key,)*
+                }
+            }
+        }
+    };
+}
+
+parts! {
+    /// Control word that the drive acts on.
+    ControlWord = "control-word";
+    /// Status word.
+    StatusWord = "status-word";
+    /// Speed setpoint of the controller.
+    SpeedSetpoint = "speed-setpoint";
+    /// Speed as it is sent to the controller.
+    SpeedActual = "speed-actual";
+    /// Speed of the motor in rpm.
+    Speed = "speed";
+    /// Output frequency in Hz.
+    Frequency = "frequency";
+    /// Position in increments of one revolution.
+    Position = "position";
+    /// Position command minus position, in the same increments.
+    FollowingError = "following-error";
+    /// Where setpoints come from; 1 is the field bus.
+    CommandSource = "command-source";
+    /// What keeps the power stage off, bit by bit.
+    DisableSources = "disable-sources";
+    /// What keeps an enabled axis from moving, bit by bit.
+    MotionDisableSources = "motion-disable-sources";
+    /// State of the motion, bit by bit.
+    MotionStatus = "motion-status";
+    /// 0 while safe torque off is active.
+    TorqueAllowed = "torque-allowed";
+    /// Not 0 while the limit switch at the negative end is hit.
+    NegativeSwitch = "negative-switch";
+    /// Not 0 while the limit switch at the positive end is hit.
+    PositiveSwitch = "positive-switch";
+    /// Bits 0 and 1: at a software limit.
+    SoftwareLimitState = "software-limit-state";
+    /// Current of the motor.
+    Current = "current";
+    /// Limit of the current, negative.
+    NegativeCurrentLimit = "negative-current-limit";
+    /// Limit of the current, positive.
+    PositiveCurrentLimit = "positive-current-limit";
+    /// Ramp up, rpm/s.
+    Acceleration = "acceleration";
+    /// Ramp down, rpm/s.
+    Deceleration = "deceleration";
+    /// Time of the ramp up, s.
+    RampUpTime = "ramp-up-time";
+    /// Time of the ramp down, s.
+    RampDownTime = "ramp-down-time";
+    /// Highest speed forward.
+    ForwardLimit = "forward-limit";
+    /// Highest speed backward.
+    BackwardLimit = "backward-limit";
+    /// Not 0: the axis is a modulo axis.
+    Modulo = "modulo";
+    /// One end of the modulo range.
+    ModuloEnd1 = "modulo-end-1";
+    /// The other end of the modulo range.
+    ModuloEnd2 = "modulo-end-2";
+    /// Which way round a modulo axis goes.
+    ModuloWay = "modulo-way";
+    /// Bits 0 and 1: the software limits count.
+    SoftwareLimitsOn = "software-limits-on";
+    /// One software limit.
+    SoftwareLimit0 = "software-limit-0";
+    /// The other software limit.
+    SoftwareLimit1 = "software-limit-1";
+    /// How homing is done.
+    HomeMode = "home-mode";
+    /// 1: a linear motor.
+    MotorType = "motor-type";
+    /// Way of one electrical revolution of a linear motor.
+    MotorPitch = "motor-pitch";
+    /// Unit of positions of a rotary motor.
+    UnitRotary = "unit-rotary";
+    /// Unit of positions of a linear motor.
+    UnitLinear = "unit-linear";
+    /// Own unit of positions: numerator.
+    UnitNumerator = "unit-numerator";
+    /// Own unit of positions: denominator.
+    UnitDenominator = "unit-denominator";
+    /// Steps of speed signals.
+    VelocityScaling = "velocity-scaling";
+    /// Steps of acceleration signals.
+    AccelerationScaling = "acceleration-scaling";
+    /// Divisor of positions.
+    PositionScaling = "position-scaling";
+    /// Current that is 100 %.
+    PeakCurrent = "peak-current";
+    /// Bits of one revolution.
+    SingleturnBits = "singleturn-bits";
+    /// Highest reference, which is 100 %: a frequency where [`ReferenceUnit`](Self::ReferenceUnit) or its unit says so, else a speed.
+    Reference = "reference";
+    /// Unit of the reference where it can be chosen.
+    ReferenceUnit = "reference-unit";
+    /// Nominal frequency of the motor.
+    MotorFrequency = "motor-frequency";
+    /// Nominal speed of the motor.
+    MotorSpeed = "motor-speed";
+    /// Poles of the motor, twice its pole pairs.
+    MotorPoles = "motor-poles";
+    /// Which bits the control word of the maker's own telegrams has.
+    ControlProfile = "control-profile";
+    /// Writing it stops all motion on the ramp.
+    Stop = "stop";
+    /// Writing it switches the power stage off.
+    Disable = "disable";
+    /// Number of a warning that is present, 0 for none.
+    Warning = "warning";
+    /// Faults that are present, bit by bit; the second row has bits 32 to 63.
+    AlarmWord = "alarm-word";
+    /// Warnings that are present, bit by bit; the second row has bits 32 to 63.
+    WarningWord = "warning-word";
+    /// Codes of the last faults, newest first.
+    FaultLog = "fault-log";
+    /// What the drive noted with each of them.
+    FaultLogValue = "fault-log-value";
+    /// When each of them came.
+    FaultLogTime = "fault-log-time";
+    /// Tells who and how the drive is.
+    Page = "page";
+}
+
+/// One row of `data/<model>/parts.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PartRow {
+    /// The part.
+    pub part: Part,
+    /// Number of the parameter.
+    pub pnu: u16,
+    /// Its subindex where it is an element of a collecting number.
+    pub base: Option<u16>,
+}
+
+impl Catalogue {
+    /// The parameter that has this part; the first one where several have it.
+    ///
+    /// ```
+    /// use profidrive::catalogue::{AKD, Part, VACON, VLT};
+    /// let name = |tables: &profidrive::catalogue::Catalogue| tables.part(Part::Speed).unwrap().name;
+    /// assert_eq!([name(&AKD), name(&VLT), name(&VACON)], ["VL.FB_32", "Speed [RPM]", "Motor speed"]);
+    /// assert!(VLT.part(Part::Stop).is_none());
+    /// ```
+    #[must_use]
+    pub fn part(&self, part: Part) -> Option<&'static Parameter> {
+        self.parts_of(part).next()
+    }
+
+    /// Every parameter that has this part, in the order of the table.
+    pub fn parts_of(&self, part: Part) -> impl Iterator<Item = &'static Parameter> {
+        let rows = self.parts.iter().filter(move |row| row.part == part);
+        rows.filter_map(|row| self.by_address(row.pnu, row.base))
+    }
+
+    /// The parts that a parameter has.
+    pub fn parts_at(&self, pnu: u16, base: Option<u16>) -> impl Iterator<Item = Part> {
+        let rows = self
+            .parts
+            .iter()
+            .filter(move |row| (row.pnu, row.base) == (pnu, base));
+        rows.map(|row| row.part)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{AKD, Access, VACON, VLT};
+    use super::*;
+
+    #[test]
+    fn every_row_is_a_parameter_and_every_make_has_its_words() {
+        for tables in [&AKD, &VLT, &VACON] {
+            for row in tables.parts {
+                assert!(tables.by_address(row.pnu, row.base).is_some(), "{row:?}");
+            }
+            for part in [Part::ControlWord, Part::StatusWord, Part::Speed, Part::Page] {
+                assert!(tables.part(part).is_some(), "{} {part:?}", tables.model);
+            }
+            let speed = tables.part(Part::Speed).unwrap();
+            assert_eq!((speed.unit, speed.access), ("rpm", Access::ReadOnly));
+        }
+        assert_eq!(VLT.parts_of(Part::WarningWord).count(), 2);
+        assert_eq!(
+            AKD.parts_at(3064, None).collect::<Vec<_>>(),
+            [Part::VelocityScaling]
+        );
+    }
+
+    #[test]
+    fn numbers_of_the_akd_that_a_client_relies_on() {
+        for (part, name) in [
+            (Part::Acceleration, "DRV.ACC"),
+            (Part::CommandSource, "DRV.CMDSOURCE"),
+            (Part::TorqueAllowed, "STO.STATE"),
+            (Part::SoftwareLimitState, "SWLS.STATE"),
+            (Part::PositiveCurrentLimit, "IL.LIMITP"),
+            (Part::UnitDenominator, "UNIT.POUT"),
+            (Part::FollowingError, "XIST_ERROR"),
+        ] {
+            assert_eq!(AKD.part(part).map(|found| found.name), Some(name));
+        }
+    }
+}

@@ -1,0 +1,43 @@
+// Generated from data/vlt/parts.csv by `cargo run -p xtask -- gen`.
+
+use crate::catalogue::{Part, PartRow};
+
+#[rustfmt::skip]
+pub static PARTS: &[PartRow] = &[
+    PartRow { part: Part::ControlWord, pnu: 967, base: None },
+    PartRow { part: Part::StatusWord, pnu: 968, base: None },
+    PartRow { part: Part::SpeedSetpoint, pnu: 1682, base: None },
+    PartRow { part: Part::SpeedActual, pnu: 1605, base: None },
+    PartRow { part: Part::Speed, pnu: 1617, base: None },
+    PartRow { part: Part::Frequency, pnu: 1613, base: None },
+    PartRow { part: Part::Current, pnu: 1614, base: None },
+    PartRow { part: Part::ControlProfile, pnu: 810, base: None },
+    PartRow { part: Part::RampUpTime, pnu: 341, base: None },
+    PartRow { part: Part::RampDownTime, pnu: 342, base: None },
+    PartRow { part: Part::ForwardLimit, pnu: 413, base: None },
+    PartRow { part: Part::Reference, pnu: 303, base: None },
+    PartRow { part: Part::ReferenceUnit, pnu: 301, base: None },
+    PartRow { part: Part::MotorFrequency, pnu: 123, base: None },
+    PartRow { part: Part::MotorSpeed, pnu: 125, base: None },
+    PartRow { part: Part::MotorPoles, pnu: 139, base: None },
+    PartRow { part: Part::AlarmWord, pnu: 1690, base: None },
+    PartRow { part: Part::AlarmWord, pnu: 1691, base: None },
+    PartRow { part: Part::WarningWord, pnu: 1692, base: None },
+    PartRow { part: Part::WarningWord, pnu: 1693, base: None },
+    PartRow { part: Part::FaultLog, pnu: 1530, base: None },
+    PartRow { part: Part::FaultLogValue, pnu: 1531, base: None },
+    PartRow { part: Part::FaultLogTime, pnu: 1532, base: None },
+    PartRow { part: Part::Page, pnu: 964, base: None },
+    PartRow { part: Part::Page, pnu: 965, base: None },
+    PartRow { part: Part::Page, pnu: 1540, base: None },
+    PartRow { part: Part::Page, pnu: 1541, base: None },
+    PartRow { part: Part::Page, pnu: 1542, base: None },
+    PartRow { part: Part::Page, pnu: 1543, base: None },
+    PartRow { part: Part::Page, pnu: 1546, base: None },
+    PartRow { part: Part::Page, pnu: 1551, base: None },
+    PartRow { part: Part::Page, pnu: 922, base: None },
+    PartRow { part: Part::Page, pnu: 810, base: None },
+    PartRow { part: Part::Page, pnu: 967, base: None },
+    PartRow { part: Part::Page, pnu: 968, base: None },
+    PartRow { part: Part::Page, pnu: 944, base: None },
+];

@@ -1,0 +1,72 @@
+//! What parameters are to a client: `parts.csv` of a model.
+
+use std::fmt::Write as _;
+
+use super::backup::{Known, names};
+use crate::Outcome;
+use crate::table::Table;
+
+/// The rows as Rust, in their order. Each names one parameter.
+pub fn render(parts: &Table, known: &[Known]) -> Outcome<String> {
+    let mut text = String::from(
+        "use crate::catalogue::{Part, PartRow};\n\n\
+         #[rustfmt::skip]\npub static PARTS: &[PartRow] = &[\n",
+    );
+    for row in parts.rows() {
+        let place = row.place();
+        let (part, pattern) = (row.text("part")?, row.text("parameter")?);
+        let mut found = known.iter().filter(|one| names(pattern, one));
+        let (Some(parameter), None) = (found.next(), found.next()) else {
+            return Err(format!("{place}: {pattern:?} is not the name of one parameter").into());
+        };
+        writeln!(
+            text,
+            "    PartRow {{ part: Part::{}, pnu: {}, base: {:?} }},",
+            variant(part),
+            parameter.pnu,
+            parameter.base
+        )?;
+    }
+    text.push_str("];\n");
+    Ok(text)
+}
+
+/// `speed-actual` is `SpeedActual`.
+fn variant(key: &str) -> String {
+    let capital = |word: &str| {
+        let mut letters = word.chars();
+        let first = letters.next().map(|first| first.to_ascii_uppercase());
+        first.into_iter().chain(letters).collect::<String>()
+    };
+    key.split('-').map(capital).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::backup::known;
+    use super::*;
+
+    #[test]
+    fn each_row_names_one_parameter() {
+        let rows = "pnu,base,name,access\n2,,A,ro\n10001,103,B,rw\n10002,,B,rw\n";
+        let known = known(&Table::parse("p", rows).unwrap()).unwrap();
+        let parts = |rows: &str| {
+            render(
+                &Table::parse("r", &format!("part,parameter\n{rows}\n")).unwrap(),
+                &known,
+            )
+        };
+        let text = parts("status-word,A\nramp-up-time,id103").unwrap();
+        assert!(
+            text.contains("PartRow { part: Part::StatusWord, pnu: 2, base: None },"),
+            "{text}"
+        );
+        assert!(
+            text.contains("Part::RampUpTime, pnu: 10001, base: Some(103)"),
+            "{text}"
+        );
+        for wrong in ["speed,C", "speed,B"] {
+            assert!(parts(wrong).is_err(), "{wrong}");
+        }
+    }
+}
