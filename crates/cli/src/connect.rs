@@ -187,7 +187,7 @@ pub fn drive(
     let found = session.find(&address);
     spinner.finish_and_clear();
     let drive = found.map_err(|error| not_found(error, session.medium(), &address))?;
-    let drive = match interface.model {
+    let mut drive = match interface.model {
         Some(model) => drive.taken_for(model),
         None => drive,
     };
@@ -198,7 +198,24 @@ pub fn drive(
             Reach::Routed(words) => output.warn(&words),
         }
     }
+    if need != Need::Discovery && interface.model.is_none() {
+        learn(&mut session, &mut drive, output)?;
+    }
     Ok((session, drive))
+}
+
+/// A drive of which there are no tables is asked for them.
+fn learn(session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
+    if drive.model.catalogue.is_some() {
+        return Ok(());
+    }
+    let bar = bar(output, 0, "asking the drive what its parameters are");
+    session.recognise(drive, &mut |done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    })?;
+    bar.finish_and_clear();
+    Ok(())
 }
 
 /// Opens the serial port and finds the drive.

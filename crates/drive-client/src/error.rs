@@ -264,6 +264,15 @@ pub enum Error {
         /// Device.
         device_id: u16,
     },
+    /// A drive nobody has tables of, and no room for those it tells.
+    #[error(
+        "{drive}: no room for the tables of one more kind of drive, this program has learned {} already",
+        crate::learn::MOST_KINDS
+    )]
+    TooManyKinds {
+        /// The drive.
+        drive: String,
+    },
     /// Nothing is written while the axis may move.
     #[error("{drive}: {what}, nothing is written")]
     NotAtRest {

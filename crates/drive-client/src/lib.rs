@@ -20,6 +20,7 @@ pub mod backup;
 mod client;
 mod drive;
 mod error;
+mod learn;
 mod line;
 mod mapper;
 mod modules;

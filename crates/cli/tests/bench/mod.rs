@@ -65,7 +65,7 @@ pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
     bench_of(vec![Box::new(Host::new(Station::new(config)))])
 }
 
-fn bench_of(stations: Vec<Box<Host<Station>>>) -> (Bench, Vec<StationId>) {
+pub fn bench_of(stations: Vec<Box<Host<Station>>>) -> (Bench, Vec<StationId>) {
     let mut segment = Segment::new(7);
     let ids = stations
         .into_iter()

@@ -79,7 +79,7 @@ fn assignment(backup: &Backup, reading: &Reading) -> String {
 
 /// A name without what has a meaning in the text of a backup.
 pub(super) fn plain(name: &str) -> String {
-    let kept = name.chars().filter(|c| !matches!(c, '#' | '='));
+    let kept = name.chars().filter(|c| !matches!(c, '#' | '=' | ':'));
     kept.collect()
 }
 

@@ -163,17 +163,17 @@ impl<M: Wire> Session<M> {
     /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, or another
     /// controller owns it.
     pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
-        let device =
-            drive
-                .model
-                .catalogue
-                .map(|tables| tables.device)
-                .ok_or_else(|| Error::UnknownModel {
-                    drive: drive.label(),
-                    what: "the telegram module",
-                    vendor_id: drive.station.vendor_id,
-                    device_id: drive.station.device_id,
-                })?;
+        let device = drive
+            .model
+            .catalogue
+            .filter(|_| !drive.model.learned)
+            .map(|tables| tables.device)
+            .ok_or_else(|| Error::UnknownModel {
+                drive: drive.label(),
+                what: "the telegram module",
+                vendor_id: drive.station.vendor_id,
+                device_id: drive.station.device_id,
+            })?;
         self.read_scaling(drive)?;
         let Prepared {
             mode,

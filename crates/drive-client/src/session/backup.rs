@@ -14,6 +14,9 @@ use crate::{Drive, Error, Wire};
 
 /// The lists of all parameters of a drive.
 const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
+/// Status word as the profile numbers it, and its bits for operation and readiness for it.
+const ZSW1: u16 = 968;
+const ENABLED: i64 = 1 << 2 | 1 << 1;
 /// Elements of one list: as many words as fit an answer.
 const LIST: u16 = 116;
 /// Elements read between two looks at the progress: three full requests.
@@ -63,7 +66,7 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the drive cannot be reached.
     pub fn settings(&mut self, drive: &mut Drive) -> Result<Vec<Selection>, Error> {
-        if drive.model.catalogue.is_some() {
+        if drive.model.catalogue.is_some() && !drive.model.learned {
             return Ok(everything(&drive.model));
         }
         let numbers = self.numbers(drive)?;
@@ -150,9 +153,14 @@ impl<M: Wire> Session<M> {
             answers.extend(self.read(drive, part)?);
         }
         progress(selections.len(), selections.len());
+        let mut parameters = drive.parameters;
+        if drive.model.learned {
+            // whoever reads the text has no tables of it
+            parameters.catalogue = None;
+        }
         Ok(Backup::new(
             Header::of(drive, identity.as_ref()),
-            drive.parameters,
+            parameters,
             answers,
         ))
     }
@@ -180,6 +188,13 @@ impl<M: Wire> Session<M> {
             let reading = self.read(drive, &[selection])?.into_iter().next();
             let raw = reading.and_then(Result::ok).and_then(|reading| reading.raw());
             return Ok(raw.map(|raw| raw != 0));
+        }
+        if drive.model.learned_or_none().is_some() {
+            // only this number is sure to be the status word of a drive without tables
+            let selection = Selection::number(ZSW1, Notation::Name);
+            let reading = self.read(drive, &[selection])?.into_iter().next();
+            let raw = reading.and_then(Result::ok).and_then(|reading| reading.raw());
+            return Ok(raw.map(|raw| raw & ENABLED != 0));
         }
         let telegram = self.telegram_now(drive)?;
         let told = self.ask(

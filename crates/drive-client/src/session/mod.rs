@@ -9,6 +9,7 @@ mod faults;
 mod find;
 mod info;
 mod keep;
+mod learn;
 mod line;
 mod monitor;
 mod parameters;

@@ -15,7 +15,7 @@ use crate::parameter::{
     Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection, halves, join,
     split,
 };
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{Drive, Error, Model, Refusal, Wire};
 
 /// Transfer to non-volatile memory, of the profile.
 const SAVE: u16 = 971;
@@ -350,7 +350,7 @@ impl<M: Wire> Session<M> {
     ) -> Result<(), Error> {
         let mut encoded = Vec::new();
         for outcome in outcomes.iter() {
-            let (format, octets) = encode(outcome, drive.model.dialect)?;
+            let (format, octets) = encode(outcome, &drive.model)?;
             encoded.push(Outgoing {
                 selection: outcome.change.selection,
                 format,
@@ -469,7 +469,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// References run from 1 to 255: 0 is reserved.
-    fn next_reference(&mut self) -> u8 {
+    pub(super) fn next_reference(&mut self) -> u8 {
         self.reference = self.reference.checked_add(1).unwrap_or(1);
         self.reference
     }
@@ -590,10 +590,12 @@ pub(crate) const fn format_of(parameter: &Parameter, dialect: &Dialect) -> Forma
 }
 
 /// Format and octets of a value: by the table, else as the drive sent the old one.
-fn encode(outcome: &ChangeOutcome, dialect: &Dialect) -> Result<(Format, Vec<u8>), Error> {
+fn encode(outcome: &ChangeOutcome, model: &Model) -> Result<(Format, Vec<u8>), Error> {
     let CheckedValue { raw, engineering, .. } = outcome.change.value;
     let (format, width) = match (outcome.change.selection.parameter, &outcome.old) {
-        (Some(parameter), _) => (format_of(parameter, dialect), parameter.octets()),
+        // a description does not say in which format the drive takes the value
+        (Some(_), Some(Ok(old))) if model.learned => (Format(old.format), old.octets.len()),
+        (Some(parameter), _) => (format_of(parameter, model.dialect), parameter.octets()),
         (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),
         (None, Some(Err(refusal))) => {
             return Err(Error::Refused {
@@ -632,6 +634,10 @@ mod tests {
     use crate::parameter::Parameters;
     use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
 
+    fn akd() -> Model {
+        Model::by_name("akd").unwrap()
+    }
+
     fn outcome(text: &str) -> ChangeOutcome {
         outcome_of(&AKD, text)
     }
@@ -656,27 +662,28 @@ mod tests {
     #[test]
     fn values_travel_in_the_size_of_their_parameter() {
         assert_eq!(
-            encode(&outcome("930=2"), &Dialect::AKD).unwrap(),
+            encode(&outcome("930=2"), &akd()).unwrap(),
             (Format::WORD, vec![0, 2])
         );
         assert_eq!(
-            encode(&outcome("DRV.OPMODE=1"), &Dialect::AKD).unwrap(),
+            encode(&outcome("DRV.OPMODE=1"), &akd()).unwrap(),
             (Format::BYTE, vec![1])
         );
         assert_eq!(
-            encode(&outcome("DRV.ACC=5000"), &Dialect::AKD).unwrap(),
+            encode(&outcome("DRV.ACC=5000"), &akd()).unwrap(),
             (Format::DOUBLE_WORD, vec![0, 0, 0, 0, 0, 0x4C, 0x4B, 0x40])
         );
-        assert_eq!(encode(&outcome("1004=-1"), &Dialect::AKD).unwrap().1.len(), 2);
+        assert_eq!(encode(&outcome("1004=-1"), &akd()).unwrap().1.len(), 2);
     }
 
     #[test]
     fn values_travel_in_the_formats_of_their_make() {
-        let vlt = |text: &str| encode(&outcome_of(&VLT, text), &Dialect::VLT).unwrap();
+        let vlt = |text: &str| encode(&outcome_of(&VLT, text), &Model::by_name("vlt").unwrap()).unwrap();
         assert_eq!(vlt("3-41=5s"), (Format::UNSIGNED32, vec![0, 0, 0x01, 0xF4]));
         assert_eq!(vlt("8-10=1"), (Format::UNSIGNED8, vec![1]));
         assert_eq!(vlt("1-20=0.75kW"), (Format::UNSIGNED32, vec![0, 0, 0, 75]));
-        let vacon = |text: &str| encode(&outcome_of(&VACON, text), &Dialect::VACON).unwrap();
+        let vacon =
+            |text: &str| encode(&outcome_of(&VACON, text), &Model::by_name("vacon").unwrap()).unwrap();
         assert_eq!(vacon("ID103=5s"), (Format::WORD, vec![0, 50]));
         assert_eq!(vacon("102=50Hz"), (Format::WORD, vec![0x13, 0x88]));
         let error = |text: &str| {

@@ -192,6 +192,7 @@ impl Catalogue {
 mod tests {
     use super::super::{AKD, Access, VACON, VLT};
     use super::*;
+    use alloc::vec::Vec;
 
     #[test]
     fn every_row_is_a_parameter_and_every_make_has_its_words() {

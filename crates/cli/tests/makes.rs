@@ -1,0 +1,382 @@
+//! One client for all makes: AKD, VLT and Vacon side by side, and drives that nobody has tables of, in virtual time.
+
+mod bench;
+
+use std::time::Duration;
+
+use bench::{Bench, bench_of, find, ip, select};
+use drive_client::backup::{Backup, Choice, Journal, compare};
+use drive_client::parameter::{Assignment, Content};
+use drive_client::status::diagnose;
+use drive_client::{AxisSettings, Drive, Error, Model, WriteMode};
+use network::host::Host;
+use profidrive::catalogue::{Catalogue, Part};
+use profidrive::notation::Notation;
+use profidrive::state::{Profile, State};
+use profinet::MacAddress;
+use profinet::device::Stored;
+use virtual_drive::model;
+use virtual_drive::station::{Station, StationConfig};
+
+const NAMES: [&str; 3] = ["akd-1", "vlt-1", "vacon-1"];
+
+fn station_of(
+    model: &'static model::Model,
+    name: &str,
+    last: u8,
+    ids: Option<(u16, u16)>,
+) -> Box<Host<Station>> {
+    let mut config = StationConfig::new(model, MacAddress([2, 0, 0, 0, 0, last]));
+    if let Some((vendor_id, device_id)) = ids {
+        config.description.identity.vendor_id = vendor_id;
+        config.description.identity.device_id = device_id;
+    }
+    config.network = Stored {
+        name: name.into(),
+        ip: ip(last),
+        ..Stored::default()
+    };
+    Box::new(Host::new(Station::new(config)))
+}
+
+fn makes() -> Bench {
+    let models = model::ALL.iter().zip(NAMES).zip(1..);
+    let stations = models.map(|((model, name), last)| station_of(model, name, last, None));
+    bench_of(stations.collect()).0
+}
+
+fn assign(text: &str) -> Assignment {
+    text.parse().expect("an assignment")
+}
+
+fn write(session: &mut Bench, drive: &mut Drive, text: &str, mode: WriteMode) -> Result<(), Error> {
+    for outcome in session.write(drive, &[assign(text)], mode)? {
+        if let Some(Err(refusal)) = outcome.written {
+            let drive = drive.label();
+            return Err(Error::Refused { drive, refusal });
+        }
+        assert!(!outcome.differs(), "{text}: {outcome:?}");
+    }
+    Ok(())
+}
+
+fn number(session: &mut Bench, drive: &mut Drive, text: &str) -> f64 {
+    let selection = select(drive, text);
+    let reading = session.read_one(drive, &selection).expect("a value");
+    reading.number().expect("a number")
+}
+
+/// What is done with one make: its ramp in both spellings, a wrong unit, something read-only, a value too high.
+struct Way {
+    ramp: &'static str,
+    same: &'static str,
+    unit: &'static str,
+    shown: &'static str,
+    wrong_unit: (&'static str, &'static str),
+    read_only: &'static str,
+    /// Refused by the tables, or by the drive.
+    limit: &'static str,
+}
+
+const WAYS: [Way; 3] = [
+    Way {
+        ramp: "DRV.ACC",
+        same: "p2108",
+        unit: "rpm/s",
+        shown: "p2108",
+        wrong_unit: ("DRV.ACC=5A", "unit of current"),
+        read_only: "VL.FB=1",
+        limit: "DRV.ACC=1",
+    },
+    Way {
+        ramp: "3-41",
+        same: "p341",
+        unit: "s",
+        shown: "3-41",
+        wrong_unit: ("3-41=5A", "unit of current"),
+        read_only: "16-17=1",
+        limit: "3-41=3601",
+    },
+    Way {
+        ramp: "ID 103",
+        same: "103",
+        unit: "s",
+        shown: "ID 103",
+        wrong_unit: ("ID103=5Hz", "unit of"),
+        read_only: "ID 2=1",
+        limit: "ID103=70000",
+    },
+];
+
+#[test]
+fn the_same_calls_read_and_write_every_make() {
+    let mut session = makes();
+    for (name, way) in NAMES.into_iter().zip(WAYS) {
+        let mut drive = find(&mut session, name).expect("there");
+        assert!(drive.model.catalogue.is_some(), "{name}");
+        let text = format!("{}=7.5", way.ramp);
+        write(&mut session, &mut drive, &text, WriteMode::Write).expect("taken");
+        let selection = select(&drive, way.same);
+        let reading = session.read_one(&mut drive, &selection).expect("a value");
+        assert_eq!((reading.number(), reading.unit), (Some(7.5), way.unit), "{name}");
+        assert_eq!(reading.shown().to_string(), way.shown);
+        let mut refused = |text: &str| {
+            let result = write(&mut session, &mut drive, text, WriteMode::Write);
+            result.expect_err(text).to_string()
+        };
+        let (wrong, words) = way.wrong_unit;
+        assert!(refused(wrong).contains(words), "{}", refused(wrong));
+        assert!(
+            refused(way.read_only).contains("read-only"),
+            "{}",
+            refused(way.read_only)
+        );
+        let words = refused(way.limit);
+        assert!(words.contains("outside") || words.contains("limit"), "{words}");
+        let text = format!("{}=8", way.ramp);
+        write(&mut session, &mut drive, &text, WriteMode::Save).expect("kept");
+        assert_eq!(number(&mut session, &mut drive, way.same), 8.0);
+    }
+}
+
+#[test]
+fn texts_and_selections_are_told_in_words() {
+    let mut session = makes();
+    let mut drive = find(&mut session, "vlt-1").expect("there");
+    let selections = ["15-40", "15-43", "8-10"].map(|text| select(&drive, text));
+    let readings: Vec<_> = session.read(&mut drive, &selections).expect("read");
+    let told: Vec<_> = readings.into_iter().map(|one| one.expect("told")).collect();
+    assert_eq!(told[0].content, Content::Text("FC-302".into()));
+    assert_eq!(told[1].content, Content::Text("07.51".into()));
+    assert!(
+        told[2].choice.is_some_and(|text| text.contains("profile")),
+        "{:?}",
+        told[2]
+    );
+    // every parameter of every make is read without an answer that makes no sense
+    for name in NAMES {
+        let mut drive = find(&mut session, name).expect("there");
+        let tables = drive.model.catalogue.expect("tables");
+        let all: Vec<_> = tables
+            .parameters
+            .iter()
+            .map(|parameter| drive_client::parameter::Selection::of(parameter, tables.notation))
+            .collect();
+        let answers = session.read(&mut drive, &all).expect("read");
+        assert!(answers.iter().filter(|answer| answer.is_ok()).count() >= tables.parameters.len());
+    }
+}
+
+#[test]
+fn every_make_turns_and_says_so() {
+    let mut session = makes();
+    for name in NAMES {
+        let mut drive = find(&mut session, name).expect("there");
+        let before = diagnose(&session.status(&mut drive).expect("a status"));
+        assert_eq!(before.cause.id(), "no-controller", "{name}: {before:?}");
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut enabled = axis.enable().unwrap_or_else(|error| panic!("{name}: {error}"));
+        enabled
+            .reach_speed(600.0, None)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        enabled.hold(Duration::from_millis(500)).expect("it runs");
+        let status = enabled.status().expect("a status");
+        let speed = status.speed_actual.expect("a speed");
+        assert!((speed - 600.0).abs() < 20.0, "{name}: {speed}");
+        drop(enabled);
+        {
+            let (session, drive) = axis.session();
+            let status = session.status(drive).expect("a status");
+            assert_eq!(status.state(), Some(State::S2), "{name}: {status:?}");
+            let snapshot = session.snapshot(drive, &[]).expect("a snapshot");
+            let told = snapshot.speed_actual.expect("a speed");
+            assert_eq!(told.unit, "rpm", "{name}");
+        }
+        drop(axis);
+        let state = session.status(&mut drive).expect("a status").state();
+        assert!(!state.is_some_and(State::pulses), "{name}: {state:?}");
+    }
+}
+
+#[test]
+fn settings_go_there_and_back() {
+    for (at, (name, way)) in NAMES.into_iter().zip(WAYS).enumerate() {
+        let mut session = makes();
+        let mut drive = find(&mut session, name).expect("there");
+        let first = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        assert!(first.readings().len() > 30, "{name}: {}", first.readings().len());
+        let text = first.to_string();
+        assert!(text.contains(&format!("\n{} ", way.shown)), "{text}");
+        assert_eq!(
+            Backup::parse(&text).expect("read back").to_string(),
+            text,
+            "{name}"
+        );
+        let change = format!("{}=7.5", way.ramp);
+        write(&mut session, &mut drive, &change, WriteMode::Write).expect("taken");
+        let changed = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        let differences = compare(&first, &changed);
+        assert_eq!(differences.len(), 1, "{name}: {differences:?}");
+        let plan = session
+            .plan(&mut drive, &first, &Choice::default())
+            .expect("a plan");
+        assert_eq!(plan.changes.len(), 1, "{name}");
+        let mut journal = Journal::new(&plan);
+        session
+            .restore(&mut drive, &mut journal, true, &mut |_| Ok(()))
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(journal.is_done(), "{name}: {journal}");
+        let last = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        assert_eq!(last.to_string(), text, "{name} {at}");
+    }
+}
+
+#[test]
+fn a_drive_nobody_has_tables_of_tells_them_itself() {
+    let strange = |id| station_of(&model::VLT, "strange", 1, Some((0x1234, id)));
+    let (mut session, _) = bench_of(vec![strange(7)]);
+    let mut drive = find(&mut session, "strange").expect("there");
+    assert_eq!(
+        (drive.model.name, drive.model.catalogue.is_none()),
+        ("PROFIdrive", true)
+    );
+    let mut told = Vec::new();
+    session
+        .recognise(&mut drive, &mut |done, all| told.push((done, all)))
+        .expect("learned");
+    let tables = drive.model.catalogue.expect("its own tables");
+    assert!(drive.model.learned && told.last().is_some_and(|(done, all)| done == all));
+    assert_eq!((drive.model.dialect.axis, tables.notation), (0, Notation::Name));
+    assert!(tables.parameters.len() > 250, "{}", tables.parameters.len());
+    // names are those of the descriptions, numbers always work
+    let ramp = select(&drive, "341");
+    let row = ramp.parameter.expect("described");
+    assert_eq!(
+        (row.name, row.unit, row.maximum),
+        ("Ramp 1 Ramp up T", "s", Some(3600.0))
+    );
+    assert_eq!(number(&mut session, &mut drive, "341"), 3.0);
+    write(&mut session, &mut drive, "341=7.5s", WriteMode::Write).expect("taken");
+    assert_eq!(number(&mut session, &mut drive, "p341"), 7.5);
+    let error = write(&mut session, &mut drive, "341=3601", WriteMode::Write).expect_err("too long");
+    assert!(error.to_string().contains("outside 0.01 to 3600 s"), "{error}");
+    let error = write(&mut session, &mut drive, "1617=1", WriteMode::Write).expect_err("a measurement");
+    assert!(error.to_string().contains("read-only"), "{error}");
+    // selections by their texts, strings as text
+    let selection = select(&drive, "810");
+    let reading = session.read_one(&mut drive, &selection).expect("told");
+    assert!(
+        reading.choice.is_some_and(|text| text.contains("profile")),
+        "{reading:?}"
+    );
+    let selection = select(&drive, "1540");
+    let reading = session.read_one(&mut drive, &selection).expect("told");
+    assert_eq!(reading.content, Content::Text("FC-302".into()));
+    // another of its kind is known at once
+    let mut again = find(&mut session, "strange").expect("there");
+    session
+        .recognise(&mut again, &mut |_, _| panic!("asked again"))
+        .expect("known");
+    assert!(std::ptr::eq(
+        tables,
+        again.model.catalogue.expect("the same tables")
+    ));
+    // and it is backed up by number and octets, as nobody else has its tables
+    let saved = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+    let read = Backup::parse(&saved.to_string()).expect("read back");
+    assert!(compare(&saved, &read).is_empty());
+    write(&mut session, &mut drive, "341=9s", WriteMode::Write).expect("taken");
+    let plan = session
+        .plan(&mut drive, &read, &Choice::default())
+        .expect("a plan");
+    assert_eq!(plan.changes.len(), 1);
+    let status = session.status(&mut drive).expect("a status");
+    assert!(status.status_word.is_some());
+    assert!(session.faults(&mut drive).expect("told").is_empty());
+}
+
+#[test]
+fn a_drive_that_tells_nothing_of_itself_goes_by_number() {
+    let own = &model::VLT;
+    let few = own.catalogue.parameters.iter().copied();
+    let few = few.filter(|row| !(980..=989).contains(&row.pnu));
+    let tables = Catalogue::assemble(
+        "mute",
+        own.catalogue.notation,
+        own.catalogue.scaling,
+        own.catalogue.device,
+        few.collect(),
+    );
+    let mute: &'static model::Model = Box::leak(Box::new(model::Model {
+        catalogue: Box::leak(Box::new(tables)),
+        ..model_of(own)
+    }));
+    let station = station_of(mute, "mute", 1, Some((0x1234, 99)));
+    let (mut session, _) = bench_of(vec![station]);
+    let mut drive = find(&mut session, "mute").expect("there");
+    session.recognise(&mut drive, &mut |_, _| {}).expect("reached");
+    assert!(drive.model.catalogue.is_none());
+    assert_eq!(drive.model.dialect.axis, 0, "the axis was found all the same");
+    assert_eq!(number(&mut session, &mut drive, "341"), 300.0);
+    write(&mut session, &mut drive, "341=750", WriteMode::Write).expect("taken");
+    assert_eq!(number(&mut session, &mut drive, "341"), 750.0);
+}
+
+/// The same model, to change something of it.
+fn model_of(model: &model::Model) -> model::Model {
+    model::Model {
+        catalogue: model.catalogue,
+        live: model.live,
+        roles: model.roles,
+        plant: model.plant,
+        dialect: model.dialect,
+        pkw: model.pkw,
+        process: model.process,
+        wire: model.wire,
+        conditions: model.conditions,
+        fault_actions: model.fault_actions,
+        connection_lost_fault: model.connection_lost_fault,
+        connection_lost: model.connection_lost,
+        fault_buffer: model.fault_buffer,
+        texts: model.texts,
+        profile: model.profile,
+    }
+}
+
+#[test]
+fn a_person_may_force_the_model() {
+    let station = station_of(&model::VLT, "odd", 1, Some((0x1234, 3)));
+    let (mut session, _) = bench_of(vec![station]);
+    let found = find(&mut session, "odd").expect("there");
+    let mut drive = found.taken_for(Model::by_name("vlt").expect("known"));
+    let selection = select(&drive, "3-41");
+    let reading = session.read_one(&mut drive, &selection).expect("a value");
+    assert_eq!(
+        (reading.number(), reading.name),
+        (Some(3.0), Some("Ramp 1 Ramp up Time"))
+    );
+    assert_eq!(
+        drive
+            .model
+            .catalogue
+            .and_then(|tables| tables.part(Part::Speed))
+            .map(|row| row.pnu),
+        Some(1617)
+    );
+}
+
+#[test]
+fn the_words_of_a_make_are_told_in_its_bits() {
+    let mut session = makes();
+    let mut drive = find(&mut session, "vlt-1").expect("there");
+    let status = session.status(&mut drive).expect("a status");
+    assert_eq!(status.profile, Profile::DanfossProfidrive);
+    assert!(status.zsw1.is_some() && status.status_word.is_some());
+    let mut drive = find(&mut session, "vacon-1").expect("there");
+    assert_eq!(
+        session.status(&mut drive).expect("a status").profile,
+        Profile::Profidrive
+    );
+}

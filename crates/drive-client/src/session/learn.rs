@@ -1,0 +1,195 @@
+//! Learning what a drive is of which there are no tables: how it wants to be asked, and what it says of its parameters.
+
+use profidrive::notation::Notation;
+use profidrive::parameter::{
+    Answer, Attribute, Description, Dialect, ErrorNumber, Identifier, ParameterAddress, RequestId, Response,
+    encode_read, plan_reads,
+};
+
+use super::Session;
+use crate::learn::{self, KindOfDrive};
+use crate::parameter::{Parameters, Selection};
+use crate::{Drive, Error, Model, Wire};
+
+/// Drive unit identification: every drive of the profile has it.
+const IDENTIFICATION: u16 = 964;
+/// Elements of it that make a kind: maker, type, version, date.
+const OF_KIND: u16 = 5;
+/// Records of the parameter channel.
+const RECORDS: [u16; 2] = [0xB02E, 0xB02F];
+/// Parameters described between two looks at the progress.
+const PART: usize = 32;
+/// Texts of one selection that are asked for at once, and at most.
+const TEXTS: u16 = 13;
+const MOST_TEXTS: u16 = 65;
+/// Largest request.
+const MAX_REQUEST: usize = 1024;
+/// Danfoss for a wrong axis.
+const OTHER_AXIS: ErrorNumber = ErrorNumber::DANFOSS_WRONG_AXIS;
+
+impl<M: Wire> Session<M> {
+    /// Learns a drive of which there are no tables from what it says itself: first how it wants to be asked, then its
+    /// parameters with names, units, limits and texts. Once for each kind of drive as long as the program lives. A drive
+    /// that does not tell them stays as it was: numbers and raw values work. Nothing happens for a known model. `progress`
+    /// is told how many parameters of how many were described.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached, the caller wants to stop, or [too many kinds](Error::TooManyKinds) are known.
+    pub fn recognise(
+        &mut self,
+        drive: &mut Drive,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> Result<(), Error> {
+        if drive.model.catalogue.is_some() || drive.is_on_line() {
+            return Ok(());
+        }
+        let Some(kind) = self.kind(drive)? else {
+            return Ok(());
+        };
+        if let Some((tables, dialect)) = learn::known(&kind) {
+            adopt(drive, tables, dialect);
+            return Ok(());
+        }
+        let mut numbers = self.numbers(drive)?;
+        numbers.truncate(learn::MOST_PARAMETERS);
+        let mut described: Vec<(u16, Description)> = Vec::new();
+        for (at, part) in numbers.chunks(PART).enumerate() {
+            progress(at * PART, numbers.len());
+            let answers = self.descriptions(drive, part)?;
+            let pairs = part.iter().zip(answers);
+            described.extend(pairs.filter_map(|(pnu, answer)| answer.map(|answer| (*pnu, answer))));
+        }
+        if described.is_empty() {
+            return Ok(());
+        }
+        let own = drive.model.dialect;
+        let generic = *own == Dialect::STANDARD || learn::DIALECTS.contains(own);
+        let space = if generic {
+            learn::space_of(&described)
+        } else {
+            own.code_space
+        };
+        let dialect = if generic { learn::in_space(own, space) } else { own };
+        let mut parameters = Vec::new();
+        for (pnu, description) in &described {
+            let texts = if description.identifier.has(Identifier::TEXT) {
+                self.texts(drive, *pnu)?
+            } else {
+                Vec::new()
+            };
+            parameters.push(learn::parameter(*pnu, description, space, texts));
+        }
+        progress(numbers.len(), numbers.len());
+        let station = drive.station.clone();
+        let tables = learn::keep(&kind, dialect, || learn::tables(&station, parameters))
+            .ok_or_else(|| Error::TooManyKinds { drive: drive.label() })?;
+        adopt(drive, tables, dialect);
+        Ok(())
+    }
+
+    /// Finds out how a drive wants to be asked, and what kind it is; `None` when it answers nothing.
+    fn kind(&mut self, drive: &mut Drive) -> Result<Option<KindOfDrive>, Error> {
+        let own = drive.model;
+        let mut ways = vec![(own.dialect, own.channel.index)];
+        if *own.dialect == Dialect::STANDARD {
+            ways.clear();
+            for index in RECORDS {
+                ways.extend(learn::DIALECTS.iter().take(2).map(|dialect| (dialect, index)));
+            }
+        }
+        for (dialect, index) in ways {
+            drive.model.dialect = dialect;
+            drive.model.channel.index = index;
+            let selection = Selection {
+                count: OF_KIND,
+                indexed: true,
+                ..Selection::number(IDENTIFICATION, Notation::Name)
+            };
+            let answers = match self.read_plain(drive, &[selection]) {
+                Ok(answers) => answers,
+                Err(Error::Record { .. } | Error::Malformed { .. }) => continue,
+                Err(error) => return Err(error),
+            };
+            let other = |number: ErrorNumber| number == ErrorNumber::NO_AXIS || number == OTHER_AXIS;
+            if answers
+                .iter()
+                .any(|answer| answer.as_ref().is_err_and(|refusal| other(refusal.number)))
+            {
+                continue;
+            }
+            let octets = answers.into_iter().flatten().flat_map(|reading| reading.octets);
+            return Ok(Some(KindOfDrive {
+                vendor_id: drive.station.vendor_id,
+                device_id: drive.station.device_id,
+                unit: octets.collect(),
+            }));
+        }
+        drive.model = own;
+        Ok(None)
+    }
+
+    /// The texts of an enumeration (attribute 0x30) from value 0 on, until there are no more.
+    fn texts(&mut self, drive: &Drive, pnu: u16) -> Result<Vec<(i32, String)>, Error> {
+        let mut texts = Vec::new();
+        for first in (0..MOST_TEXTS).step_by(TEXTS.into()) {
+            let values: Vec<u16> = (first..first + TEXTS).collect();
+            let found = self.texts_of(drive, pnu, &values)?;
+            if found.is_empty() {
+                break;
+            }
+            texts.extend(found);
+        }
+        Ok(texts)
+    }
+
+    /// Each value asked for by itself: one that has no text does not disturb the others.
+    fn texts_of(&mut self, drive: &Drive, pnu: u16, values: &[u16]) -> Result<Vec<(i32, String)>, Error> {
+        let dialect = drive.model.dialect;
+        let address = |&subindex: &u16| ParameterAddress {
+            attribute: Attribute::Text,
+            ..ParameterAddress::value(pnu, subindex)
+        };
+        let all: Vec<_> = values.iter().map(|value| (address(value), None)).collect();
+        let malformed = |error: &dyn std::fmt::Display| Error::Malformed {
+            drive: drive.label(),
+            reason: error.to_string(),
+        };
+        let mut texts = Vec::new();
+        for group in plan_reads(&all, dialect) {
+            let part = all.get(group).unwrap_or_default();
+            let addresses: Vec<ParameterAddress> = part.iter().map(|(address, _)| *address).collect();
+            let mut buffer = [0; MAX_REQUEST];
+            let reference = self.next_reference();
+            let length = encode_read(reference, dialect, &addresses, &mut buffer)
+                .map_err(|error| malformed(&error))?;
+            let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+            let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
+                .map_err(|error| malformed(&error))?;
+            for (address, answer) in addresses.iter().zip(response.answers()) {
+                let Answer::Values(block) = answer else { continue };
+                let text = String::from_utf8_lossy(block.data);
+                let text: String = text
+                    .trim_matches(['\0', ' '])
+                    .chars()
+                    .map(|c| if c.is_control() { '.' } else { c })
+                    .collect();
+                if !text.is_empty() {
+                    texts.push((i32::from(address.subindex), text));
+                }
+            }
+        }
+        Ok(texts)
+    }
+}
+
+/// Gives a drive the tables of its kind.
+fn adopt(drive: &mut Drive, tables: &'static profidrive::catalogue::Catalogue, dialect: &'static Dialect) {
+    drive.model = Model {
+        name: tables.model,
+        catalogue: Some(tables),
+        dialect,
+        learned: true,
+        ..drive.model
+    };
+    drive.parameters = Parameters::of(&drive.model);
+}
