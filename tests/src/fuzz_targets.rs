@@ -19,7 +19,7 @@ mod serial;
 mod steps;
 
 pub use backup::backup;
-pub use captures::{capture, pcap};
+pub use captures::{capture, octets, pcap};
 pub use controller::controller;
 pub use descriptions::gsdml;
 pub use drive::{drive, state};
@@ -48,6 +48,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("host", host),
     ("lldp", lldp),
     ("notation", notation),
+    ("octets", octets),
     ("parameter_request", parameter_request),
     ("parameter_response", parameter_response),
     ("pcap", pcap),

@@ -76,3 +76,34 @@ pub fn decode_frames<'a>(frames: impl IntoIterator<Item = (Duration, &'a [u8])>)
         .map(|note| format!("{} > {}: {} {}", note.from, note.to, note.topic, note.text))
         .collect()
 }
+
+/// What `profidrive decode --hex` says about octets of any kind, from every make: parameter channels, serial telegrams and
+/// cyclic data. Octets that are no such thing say nothing.
+///
+/// ```
+/// let told = profidrive_cli::decode_octets(&[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00, 0xDD]);
+/// assert!(told.iter().any(|line| line.starts_with("FC telegram, address 0x81")));
+/// ```
+#[must_use]
+pub fn decode_octets(octets: &[u8]) -> Vec<String> {
+    use job::{JobDrive, pkw, serial, telegram};
+    let mut lines = Vec::new();
+    for drive in drive_client::Model::NAMES
+        .iter()
+        .filter_map(|name| drive_client::Model::by_name(name))
+        .map(JobDrive::new)
+    {
+        let mut told = vec![
+            pkw::decode(&drive, drive.ppo(), octets, None),
+            serial::decode(&drive, uss::Protocol::Fc, octets, None),
+            serial::decode(&drive, uss::Protocol::Uss, octets, None),
+        ];
+        let rows = drive.tables().map_or(&[][..], |tables| tables.device.telegrams);
+        told.extend(
+            rows.iter()
+                .map(|row| telegram::decode(&drive, row.telegram, octets, None)),
+        );
+        lines.extend(told.into_iter().flatten().flat_map(|decoded| decoded.lines));
+    }
+    lines.into_iter().map(|(_, line)| line).collect()
+}

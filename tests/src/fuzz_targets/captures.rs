@@ -39,3 +39,15 @@ pub fn capture(data: &[u8]) {
     );
     assert_eq!(notes, profidrive_cli::decode_frames(frames));
 }
+
+/// What `decode --hex` says about octets: for every make, bounded, and the same every time.
+pub fn octets(data: &[u8]) {
+    let told = profidrive_cli::decode_octets(data);
+    let length: usize = told.iter().map(String::len).sum();
+    assert!(
+        length <= 32_768 + 400 * data.len(),
+        "{length} octets for {}",
+        data.len()
+    );
+    assert_eq!(told, profidrive_cli::decode_octets(data));
+}
