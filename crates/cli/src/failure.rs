@@ -191,7 +191,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
             Exit::Usage
         }
         Error::SpeedLimit { .. } | Error::Objections { .. } | Error::WrongMode { .. } => Exit::Safety,
-        Error::NotAtRest { .. } => Exit::Safety,
+        Error::NotAtRest { .. } | Error::ScaleChanged { .. } | Error::SpeedStep { .. } => Exit::Safety,
         _ => Exit::Failed,
     }
 }

@@ -187,6 +187,8 @@ fn mistakes_on_the_command_line() {
         &["write", "-i", "lo", "akd-1", "DRV.ACC"],
         &["run", "akd 1", "--velocity", "60rpm", "-i", "lo"],
         &["run", "akd-1", "--velocity", "5A", "-i", "lo"],
+        &["monitor", "akd-1", "--every", "0ms", "-i", "lo"],
+        &["monitor", "akd-1", "--every", "9ms", "-i", "lo"],
     ] {
         let output = profidrive(line);
         assert_eq!(output.status.code(), Some(2), "{line:?}: {}", stderr(&output));

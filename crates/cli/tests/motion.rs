@@ -12,6 +12,7 @@ use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Verdict, diagnose};
 use drive_client::{AxisSettings, Drive, Error, StopWay, WriteMode};
 use profidrive::notation::Position;
+use profidrive::parameter::{Keep, ParameterAccess};
 use profidrive::state::{Mode, State};
 
 fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
@@ -506,4 +507,94 @@ fn a_state_is_what_the_drive_said() {
     drop(axis);
     let last = shown.borrow().last().copied();
     assert_eq!(last, Some((Some(State::S4), true)));
+}
+
+/// Another scale would turn the setpoint of a running axis into another speed.
+#[test]
+fn a_scale_is_not_written_while_the_power_stage_is_on() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["PN.VELSCALING=200"]);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(300.0, None).expect("runs");
+    let (inner, running) = enabled.session();
+    for text in ["PN.VELSCALING=1638", "1009=1638", "UNIT.PROTARY=3"] {
+        let assignment: Assignment = text.parse().expect("an assignment");
+        let error = inner
+            .write(running, std::slice::from_ref(&assignment), WriteMode::Write)
+            .expect_err("refused");
+        assert!(matches!(error, Error::NotAtRest { .. }), "{text}: {error}");
+        inner
+            .write(running, &[assignment], WriteMode::DryRun)
+            .expect("only looks");
+    }
+    enabled
+        .keep_speed(300.0, Duration::from_secs(3))
+        .expect("nothing has changed");
+    drop(enabled);
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
+    write(&mut session, &mut drive, &["PN.VELSCALING=1638"]);
+}
+
+/// Somebody else changes the scale all the same: the axis is stopped and the reason told.
+#[test]
+fn a_scale_changed_under_a_running_axis_stops_it() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["PN.VELSCALING=200"]);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(300.0, None).expect("runs");
+    let begin = enabled.status().expect("a status").time;
+    let (inner, _) = enabled.session();
+    with_drive(inner, ids[0], |drive| {
+        ParameterAccess::write(drive, 3064, 0, 1638, Keep::Volatile).expect("taken");
+    });
+    let error = enabled
+        .keep_speed(300.0, Duration::from_secs(30))
+        .expect_err("another speed");
+    let expected = (200, 1638);
+    assert!(
+        matches!(error, Error::ScaleChanged { before, now, .. } if (before, now) == expected),
+        "{error}"
+    );
+    assert!(enabled.status().expect("a status").time - begin < Duration::from_secs(1));
+    drop(enabled);
+    // the speed of a standstill is scaled as before
+    let _ = axis.release();
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+/// An axis that had its speed and is slowed down beside its controller is not called a success.
+#[test]
+fn a_speed_that_is_lost_is_told() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    assert!(matches!(enabled.run(0.001), Err(Error::SpeedStep { .. })));
+    enabled.reach_speed(60.0, None).expect("runs");
+    enabled
+        .keep_speed(60.0, Duration::from_secs(5))
+        .expect("keeps it");
+    let begin = enabled.status().expect("a status").time;
+    let (inner, running) = enabled.session();
+    write(inner, running, &["VL.LIMITP_32=10rpm"]);
+    let error = enabled
+        .keep_speed(60.0, Duration::from_secs(30))
+        .expect_err("10 rpm only");
+    let text = error.to_string();
+    assert!(text.contains("60 rpm was reached and is not kept: "), "{text}");
+    assert!(enabled.status().expect("a status").time - begin < Duration::from_secs(3));
+    drop(enabled);
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
 }

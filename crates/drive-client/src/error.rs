@@ -236,6 +236,42 @@ pub enum Error {
         /// How long.
         limit: Duration,
     },
+    /// The axis had its speed and does not follow any more; it is being stopped.
+    #[error("{drive}: {wanted} rpm was reached and is not kept: {} for {:.1} s", rpm_text(*.actual), .time.as_secs_f64())]
+    SpeedLost {
+        /// The drive.
+        drive: String,
+        /// Speed asked for.
+        wanted: f64,
+        /// Speed it has, where the telegram tells speeds.
+        actual: Option<f64>,
+        /// How long it was away from its speed.
+        time: Duration,
+    },
+    /// Somebody changed what the speed setpoint means while the axis ran; it is being stopped.
+    #[error(
+        "{drive}: the scale of its speeds was changed while it ran, from {before} to {now}: the setpoint meant another speed"
+    )]
+    ScaleChanged {
+        /// The drive.
+        drive: String,
+        /// Scale that the setpoints were made with.
+        before: u16,
+        /// Scale of the drive.
+        now: u16,
+    },
+    /// A speed that rounds to a standstill; nothing was sent.
+    #[error(
+        "{drive}: {wanted} rpm is less than half a step of its speed setpoint, which is {step:.4} rpm: it would stand"
+    )]
+    SpeedStep {
+        /// The drive.
+        drive: String,
+        /// Speed asked for.
+        wanted: f64,
+        /// The smallest speed that can be told, rpm.
+        step: f64,
+    },
     /// The axis is held by something; what the drive said while it was still in operation.
     #[error("{error}; {evidence}")]
     Held {
@@ -554,6 +590,13 @@ impl Error {
             Self::LocalOperation { drive, .. } => format!(
                 "switch it off there (service channel: `profidrive stop {drive} --disable`) and hand control over to the field bus"
             ),
+            Self::SpeedLost { .. } => {
+                "something else stopped or limits it (`profidrive stop`, VL.LIMITP, a limit switch) or the load holds it".into()
+            }
+            Self::ScaleChanged { .. } => {
+                "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
+            }
+            Self::SpeedStep { .. } => "ask for a higher speed, or make the steps finer (PN.VELSCALING)".into(),
             Self::SpeedNotReached { .. } => {
                 "the ramp (DRV.ACC), a limit of the drive (VL.LIMITP, VL.LIMITN, IL.LIMITP) or the load holds it".into()
             }

@@ -271,7 +271,11 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
     // what the drive said while it was still in operation is told already
     let asked = matches!(
         error,
-        Error::Axis { .. } | Error::NotInTime { .. } | Error::Held { .. }
+        Error::Axis { .. }
+            | Error::NotInTime { .. }
+            | Error::Held { .. }
+            | Error::SpeedNotReached { .. }
+            | Error::SpeedLost { .. }
     );
     let held = matches!(error, Error::Held { .. });
     let mut failure = Failure::from(error);

@@ -46,7 +46,16 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     Ok(session.close()?)
 }
 
+/// The shortest time between two readings of a monitor: a drive has other callers too.
+const FASTEST: Duration = Duration::from_millis(10);
+
 pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    if args.every < FASTEST {
+        return Err(
+            Failure::usage(format!("--every: at least {} ms", FASTEST.as_millis()))
+                .hint("faster than that the parameter channel of the drive is blocked for others"),
+        );
+    }
     let references: Vec<ParameterReference> = args
         .parameters
         .iter()

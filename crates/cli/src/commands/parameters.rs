@@ -2,7 +2,7 @@
 
 use drive_client::parameter::{Assignment, ParameterProblem, Parameters, Reading, Selection};
 use drive_client::{ChangeOutcome, Refusal, WriteMode};
-use profidrive::catalogue::{Access, Catalogue, Parameter, Role, Scaling, Word, WordKind};
+use profidrive::catalogue::{Access, Catalogue, Parameter, Role, Scaling, Size, Word, WordKind};
 use profidrive::notation::{Notation, ParameterReference, Shown, Target};
 use profidrive::parameter::Saving;
 use profidrive::state::Mode;
@@ -191,9 +191,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         for line in table.lines() {
             output.line(&line);
         }
-        let taken = outcomes
-            .iter()
-            .any(|outcome| matches!(outcome.written, Some(Ok(()))) && !outcome.acts);
+        let taken = outcomes.iter().any(keeps);
         if args.dry_run {
             output.say("dry run: nothing was written");
         } else if taken {
@@ -269,6 +267,13 @@ fn already_so(drive: &drive_client::Drive, outcomes: &[ChangeOutcome]) -> Vec<bo
             plain && outcome.is_same()
         })
         .collect()
+}
+
+/// A value that the drive has now; a command leaves none behind.
+fn keeps(outcome: &ChangeOutcome) -> bool {
+    let command = outcome.change.selection.parameter;
+    let command = command.is_some_and(|parameter| parameter.size == Size::Command);
+    matches!(outcome.written, Some(Ok(()))) && !command && !outcome.acts
 }
 
 /// What becomes of the new values when the drive loses its power.
@@ -711,6 +716,27 @@ mod tests {
         assert!(text.contains("low half here, high half in p2109"), "{text}");
         assert!(text.contains("default    3000 rpm/s"), "{text}");
         assert!(text.contains("access     read, write"), "{text}");
+    }
+
+    #[test]
+    fn a_command_leaves_no_value_behind() {
+        let tables = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        for (text, left) in [("DRV.DIS=1", false), ("DRV.ACC=5000", true)] {
+            let assignment: Assignment = text.parse().unwrap();
+            let selection = tables.select(&assignment.reference).unwrap();
+            let value = tables.check(&selection, &assignment.quantity).unwrap();
+            let outcome = ChangeOutcome {
+                change: drive_client::PlannedChange { selection, value },
+                old: None,
+                written: Some(Ok(())),
+                new: None,
+                acts: false,
+            };
+            assert_eq!(keeps(&outcome), left, "{text}");
+        }
     }
 
     #[test]

@@ -81,7 +81,7 @@ fn go(
                 ));
             }
             enabled.reach_speed(speed, None)?;
-            enabled.hold(time)
+            enabled.keep_speed(speed, time)
         }
         None => {
             match enabled.reach_speed(speed, None) {
@@ -92,10 +92,11 @@ fn go(
                 }
                 Err(error @ (Error::SpeedNotReached { .. } | Error::Held { .. })) => {
                     output.warn(&format!("{error}; it goes on, Ctrl-C stops it"));
+                    return enabled.hold(axis::FOR_EVER);
                 }
                 other => other?,
             }
-            enabled.hold(axis::FOR_EVER)
+            enabled.keep_speed(speed, axis::FOR_EVER)
         }
     });
     axis::finish(taken, result, end, "run", serde_json::Map::new(), output)

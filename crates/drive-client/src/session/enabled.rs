@@ -18,6 +18,10 @@ const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
 const SPEED_PATIENCE: (u32, Duration) = (2, Duration::from_secs(5));
 /// How near the speed has to be: as a share of it, and at least in rpm.
 const SPEED_NEAR: (f64, f64) = (0.03, 2.0);
+/// How long an axis that had its speed may be away from it.
+const AWAY: Duration = Duration::from_secs(1);
+/// How often the scale of the speeds is read while the axis runs.
+const SCALE_CHECK: Duration = Duration::from_millis(500);
 /// HOME.MODE: set the position where the axis stands, take that of the feedback.
 const ON_THE_SPOT: [i64; 2] = [0, 13];
 
@@ -57,13 +61,21 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     /// Follows this speed from now on, in rpm.
     ///
     /// # Errors
-    /// A speed above the limit, a drive in position mode, and when the axis is not enabled any more.
+    /// A speed above the limit or below the steps of the drive, a drive in position mode, and when the axis is not
+    /// enabled any more.
     pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
             return Err(Error::SpeedLimit { wanted: rpm, limit });
         }
         let drive = &self.axis.drive;
+        if rpm != 0.0 && speed_raw(drive, rpm) == Some(0) {
+            return Err(Error::SpeedStep {
+                drive: drive.label(),
+                wanted: rpm,
+                step: speed_rpm(drive, 1),
+            });
+        }
         let setpoint = speed_raw(drive, rpm)
             .filter(|&raw| (speed_rpm(drive, raw) - rpm).abs() <= 1.0)
             .ok_or_else(|| Error::SpeedLimit {
@@ -106,6 +118,67 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
             let soon = self.axis.session.now() + self.axis.cycle();
             self.axis.session.step(soon)?;
         }
+    }
+
+    /// Keeps the speed that [`reach_speed`](Self::reach_speed) has reached for `time`.
+    ///
+    /// # Errors
+    /// When the axis does not follow any more for a second, when somebody changes the scale of its speeds, and as
+    /// [`hold`](Axis::hold).
+    pub fn keep_speed(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
+        let end = self.axis.session.now() + time;
+        let mut followed = self.axis.session.now();
+        let mut checked = followed;
+        loop {
+            let status = self.axis.look()?;
+            let now = self.axis.session.now();
+            if has_speed(&status, rpm) {
+                followed = now;
+            } else if now - followed >= AWAY {
+                self.check_scale()?;
+                self.axis.gather();
+                return Err(self.axis.with_evidence(Error::SpeedLost {
+                    drive: self.axis.drive.label(),
+                    wanted: rpm,
+                    actual: status.speed_actual,
+                    time: now - followed,
+                }));
+            }
+            if now >= end {
+                return Ok(());
+            }
+            if now - checked >= SCALE_CHECK {
+                self.check_scale()?;
+                checked = self.axis.session.now();
+            }
+            let soon = (checked + SCALE_CHECK).min(followed + AWAY).min(end);
+            self.axis.session.step(soon.max(now + Duration::from_millis(1)))?;
+        }
+    }
+
+    /// The setpoint means what it meant when the axis was taken. On a serial line the setpoint has a scale of its own.
+    fn check_scale(&mut self) -> Result<(), Error> {
+        if self.axis.drive.is_on_line() {
+            return Ok(());
+        }
+        let mut drive = self.axis.drive.clone();
+        drive.scaled = false;
+        match self.axis.session.read_scaling(&mut drive) {
+            Ok(()) => {}
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            // a lost connection is seen by the exchange of data; a parameter channel that is busy is asked again
+            Err(_) => return Ok(()),
+        }
+        let before = self.axis.drive.parameters.scaling.velocity;
+        let now = drive.parameters.scaling.velocity;
+        if now == before {
+            return Ok(());
+        }
+        Err(Error::ScaleChanged {
+            drive: self.axis.drive.label(),
+            before,
+            now,
+        })
     }
 
     /// How long the ramp of the drive needs up to this speed, where it tells its ramp.

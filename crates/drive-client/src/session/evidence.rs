@@ -50,7 +50,10 @@ impl<M: Wire> Axis<'_, M> {
         let telling = self.evidence.filter(|evidence| evidence.cause().is_some());
         match (&error, telling) {
             (
-                Error::Axis { .. } | Error::NotInTime { .. } | Error::SpeedNotReached { .. },
+                Error::Axis { .. }
+                | Error::NotInTime { .. }
+                | Error::SpeedNotReached { .. }
+                | Error::SpeedLost { .. },
                 Some(evidence),
             ) => Error::Held {
                 error: Box::new(error),

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use profidrive::catalogue::{Parameter, Role, Size};
+use profidrive::catalogue::{Parameter, Phase, Role, Size};
 use profidrive::notation::Shown;
 use profidrive::parameter::{
     Answer, Description, Dialect, ErrorNumber, Format, Keep, NewValue, ParameterAddress, RequestId, Response,
@@ -247,7 +247,7 @@ impl<M: Wire> Session<M> {
     /// reads back. Nothing is written when one of them is wrong.
     ///
     /// # Errors
-    /// A wrong assignment, or a drive that cannot be reached. A refused write is told in the outcome.
+    /// A wrong assignment, a unit or scaling while the power stage is on, or a drive that cannot be reached. A refused write is told in the outcome.
     pub fn write(
         &mut self,
         drive: &mut Drive,
@@ -275,6 +275,13 @@ impl<M: Wire> Session<M> {
                 .into());
             }
             changes.push(PlannedChange { selection, value });
+        }
+        let scales = |change: &PlannedChange| scales_setpoints(drive, &change.selection);
+        if mode != WriteMode::DryRun && changes.iter().any(scales) && self.is_enabled(drive)? == Some(true) {
+            return Err(Error::NotAtRest {
+                drive: drive.label(),
+                what: "the power stage is on and another scale would give its setpoints another meaning",
+            });
         }
         let readable: Vec<Selection> = changes
             .iter()
@@ -510,6 +517,16 @@ fn needs_scaling(selection: &Selection) -> bool {
     selection
         .parameter
         .is_some_and(|parameter| parameter.user_unit || !parameter.scale.is_fixed())
+}
+
+/// Units and scalings decide what setpoints mean, also those of an axis that runs.
+fn scales_setpoints(drive: &Drive, selection: &Selection) -> bool {
+    let (Some(tables), Some(parameter)) = (drive.model.catalogue, selection.parameter) else {
+        return false;
+    };
+    let rule = tables.backup_rule_at(parameter.pnu, parameter.base);
+    // the profile has numbers of its own for some of them
+    rule.phase == Phase::Scaling || (matches!(rule.role, Role::Alias { .. }) && is_scaling(tables, parameter))
 }
 
 fn is_command(selection: &Selection) -> bool {

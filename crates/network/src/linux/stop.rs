@@ -157,7 +157,7 @@ impl Stop {
         })
     }
 
-    /// A flag that Ctrl-C (SIGINT), SIGTERM and a terminal that goes away (SIGHUP, unless ignored as by `nohup`) set.
+    /// A flag that Ctrl-C (SIGINT), Ctrl-\ (SIGQUIT), SIGTERM and a terminal that goes away (SIGHUP, unless ignored as by `nohup`) set.
     /// Signals within a second count as one; a later one ends the program at once, as without this.
     ///
     /// # Errors
@@ -180,7 +180,7 @@ impl Stop {
         SIGNALLED.store(stop.inner.event.as_raw_fd(), Ordering::SeqCst);
         // The descriptor must stay open as long as a signal may come: for ever.
         std::mem::forget(stop.clone());
-        for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
+        for signal in [libc::SIGINT, libc::SIGQUIT, libc::SIGTERM, libc::SIGHUP] {
             if signal == libc::SIGHUP && is_ignored(signal)? {
                 continue;
             }
@@ -234,6 +234,15 @@ impl Stop {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quit_at_the_terminal_is_a_wish_to_stop() {
+        let stop = Stop::on_signals().unwrap();
+        assert!(!stop.is_stopped());
+        // SAFETY: raise has no preconditions; the handler was installed above.
+        assert_eq!(unsafe { libc::raise(libc::SIGQUIT) }, 0);
+        assert!(stop.is_stopped() && !stop.is_urgent());
+    }
 
     #[test]
     fn a_bell_is_heard_once_for_any_number_of_rings() {
