@@ -357,7 +357,11 @@ pub struct Explain {
     #[arg(allow_negative_numbers = true)]
     pub value: String,
     /// What the number is
-    #[arg(long = "as", value_enum, value_name = "KIND")]
+    #[arg(
+        long = "as",
+        value_enum,
+        value_name = "stw1|zsw1|state|fault|error|format|pnio|ctw-fc|stw-fc|ctw-vlt|stw-vlt|ctw-vlt2800|stw-vlt2800|ctw-vacon|stw-vacon|pke|alarm-word|alarm-word2|warning-word|warning-word2"
+    )]
     pub kind: What,
     #[command(flatten)]
     pub model: Kind,

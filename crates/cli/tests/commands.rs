@@ -69,7 +69,8 @@ fn a_wrong_command_line_is_one_document_too() {
     }
     let missing = stderr(&profidrive(&["explain", "0x1"]));
     assert!(
-        missing.contains("stw1|zsw1|state|fault|error|format|pnio"),
+        missing.contains("stw1|zsw1|state|fault|error|format|pnio|ctw-fc|")
+            && missing.contains("|alarm-word|"),
         "{missing}"
     );
     let negative = stderr(&profidrive(&["explain", "-1", "--as", "stw1"]));
@@ -245,7 +246,7 @@ fn demo_writes_a_capture_that_decode_reads() {
             .lines()
             .filter(|line| line.starts_with("ok    "))
             .count(),
-        11,
+        20,
         "{}",
         stdout(&output)
     );
@@ -260,6 +261,11 @@ fn demo_writes_a_capture_that_decode_reads() {
         "-> 0x0278 S1 switching on inhibited, with a fault",
         "change request",
         "DRV.ACC (p2108) = 1000 rpm/s",
+        "VLT telegram 101: subslot 1 0xFFFF, subslot 2 0x65 (12 in, 12 out)",
+        "change value (double word): Ramp 1 Ramp up Time (3-41) = 1 s",
+        "CTW 0x043C -> 0x047C run: follows the setpoint [START, DATA_VALID]; MRV 50 %, 750 rpm",
+        "40-00: refused: 0 parameter number does not exist",
+        "Deceleration time 1 (ID 104) = 1 s",
         "release",
     ] {
         assert!(text.contains(words), "{words}");
