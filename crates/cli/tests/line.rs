@@ -434,3 +434,35 @@ fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
     };
     assert!(!saved(), "a change goes to the RAM");
 }
+
+#[test]
+fn a_vlt_runs_by_the_words_that_8_10_chooses() {
+    for (choice, stopped) in [(0, 0x043C), (1, 0x047E)] {
+        let (mut session, bus) = bench_of(&model::VLT, Protocol::Fc, &[1], Line::default());
+        let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
+        let chosen = format!("8-10={choice}").parse().unwrap();
+        session.write(&mut drive, &[chosen], WriteMode::Write).unwrap();
+        let settings = AxisSettings::for_purpose(Purpose::Speed);
+        let mut axis = session.take_axis(&mut drive, settings).unwrap();
+        let mut enabled = axis.enable().unwrap();
+        enabled.run(300.0).unwrap();
+        enabled.hold(SECOND * 6).unwrap();
+        let speed = bus.0.borrow().drives[0].drive().axis().speed();
+        assert!((270.0..315.0).contains(&speed), "8-10 = {choice}: {speed}");
+        drop(enabled);
+        axis.release().unwrap();
+        let bus = bus.0.borrow();
+        assert!(bus.drives[0].drive().axis().is_at_rest());
+        let words: Vec<u16> = bus
+            .words
+            .iter()
+            .map(|data| u16::from_be_bytes([data[0], data[1]]))
+            .collect();
+        assert!(words.contains(&stopped), "8-10 = {choice}: {words:04X?}");
+        assert_eq!(
+            words.last().map(|word| word & 0x0400),
+            Some(0),
+            "control was given back"
+        );
+    }
+}

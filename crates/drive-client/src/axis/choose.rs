@@ -145,13 +145,12 @@ pub fn choose_telegram(
         .ok_or(NoTelegram { reported: trouble })
 }
 
-/// The process data of a serial line, see [`Telegram::of_line`].
+/// The process data of a serial line, see [`Telegram::of_line`]; whose bits its words have [`Wiring::with_words`] says.
 ///
 /// # Errors
 /// When the purpose needs more than that.
 pub fn process_words(device: &Device, purpose: Purpose) -> Result<Wiring, NoTelegram> {
-    // words of a maker are not spoken here
-    let telegram = Telegram::of_line(device.vendor_id).filter(|telegram| !telegram.own_words);
+    let telegram = Telegram::of_line(device.vendor_id);
     let wiring = telegram.and_then(|telegram| Wiring::of(telegram, device.vendor_id).ok());
     wiring
         .filter(|wiring| purpose.signals().iter().all(|&signal| wiring.commands(signal)))

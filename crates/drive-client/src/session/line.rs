@@ -85,6 +85,7 @@ impl<M: Wire> Session<M> {
                     && drive.model.catalogue.is_none()
                     && (vendor == 0 || maker(&model) == Some(vendor)) =>
             {
+                drive.station.vendor_id = maker(&model).unwrap_or(vendor);
                 drive.taken_for(model)
             }
             _ => drive,

@@ -247,16 +247,22 @@ impl<M: Wire> Session<M> {
             setpoint: trimmed(words(SETPOINT_SIGNALS)),
             actual: trimmed(words(ACTUAL_SIGNALS)),
         };
-        self.not_local(drive, zsw1_of(drive, &told, reported.number))?;
+        let telegram = if drive.is_on_line() {
+            Telegram::of_line(device.vendor_id).map(|telegram| telegram.number)
+        } else {
+            reported.number
+        };
+        self.not_local(drive, zsw1_of(drive, &told, telegram))?;
         let mode = self.mode_for(drive, words(MODE).first().copied(), purpose)?;
         if drive.is_on_line() {
             let wiring = process_words(device, purpose).map_err(|problem| Error::Telegram {
                 drive: drive.label(),
                 problem,
             })?;
+            let profile = told.profile(drive, Some(wiring.telegram()));
             return Ok(Prepared {
                 mode,
-                wiring,
+                wiring: wiring.with_words(profile),
                 layout: None,
                 reported: reported.number,
                 acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
