@@ -3,13 +3,21 @@
 // help texts are printed as they stand: `947[0..7]` is no link
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod explain;
+mod parameters;
+mod simulate;
+mod stations;
+
 use std::ffi::OsString;
-use std::net::Ipv4Addr;
-use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profidrive::notation::Quantity;
+
+pub use explain::{Decode, Explain, Octets, Sender, Side, What};
+pub use parameters::{Describe, List, Read, Write};
+pub use simulate::{Demo, Model, Simulate};
+pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
 use crate::commands::{
     Backup, Diff, Faults, Gsdml, Home, Inject, Jog, Move, Restore, Run, Status, Stop, Task,
@@ -185,134 +193,6 @@ pub struct Drive {
 }
 
 #[derive(Debug, Args)]
-pub struct Scan {
-    /// How long to listen for answers
-    #[arg(long = "for", value_name = "TIME", default_value = "1s", value_parser = duration)]
-    pub time: Duration,
-}
-
-#[derive(Debug, Args)]
-pub struct Name {
-    /// The station, best by its MAC address
-    pub drive: String,
-    /// The new name: lower case letters, digits, hyphens and dots; "" takes the name away
-    pub name: String,
-    /// Keep it only until the next power-on; after it the drive has no name at all
-    #[arg(long)]
-    pub temporary: bool,
-    /// Also when a controller is running the drive: its axis then loses the controller
-    #[arg(long)]
-    pub force: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct Ip {
-    /// Station name, IP address or MAC address
-    pub drive: String,
-    /// Address and prefix length, for example 10.0.0.2/24
-    pub address: Network,
-    /// Gateway; none when left out
-    #[arg(long, value_name = "A.B.C.D")]
-    pub gateway: Option<Ipv4Addr>,
-    /// Keep it only until the next power-on; after it the drive has no address at all
-    #[arg(long)]
-    pub temporary: bool,
-    /// Also when a controller is running the drive: its axis then loses the controller
-    #[arg(long)]
-    pub force: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct Blink {
-    /// Station name, IP address or MAC address
-    pub drive: String,
-    /// How long to repeat the signal (one signal lasts about 3 s)
-    #[arg(long = "for", value_name = "TIME", default_value = "3s", value_parser = duration)]
-    pub time: Duration,
-}
-
-#[derive(Debug, Args)]
-pub struct Reset {
-    /// Station name, IP address or MAC address
-    pub drive: String,
-    /// What to reset
-    #[arg(long, value_enum)]
-    pub mode: ResetMode,
-    /// Do not ask
-    #[arg(long)]
-    pub yes: bool,
-    /// Also when a controller is running the drive: its axis then loses the controller
-    #[arg(long)]
-    pub force: bool,
-}
-
-/// What a reset takes back to factory values (DCP ResetToFactory).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ResetMode {
-    /// Application data: parameters, I&M records
-    Application,
-    /// Communication data: name, IP address
-    Communication,
-    /// Engineering data
-    Engineering,
-    /// All stored data
-    All,
-    /// The device as it left the factory
-    Device,
-}
-
-#[derive(Debug, Args)]
-pub struct Read {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// Parameters: DRV.ACC, 930, p930, r947[0], 947[0..7], 0x3A2; of a VLT 1-20, of a Vacon ID103
-    #[arg(required = true, value_name = "PARAM")]
-    pub parameters: Vec<String>,
-    /// Also show the raw value in hexadecimal
-    #[arg(long)]
-    pub raw: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct Write {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// Assignments: DRV.ACC=5000rpm/s, 930=1, p930=0x0001; of a VLT 3-41=5s, of a Vacon ID103=5s
-    #[arg(required = true, value_name = "PARAM=VALUE")]
-    pub assignments: Vec<String>,
-    /// Check and show, but write nothing
-    #[arg(long)]
-    pub dry_run: bool,
-    /// Let the drive keep the values over a power cycle (AKD: DRV.NVSAVE saves all it has; VLT: these values)
-    #[arg(long, conflicts_with = "dry_run")]
-    pub save: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct List {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// Only parameters with this text in name, number or description
-    #[arg(long, value_name = "TEXT")]
-    pub filter: Option<String>,
-    /// Read and show the values too
-    #[arg(long)]
-    pub values: bool,
-    /// Also show the raw value in hexadecimal
-    #[arg(long, requires = "values")]
-    pub raw: bool,
-}
-
-#[derive(Debug, Args)]
-pub struct Describe {
-    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
-    pub drive: String,
-    /// Parameter: DRV.ACC, 930, p930, 0x3A2; of a VLT 1-20, of a Vacon ID103
-    #[arg(value_name = "PARAM")]
-    pub parameter: String,
-}
-
-#[derive(Debug, Args)]
 pub struct Cyclic {
     /// Update time of the cyclic connection; the fastest the drive allows when left out
     #[arg(long, value_name = "TIME", value_parser = duration)]
@@ -352,240 +232,9 @@ pub struct Monitor {
 }
 
 #[derive(Debug, Args)]
-pub struct Explain {
-    /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500
-    #[arg(allow_negative_numbers = true)]
-    pub value: String,
-    /// What the number is
-    #[arg(
-        long = "as",
-        value_enum,
-        value_name = "stw1|zsw1|state|fault|error|format|pnio|ctw-fc|stw-fc|ctw-vlt|stw-vlt|ctw-vlt2800|stw-vlt2800|ctw-vacon|stw-vacon|pke|alarm-word|alarm-word2|warning-word|warning-word2"
-    )]
-    pub kind: What,
-    #[command(flatten)]
-    pub model: Kind,
-}
-
-/// What a number to explain is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum What {
-    /// Control word 1
-    Stw1,
-    /// Status word 1
-    Zsw1,
-    /// State of the drive, from status word 1
-    State,
-    /// Fault number (PNU 947) of the model, an AKD where none is given
-    Fault,
-    /// Error number of a refused parameter
-    Error,
-    /// Format code of a parameter value
-    Format,
-    /// PNIO status: ErrorCode, ErrorDecode, ErrorCode1, ErrorCode2
-    Pnio,
-    /// Control word of a VLT with FC profile (8-10)
-    CtwFc,
-    /// Status word of a VLT with FC profile
-    StwFc,
-    /// Control word of a VLT with PROFIdrive profile
-    CtwVlt,
-    /// Status word of a VLT with PROFIdrive profile
-    StwVlt,
-    /// Control word of a VLT 2800 or FCD 300 with PROFIdrive profile
-    CtwVlt2800,
-    /// Status word of a VLT 2800 or FCD 300 with PROFIdrive profile
-    StwVlt2800,
-    /// Control word of a Vacon in telegrams 148 to 150
-    CtwVacon,
-    /// Status word of a Vacon in telegrams 148 to 150
-    StwVacon,
-    /// PKE of a parameter channel: request or reply, and parameter number
-    Pke,
-    /// Alarm word of a VLT (16-90)
-    AlarmWord,
-    /// Alarm word 2 of a VLT (16-91)
-    AlarmWord2,
-    /// Warning word of a VLT (16-92)
-    WarningWord,
-    /// Warning word 2 of a VLT (16-93)
-    WarningWord2,
-}
-
-#[derive(Debug, Args)]
-pub struct Decode {
-    /// Capture file, pcap or pcapng
-    #[arg(value_name = "FILE", required_unless_present = "hex", conflicts_with = "hex")]
-    pub file: Option<PathBuf>,
-    /// Octets in hexadecimal: a parameter job, or what --as or --telegram says
-    #[arg(long, value_name = "BYTES")]
-    pub hex: Option<String>,
-    /// What the octets are; without it the side of a parameter job is guessed
-    #[arg(long = "as", value_enum, value_name = "WHAT", requires = "hex")]
-    pub octets: Option<Octets>,
-    /// The octets are cyclic data of this telegram: 1, 9 .., 101 to 108 (PPO types 1 to 8 of a VLT), 148 to 150 (Vacon)
-    #[arg(long, value_name = "NUMBER", requires = "hex", conflicts_with_all = ["octets", "request"])]
-    pub telegram: Option<u16>,
-    /// Who sent it, for words and telegrams that look the same from both; without it both are told
-    #[arg(long, value_enum, value_name = "WHO", requires = "hex")]
-    pub from: Option<Sender>,
-    /// The request that belongs to a response, in hexadecimal
-    #[arg(long, value_name = "BYTES", requires = "hex")]
-    pub request: Option<String>,
-    #[command(flatten)]
-    pub model: Kind,
-}
-
-/// What octets can be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Octets {
-    /// Parameter job from the controller to the drive
-    Request,
-    /// Parameter job from the drive to the controller
-    Response,
-    /// The eight octets of the parameter channel in a PPO
-    Pkw,
-    /// The same in the Danfoss FC protocol, where the index stands elsewhere
-    PkwFc,
-    /// The same in USS
-    PkwUss,
-    /// Telegram of the Danfoss FC protocol
-    Fc,
-    /// USS telegram
-    Uss,
-}
-
-/// Direction of a parameter job.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// From the controller to the drive
-    Request,
-    /// From the drive to the controller
-    Response,
-}
-
-/// Who sends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Sender {
-    /// Controller or master
-    Controller,
-    /// Drive or slave
-    Drive,
-}
-
-#[derive(Debug, Args)]
-pub struct Simulate {
-    /// Scenario file: drives, what happens to them and when; instead of the options that describe drives
-    #[arg(value_name = "PLANT.toml", conflicts_with_all = ["name", "count", "ip", "mac", "model", "min_cycle"])]
-    pub plant: Option<PathBuf>,
-    /// Plays the scenario in virtual time, as fast as possible, without a network; the trace goes to stdout
-    #[arg(long, requires = "plant", conflicts_with = "state")]
-    pub virtual_time: bool,
-    /// Ends after this time; else the `duration` of the scenario, or Ctrl-C
-    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
-    pub time: Option<Duration>,
-    /// Drive model
-    #[arg(long, value_enum, default_value = "akd")]
-    pub model: Model,
-    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it; not in virtual
-    /// time, where the controllers of the scenario know the model's own
-    #[arg(long, value_name = "FILE", conflicts_with = "virtual_time")]
-    pub gsdml: Option<PathBuf>,
-    /// Only this access point of the device description; all of them when left out
-    #[arg(long, value_name = "ID", requires = "gsdml")]
-    pub access_point: Option<String>,
-    /// Station name; with --count the names end in -1, -2, ..; without it the drive waits to be named
-    #[arg(long, value_name = "NAME")]
-    pub name: Option<String>,
-    /// How many drives
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
-    pub count: u16,
-    /// Address of the (first) drive; without it the drive waits for its address
-    #[arg(long, value_name = "A.B.C.D/NN")]
-    pub ip: Option<Network>,
-    /// Folder that keeps name, address and saved parameters over a restart
-    #[arg(long, value_name = "DIR")]
-    pub state: Option<PathBuf>,
-    /// Ethernet address: derived from the name when left out, `host` for the interface's own (one drive only)
-    #[arg(long, value_name = "host|MAC")]
-    pub mac: Option<String>,
-    /// Fastest update time offered: 1, 2, 4, 8 .. 512 ms; that of the drive (AKD: 16 ms) or of its device description
-    /// when left out
-    #[arg(long, value_name = "TIME", value_parser = duration)]
-    pub min_cycle: Option<Duration>,
-    /// Write the traffic of the drives to this file
-    #[arg(long, value_name = "FILE")]
-    pub pcap: Option<PathBuf>,
-    #[command(flatten)]
-    pub line: crate::commands::SerialOptions,
-}
-
-/// The drive models there are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Model {
-    /// Kollmorgen AKD
-    Akd,
-    /// Danfoss VLT FC 302
-    Vlt,
-    /// Vacon 100
-    Vacon,
-}
-
-#[derive(Debug, Args)]
-pub struct Demo {
-    /// Write the traffic of the in-memory network to this file
-    #[arg(long, value_name = "FILE")]
-    pub pcap: Option<PathBuf>,
-    /// As fast as the machine allows, in virtual time
-    #[arg(long)]
-    pub fast: bool,
-}
-
-#[derive(Debug, Args)]
 pub struct Completions {
     /// The shell
     pub shell: clap_complete::Shell,
-}
-
-/// An IPv4 address with its prefix length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Network {
-    /// Address.
-    pub address: Ipv4Addr,
-    /// Length of the network part in bits, 1 to 32.
-    pub prefix: u8,
-}
-
-impl Network {
-    /// The subnet mask.
-    pub const fn mask(self) -> Ipv4Addr {
-        Ipv4Addr::from_bits(match self.prefix {
-            0 => 0,
-            prefix => u32::MAX << (32 - prefix as u32),
-        })
-    }
-}
-
-impl std::str::FromStr for Network {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let form = || format!("`{text}`: write address and prefix length, for example 10.0.0.2/24");
-        let (address, prefix) = text.split_once('/').ok_or_else(form)?;
-        let address: Ipv4Addr = address.parse().map_err(|_| form())?;
-        let prefix: u8 = prefix
-            .parse()
-            .ok()
-            .filter(|prefix| (1..=32).contains(prefix))
-            .ok_or_else(form)?;
-        if address.is_unspecified()
-            || address.is_multicast()
-            || address.is_loopback()
-            || address.is_broadcast()
-        {
-            return Err(format!("`{text}`: this is no address for a station"));
-        }
-        Ok(Self { address, prefix })
-    }
 }
 
 /// A model by the name that a person gives it.
@@ -606,6 +255,8 @@ pub(crate) fn duration(text: &str) -> Result<Duration, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::net::Ipv4Addr;
+
     use super::*;
 
     #[test]

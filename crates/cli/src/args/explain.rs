@@ -1,0 +1,129 @@
+//! Numbers, octets and captures, explained without any drive.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::Kind;
+
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500
+    #[arg(allow_negative_numbers = true)]
+    pub value: String,
+    /// What the number is
+    #[arg(
+        long = "as",
+        value_enum,
+        value_name = "stw1|zsw1|state|fault|error|format|pnio|ctw-fc|stw-fc|ctw-vlt|stw-vlt|ctw-vlt2800|stw-vlt2800|ctw-vacon|stw-vacon|pke|alarm-word|alarm-word2|warning-word|warning-word2"
+    )]
+    pub kind: What,
+    #[command(flatten)]
+    pub model: Kind,
+}
+
+/// What a number to explain is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum What {
+    /// Control word 1
+    Stw1,
+    /// Status word 1
+    Zsw1,
+    /// State of the drive, from status word 1
+    State,
+    /// Fault number (PNU 947) of the model, an AKD where none is given
+    Fault,
+    /// Error number of a refused parameter
+    Error,
+    /// Format code of a parameter value
+    Format,
+    /// PNIO status: ErrorCode, ErrorDecode, ErrorCode1, ErrorCode2
+    Pnio,
+    /// Control word of a VLT with FC profile (8-10)
+    CtwFc,
+    /// Status word of a VLT with FC profile
+    StwFc,
+    /// Control word of a VLT with PROFIdrive profile
+    CtwVlt,
+    /// Status word of a VLT with PROFIdrive profile
+    StwVlt,
+    /// Control word of a VLT 2800 or FCD 300 with PROFIdrive profile
+    CtwVlt2800,
+    /// Status word of a VLT 2800 or FCD 300 with PROFIdrive profile
+    StwVlt2800,
+    /// Control word of a Vacon in telegrams 148 to 150
+    CtwVacon,
+    /// Status word of a Vacon in telegrams 148 to 150
+    StwVacon,
+    /// PKE of a parameter channel: request or reply, and parameter number
+    Pke,
+    /// Alarm word of a VLT (16-90)
+    AlarmWord,
+    /// Alarm word 2 of a VLT (16-91)
+    AlarmWord2,
+    /// Warning word of a VLT (16-92)
+    WarningWord,
+    /// Warning word 2 of a VLT (16-93)
+    WarningWord2,
+}
+
+#[derive(Debug, Args)]
+pub struct Decode {
+    /// Capture file, pcap or pcapng
+    #[arg(value_name = "FILE", required_unless_present = "hex", conflicts_with = "hex")]
+    pub file: Option<PathBuf>,
+    /// Octets in hexadecimal: a parameter job, or what --as or --telegram says
+    #[arg(long, value_name = "BYTES")]
+    pub hex: Option<String>,
+    /// What the octets are; without it the side of a parameter job is guessed
+    #[arg(long = "as", value_enum, value_name = "WHAT", requires = "hex")]
+    pub octets: Option<Octets>,
+    /// The octets are cyclic data of this telegram: 1, 9 .., 101 to 108 (PPO types 1 to 8 of a VLT), 148 to 150 (Vacon)
+    #[arg(long, value_name = "NUMBER", requires = "hex", conflicts_with_all = ["octets", "request"])]
+    pub telegram: Option<u16>,
+    /// Who sent it, for words and telegrams that look the same from both; without it both are told
+    #[arg(long, value_enum, value_name = "WHO", requires = "hex")]
+    pub from: Option<Sender>,
+    /// The request that belongs to a response, in hexadecimal
+    #[arg(long, value_name = "BYTES", requires = "hex")]
+    pub request: Option<String>,
+    #[command(flatten)]
+    pub model: Kind,
+}
+
+/// What octets can be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Octets {
+    /// Parameter job from the controller to the drive
+    Request,
+    /// Parameter job from the drive to the controller
+    Response,
+    /// The eight octets of the parameter channel in a PPO
+    Pkw,
+    /// The same in the Danfoss FC protocol, where the index stands elsewhere
+    PkwFc,
+    /// The same in USS
+    PkwUss,
+    /// Telegram of the Danfoss FC protocol
+    Fc,
+    /// USS telegram
+    Uss,
+}
+
+/// Direction of a parameter job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// From the controller to the drive
+    Request,
+    /// From the drive to the controller
+    Response,
+}
+
+/// Who sends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sender {
+    /// Controller or master
+    Controller,
+    /// Drive or slave
+    Drive,
+}

@@ -1,0 +1,54 @@
+//! Parameters: read, write, list, describe.
+
+use clap::Args;
+
+#[derive(Debug, Args)]
+pub struct Read {
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
+    pub drive: String,
+    /// Parameters: DRV.ACC, 930, p930, r947[0], 947[0..7], 0x3A2; of a VLT 1-20, of a Vacon ID103
+    #[arg(required = true, value_name = "PARAM")]
+    pub parameters: Vec<String>,
+    /// Also show the raw value in hexadecimal
+    #[arg(long)]
+    pub raw: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Write {
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
+    pub drive: String,
+    /// Assignments: DRV.ACC=5000rpm/s, 930=1, p930=0x0001; of a VLT 3-41=5s, of a Vacon ID103=5s
+    #[arg(required = true, value_name = "PARAM=VALUE")]
+    pub assignments: Vec<String>,
+    /// Check and show, but write nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Let the drive keep the values over a power cycle (AKD: DRV.NVSAVE saves all it has; VLT: these values)
+    #[arg(long, conflicts_with = "dry_run")]
+    pub save: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct List {
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
+    pub drive: String,
+    /// Only parameters with this text in name, number or description
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Read and show the values too
+    #[arg(long)]
+    pub values: bool,
+    /// Also show the raw value in hexadecimal
+    #[arg(long, requires = "values")]
+    pub raw: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Describe {
+    /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
+    pub drive: String,
+    /// Parameter: DRV.ACC, 930, p930, 0x3A2; of a VLT 1-20, of a Vacon ID103
+    #[arg(value_name = "PARAM")]
+    pub parameter: String,
+}

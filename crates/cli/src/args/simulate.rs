@@ -1,0 +1,76 @@
+//! Virtual drives: on a network, and the demonstration.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+
+use super::{Network, duration};
+
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// Scenario file: drives, what happens to them and when; instead of the options that describe drives
+    #[arg(value_name = "PLANT.toml", conflicts_with_all = ["name", "count", "ip", "mac", "model", "min_cycle"])]
+    pub plant: Option<PathBuf>,
+    /// Plays the scenario in virtual time, as fast as possible, without a network; the trace goes to stdout
+    #[arg(long, requires = "plant", conflicts_with = "state")]
+    pub virtual_time: bool,
+    /// Ends after this time; else the `duration` of the scenario, or Ctrl-C
+    #[arg(long = "for", value_name = "TIME", value_parser = duration)]
+    pub time: Option<Duration>,
+    /// Drive model
+    #[arg(long, value_enum, default_value = "akd")]
+    pub model: Model,
+    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it; not in virtual
+    /// time, where the controllers of the scenario know the model's own
+    #[arg(long, value_name = "FILE", conflicts_with = "virtual_time")]
+    pub gsdml: Option<PathBuf>,
+    /// Only this access point of the device description; all of them when left out
+    #[arg(long, value_name = "ID", requires = "gsdml")]
+    pub access_point: Option<String>,
+    /// Station name; with --count the names end in -1, -2, ..; without it the drive waits to be named
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// How many drives
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub count: u16,
+    /// Address of the (first) drive; without it the drive waits for its address
+    #[arg(long, value_name = "A.B.C.D/NN")]
+    pub ip: Option<Network>,
+    /// Folder that keeps name, address and saved parameters over a restart
+    #[arg(long, value_name = "DIR")]
+    pub state: Option<PathBuf>,
+    /// Ethernet address: derived from the name when left out, `host` for the interface's own (one drive only)
+    #[arg(long, value_name = "host|MAC")]
+    pub mac: Option<String>,
+    /// Fastest update time offered: 1, 2, 4, 8 .. 512 ms; that of the drive (AKD: 16 ms) or of its device description
+    /// when left out
+    #[arg(long, value_name = "TIME", value_parser = duration)]
+    pub min_cycle: Option<Duration>,
+    /// Write the traffic of the drives to this file
+    #[arg(long, value_name = "FILE")]
+    pub pcap: Option<PathBuf>,
+    #[command(flatten)]
+    pub line: crate::commands::SerialOptions,
+}
+
+/// The drive models there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Model {
+    /// Kollmorgen AKD
+    Akd,
+    /// Danfoss VLT FC 302
+    Vlt,
+    /// Vacon 100
+    Vacon,
+}
+
+#[derive(Debug, Args)]
+pub struct Demo {
+    /// Write the traffic of the in-memory network to this file
+    #[arg(long, value_name = "FILE")]
+    pub pcap: Option<PathBuf>,
+    /// As fast as the machine allows, in virtual time
+    #[arg(long)]
+    pub fast: bool,
+}

@@ -1,0 +1,222 @@
+//! `profidrive describe`
+
+use drive_client::Refusal;
+use drive_client::parameter::Reading;
+use profidrive::catalogue::{Access, Parameter, Role, Scaling, Word};
+use profidrive::notation::{Notation, Shown};
+use profidrive::parameter::Saving;
+use serde_json::Value;
+
+use super::{access_word, name_bits, number_of, parameter_json, parse_all, reading_json};
+use crate::args::{Describe, Interface};
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::{Colour, Output};
+use crate::render::{number, value};
+
+pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let reference = parse_all(std::slice::from_ref(&args.parameter))?.remove(0);
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let selection = drive.parameters.select(&reference)?;
+    let (Some(parameter), Some(tables)) = (selection.parameter, drive.model.catalogue) else {
+        if let Some(whole) = drive
+            .model
+            .catalogue
+            .and_then(|tables| tables.by_high(selection.pnu))
+        {
+            let message = format!("{} is the high half of {}", selection.label(), whole.name);
+            let hint = format!("`profidrive describe {} {}`", drive.label(), whole.name);
+            return Err(Failure::new(Exit::Failed, message).hint(hint));
+        }
+        return Err(Failure::new(
+            Exit::Failed,
+            format!("{} is in no table of the {}", selection.label(), drive.model.name),
+        )
+        .hint("`profidrive read` may read it all the same"));
+    };
+    let mut readings = session.read(&mut drive, &[selection])?;
+    name_bits(&mut session, &mut drive, &mut readings)?;
+    session.close()?;
+    if output.json() {
+        let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
+        fields.extend(parameter_json(tables, parameter, &drive.parameters));
+        fields.insert("scaling".into(), parameter.rule(&drive.parameters.scaling).into());
+        let values: Vec<Value> = readings.iter().map(reading_json).collect();
+        fields.insert("values".into(), values.into());
+        output.document("describe", fields);
+        return Ok(());
+    }
+    let limits = drive.parameters.limits(parameter);
+    output.line(&output.paint(
+        Colour::Strong,
+        &format!("{} ({})", parameter.name, number_of(tables, parameter)),
+    ));
+    let scaling = &drive.parameters.scaling;
+    let word = tables.word_at(parameter.pnu, parameter.base);
+    let saved = saved_words(&drive.model, parameter);
+    for line in description_lines(parameter, scaling, limits, &readings, (word, &saved)) {
+        output.line(&line);
+    }
+    Ok(())
+}
+
+fn description_lines(
+    parameter: &Parameter,
+    scaling: &Scaling,
+    (low, high): (f64, f64),
+    readings: &[Result<Reading, Refusal>],
+    (word, saved): (Option<&Word>, &str),
+) -> Vec<String> {
+    let unit = parameter.unit_in(scaling);
+    let with_unit = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
+    let mut lines = Vec::new();
+    let mut line = |name: &str, text: String| {
+        if !text.is_empty() {
+            lines.push(format!("  {name:<10} {text}"));
+        }
+    };
+    line("meaning", parameter.description.to_owned());
+    match readings {
+        [Ok(reading)] => line("value", value::full(reading)),
+        [Err(refusal)] => line("value", format!("not readable now: {}", refusal.words())),
+        several => {
+            let values: Vec<String> = several.iter().flatten().take(16).map(value::value).collect();
+            let more = if several.len() > 16 { " .." } else { "" };
+            line("values", format!("{}{more}", values.join(", ")));
+        }
+    }
+    line(
+        "unit",
+        if unit.is_empty() {
+            "none".into()
+        } else {
+            unit.to_owned()
+        },
+    );
+    if parameter.length == 0 {
+        let limits = format!("{} to {}{}", with_unit(low), with_unit(high), known(parameter));
+        line("limits", limits);
+    }
+    let default = match parameter.text {
+        "" => parameter
+            .default_in(scaling)
+            .map_or_else(|| "unknown".into(), with_unit),
+        text => format!("\"{text}\""),
+    };
+    line("default", default);
+    line("access", access_word(parameter.access).to_owned());
+    line("size", size_words(parameter));
+    if parameter.length == 0 {
+        line("scaling", parameter.rule(scaling));
+    }
+    line("saved", saved.to_owned());
+    for choice in parameter.choices {
+        line("choice", format!("{} {}", choice.value, choice.text));
+    }
+    for bit in parameter.bits {
+        line("bit", format!("{} {}", bit.value, bit.text));
+    }
+    for field in word.into_iter().flat_map(|word| word.fields) {
+        line(
+            "bits",
+            format!("{} to {} {}", field.first, field.last, field.name),
+        );
+        for choice in field.choices {
+            line("", format!("  {} {}", choice.value, choice.text));
+        }
+    }
+    let lead = if parameter.recalled { " (a lead only)" } else { "" };
+    line("source", format!("{}{lead}", parameter.source));
+    lines
+}
+
+/// Whether the drive keeps the value over a power cycle, and what lets it do so.
+fn saved_words(model: &drive_client::Model, parameter: &Parameter) -> String {
+    let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
+    match (parameter.saved, model.dialect.saving) {
+        (false, _) => "no".into(),
+        (true, Saving::Always) => "with every write".into(),
+        (true, Saving::Request) => "when it is written with --save".into(),
+        (true, Saving::Command) => {
+            command.map_or_else(|| "yes".into(), |command| format!("by {}", command.name))
+        }
+    }
+}
+
+const fn known(parameter: &Parameter) -> &'static str {
+    match (parameter.minimum, parameter.maximum) {
+        (Some(_), Some(_)) => "",
+        (None, None) => " (what fits the size; the drive may take less)",
+        _ => " (one of them is only what fits the size)",
+    }
+}
+
+fn size_words(parameter: &Parameter) -> String {
+    let sign = match (parameter.is_text(), parameter.length, parameter.signed) {
+        (true, ..) => "text",
+        (false, 1.., _) => "octets without a number",
+        (false, 0, true) => "signed",
+        (false, 0, false) => "unsigned",
+    };
+    let octets = match parameter.length {
+        0 => parameter.size.octets(),
+        length => usize::from(length),
+    };
+    let plural = if octets == 1 { "" } else { "s" };
+    let elements = match parameter.elements {
+        0 | 1 => String::new(),
+        count => format!(", {count} elements"),
+    };
+    let halves = match parameter.high() {
+        Some(high) => format!(
+            ", 64 bits in two numbers: low half here, high half in {}",
+            Shown {
+                pnu: high,
+                index: None,
+                writable: Some(parameter.access != Access::ReadOnly),
+                notation: Notation::Name,
+            }
+        ),
+        None => String::new(),
+    };
+    format!("{octets} octet{plural}, {sign}{elements}{halves}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drive_client::parameter::Parameters;
+    use profidrive::catalogue::AKD;
+
+    #[test]
+    fn a_description_says_unit_and_limits() {
+        let parameter = AKD.by_name("DRV.ACC").unwrap();
+        let drive = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let describe = |scaling: &Scaling| {
+            description_lines(parameter, scaling, drive.limits(parameter), &[], (None, "")).join("\n")
+        };
+        let text = describe(&Scaling::default());
+        assert!(text.contains("limits     1.86 rpm/s to 50000000 rpm/s"), "{text}");
+        assert!(text.contains("scaling    raw 1000 = 1 rpm/s\n"), "{text}");
+        assert!(text.contains("low half here, high half in p2109"), "{text}");
+        assert!(text.contains("default    3000 rpm/s"), "{text}");
+        assert!(text.contains("access     read, write"), "{text}");
+    }
+
+    #[test]
+    fn a_description_names_bits_and_fields() {
+        let parameter = AKD.by_name("MT.CNTL").unwrap();
+        let word = AKD.word(parameter.pnu);
+        let text = description_lines(parameter, &Scaling::default(), (0.0, 1.0), &[], (word, "")).join("\n");
+        assert!(
+            text.contains("bit        4 A following task is executed"),
+            "{text}"
+        );
+        assert!(text.contains("bits       0 to 3 Task type\n"), "{text}");
+        assert!(text.contains("  1 Relative to PL.CMD\n"), "{text}");
+    }
+}

@@ -1,0 +1,166 @@
+//! `profidrive list`
+
+use drive_client::parameter::{Parameters, Selection};
+use profidrive::catalogue::{Catalogue, Parameter};
+use profidrive::notation::{Notation, ParameterReference, Shown, Target};
+use serde_json::Value;
+
+use super::{access_word, name_bits, number_of, parameter_json, print_readings};
+use crate::args::{Interface, List};
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::render::table::Table;
+
+pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let Some(tables) = drive.model.catalogue else {
+        return list_numbers(&mut session, &mut drive, output);
+    };
+    let parameters: Vec<&'static Parameter> = match &args.filter {
+        Some(text) => filtered(&drive.parameters, tables, text),
+        None => tables.parameters.iter().collect(),
+    };
+    if parameters.is_empty() {
+        let text = args.filter.as_deref().unwrap_or_default();
+        return Err(Failure::new(
+            Exit::Failed,
+            format!("no parameter of the {} matches `{text}`", tables.model),
+        ));
+    }
+    if args.values {
+        let selections: Vec<Selection> = parameters
+            .iter()
+            .map(|&parameter| Selection::of(parameter, tables.notation))
+            .collect();
+        let bar = connect::bar(output, selections.len(), "reading");
+        let mut readings = Vec::new();
+        for part in selections.chunks(64) {
+            readings.extend(session.read(&mut drive, part)?);
+            bar.inc(part.len() as u64);
+        }
+        bar.finish_and_clear();
+        name_bits(&mut session, &mut drive, &mut readings)?;
+        session.close()?;
+        print_readings("list", &drive.label(), &readings, args.raw, output);
+        let refused = readings.iter().filter(|reading| reading.is_err()).count();
+        if refused > 0 {
+            output.say(&format!("{refused} of {} could not be read", readings.len()));
+        }
+        return Ok(());
+    }
+    if output.json() {
+        let list: Vec<Value> = parameters
+            .iter()
+            .map(|parameter| Value::Object(parameter_json(tables, parameter, &drive.parameters)))
+            .collect();
+        output.document(
+            "list",
+            fields! { "drive": drive.label(), "model": tables.model, "parameters": list },
+        );
+        return Ok(());
+    }
+    let mut table = Table::new(&["name", "number", "access", "unit", "description"]);
+    for parameter in &parameters {
+        table.row([
+            parameter.name.to_owned(),
+            number_of(tables, parameter),
+            access_word(parameter.access).to_owned(),
+            parameter.unit.to_owned(),
+            parameter.description.to_owned(),
+        ]);
+    }
+    for line in table.lines() {
+        output.line(&line);
+    }
+    let wide = parameters.iter().filter(|parameter| parameter.wide).count();
+    let also = if wide > 0 {
+        format!("; {wide} of them have 64 bits and take the next number too")
+    } else {
+        String::new()
+    };
+    output.say(&format!("{} parameters{also}", parameters.len()));
+    Ok(())
+}
+
+/// Text in name or description, or the number itself.
+fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> Vec<&'static Parameter> {
+    let by_number = text
+        .parse::<ParameterReference>()
+        .ok()
+        .filter(|reference| matches!(reference.target, Target::Number(_)))
+        .and_then(|reference| parameters.select(&reference).ok()?.parameter);
+    let mut found: Vec<_> = tables.filter(text).collect();
+    if let Some(exact) = by_number.filter(|exact| {
+        found
+            .iter()
+            .all(|other| (other.pnu, other.base) != (exact.pnu, exact.base))
+    }) {
+        found.insert(0, exact);
+    }
+    found
+}
+
+/// A drive without tables lists its numbers itself (PNU 980 and following).
+fn list_numbers(
+    session: &mut connect::Live,
+    drive: &mut drive_client::Drive,
+    output: &Output,
+) -> Result<(), Failure> {
+    let numbers = session.numbers(drive)?;
+    session.close()?;
+    if output.json() {
+        let list: Vec<Value> = numbers
+            .iter()
+            .map(|&pnu| Value::Object(fields! { "pnu": pnu }))
+            .collect();
+        output.document(
+            "list",
+            fields! { "drive": drive.label(), "model": drive.model.name, "parameters": list },
+        );
+    } else {
+        for pnu in &numbers {
+            output.line(
+                &Shown {
+                    pnu: *pnu,
+                    index: None,
+                    writable: None,
+                    notation: Notation::Name,
+                }
+                .to_string(),
+            );
+        }
+        output.say(&format!(
+            "{} parameters; no names are known for this drive",
+            numbers.len()
+        ));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::{AKD, Scaling};
+
+    #[test]
+    fn filters_find_names_words_and_numbers() {
+        let known = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        assert!(
+            filtered(&known, &AKD, "drv.acc")
+                .iter()
+                .any(|parameter| parameter.pnu == 2108)
+        );
+        assert_eq!(
+            filtered(&known, &AKD, "p930")
+                .first()
+                .map(|parameter| parameter.pnu),
+            Some(930)
+        );
+        assert!(filtered(&known, &AKD, "nothing like it").is_empty());
+    }
+}

@@ -1,0 +1,263 @@
+//! `profidrive write`
+
+use drive_client::parameter::Assignment;
+use drive_client::{ChangeOutcome, WriteMode};
+use profidrive::catalogue::{Role, Size};
+use profidrive::parameter::Saving;
+use serde_json::{Map, Value};
+
+use super::{last_failure, reading_json, refusal_json, refused_failure};
+use crate::args::{Interface, Write};
+use crate::connect::{self, Need};
+use crate::failure::{Exit, Failure};
+use crate::fields;
+use crate::output::Output;
+use crate::render::table::Table;
+use crate::render::{number, value};
+
+pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let assignments: Vec<Assignment> = args
+        .assignments
+        .iter()
+        .map(|text| text.parse().map_err(Failure::from))
+        .collect::<Result<_, _>>()?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let mode = match (args.dry_run, args.save) {
+        (true, _) => WriteMode::DryRun,
+        (false, true) => WriteMode::Save,
+        (false, false) => WriteMode::Write,
+    };
+    let (outcomes, same) = write_new(&mut session, &mut drive, &assignments, mode)?;
+    session.close()?;
+    if output.json() {
+        let changes: Vec<Value> = outcomes
+            .iter()
+            .zip(&same)
+            .map(|(outcome, same)| {
+                let mut fields = outcome_json(outcome);
+                fields.insert("same".into(), (*same).into());
+                Value::Object(fields)
+            })
+            .collect();
+        output.document(
+            "write",
+            fields! { "drive": drive.label(), "dry_run": args.dry_run, "changes": changes },
+        );
+    } else {
+        let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "result"]);
+        for (outcome, same) in outcomes.iter().zip(&same) {
+            let mut row = outcome_row(outcome);
+            if *same {
+                row[RESULT] = format!("already {}", wanted(outcome));
+            }
+            table.row(row);
+        }
+        for (assignment, outcome) in assignments.iter().zip(&outcomes) {
+            if let Some(told) = raw_told(assignment, outcome) {
+                output.say(&told);
+            }
+        }
+        for line in table.lines() {
+            output.line(&line);
+        }
+        let taken = outcomes.iter().any(keeps);
+        if args.dry_run {
+            output.say("dry run: nothing was written");
+        } else if taken {
+            output.say(kept(drive.model.dialect.saving, args.save));
+        }
+    }
+    let mut problems: Vec<Failure> = Vec::new();
+    for outcome in &outcomes {
+        if let Some(Err(refusal)) = &outcome.written {
+            problems.push(refused_failure(&drive.label(), refusal));
+        } else if outcome.differs() {
+            let label = outcome.change.selection.label();
+            let message = format!(
+                "{}: {label} reads back another value than was written",
+                drive.label()
+            );
+            problems.push(
+                Failure::new(Exit::Difference, message)
+                    .hint("the drive may round, limit or change it by itself; read it again"),
+            );
+        }
+    }
+    last_failure(problems, output)
+}
+
+/// Writes what is new for the drive; one outcome for each assignment, and whether the drive had its value already. All of
+/// it is written where it is to be kept, as a value that is there may not be kept yet.
+fn write_new(
+    session: &mut connect::Live,
+    drive: &mut drive_client::Drive,
+    assignments: &[Assignment],
+    mode: WriteMode,
+) -> Result<(Vec<ChangeOutcome>, Vec<bool>), Failure> {
+    if mode == WriteMode::Save {
+        let outcomes = session.write(drive, assignments, mode)?;
+        let same = vec![false; outcomes.len()];
+        return Ok((outcomes, same));
+    }
+    let mut outcomes = session.write(drive, assignments, WriteMode::DryRun)?;
+    let same = already_so(drive, &outcomes);
+    let new: Vec<Assignment> = assignments
+        .iter()
+        .zip(&same)
+        .filter(|(_, same)| !**same)
+        .map(|(assignment, _)| assignment.clone())
+        .collect();
+    if mode == WriteMode::Write && !new.is_empty() {
+        let mut written = session.write(drive, &new, mode)?.into_iter();
+        for (outcome, _) in outcomes.iter_mut().zip(&same).filter(|(_, same)| !**same) {
+            if let Some(written) = written.next() {
+                *outcome = written;
+            }
+        }
+    }
+    Ok((outcomes, same))
+}
+
+/// Column of the result of a write.
+const RESULT: usize = 6;
+
+/// Which settings have the value already and are left alone. What acts is carried out each time; so is everything behind
+/// something that is no plain setting, as that may change what follows it.
+fn already_so(drive: &drive_client::Drive, outcomes: &[ChangeOutcome]) -> Vec<bool> {
+    let mut plain = true;
+    let tables = drive.model.catalogue;
+    outcomes
+        .iter()
+        .map(|outcome| {
+            let selection = &outcome.change.selection;
+            let base = selection.parameter.and_then(|parameter| parameter.base);
+            let role = tables.map(|tables| tables.backup_rule_at(selection.pnu, base).role);
+            plain &= role == Some(Role::Setting);
+            plain && outcome.is_same()
+        })
+        .collect()
+}
+
+/// A value that the drive has now; a command leaves none behind.
+fn keeps(outcome: &ChangeOutcome) -> bool {
+    let command = outcome.change.selection.parameter;
+    let command = command.is_some_and(|parameter| parameter.size == Size::Command);
+    matches!(outcome.written, Some(Ok(()))) && !command && !outcome.acts
+}
+
+/// What becomes of the new values when the drive loses its power.
+const fn kept(saving: Saving, save: bool) -> &'static str {
+    match (saving, save) {
+        (Saving::Always, _) => "the drive keeps them over a power cycle: it saves every write",
+        (Saving::Request, true) => "the drive keeps them over a power cycle",
+        (Saving::Command, true) => "the drive was told to keep all its values over a power cycle",
+        (_, false) => "until the next power cycle; with --save the drive keeps them",
+    }
+}
+
+/// A number in hexadecimal is the one on the wire: what that is in the unit of the parameter.
+fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
+    let raw = assignment.quantity.raw()?;
+    let value = outcome.change.value;
+    (!value.unit.is_empty()).then(|| {
+        let label = outcome.change.selection.label();
+        format!(
+            "{label}: 0x{raw:04X} is the raw value, that is {} {}",
+            wanted(outcome),
+            value.unit
+        )
+    })
+}
+
+fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
+    let selection = &outcome.change.selection;
+    let old = match &outcome.old {
+        Some(Ok(reading)) => value::value(reading),
+        Some(Err(refusal)) => format!("({})", refusal.words()),
+        None => "-".into(),
+    };
+    let result = match (&outcome.written, &outcome.new) {
+        (None, _) => "would be written".into(),
+        (Some(Err(refusal)), _) => format!("refused: {}", refusal.words()),
+        (Some(Ok(())), None) => "executed".into(),
+        (Some(Ok(())), Some(_)) if outcome.acts => "executed".into(),
+        (Some(Ok(())), Some(Ok(_))) if !outcome.differs() => "written, read back".into(),
+        (Some(Ok(())), Some(Ok(back))) => format!("written, but reads back {}", value::full(back)),
+        (Some(Ok(())), Some(Err(refusal))) => format!("written, not readable: {}", refusal.words()),
+    };
+    [
+        selection
+            .parameter
+            .map_or_else(String::new, |parameter| parameter.name.to_owned()),
+        selection.shown(0).to_string(),
+        old,
+        "->".into(),
+        wanted(outcome),
+        outcome.change.value.unit.to_owned(),
+        result,
+    ]
+}
+
+/// The new value as the drive will show it: rounded to its own steps.
+fn wanted(outcome: &ChangeOutcome) -> String {
+    let value = outcome.change.value.engineering;
+    match outcome.change.selection.parameter {
+        Some(parameter) => {
+            let text = format!("{value:.*}", usize::from(parameter.decimals()));
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                text
+            }
+        }
+        None => number(value),
+    }
+}
+
+fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
+    let selection = &outcome.change.selection;
+    let mut fields = fields! {
+        "pnu": selection.pnu, "index": selection.shown(0).index,
+        "name": selection.parameter.map(|parameter| parameter.name),
+        "value": outcome.change.value.engineering, "raw": outcome.change.value.raw, "unit": outcome.change.value.unit,
+        "written": matches!(outcome.written, Some(Ok(()))), "differs": outcome.differs(),
+    };
+    if let Some(old) = &outcome.old {
+        fields.insert("old".into(), reading_json(old));
+    }
+    if let Some(new) = &outcome.new {
+        fields.insert("new".into(), reading_json(new));
+    }
+    if let Some(Err(refusal)) = &outcome.written {
+        fields.insert("error".into(), Value::Object(refusal_json(refusal)));
+    }
+    fields
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drive_client::parameter::Parameters;
+    use profidrive::catalogue::{AKD, Scaling};
+
+    #[test]
+    fn a_command_leaves_no_value_behind() {
+        let tables = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        for (text, left) in [("DRV.DIS=1", false), ("DRV.ACC=5000", true)] {
+            let assignment: Assignment = text.parse().unwrap();
+            let selection = tables.select(&assignment.reference).unwrap();
+            let value = tables.check(&selection, &assignment.quantity).unwrap();
+            let outcome = ChangeOutcome {
+                change: drive_client::PlannedChange { selection, value },
+                old: None,
+                written: Some(Ok(())),
+                new: None,
+                acts: false,
+            };
+            assert_eq!(keeps(&outcome), left, "{text}");
+        }
+    }
+}
