@@ -1,31 +1,21 @@
 //! Control of an axis as an object: while it exists the connection is open, when it goes the axis is stopped and
 //! released.
 
+mod open;
+mod rest;
+
 use std::time::Duration;
 
-use profidrive::state::{Mode, Zsw1};
-use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
-use profinet::cyclic::{CyclicStatistics, Timing};
+use profidrive::state::Mode;
+use profinet::controller::Misuse;
+use profinet::cyclic::CyclicStatistics;
 
 use super::Session;
 use super::enabled::Enabled;
 use super::keep::Kept;
-use super::prepare::Prepared;
-use crate::axis::{
-    AxisControl, Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Trouble,
-};
+use crate::axis::{Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose};
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error, Link, Wire};
-
-/// One unit of MinDeviceInterval and of the send clock.
-const TICK: Duration = Duration::from_nanos(31_250);
-/// How long a drive at a line that fell silent is told to stop.
-const CALL_AGAIN: Duration = Duration::from_secs(2);
-/// Shortest time a drive has for accepting a task.
-const ACCEPT: Duration = Duration::from_secs(2);
-
-/// The longest ramp that is waited for.
-const LONGEST_RAMP: Duration = Duration::from_secs(600);
 
 /// How to run an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,119 +143,6 @@ impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
             .field("link", &self.link)
             .finish_non_exhaustive()
     }
-}
-
-impl<M: Wire> Session<M> {
-    /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
-    /// moves: control is taken with the first goal.
-    ///
-    /// # Errors
-    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, or another
-    /// controller owns it.
-    pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
-        let device = drive
-            .model
-            .catalogue
-            .filter(|_| !drive.model.learned)
-            .map(|tables| tables.device)
-            .ok_or_else(|| Error::UnknownModel {
-                drive: drive.label(),
-                what: "the telegram module",
-                vendor_id: drive.station.vendor_id,
-                device_id: drive.station.device_id,
-            })?;
-        self.read_scaling(drive)?;
-        let Prepared {
-            mode,
-            wiring,
-            layout,
-            reported,
-            acceleration,
-            deceleration,
-        } = self.prepare(drive, &device, settings.purpose)?;
-        let kept = self.keep(drive, &wiring)?;
-        let least = TICK * u32::from(device.min_device_interval);
-        let cycle = match self.client.line_config() {
-            // the line goes as fast as it can
-            Some(line) => line.exchange(),
-            None => settings.cycle.unwrap_or(least),
-        };
-        let timing = match layout {
-            Some(_) => Some(Timing::for_interval(cycle).ok_or(Misuse::Range("cycle"))?),
-            None => None,
-        };
-        let cycle = timing.map_or(cycle, |timing| timing.interval());
-        let limits = Limits {
-            dwell: (cycle * 4).max(Duration::from_millis(8)),
-            stop: settings.stop,
-            standstill: standstill(drive),
-            accept: ACCEPT.max(cycle * 16),
-            // a bit of the AKD, which is the only model whose telegrams are known
-            task_active: Zsw1::TASK_ACTIVE,
-            ..Limits::default()
-        };
-        let telegram = wiring.telegram();
-        let control = AxisControl::in_mode(limits, mode);
-        let now = self.now();
-        // once it is attached the object below sees to the end of the connection
-        let link = match (layout.zip(timing), drive.slave) {
-            (Some((layout, timing)), _) => {
-                let mut config = ConnectConfig::new(layout.modules, timing);
-                config.watchdog_factor = settings.watchdog;
-                config.data_hold_factor = settings.watchdog;
-                config.resolve = if drive.station.name.is_empty() {
-                    Resolve::Trust
-                } else {
-                    Resolve::Check
-                };
-                let ar = self
-                    .client
-                    .controller()
-                    .connect(now, Target::of(&drive.station), config)?;
-                let (slot, subslot) = layout.place;
-                self.client.attach_axis(ar, slot, subslot, wiring, control);
-                Link::Relation(ar)
-            }
-            (None, Some(slave)) => {
-                self.client.attach_slave(slave, wiring, control);
-                Link::Slave(slave)
-            }
-            (None, None) => return Err(Misuse::UnknownConnection.into()),
-        };
-        let mut axis = Axis {
-            drive: drive.clone(),
-            link,
-            settings,
-            cycle,
-            telegram,
-            telegram_before: reported,
-            acceleration,
-            deceleration,
-            fastest: 0.0,
-            evidence: None,
-            kept,
-            target: None,
-            taken: now,
-            watcher: None,
-            told: false,
-            finished: false,
-            quick: false,
-            session: self,
-        };
-        let drive = axis.drive.clone();
-        axis.session.running(&drive, link)?;
-        if let Link::Relation(ar) = link {
-            axis.session.share(&drive, ar);
-        }
-        axis.taken = axis.session.now();
-        Ok(axis)
-    }
-}
-
-/// 5 rpm as NIST_A: below this the axis stands.
-fn standstill(drive: &Drive) -> u16 {
-    let raw = speed_raw(drive, 5.0).unwrap_or(14);
-    raw.unsigned_abs().max(1)
 }
 
 /// NSOLL_A in the steps of the drive.
@@ -539,120 +416,8 @@ impl<'s, M: Wire> Axis<'s, M> {
         }
     }
 
-    fn shut_down(&mut self) -> Result<(), Error> {
-        if self.finished {
-            return Ok(());
-        }
-        self.finished = true;
-        let stopping = std::mem::replace(&mut self.session.stopping, true);
-        if self.session.client.connection(self.link) == Connection::Silent {
-            self.call_again();
-        }
-        let running = self.session.client.connection(self.link) == Connection::Running;
-        let mut result = if running { self.bring_to_rest() } else { Ok(()) };
-        let released = self.session.release(self.link);
-        if result.is_ok() {
-            result = released;
-        }
-        if running && result.is_ok() {
-            result = self.session.give_back(&mut self.drive, &self.kept);
-        }
-        self.session.stopping = stopping;
-        result
-    }
-
-    /// A drive at a line that does not answer may still hear, and may run on if its time-out is not set: it is told to
-    /// stop for a while, and brought to rest once it answers.
-    fn call_again(&mut self) {
-        self.pursue(Goal::Stop);
-        let end = self.session.now() + CALL_AGAIN;
-        while self.session.now() < end && self.session.client.connection(self.link) == Connection::Silent {
-            if self.session.step(end).is_err() {
-                return;
-            }
-        }
-    }
-
-    fn bring_to_rest(&mut self) -> Result<(), Error> {
-        let control_taken = self
-            .status()
-            .is_some_and(|status| status.view.goal != Goal::Released);
-        let stopped = if control_taken { self.ramp_down() } else { Ok(()) };
-        self.pursue(Goal::Released);
-        // the drive must see the word without control before the connection ends
-        let end = self.session.now() + self.cycle * 4;
-        while self.session.now() < end && self.session.client.connection(self.link) == Connection::Running {
-            self.session.step(end)?;
-        }
-        stopped?;
-        if self.quick && !self.session.hurried {
-            return Err(Error::Axis {
-                drive: self.drive.label(),
-                trouble: Trouble::QuickStopUsed,
-            });
-        }
-        // the power stage is off by now: a load that hangs on the shaft shows
-        if control_taken && self.status().is_some_and(|status| status.view.turns) {
-            return Err(Error::Axis {
-                drive: self.drive.label(),
-                trouble: Trouble::StillTurns,
-            });
-        }
-        Ok(())
-    }
-
     /// What became of the connection.
     pub(super) fn connection(&self) -> Connection {
         self.session.client.connection(self.link)
-    }
-
-    /// As [`ramp_down`](Self::ramp_down), not to be interrupted.
-    pub(super) fn come_to_rest(&mut self) -> Result<(), Error> {
-        let stopping = std::mem::replace(&mut self.session.stopping, true);
-        let result = self.ramp_down();
-        self.session.stopping = stopping;
-        result
-    }
-
-    /// How long the drive needs for its ramp from the present speed, as far as that can be reckoned.
-    fn ramp_time(&self) -> Duration {
-        let told = self.status().and_then(|status| status.speed_actual);
-        let speed = told.map_or(self.fastest, f64::abs);
-        self.deceleration
-            .and_then(|ramp| Duration::try_from_secs_f64(speed / ramp).ok())
-            .map_or(Duration::ZERO, |time| time.min(LONGEST_RAMP))
-    }
-
-    /// OFF1, and whatever it takes until the pulses are off or the control gives up.
-    fn ramp_down(&mut self) -> Result<(), Error> {
-        let limit = self.settings.stop + self.ramp_time();
-        self.session.client.allow_stop(self.link, limit);
-        self.pursue(Goal::Stop);
-        loop {
-            // a quick stop that took over is waited for as well, and told with the release
-            self.quick |= self.status().is_some_and(|status| status.view.quick_stop);
-            match self.look() {
-                Ok(status) if status.view.at_rest => return Ok(()),
-                Ok(_) => {}
-                Err(Error::Axis {
-                    trouble: Trouble::QuickStopUsed,
-                    ..
-                }) if self.status().is_some_and(|status| !status.view.at_rest) => {}
-                Err(error) => return Err(error),
-            }
-            let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));
-            self.session.step(soon)?;
-        }
-    }
-}
-
-impl<M: Wire> Drop for Axis<'_, M> {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            // a watcher that panics once more would end the process before the axis stands
-            self.watcher = None;
-        }
-        // nobody is left to tell
-        let _ = self.shut_down();
     }
 }

@@ -1,103 +1,25 @@
-//! Reading and writing parameters: many in few requests, values checked first, read back after.
+//! Reading parameters: many in few requests; what writing them needs too.
+
+mod write;
 
 use std::ops::Range;
 
-use profidrive::catalogue::{Parameter, Phase, Role, Size};
+use profidrive::catalogue::Parameter;
 use profidrive::notation::Shown;
 use profidrive::parameter::{
-    Answer, Description, Dialect, ErrorNumber, Format, Keep, NewValue, ParameterAddress, RequestId, Response,
-    Saving, encode_change_as, encode_read, plan_changes, plan_reads, split_array,
+    Answer, Description, Dialect, ErrorNumber, Format, ParameterAddress, RequestId, Response, encode_read,
+    plan_reads, split_array,
 };
 
 use super::Session;
-use super::scaling::is_scaling;
-use crate::parameter::{
-    Assignment, CheckedValue, Content, Interpretation, ParameterProblem, Reading, Selection, halves, join,
-    split,
-};
-use crate::{Drive, Error, Model, Refusal, Wire};
+use crate::parameter::{Interpretation, Reading, Selection, join, split};
+use crate::{Drive, Error, Refusal, Wire};
 
-/// Transfer to non-volatile memory, of the profile.
-const SAVE: u16 = 971;
+pub use write::{ChangeOutcome, PlannedChange, WriteMode};
+pub(super) use write::{Outgoing, saver};
+
 /// Octets of the largest request any dialect allows.
 const MAX_REQUEST: usize = 1024;
-
-/// Write, or only check and show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WriteMode {
-    /// Nothing is sent but reads.
-    DryRun,
-    /// Values are written and read back.
-    Write,
-    /// The same, and the drive is told to keep them over a power cycle.
-    Save,
-}
-
-/// A change that was checked against the tables and compared with the present value.
-#[derive(Debug, Clone)]
-pub struct PlannedChange {
-    /// Where to.
-    pub selection: Selection,
-    /// What.
-    pub value: CheckedValue,
-}
-
-/// What became of a change.
-#[derive(Debug, Clone)]
-pub struct ChangeOutcome {
-    /// Where to and what.
-    pub change: PlannedChange,
-    /// The value before; `None` for a command, which has none.
-    pub old: Option<Result<Reading, Refusal>>,
-    /// How the write ended; `None` for a dry run.
-    pub written: Option<Result<(), Refusal>>,
-    /// The value read back; `None` for a command, a dry run or a refused write.
-    pub new: Option<Result<Reading, Refusal>>,
-    /// Writing it does something (MT.CLEAR, MT.MOVE): what it reads as afterwards says nothing about success.
-    pub acts: bool,
-}
-
-impl ChangeOutcome {
-    /// True when the drive had this value before.
-    #[must_use]
-    pub fn is_same(&self) -> bool {
-        let old = self.old.as_ref().and_then(|old| old.as_ref().ok());
-        !self.acts && old.and_then(Reading::raw) == Some(self.change.value.raw)
-    }
-
-    /// True when the value read back is another one than written; never for something that acts.
-    #[must_use]
-    pub fn differs(&self) -> bool {
-        if self.acts {
-            return false;
-        }
-        let Some(Ok(new)) = &self.new else { return false };
-        match new.content {
-            Content::Number { raw, .. } => raw != self.change.value.raw,
-            Content::Float(value) => (value - self.change.value.engineering).abs() > value.abs() * 1e-6,
-            Content::Text(_) | Content::Octets => true,
-        }
-    }
-}
-
-/// One value on its way to a drive.
-#[derive(Debug, Clone)]
-pub struct Outgoing {
-    pub selection: Selection,
-    pub format: Format,
-    /// Number of values; of octets for a string.
-    pub count: u8,
-    pub octets: Vec<u8>,
-}
-
-/// A piece of a new value: all of it, or one half of a 64-bit value.
-struct Part<'a> {
-    /// Which of the new values.
-    at: usize,
-    address: ParameterAddress,
-    octets: Vec<u8>,
-    value: &'a Outgoing,
-}
 
 /// One address of a read, and which selection it belongs to.
 #[derive(Debug, Clone, Copy)]
@@ -157,11 +79,7 @@ impl<M: Wire> Session<M> {
         let part = items.get(group).unwrap_or_default();
         let addresses: Vec<ParameterAddress> = part.iter().map(|item| item.address).collect();
         let dialect = drive.model.dialect;
-        let mut buffer = [0; MAX_REQUEST];
-        let reference = self.next_reference();
-        let length = encode_read(reference, dialect, &addresses, &mut buffer)
-            .map_err(|error| malformed(drive, &error))?;
-        let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        let (reference, answer) = self.request(drive, &addresses)?;
         let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
             .map_err(|error| malformed(drive, &error))?;
         for (item, answer) in part.iter().zip(response.answers()) {
@@ -221,6 +139,16 @@ impl<M: Wire> Session<M> {
         Ok(())
     }
 
+    /// One request for these addresses: the reference it had, and what came back.
+    fn request(&mut self, drive: &Drive, addresses: &[ParameterAddress]) -> Result<(u8, Vec<u8>), Error> {
+        let mut buffer = [0; MAX_REQUEST];
+        let reference = self.next_reference();
+        let length = encode_read(reference, drive.model.dialect, addresses, &mut buffer)
+            .map_err(|error| malformed(drive, &error))?;
+        let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        Ok((reference, answer))
+    }
+
     /// Reads one value that must be there.
     ///
     /// # Errors
@@ -243,208 +171,6 @@ impl<M: Wire> Session<M> {
         }
     }
 
-    /// Checks all assignments against the tables, reads the present values, and, unless it is a dry run, writes and
-    /// reads back. Nothing is written when one of them is wrong.
-    ///
-    /// # Errors
-    /// A wrong assignment, a unit or scaling while the power stage is on, or a drive that cannot be reached. A refused write is told in the outcome.
-    pub fn write(
-        &mut self,
-        drive: &mut Drive,
-        assignments: &[Assignment],
-        mode: WriteMode,
-    ) -> Result<Vec<ChangeOutcome>, Error> {
-        let dialect = drive.model.dialect;
-        let command = match (mode, dialect.saving) {
-            (WriteMode::Save, Saving::Command) => Some(save_command(drive)?),
-            _ => None,
-        };
-        let mut changes = Vec::new();
-        for assignment in assignments {
-            let selection = drive.parameters.select(&assignment.reference)?;
-            if needs_scaling(&selection) {
-                self.read_scaling(drive)?;
-            }
-            let value = drive.parameters.check(&selection, &assignment.quantity)?;
-            if changes.iter().any(|other: &PlannedChange| {
-                (other.selection.pnu, other.selection.first) == (selection.pnu, selection.first)
-            }) {
-                return Err(ParameterProblem::Twice {
-                    parameter: selection.label(),
-                }
-                .into());
-            }
-            changes.push(PlannedChange { selection, value });
-        }
-        let scales = |change: &PlannedChange| scales_setpoints(drive, &change.selection);
-        if mode != WriteMode::DryRun && changes.iter().any(scales) && self.is_enabled(drive)? == Some(true) {
-            return Err(Error::NotAtRest {
-                drive: drive.label(),
-                what: "the power stage is on and another scale would give its setpoints another meaning",
-            });
-        }
-        let readable: Vec<Selection> = changes
-            .iter()
-            .map(|change| change.selection)
-            .filter(|selection| !is_command(selection))
-            .collect();
-        let mut old = self.read(drive, &readable)?.into_iter();
-        let mut outcomes: Vec<ChangeOutcome> = changes
-            .into_iter()
-            .map(|change| {
-                let old = if is_command(&change.selection) {
-                    None
-                } else {
-                    old.next()
-                };
-                let pnu = change.selection.pnu;
-                let base = change.selection.parameter.and_then(|parameter| parameter.base);
-                let role = drive
-                    .model
-                    .catalogue
-                    .map(|tables| tables.backup_rule_at(pnu, base).role);
-                ChangeOutcome {
-                    change,
-                    old,
-                    written: None,
-                    new: None,
-                    acts: matches!(role, Some(Role::Action | Role::Save | Role::ClearFaults)),
-                }
-            })
-            .collect();
-        if mode == WriteMode::DryRun {
-            return Ok(outcomes);
-        }
-        let id = match mode {
-            WriteMode::Save => dialect.change_id(Keep::Permanent),
-            WriteMode::Write | WriteMode::DryRun => None,
-        };
-        self.write_outcomes(drive, &mut outcomes, id.unwrap_or(RequestId::Change))?;
-        let mut back: Vec<Selection> = Vec::new();
-        for outcome in &outcomes {
-            if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
-                back.push(outcome.change.selection);
-            }
-        }
-        // a change of a value that scales others counts from here on
-        let scales = |selection: &Selection| {
-            let known = selection.parameter.zip(drive.model.catalogue);
-            known.is_some_and(|(parameter, tables)| is_scaling(tables, parameter))
-        };
-        drive.scaled &= !back.iter().any(scales);
-        let mut new = self.read(drive, &back)?.into_iter();
-        for outcome in &mut outcomes {
-            if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
-                outcome.new = new.next();
-            }
-        }
-        // what was refused is not kept by halves
-        let done = outcomes
-            .iter()
-            .all(|outcome| matches!(outcome.written, Some(Ok(()))));
-        if let Some(mut command) = command.filter(|_| done) {
-            self.write_outcomes(drive, std::slice::from_mut(&mut command), RequestId::Change)?;
-            outcomes.push(command);
-        }
-        Ok(outcomes)
-    }
-
-    fn write_outcomes(
-        &mut self,
-        drive: &Drive,
-        outcomes: &mut [ChangeOutcome],
-        id: RequestId,
-    ) -> Result<(), Error> {
-        let mut encoded = Vec::new();
-        for outcome in outcomes.iter() {
-            let (format, octets) = encode(outcome, &drive.model)?;
-            encoded.push(Outgoing {
-                selection: outcome.change.selection,
-                format,
-                count: 1,
-                octets,
-            });
-        }
-        let sizes: Vec<usize> = encoded.iter().map(|value| value.octets.len()).collect();
-        for group in plan_changes(&sizes, drive.model.dialect) {
-            let answers = self.change_as(id, drive, encoded.get(group.clone()).unwrap_or_default())?;
-            for (at, answer) in group.zip(answers) {
-                if let Some(outcome) = outcomes.get_mut(at) {
-                    outcome.written = Some(answer);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Writes values with one request; they must fit into one ([`plan_changes`]). One answer for each.
-    pub(super) fn change(
-        &mut self,
-        drive: &Drive,
-        outgoing: &[Outgoing],
-    ) -> Result<Vec<Result<(), Refusal>>, Error> {
-        self.change_as(RequestId::Change, drive, outgoing)
-    }
-
-    fn change_as(
-        &mut self,
-        id: RequestId,
-        drive: &Drive,
-        outgoing: &[Outgoing],
-    ) -> Result<Vec<Result<(), Refusal>>, Error> {
-        let mut parts = Vec::new();
-        for (at, value) in outgoing.iter().enumerate() {
-            let pieces = halves(&value.selection, value.octets.clone());
-            parts.extend(pieces.into_iter().map(|(address, octets)| Part {
-                at,
-                address,
-                octets,
-                value,
-            }));
-        }
-        let mut answers = vec![Ok(()); outgoing.len()];
-        // The caller has seen to the size of the request; only values of two numbers make it longer.
-        let sizes: Vec<usize> = parts.iter().map(|part| part.octets.len()).collect();
-        for group in plan_changes(&sizes, drive.model.dialect) {
-            self.change_parts(id, drive, parts.get(group).unwrap_or_default(), &mut answers)?;
-        }
-        Ok(answers)
-    }
-
-    fn change_parts(
-        &mut self,
-        id: RequestId,
-        drive: &Drive,
-        parts: &[Part<'_>],
-        answers: &mut [Result<(), Refusal>],
-    ) -> Result<(), Error> {
-        let dialect = drive.model.dialect;
-        let values: Vec<NewValue<'_>> = parts
-            .iter()
-            .map(|part| NewValue {
-                address: part.address,
-                format: part.value.format,
-                count: part.value.count,
-                data: &part.octets,
-            })
-            .collect();
-        let addresses: Vec<ParameterAddress> = values.iter().map(|value| value.address).collect();
-        let mut buffer = [0; MAX_REQUEST];
-        let reference = self.next_reference();
-        let length = encode_change_as(id, reference, dialect, &values, &mut buffer)
-            .map_err(|error| malformed(drive, &error))?;
-        let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
-        let response = Response::parse(&answer, id, reference, &addresses, dialect)
-            .map_err(|error| malformed(drive, &error))?;
-        for (part, answer) in parts.iter().zip(response.answers()) {
-            if let (Answer::Error(error), Some(place)) = (answer, answers.get_mut(part.at)) {
-                let selection = &part.value.selection;
-                *place = Err(refusal(drive, selection, 0, true, error.number, error.info));
-            }
-        }
-        Ok(())
-    }
-
     /// Descriptions of parameters (attribute 0x20), `None` where the drive has none.
     pub(super) fn descriptions(
         &mut self,
@@ -460,11 +186,7 @@ impl<M: Wire> Session<M> {
         for group in plan_reads(&planned, dialect) {
             let part = planned.get(group).unwrap_or_default();
             let addresses: Vec<ParameterAddress> = part.iter().map(|(address, _)| *address).collect();
-            let mut buffer = [0; MAX_REQUEST];
-            let reference = self.next_reference();
-            let length = encode_read(reference, dialect, &addresses, &mut buffer)
-                .map_err(|error| malformed(drive, &error))?;
-            let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+            let (reference, answer) = self.request(drive, &addresses)?;
             let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
                 .map_err(|error| malformed(drive, &error))?;
             descriptions.extend(response.answers().map(|answer| match answer {
@@ -482,57 +204,10 @@ impl<M: Wire> Session<M> {
     }
 }
 
-/// The command that lets a drive keep its values, as a change; 1 executes it in every make.
-fn save_command(drive: &Drive) -> Result<ChangeOutcome, Error> {
-    let parameter = saver(drive)?;
-    let selection = Selection::of(parameter, drive.parameters.notation());
-    let value = CheckedValue {
-        raw: 1,
-        engineering: 1.0,
-        unit: "",
-    };
-    Ok(ChangeOutcome {
-        change: PlannedChange { selection, value },
-        old: None,
-        written: None,
-        new: None,
-        acts: true,
-    })
-}
-
-/// The parameter that saves all settings: the maker's, else that of the profile.
-pub(super) fn saver(drive: &Drive) -> Result<&'static Parameter, Error> {
-    let tables = drive.model.catalogue;
-    tables
-        .and_then(|tables| tables.with_role(Role::Save).or_else(|| tables.by_pnu(SAVE)))
-        .ok_or_else(|| Error::UnknownModel {
-            drive: drive.label(),
-            what: "how to save its parameters",
-            vendor_id: drive.station.vendor_id,
-            device_id: drive.station.device_id,
-        })
-}
-
 fn needs_scaling(selection: &Selection) -> bool {
     selection
         .parameter
         .is_some_and(|parameter| parameter.user_unit || !parameter.scale.is_fixed())
-}
-
-/// Units and scalings decide what setpoints mean, also those of an axis that runs.
-fn scales_setpoints(drive: &Drive, selection: &Selection) -> bool {
-    let (Some(tables), Some(parameter)) = (drive.model.catalogue, selection.parameter) else {
-        return false;
-    };
-    let rule = tables.backup_rule_at(parameter.pnu, parameter.base);
-    // the profile has numbers of its own for some of them
-    rule.phase == Phase::Scaling || (matches!(rule.role, Role::Alias { .. }) && is_scaling(tables, parameter))
-}
-
-fn is_command(selection: &Selection) -> bool {
-    selection
-        .parameter
-        .is_some_and(|parameter| parameter.size == Size::Command)
 }
 
 /// The addresses of one selection.
@@ -603,132 +278,5 @@ pub(crate) const fn format_of(parameter: &Parameter, dialect: &Dialect) -> Forma
         Format(parameter.size.format_code())
     } else {
         parameter.format.in_space(dialect.code_space)
-    }
-}
-
-/// Format and octets of a value: by the table, else as the drive sent the old one.
-fn encode(outcome: &ChangeOutcome, model: &Model) -> Result<(Format, Vec<u8>), Error> {
-    let CheckedValue { raw, engineering, .. } = outcome.change.value;
-    let (format, width) = match (outcome.change.selection.parameter, &outcome.old) {
-        // a description does not say in which format the drive takes the value
-        (Some(_), Some(Ok(old))) if model.learned => (Format(old.format), old.octets.len()),
-        (Some(parameter), _) => (format_of(parameter, model.dialect), parameter.octets()),
-        (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),
-        (None, Some(Err(refusal))) => {
-            return Err(Error::Refused {
-                drive: outcome.change.selection.label(),
-                refusal: *refusal,
-            });
-        }
-        (None, None) => (Format::WORD, 2),
-    };
-    if format == Format::FLOAT32 {
-        #[expect(clippy::cast_possible_truncation, reason = "the drive holds a single")]
-        let single = engineering as f32;
-        return Ok((format, single.to_be_bytes().to_vec()));
-    }
-    let bits = 8 * u32::try_from(width).unwrap_or(8);
-    let fits = width <= 8 && (bits >= 64 || (-(1_i64 << (bits - 1)) <= raw && raw < 1_i64 << bits));
-    if !fits || width == 0 {
-        let parameter = outcome.change.selection.label();
-        return Err(ParameterProblem::RawSize {
-            parameter,
-            raw: raw.cast_unsigned(),
-            octets: width,
-        }
-        .into());
-    }
-    let octets = raw.to_be_bytes();
-    Ok((
-        format,
-        octets.get(octets.len() - width..).unwrap_or_default().to_vec(),
-    ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::parameter::Parameters;
-    use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
-
-    fn akd() -> Model {
-        Model::by_name("akd").unwrap()
-    }
-
-    fn outcome(text: &str) -> ChangeOutcome {
-        outcome_of(&AKD, text)
-    }
-
-    fn outcome_of(catalogue: &'static Catalogue, text: &str) -> ChangeOutcome {
-        let tables = Parameters {
-            catalogue: Some(catalogue),
-            scaling: Scaling::default(),
-        };
-        let assignment: Assignment = text.parse().unwrap();
-        let selection = tables.select(&assignment.reference).unwrap();
-        let value = tables.check(&selection, &assignment.quantity).unwrap();
-        ChangeOutcome {
-            change: PlannedChange { selection, value },
-            old: None,
-            written: None,
-            new: None,
-            acts: false,
-        }
-    }
-
-    #[test]
-    fn values_travel_in_the_size_of_their_parameter() {
-        assert_eq!(
-            encode(&outcome("930=2"), &akd()).unwrap(),
-            (Format::WORD, vec![0, 2])
-        );
-        assert_eq!(
-            encode(&outcome("DRV.OPMODE=1"), &akd()).unwrap(),
-            (Format::BYTE, vec![1])
-        );
-        assert_eq!(
-            encode(&outcome("DRV.ACC=5000"), &akd()).unwrap(),
-            (Format::DOUBLE_WORD, vec![0, 0, 0, 0, 0, 0x4C, 0x4B, 0x40])
-        );
-        assert_eq!(encode(&outcome("1004=-1"), &akd()).unwrap().1.len(), 2);
-    }
-
-    #[test]
-    fn values_travel_in_the_formats_of_their_make() {
-        let vlt = |text: &str| encode(&outcome_of(&VLT, text), &Model::by_name("vlt").unwrap()).unwrap();
-        assert_eq!(vlt("3-41=5s"), (Format::UNSIGNED32, vec![0, 0, 0x01, 0xF4]));
-        assert_eq!(vlt("8-10=1"), (Format::UNSIGNED8, vec![1]));
-        assert_eq!(vlt("1-20=0.75kW"), (Format::UNSIGNED32, vec![0, 0, 0, 75]));
-        let vacon =
-            |text: &str| encode(&outcome_of(&VACON, text), &Model::by_name("vacon").unwrap()).unwrap();
-        assert_eq!(vacon("ID103=5s"), (Format::WORD, vec![0, 50]));
-        assert_eq!(vacon("102=50Hz"), (Format::WORD, vec![0x13, 0x88]));
-        let error = |text: &str| {
-            let tables = Parameters {
-                catalogue: Some(&VLT),
-                scaling: Scaling::default(),
-            };
-            let assignment: Assignment = text.parse().unwrap();
-            let selection = tables.select(&assignment.reference).unwrap();
-            tables
-                .check(&selection, &assignment.quantity)
-                .unwrap_err()
-                .to_string()
-        };
-        assert!(
-            error("15-40=1").contains("(15-40) is read-only"),
-            "{}",
-            error("15-40=1")
-        );
-        assert!(
-            error("3-41=5A").contains("unit of current"),
-            "{}",
-            error("3-41=5A")
-        );
-        assert!(
-            error("14-21=601s").contains("outside 0 to 600 s"),
-            "{}",
-            error("14-21=601s")
-        );
     }
 }

@@ -1,0 +1,178 @@
+//! What to do about an error.
+
+use profidrive::pkw::PkwErrorNames;
+use profidrive::state::Mode;
+use profinet::controller::{LostCause, ServiceError};
+use profinet::wire::PnioStatus;
+
+use super::Error;
+use crate::axis::{Objection, Trouble};
+
+impl Error {
+    /// What to do about it, where that can be said.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        Some(match self {
+            Self::NotFound { heard, .. } if heard.is_empty() => {
+                "check cable, interface and power; `profidrive scan` lists who answers".into()
+            }
+            Self::NotFound { .. } => "`profidrive scan` lists who answers".into(),
+            Self::Ambiguous { .. } => {
+                "use the MAC address; `profidrive blink MAC` shows which is which, `profidrive name MAC NAME` renames one"
+                    .into()
+            }
+            Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
+            Self::OwnedByController { .. } => {
+                "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
+            }
+            Self::Connect {
+                cause: LostCause::Service(ServiceError::Refused { status, .. }),
+                ..
+            } if faulty_timing(*status) => {
+                "the drive does not offer this update time; without --cycle the fastest it is known for is used".into()
+            }
+            Self::Refused { refusal, .. } => refusal.remedy()?.into(),
+            Self::Parameter(problem) => problem.hint()?,
+            Self::Axis { trouble, .. } => match trouble {
+                Trouble::Fault => "`profidrive faults DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",
+                Trouble::FaultStays => "remove the cause, then acknowledge again",
+                Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
+                Trouble::StuckIn { .. } => {
+                    "check enable inputs, STO and DC bus: `profidrive read DRIVE DRV.DISSOURCES`"
+                }
+                Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
+                Trouble::StillTurns => "keep clear of it; apply a brake (MOTOR.BRAKE) or take the load away",
+                Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
+                Trouble::NoInputs => "the telegram module is not usable in this drive: `profidrive info DRIVE`",
+                Trouble::OtherMode { .. } => "`profidrive read DRIVE p930` shows the mode",
+                Trouble::NotAccepted { homed: false } => "`profidrive home DRIVE` sets the home position",
+                Trouble::NotAccepted { homed: true } | Trouble::AcceptanceStays | Trouble::TargetNotReached => {
+                    "`profidrive status DRIVE` tells why: faults, warnings, limits, the task itself"
+                }
+                Trouble::HomingNotStarted | Trouble::HomingFailed => {
+                    "check HOME.MODE, HOME.V and the switches: `profidrive list DRIVE --filter HOME. --values`"
+                }
+            }
+            .into(),
+            Self::Record {
+                error: ServiceError::NotReady { .. },
+                ..
+            } => "the drive is there, but its parameter channel does not answer: another tool may hold it, or it is busy; try again"
+                .into(),
+            Self::Changing { .. } => "read it again; faults that come and go have a cause that comes and goes".into(),
+            Self::NotAtRest { .. } => {
+                "switch it off first (OFF1, or stop its controller); `profidrive status DRIVE` says why it is on".into()
+            }
+            Self::WrongMode { drive, needed, .. } => {
+                let number = match needed {
+                    Mode::Velocity => 1,
+                    Mode::Position => 2,
+                };
+                format!("`profidrive write {drive} 930={number}` changes it, --set-mode does for this one command")
+            }
+            Self::ForeignModule { drive, wanted, .. } => {
+                format!("`profidrive write {drive} 922={wanted}` selects it where the drive allows that")
+            }
+            Self::LocalOperation { drive, .. } => format!(
+                "switch it off there (service channel: `profidrive stop {drive} --disable`) and hand control over to the field bus"
+            ),
+            Self::SpeedLost { .. } => {
+                "something else stopped or limits it (`profidrive stop`, VL.LIMITP, a limit switch) or the load holds it".into()
+            }
+            Self::ScaleChanged { .. } => {
+                "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
+            }
+            Self::SpeedStep { .. } => "ask for a higher speed, or make the steps finer (PN.VELSCALING)".into(),
+            Self::SpeedNotReached { .. } => {
+                "the ramp (DRV.ACC), a limit of the drive (VL.LIMITP, VL.LIMITN, IL.LIMITP) or the load holds it".into()
+            }
+            Self::Held { error, evidence } => evidence.hint().map_or_else(|| error.hint(), |hint| Some(hint.into()))?,
+            Self::NotEnabled { .. } => "enable it again".into(),
+            Self::Objections { objections, .. } => hints(objections)?,
+            Self::NotInTime { .. } => "--timeout gives it more time; `profidrive status DRIVE` tells what holds it".into(),
+            Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),
+            Self::NoAnswer { telegrams, noise, .. } => match (telegrams, noise) {
+                (0, 0) => "check that the drive is on, its address and protocol (VLT: 8-30, 8-31), A and B of the wire",
+                (_, 0) => "check the address of the drive (VLT: 8-31)",
+                _ => "check baud rate and parity (VLT: 8-32, 8-33), and the termination of the line",
+            }
+            .into(),
+            Self::LineSilent { .. } => {
+                "check line and adapter; the drive stops by itself only where its time-out is set to that (VLT: 8-03, 8-04)"
+                    .into()
+            }
+            Self::Channel { error, .. } => error.remedy(PkwErrorNames::Profile).into(),
+            Self::OtherWire { .. } => {
+                "fc:PORT/ADDRESS and uss:PORT/ADDRESS are at a serial line, all others on a network".into()
+            }
+            Self::ConnectionLost { .. } => {
+                "the drive stops by itself (AKD: F702); `profidrive ack DRIVE` once it is reachable again".into()
+            }
+            _ => return None,
+        })
+    }
+}
+
+/// What to do about each of them; the same advice once.
+fn hints(objections: &[Objection]) -> Option<String> {
+    let mut hints: Vec<&str> = Vec::new();
+    for hint in objections.iter().map(Objection::hint) {
+        if !hints.contains(&hint) {
+            hints.push(hint);
+        }
+    }
+    (!hints.is_empty()).then(|| hints.join("; "))
+}
+
+/// Faulty IOCRBlockReq: send clock, reduction ratio.
+const fn faulty_timing(status: PnioStatus) -> bool {
+    status.code1 == 2 && matches!(status.code2, 10 | 11)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn each_objection_to_a_move_has_its_own_advice() {
+        let limit = |upper| Objection::SoftwareLimit {
+            target: 10.0,
+            limit: 9.5,
+            upper,
+        };
+        let error = Error::Objections {
+            drive: "akd-1".into(),
+            objections: vec![Objection::NotHomed, limit(true), limit(false)],
+        };
+        let hint = error.hint().unwrap();
+        assert!(
+            hint.starts_with("`profidrive home DRIVE` sets the home position; `profidrive read"),
+            "{hint}"
+        );
+        assert_eq!(hint.matches("SWLS.LIMIT1").count(), 1, "{hint}");
+    }
+
+    #[test]
+    fn a_channel_that_is_never_ready_is_told_once() {
+        let error = Error::Record {
+            drive: "akd-1".into(),
+            what: "parameter access".into(),
+            error: ServiceError::NotReady {
+                limit: Duration::from_secs(10),
+                status: PnioStatus {
+                    code: 0xDE,
+                    decode: 0x80,
+                    code1: 0xB5,
+                    code2: 0,
+                },
+            },
+        };
+        let told = error.to_string();
+        assert!(
+            told.starts_with("akd-1: parameter access: not ready within 10000 ms"),
+            "{told}"
+        );
+        assert!(error.hint().is_some_and(|hint| hint.contains("try again")));
+    }
+}

@@ -1,0 +1,130 @@
+//! The way to an axis: telegram, connection, control.
+
+use std::time::Duration;
+
+use profidrive::state::Zsw1;
+use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
+use profinet::cyclic::Timing;
+
+use super::{Axis, AxisSettings, Session, speed_raw};
+use crate::axis::{AxisControl, Limits};
+use crate::session::prepare::Prepared;
+use crate::{Drive, Error, Link, Wire};
+
+/// One unit of MinDeviceInterval and of the send clock.
+const TICK: Duration = Duration::from_nanos(31_250);
+/// Shortest time a drive has for accepting a task.
+const ACCEPT: Duration = Duration::from_secs(2);
+
+impl<M: Wire> Session<M> {
+    /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
+    /// moves: control is taken with the first goal.
+    ///
+    /// # Errors
+    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, or another
+    /// controller owns it.
+    pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
+        let device = drive
+            .model
+            .catalogue
+            .filter(|_| !drive.model.learned)
+            .map(|tables| tables.device)
+            .ok_or_else(|| Error::UnknownModel {
+                drive: drive.label(),
+                what: "the telegram module",
+                vendor_id: drive.station.vendor_id,
+                device_id: drive.station.device_id,
+            })?;
+        self.read_scaling(drive)?;
+        let Prepared {
+            mode,
+            wiring,
+            layout,
+            reported,
+            acceleration,
+            deceleration,
+        } = self.prepare(drive, &device, settings.purpose)?;
+        let kept = self.keep(drive, &wiring)?;
+        let least = TICK * u32::from(device.min_device_interval);
+        let cycle = match self.client.line_config() {
+            // the line goes as fast as it can
+            Some(line) => line.exchange(),
+            None => settings.cycle.unwrap_or(least),
+        };
+        let timing = match layout {
+            Some(_) => Some(Timing::for_interval(cycle).ok_or(Misuse::Range("cycle"))?),
+            None => None,
+        };
+        let cycle = timing.map_or(cycle, |timing| timing.interval());
+        let limits = Limits {
+            dwell: (cycle * 4).max(Duration::from_millis(8)),
+            stop: settings.stop,
+            standstill: standstill(drive),
+            accept: ACCEPT.max(cycle * 16),
+            // a bit of the AKD, which is the only model whose telegrams are known
+            task_active: Zsw1::TASK_ACTIVE,
+            ..Limits::default()
+        };
+        let telegram = wiring.telegram();
+        let control = AxisControl::in_mode(limits, mode);
+        let now = self.now();
+        // once it is attached the object below sees to the end of the connection
+        let link = match (layout.zip(timing), drive.slave) {
+            (Some((layout, timing)), _) => {
+                let mut config = ConnectConfig::new(layout.modules, timing);
+                config.watchdog_factor = settings.watchdog;
+                config.data_hold_factor = settings.watchdog;
+                config.resolve = if drive.station.name.is_empty() {
+                    Resolve::Trust
+                } else {
+                    Resolve::Check
+                };
+                let ar = self
+                    .client
+                    .controller()
+                    .connect(now, Target::of(&drive.station), config)?;
+                let (slot, subslot) = layout.place;
+                self.client.attach_axis(ar, slot, subslot, wiring, control);
+                Link::Relation(ar)
+            }
+            (None, Some(slave)) => {
+                self.client.attach_slave(slave, wiring, control);
+                Link::Slave(slave)
+            }
+            (None, None) => return Err(Misuse::UnknownConnection.into()),
+        };
+        let mut axis = Axis {
+            drive: drive.clone(),
+            link,
+            settings,
+            cycle,
+            telegram,
+            telegram_before: reported,
+            acceleration,
+            deceleration,
+            fastest: 0.0,
+            evidence: None,
+            kept,
+            target: None,
+            taken: now,
+            watcher: None,
+            told: false,
+            finished: false,
+            quick: false,
+            session: self,
+        };
+        let drive = axis.drive.clone();
+        axis.session.running(&drive, link)?;
+        if let Link::Relation(ar) = link {
+            axis.session.share(&drive, ar);
+        }
+        axis.taken = axis.session.now();
+        Ok(axis)
+    }
+}
+
+/// 5 rpm as NIST_A: below this the axis stands.
+fn standstill(drive: &Drive) -> u16 {
+    let raw = speed_raw(drive, 5.0).unwrap_or(14);
+    raw.unsigned_abs().max(1)
+}
