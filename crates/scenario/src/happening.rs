@@ -250,6 +250,8 @@ fn undo(injection: Injection) -> Option<Injection> {
         I::PowerTemperature(_) => I::PowerTemperature(None),
         I::HardwareDisable(on) => I::HardwareDisable(!on),
         I::ControlledStop(on) => I::ControlledStop(!on),
+        I::Local(on) => I::Local(!on),
+        I::LocalSpeed(_) => I::Local(false),
         _ => return None,
     })
 }

@@ -50,6 +50,8 @@ pub(super) struct Inverter {
     tuning: InverterTuning,
     /// Words of the maker's own telegrams.
     pub own_words: Profile,
+    /// The control word of the bus has no effect.
+    pub not_by_bus: bool,
     pub thermal_warning: bool,
     pub thermal_trip: bool,
     /// Low and high limits of current, A, and speed, rpm, outside of which the extended status word says so.
@@ -154,6 +156,7 @@ impl Inverter {
         let (protection, warning, trip) = roles.thermal;
         let protection = (protection != 0).then(|| read.raw(protection));
         let [currents, speeds] = roles.watched;
+        let (site, kept_off) = roles.panel.not_by_bus;
         let own = model.process.words;
         let chosen = own.chosen.and_then(|(number, rows)| {
             let value = read.raw(number);
@@ -194,6 +197,7 @@ impl Inverter {
                 ..InverterTuning::default()
             },
             own_words: chosen.map_or(own.own, |(_, profile)| *profile),
+            not_by_bus: site != 0 && read.raw(site) == kept_off,
             thermal_warning: protection == Some(warning),
             thermal_trip: protection == Some(trip),
             watched: [

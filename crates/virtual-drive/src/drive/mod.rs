@@ -7,6 +7,7 @@ mod inverter;
 mod memory;
 mod motion;
 mod outside;
+mod panel;
 mod parameters;
 mod position;
 mod reading;
@@ -451,6 +452,8 @@ mod fault_tests;
 mod makers_tests;
 #[cfg(test)]
 mod memory_tests;
+#[cfg(test)]
+mod panel_tests;
 #[cfg(test)]
 mod table_tests;
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! From the state machine to what the power stage does, and back into the status word.
 
-use profidrive::state::{Inputs, Motion, Profile, State, Stw1, Zsw1};
+use profidrive::state::{Inputs, Motion, Orders, Profile, State, Stw1, Zsw1};
 
 use super::velocity::on_ramp;
 use super::{Drive, Event, Mode, Service};
@@ -48,7 +48,9 @@ impl Drive {
             }
         }
         let output = profile.step(&mut self.machine, &inputs);
-        if output.accepted && self.is_running() {
+        if self.is_local() {
+            self.orders = Orders::default();
+        } else if output.accepted && self.is_running() {
             self.orders = orders;
         }
         if output.acknowledged {
@@ -69,7 +71,7 @@ impl Drive {
         output.zsw1.0
     }
 
-    /// The control word of the service channel, which knows no OFF: run.
+    /// The control word of the service channel, which knows no OFF: run. Else that of the panel.
     fn local_word(&mut self) -> Option<Stw1> {
         if self.service == Service::Starting {
             self.service = Service::On;
@@ -79,7 +81,9 @@ impl Drive {
                 ..Inputs::default()
             });
         }
-        (self.service == Service::On).then_some(Stw1::RUN)
+        (self.service == Service::On)
+            .then_some(Stw1::RUN)
+            .or_else(|| self.panel_word())
     }
 
     /// Moves the axis on by `seconds`; in position mode in steps in which it can be redirected.
@@ -129,7 +133,8 @@ impl Drive {
                 }),
             ),
             Motion::FollowSetpoint if self.service == Service::Off => {
-                let command = self.velocity_operation();
+                let panel = self.panel_command();
+                let command = panel.unwrap_or_else(|| self.velocity_operation());
                 self.kept_off_switches(command)
             }
             Motion::FollowSetpoint => match settings.mode {

@@ -1,9 +1,10 @@
 //! What happens to the drive from outside, and what its inputs tell of it.
 
+use super::panel::Panel;
 use super::{Drive, Injection, RESTLESS};
 
 /// Inputs of the drive that are not the axis's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Outside {
     /// The enable input is taken away.
     pub hardware_disable: bool,
@@ -11,6 +12,8 @@ pub(super) struct Outside {
     pub controlled_stop: bool,
     /// The holding brake is applied or released whatever the drive wants.
     pub brake: Option<bool>,
+    /// Local operation.
+    pub panel: Panel,
 }
 
 /// Bits of DRV.DISSOURCES. Source: AKD Parameter Guide 12/2009.
@@ -42,6 +45,8 @@ impl Drive {
             Injection::PowerTemperature(temperature) => axis.set_power_stage_temperature(temperature),
             Injection::HardwareDisable(active) => self.outside.hardware_disable = active,
             Injection::ControlledStop(active) => self.outside.controlled_stop = active,
+            Injection::Local(on) => self.press_local(on),
+            Injection::LocalSpeed(speed) => self.press_speed(speed),
         }
         self.hold_brake();
         self.supervise();

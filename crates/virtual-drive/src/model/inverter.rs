@@ -51,6 +51,8 @@ pub struct InverterRoles {
     pub flying_start: u16,
     /// Calculated motor protection: the parameter with its values for a warning and for a trip.
     pub thermal: (u16, i64, i64),
+    /// Local operation.
+    pub panel: PanelRoles,
     /// Currents and speeds outside of which the extended status word says so: low and high, A and rpm.
     pub watched: [[u16; 2]; 2],
 }
@@ -72,6 +74,15 @@ pub struct PlateRoles {
     pub poles: u16,
     /// Magnetising current, A; 0: half the nominal one.
     pub magnetising: u16,
+}
+
+/// Numbers of the parameters of local operation.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct PanelRoles {
+    /// Not 0: the key for running by hand, the one for off and the one for the bus work. 0: they always do.
+    pub keys: [u16; 3],
+    /// A parameter, and the value with which the control word of the bus has no effect.
+    pub not_by_bus: (u16, i64),
 }
 
 /// What a ramp time is the time to, from standstill.

@@ -12,7 +12,7 @@ use profidrive::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, InverterRoles, Lost, Model, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire, Words,
+    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire, Words,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -106,6 +106,10 @@ const INVERTER: InverterRoles = InverterRoles {
     slip: [0, 0],
     flying_start: 505,
     thermal: (704, 1, 2),
+    panel: PanelRoles {
+        keys: [0; 3],
+        not_by_bus: (172, 0),
+    },
     watched: [[0, 0], [0, 0]],
 };
 

@@ -14,7 +14,7 @@ use profidrive::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Action, Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, InverterRoles, Lost, Model, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire, Words,
+    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire, Words,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -109,6 +109,10 @@ const INVERTER: InverterRoles = InverterRoles {
     slip: [162, 163],
     flying_start: 173,
     thermal: (190, 3, 4),
+    panel: PanelRoles {
+        keys: [40, 41, 42],
+        not_by_bus: (801, 1),
+    },
     watched: [[450, 451], [452, 453]],
 };
 

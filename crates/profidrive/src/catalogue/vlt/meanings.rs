@@ -372,10 +372,28 @@ pub static P4_CHOICES: &[Meaning] = &[
 ];
 
 #[rustfmt::skip]
+pub static P40_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Disabled" },
+    Meaning { value: 1, text: "Enabled" },
+];
+
+#[rustfmt::skip]
+pub static P41_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Disabled" },
+    Meaning { value: 1, text: "Enabled" },
+];
+
+#[rustfmt::skip]
 pub static P410_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "Clockwise" },
     Meaning { value: 1, text: "Counter clockwise" },
     Meaning { value: 2, text: "Both directions" },
+];
+
+#[rustfmt::skip]
+pub static P42_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Disabled" },
+    Meaning { value: 1, text: "Enabled" },
 ];
 
 #[rustfmt::skip]
@@ -386,6 +404,12 @@ pub static P420_CHOICES: &[Meaning] = &[
 #[rustfmt::skip]
 pub static P421_CHOICES: &[Meaning] = &[
     Meaning { value: 0, text: "No function" },
+];
+
+#[rustfmt::skip]
+pub static P43_CHOICES: &[Meaning] = &[
+    Meaning { value: 0, text: "Disabled" },
+    Meaning { value: 1, text: "Enabled" },
 ];
 
 #[rustfmt::skip]

@@ -1,0 +1,92 @@
+//! Local operation: the panel, or a setting, takes the drive from the bus and gives it back.
+//!
+//! While it has the drive, bit 9 of the status word is 0 and the control word of the bus is without effect. Source: profile,
+//! ZSW1 bit 9; FC 300 programming guide 0-40 to 0-42 and 8-01, Vacon application manuals ID 172, from memory. That
+//! a panel starts again by itself after its fault was acknowledged is ours.
+
+use profidrive::state::{State, Stw1};
+
+use super::{Drive, Mode, Service};
+use crate::axis::Command;
+use crate::drive::velocity::on_ramp;
+
+/// What the panel does.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Panel {
+    /// It has the drive.
+    has: bool,
+    /// Speed at which it runs the motor, rpm.
+    speed: Option<f64>,
+}
+
+/// A key of the panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Key {
+    /// Takes the drive and runs it.
+    Hand,
+    /// Takes the drive and stops it.
+    Off,
+    /// Gives it back.
+    Auto,
+}
+
+impl Drive {
+    /// The panel takes the drive and stops it, or gives it back.
+    pub(super) fn press_local(&mut self, on: bool) {
+        if self.key_works(if on { Key::Off } else { Key::Auto }) {
+            self.outside.panel = Panel { has: on, speed: None };
+        }
+    }
+
+    /// The panel takes the drive and runs it at a speed; without one it stops it.
+    pub(super) fn press_speed(&mut self, speed: Option<f64>) {
+        match speed {
+            Some(_) if self.key_works(Key::Hand) => self.outside.panel = Panel { has: true, speed },
+            None if self.outside.panel.has && self.key_works(Key::Off) => self.outside.panel.speed = None,
+            _ => {}
+        }
+    }
+
+    /// Keys can be switched off by parameters.
+    fn key_works(&self, key: Key) -> bool {
+        let Some(roles) = self.model.roles.inverter else {
+            return true;
+        };
+        let [hand, off, auto] = roles.panel.keys;
+        let parameter = match key {
+            Key::Hand => hand,
+            Key::Off => off,
+            Key::Auto => auto,
+        };
+        parameter == 0 || self.values.get(parameter) != 0
+    }
+
+    /// The panel has the drive, or a setting keeps the bus off it.
+    pub(super) fn is_local(&self) -> bool {
+        let inverter = self.settings.inverter.as_ref();
+        self.outside.panel.has || inverter.is_some_and(|inverter| inverter.not_by_bus)
+    }
+
+    /// Speed at which the panel runs the motor, rpm.
+    fn panel_speed(&self) -> Option<f64> {
+        let speed = self.outside.panel.speed;
+        speed.filter(|_| self.outside.panel.has && self.settings.mode == Mode::Speed)
+    }
+
+    /// The control word of local operation, if anything but the bus has the drive. The service channel knows no OFF; a panel
+    /// gives OFF first where the machine asks for it.
+    pub(super) fn panel_word(&self) -> Option<Stw1> {
+        let stopped = self.panel_speed().is_none() || self.state() == State::S1;
+        self.is_local()
+            .then_some(if stopped { Stw1::READY } else { Stw1::RUN })
+    }
+
+    /// What the panel has the axis do in S4, if it has it.
+    pub(super) fn panel_command(&mut self) -> Option<Command> {
+        if self.service != Service::Off || !self.is_local() {
+            return None;
+        }
+        self.target = self.panel_speed().unwrap_or(0.0);
+        Some(on_ramp(self.target, self.settings.ramps))
+    }
+}
