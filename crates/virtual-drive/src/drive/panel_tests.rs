@@ -24,11 +24,18 @@ fn the_panel_stops_a_running_drive_and_the_bus_is_without_effect() {
         let mut bench = Bench::new(model, telegram);
         bench.send(0x047E, 0, 40);
         let status = bench.send(0x047F, speed, 6000);
-        assert_eq!((bench.drive.state(), status & BIT_9), (State::S4, BIT_9), "{name}");
+        assert_eq!(
+            (bench.drive.state(), status & BIT_9),
+            (State::S4, BIT_9),
+            "{name}"
+        );
         inject(&mut bench, "local=on");
         assert_eq!(bench.send(0x047F, speed, 8) & BIT_9, 0, "{name}");
         bench.send(0x047F, speed, 8000);
-        assert!(!bench.drive.is_enabled() && bench.drive.axis().is_at_rest(), "{name}");
+        assert!(
+            !bench.drive.is_enabled() && bench.drive.axis().is_at_rest(),
+            "{name}"
+        );
         for word in [0x047E, 0x047F, 0x04FF, 0x047F] {
             let status = bench.send(word, speed, 40);
             assert_eq!((bench.drive.is_enabled(), status & BIT_9), (false, 0), "{name}");
@@ -36,7 +43,11 @@ fn the_panel_stops_a_running_drive_and_the_bus_is_without_effect() {
         // back on the bus: the ON that stands there does not start, OFF and ON do
         inject(&mut bench, "local=off");
         let status = bench.send(0x047F, speed, 40);
-        assert_eq!((bench.drive.is_enabled(), status & BIT_9), (false, BIT_9), "{name}");
+        assert_eq!(
+            (bench.drive.is_enabled(), status & BIT_9),
+            (false, BIT_9),
+            "{name}"
+        );
         bench.send(0x047E, 0, 40);
         bench.send(0x047F, speed, 40);
         assert_eq!(bench.drive.state(), State::S4, "{name}");

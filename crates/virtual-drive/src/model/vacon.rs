@@ -12,7 +12,8 @@ use profidrive::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire, Words,
+    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire,
+    Words,
 };
 use crate::axis::{Induction, Motor, Plant};
 

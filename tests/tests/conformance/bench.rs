@@ -1,0 +1,346 @@
+//! One virtual drive of each make and our controller, with raw requests and frames.
+
+use std::net::Ipv4Addr;
+use std::time::Duration;
+
+use network::host::{Host, StationId};
+use network::segment::{Pace, Segment, SegmentMedium};
+use profidrive::catalogue::Device;
+use profinet::controller::{
+    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve,
+    ServiceError, SubmoduleConfig, Target,
+};
+use profinet::cyclic::Timing;
+use profinet::device::Stored;
+use profinet::{IpSuite, MacAddress, Medium};
+use virtual_drive::drive::Injection;
+use virtual_drive::model::{self, Model};
+use virtual_drive::station::{Station, StationConfig};
+
+/// Who a line is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Maker {
+    Akd,
+    Vlt,
+    Vacon,
+}
+
+/// What differs between the makes in the stimuli.
+pub struct Make {
+    pub maker: Maker,
+    pub model: &'static Model,
+    /// Axis number of a request.
+    pub axis: u8,
+    /// Both records of the parameter channel.
+    pub records: [u16; 2],
+    /// Address of a parameter that can be written: PNU and subindex.
+    pub writable: [u8; 4],
+    /// A value block for it.
+    pub block: &'static [u8],
+    /// A fault to inject.
+    pub fault: u16,
+}
+
+pub static AKD: Make = Make {
+    maker: Maker::Akd,
+    model: &model::AKD,
+    axis: 0,
+    records: [0xB02F, 47],
+    // 930, speed mode
+    writable: [0x03, 0xA2, 0, 0],
+    block: &[0x42, 1, 0, 1],
+    fault: 301,
+};
+pub static VLT: Make = Make {
+    maker: Maker::Vlt,
+    model: &model::VLT,
+    axis: 0,
+    records: [0xB02E, 0xB02F],
+    // 3-41, Unsigned32 (7 in the older numbers), 2.00 s
+    writable: [0x01, 0x55, 0, 0],
+    block: &[7, 1, 0, 0, 0, 200],
+    // inverter overloaded: a trip that a reset ends, no trip lock
+    fault: 9,
+};
+pub static VACON: Make = Make {
+    maker: Maker::Vacon,
+    model: &model::VACON,
+    axis: 1,
+    records: [0xB02E, 0xB02F],
+    // ID 103, 2.0 s
+    writable: [0x27, 0x11, 0, 103],
+    block: &[0x42, 1, 0, 20],
+    fault: 1,
+};
+
+/// One drive and one controller on a segment.
+pub struct Bench {
+    pub make: &'static Make,
+    pub medium: SegmentMedium,
+    controller: Controller,
+    ar: ArId,
+    station: StationId,
+}
+
+impl Bench {
+    /// Connected with telegram 1.
+    pub fn new(make: &'static Make) -> Self {
+        Self::sending(make, 1, &[0x04, 0x7E, 0, 0])
+    }
+
+    /// Connected with this telegram; the controller sends these outputs from its first frame on.
+    pub fn sending(make: &'static Make, telegram: u16, outputs: &[u8]) -> Self {
+        let ip = |last| IpSuite {
+            address: Ipv4Addr::new(10, 0, 0, last),
+            mask: Ipv4Addr::new(255, 255, 255, 0),
+            gateway: Ipv4Addr::UNSPECIFIED,
+        };
+        let device = &make.model.catalogue.device;
+        let mut segment = Segment::new(1);
+        let drive_mac = MacAddress([2, 0x50, 0x4E, 0, 0, 1]);
+        let mut config = StationConfig::new(make.model, drive_mac);
+        config.network = Stored {
+            name: "drive-1".into(),
+            ip: ip(2),
+            ..Stored::default()
+        };
+        let station = segment.attach(Box::new(Host::new(Station::new(config))));
+        let medium = SegmentMedium::new(segment, Pace::Virtual);
+        let config = ControllerConfig::new(MacAddress([2, 0x50, 0x4E, 0, 0, 0xC0]), ip(1), "controller", 1);
+        let mut controller = Controller::new(config);
+        let target = Target {
+            name: "drive-1".into(),
+            mac: Some(drive_mac),
+            ip: ip(2),
+            vendor_id: device.vendor_id,
+            device_id: device.device_id,
+            instance: 1,
+        };
+        let timing = Timing::for_interval(Duration::from_millis(16)).unwrap();
+        let mut config = ConnectConfig::new(modules(device, telegram), timing);
+        config.resolve = Resolve::Trust;
+        let ar = controller.connect(medium.now(), target, config).unwrap();
+        let mut bench = Self {
+            make,
+            medium,
+            controller,
+            ar,
+            station,
+        };
+        let (mut ready, mut running) = (false, false);
+        bench.until(Duration::from_secs(5), |bench, event| {
+            match event {
+                Some(Event::Connected { .. }) => bench.output(outputs),
+                Some(Event::Ready { diff, .. }) => {
+                    assert!(diff.is_none_or(|diff| {
+                        diff.modules
+                            .iter()
+                            .all(|module| module.submodules.iter().all(|submodule| submodule.ident != 0))
+                    }));
+                    ready = true;
+                }
+                Some(Event::Running { .. }) => running = true,
+                Some(Event::Lost { cause, .. }) => panic!("{cause}"),
+                _ => {}
+            }
+            ready && running
+        });
+        bench
+    }
+
+    pub fn output(&mut self, outputs: &[u8]) {
+        let subslot = self.make.model.catalogue.device.layout.telegram;
+        self.controller.set_output(self.ar, 1, subslot, outputs).unwrap();
+    }
+
+    fn until(&mut self, limit: Duration, mut done: impl FnMut(&mut Self, Option<Event>) -> bool) {
+        let end = self.medium.now() + limit;
+        loop {
+            assert!(self.medium.now() < end, "not within {limit:?}");
+            self.medium.step(&mut self.controller, end).unwrap();
+            while let Some(event) = self.controller.poll_event() {
+                if done(self, Some(event)) {
+                    return;
+                }
+            }
+            if done(self, None) {
+                return;
+            }
+        }
+    }
+
+    /// One job through a record: the answer, or why the write was refused.
+    pub fn job_at(&mut self, index: u16, request: &[u8]) -> Result<Vec<u8>, ServiceError> {
+        let device = &self.make.model.catalogue.device;
+        let at = RecordAddress {
+            api: device.api.into(),
+            slot: 1,
+            subslot: device.layout.parameters.subslot,
+            index,
+        };
+        let now = self.medium.now();
+        let call = self.controller.parameter_job(now, self.ar, at, request).unwrap();
+        let mut answer = None;
+        self.until(Duration::from_secs(10), |_, event| {
+            if let Some(Event::RecordDone { call: done, result }) = event
+                && done == call
+            {
+                answer = Some(result);
+            }
+            answer.is_some()
+        });
+        answer.unwrap()
+    }
+
+    pub fn job(&mut self, request: &[u8]) -> Vec<u8> {
+        self.job_at(self.make.records[0], request).unwrap()
+    }
+
+    /// A request with `DD` for the axis.
+    pub fn hex(&self, text: &str) -> Vec<u8> {
+        text.split_whitespace()
+            .map(|octet| match octet {
+                "DD" => self.make.axis,
+                octet => u8::from_str_radix(octet, 16).unwrap(),
+            })
+            .collect()
+    }
+
+    pub fn ask(&mut self, request: &str) -> Vec<u8> {
+        let request = self.hex(request);
+        self.job(&request)
+    }
+
+    /// The error number of an answer with one refused parameter.
+    #[track_caller]
+    pub fn error(&mut self, request: &str) -> u16 {
+        let answer = self.ask(request);
+        let [_, id, _, 1, 0x44, 1 | 2, high, low, ..] = answer[..] else {
+            panic!("{request}: {answer:02X?}");
+        };
+        assert!(id & 0x80 != 0, "{answer:02X?}");
+        u16::from_be_bytes([high, low])
+    }
+
+    /// A word that a read brings.
+    #[track_caller]
+    pub fn words(&mut self, pnu: u16, first: u16, count: u8) -> Vec<u16> {
+        let ([a, b], [c, d]) = (pnu.to_be_bytes(), first.to_be_bytes());
+        let answer = self.job(&[0x31, 1, self.make.axis, 1, 0x10, count, a, b, c, d]);
+        let [0x31, 1, _, 1, format, found, values @ ..] = &answer[..] else {
+            panic!("{pnu}: {answer:02X?}");
+        };
+        assert_eq!(*found, count);
+        assert!(
+            matches!(format, 0x42 | 0x06 | 0x05 | 0x0A | 0x36 | 0x1F | 0x41),
+            "{answer:02X?}"
+        );
+        let width = if matches!(format, 5 | 0x0A | 0x41) { 1 } else { 2 };
+        values
+            .chunks_exact(width)
+            .take(count.into())
+            .map(|octets| octets.iter().fold(0, |word, octet| word << 8 | u16::from(*octet)))
+            .collect()
+    }
+
+    /// A change of the writable parameter with these octets behind its address.
+    pub fn change(&mut self, id: u8, block: &[u8]) -> Vec<u8> {
+        let mut request = vec![0x19, id, self.make.axis, 1, 0x10, 1];
+        request.extend(self.make.writable);
+        request.extend(block);
+        self.job(&request)
+    }
+
+    /// Sends a control word and setpoint for a while; status word and actual value at its end.
+    pub fn send(&mut self, stw1: u16, setpoint: u16, time: Duration) -> (u16, i16) {
+        let ([a, b], [c, d]) = (stw1.to_be_bytes(), setpoint.to_be_bytes());
+        let data = self.exchange(&[a, b, c, d], time);
+        let [a, b, c, d] = data.try_into().unwrap();
+        (u16::from_be_bytes([a, b]), i16::from_be_bytes([c, d]))
+    }
+
+    /// Sends outputs for a while; the inputs at its end.
+    pub fn exchange(&mut self, outputs: &[u8], time: Duration) -> Vec<u8> {
+        self.output(outputs);
+        let end = self.medium.now() + time;
+        while self.medium.now() < end {
+            self.medium.step(&mut self.controller, end).unwrap();
+            while let Some(event) = self.controller.poll_event() {
+                assert!(!matches!(event, Event::Lost { .. }), "{event:?}");
+            }
+        }
+        let subslot = self.make.model.catalogue.device.layout.telegram;
+        let (data, iops) = self.controller.input(self.ar, 1, subslot).unwrap();
+        assert!(iops.is_good());
+        data.to_vec()
+    }
+
+    /// A few cycles of a control word: status word under the mask of the checklist.
+    pub fn word(&mut self, stw1: u16) -> u16 {
+        self.send(stw1, 0, CYCLES).0 & 0x0077
+    }
+
+    /// Runs at 20 % of the reference.
+    pub fn run(&mut self) {
+        self.word(0x047E);
+        let (zsw1, speed) = self.send(0x047F, 0x0CCD, Duration::from_secs(6));
+        assert_eq!(zsw1 & 0x0077, 0x0037, "{zsw1:04X}");
+        assert!((0x0B00..=0x0E00).contains(&speed), "{speed:04X}");
+    }
+
+    pub fn inject_fault(&mut self) {
+        self.inject(Injection::Fault {
+            number: self.make.fault,
+            lasting: false,
+        });
+    }
+
+    pub fn inject(&mut self, injection: Injection) {
+        let segment = self.medium.segment_mut();
+        let host = segment.station_mut::<Host<Station>>(self.station).unwrap();
+        host.endpoint_mut().drive_mut().inject(injection);
+    }
+}
+
+pub const CYCLES: Duration = Duration::from_millis(160);
+
+fn modules(device: &Device, telegram: u16) -> Vec<ModuleConfig> {
+    let submodule = |subslot, ident, input_length, output_length| SubmoduleConfig {
+        subslot,
+        ident,
+        input_length,
+        output_length,
+    };
+    let telegram = device.telegram(telegram).unwrap();
+    let access_point = device
+        .access_point()
+        .map(|(subslot, ident)| submodule(subslot, ident, 0, 0))
+        .collect();
+    let parameters = &device.layout.parameters;
+    let mut drive: Vec<SubmoduleConfig> = parameters
+        .submodule
+        .map(|ident| submodule(parameters.subslot, ident, 0, 0))
+        .into_iter()
+        .collect();
+    let (inputs, outputs) = (telegram.inputs, telegram.outputs);
+    drive.push(submodule(
+        device.layout.telegram,
+        telegram.submodule,
+        inputs,
+        outputs,
+    ));
+    vec![
+        ModuleConfig {
+            api: 0,
+            slot: 0,
+            ident: device.access_point_module,
+            submodules: access_point,
+        },
+        ModuleConfig {
+            api: device.api.into(),
+            slot: 1,
+            ident: telegram.module,
+            submodules: drive,
+        },
+    ]
+}
