@@ -2,8 +2,7 @@
 
 use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
 use profidrive::parameter::Dialect;
-use profidrive::state::Profile;
-use profidrive::telegram::Telegram;
+use profidrive::state::ControlWords;
 use profinet::controller::Station;
 use uss::SlaveId;
 
@@ -30,61 +29,9 @@ pub struct Model {
     /// API, slot, subslot and record index of the parameter channel.
     pub channel: Channel,
     /// Whose bits its control and status words have.
-    pub words: Words,
+    pub words: ControlWords,
     /// The tables are what a drive told of itself: no more than its parameters is in them.
     pub learned: bool,
-}
-
-/// Whose bits the control and status words of a make have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Words {
-    /// In telegrams of the profile.
-    pub standard: Profile,
-    /// In telegrams of the maker.
-    pub own: Profile,
-    /// The same where a parameter chooses it ([`Part::ControlProfile`](profidrive::catalogue::Part::ControlProfile)), by
-    /// its value.
-    pub chosen: &'static [(i64, Profile)],
-}
-
-impl Words {
-    /// STW1 and ZSW1.
-    pub const PROFIDRIVE: Self = Self {
-        standard: Profile::Profidrive,
-        own: Profile::Profidrive,
-        chosen: &[],
-    };
-    /// VLT: its PROFIdrive words in telegram 1, in the PPO types as 8-10 says. Source: MCA 120 manual 6.5 and 6.6; that
-    /// 8-10 does not count for telegram 1 is our reading.
-    pub const VLT: Self = Self {
-        standard: Profile::DanfossProfidrive,
-        own: Profile::DanfossFc,
-        chosen: &[(0, Profile::DanfossFc), (1, Profile::DanfossProfidrive)],
-    };
-    /// Vacon: own words in telegrams 148 to 150. Source: OPTEA manual p. 103 and 104.
-    pub const VACON: Self = Self {
-        standard: Profile::Profidrive,
-        own: Profile::VaconPpo,
-        chosen: &[],
-    };
-
-    /// Those of a telegram; of the profile's where none is known. `choice` is what the drive's parameter says.
-    ///
-    /// ```
-    /// use drive_client::Words;
-    /// use profidrive::state::Profile;
-    /// use profidrive::telegram::{DANFOSS, Telegram};
-    /// assert_eq!(Words::VLT.of(Telegram::find(1, DANFOSS), Some(0)), Profile::DanfossProfidrive);
-    /// assert_eq!(Words::VLT.of(Telegram::find(104, DANFOSS), Some(0)), Profile::DanfossFc);
-    /// ```
-    #[must_use]
-    pub fn of(&self, telegram: Option<&Telegram>, choice: Option<i64>) -> Profile {
-        if !telegram.is_some_and(|telegram| telegram.own_words) {
-            return self.standard;
-        }
-        let row = self.chosen.iter().find(|(value, _)| Some(*value) == choice);
-        row.map_or(self.own, |(_, profile)| *profile)
-    }
 }
 
 /// Where the parameter channel of a drive is.
@@ -101,14 +48,14 @@ pub struct Channel {
 }
 
 /// A make: tables, dialect, record of the parameter channel, words.
-type Make = (&'static Catalogue, &'static Dialect, u16, Words);
+type Make = (&'static Catalogue, &'static Dialect, u16, ControlWords);
 
 /// Every make there are tables of.
 /// Source of the record: AKD manual 3.5; MG06G102 5.5; OPTEA manual p. 116.
 const MAKES: [Make; 3] = [
-    (&AKD, &Dialect::AKD, GLOBAL_ACCESS, Words::PROFIDRIVE),
-    (&VLT, &Dialect::VLT, LOCAL_ACCESS, Words::VLT),
-    (&VACON, &Dialect::VACON, LOCAL_ACCESS, Words::VACON),
+    (&AKD, &Dialect::AKD, GLOBAL_ACCESS, ControlWords::PROFIDRIVE),
+    (&VLT, &Dialect::VLT, LOCAL_ACCESS, ControlWords::VLT),
+    (&VACON, &Dialect::VACON, LOCAL_ACCESS, ControlWords::VACON),
 ];
 
 /// A drive nobody described: the profile's own way.
@@ -122,7 +69,7 @@ const STANDARD: Model = Model {
         subslot: 1,
         index: LOCAL_ACCESS,
     },
-    words: Words::PROFIDRIVE,
+    words: ControlWords::PROFIDRIVE,
     learned: false,
 };
 

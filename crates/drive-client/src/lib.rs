@@ -31,7 +31,7 @@ mod wire;
 
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
-pub use drive::{Channel, Drive, Model, PROFIDRIVE_API, Words};
+pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;

@@ -11,9 +11,9 @@ use profidrive::state::Mode;
 use profinet::cyclic::Timing;
 use serde_json::{Map, Value};
 
-use crate::args::Cyclic;
+use crate::args::{Cyclic, Interface};
 use crate::carrier::Carrier;
-use crate::connect::Live;
+use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
@@ -88,6 +88,19 @@ pub fn within(speed: f64, limit: f64) -> Result<(), Failure> {
         return Err(Error::SpeedLimit { wanted: speed, limit }.into());
     }
     Ok(())
+}
+
+/// Connects to a drive, does something with it in the mode that is needed, and lets it go.
+pub fn with_drive(
+    interface: &Interface,
+    name: &str,
+    (needed, wanted): (Mode, &SetMode),
+    output: &Output,
+    work: impl FnOnce(&mut Live, &mut Drive) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, name, output)?;
+    in_mode(&mut session, &mut drive, needed, wanted, output, work)?;
+    Ok(session.close()?)
 }
 
 /// Does something with the drive in the mode that is needed: put into it, if that was asked for, and back afterwards,

@@ -10,7 +10,7 @@ use profidrive::state::Mode;
 
 use super::axis::{self, End, SetMode};
 use crate::args::{Cyclic, Interface, duration};
-use crate::connect::{self, Live, Need};
+use crate::connect::Live;
 use crate::failure::Failure;
 use crate::output::Output;
 
@@ -41,10 +41,10 @@ pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Fai
     let limit = axis::rpm(&args.limit, "--limit")?.abs();
     axis::within(speed, limit)?;
     axis::checked(&args.cyclic)?;
-    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
-    let go = |session: &mut Live, drive: &mut Drive| go(args, speed, limit, session, drive, output);
-    axis::in_mode(&mut session, &mut drive, Mode::Velocity, &args.mode, output, go)?;
-    Ok(session.close()?)
+    let needed = (Mode::Velocity, &args.mode);
+    axis::with_drive(interface, &args.drive, needed, output, |session, drive| {
+        go(args, speed, limit, session, drive, output)
+    })
 }
 
 fn go(

@@ -9,7 +9,7 @@ use profidrive::state::Mode;
 
 use super::axis::{self, End, SetMode};
 use crate::args::{Cyclic, Interface, duration};
-use crate::connect::{self, Live, Need};
+use crate::connect::Live;
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
@@ -32,10 +32,10 @@ pub struct Task {
 
 pub fn run(args: &Task, interface: &Interface, output: &Output) -> Result<(), Failure> {
     axis::checked(&args.cyclic)?;
-    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
-    let go = |session: &mut Live, drive: &mut Drive| go(args, session, drive, output);
-    axis::in_mode(&mut session, &mut drive, Mode::Position, &args.mode, output, go)?;
-    Ok(session.close()?)
+    let needed = (Mode::Position, &args.mode);
+    axis::with_drive(interface, &args.drive, needed, output, |session, drive| {
+        go(args, session, drive, output)
+    })
 }
 
 fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {

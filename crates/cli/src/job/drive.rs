@@ -2,18 +2,16 @@
 
 use drive_client::Model;
 use drive_client::parameter::{Interpretation, Parameters, Reading, Selection, take_scale};
-use profidrive::catalogue::{Catalogue, Parameter, RecordView, Scale};
+use profidrive::catalogue::{Catalogue, Parameter, Part, RecordView, Scale};
 use profidrive::notation::{Elements, Notation, ParameterReference, Prefix, Target};
 use profidrive::parameter::{CodeSpace, ErrorNames, Format, ParameterAddress, ValueBlock};
 use profidrive::pkw::PkwDialect;
 use profidrive::state::{Mode, Profile};
-use profidrive::telegram::{DANFOSS, Telegram, VACON};
+use profidrive::telegram::Telegram;
 use profinet::wire::Uuid;
 
 /// Operating mode: decides over the names of some bits of STW1 and ZSW1.
 const OPERATING_MODE: u16 = 930;
-/// VLT 8-10: whose control word it is.
-const CONTROL_PROFILE: u16 = 810;
 
 /// The drive that a job asks, or that answers it. It learns from what is read from it and written to it; what nobody
 /// told is assumed to be as delivered, and said to be assumed.
@@ -25,8 +23,8 @@ pub struct JobDrive {
     known: Vec<Scale>,
     /// The mode, once it was seen.
     mode: Option<Mode>,
-    /// The profile of the maker's own control word, once the parameter that chooses it was seen.
-    own_words: Option<Profile>,
+    /// What the parameter that chooses the maker's own control word has, once it was seen.
+    chosen: Option<i64>,
 }
 
 impl Default for JobDrive {
@@ -50,7 +48,7 @@ impl JobDrive {
             model,
             known: Vec::new(),
             mode: None,
-            own_words: None,
+            chosen: None,
         }
     }
 
@@ -109,24 +107,19 @@ impl JobDrive {
 
     /// Whose control and status word a telegram carries.
     pub fn words(&self, telegram: Option<&Telegram>) -> Profile {
-        let own = telegram.is_some_and(|telegram| telegram.own_words);
-        match self.vendor() {
-            Some(DANFOSS) if own => self.own_words(),
-            Some(DANFOSS) => Profile::DanfossProfidrive,
-            Some(VACON) if own => Profile::VaconPpo,
-            _ => Profile::Profidrive,
-        }
-    }
-
-    /// The maker's own control and status word, also that of its serial telegrams.
-    pub fn own_words(&self) -> Profile {
-        self.own_words.unwrap_or(Profile::DanfossFc)
+        self.model.words.of(telegram, self.chosen)
     }
 
     /// What the names of the bits rest on and nobody told: `8-10 FC profile`.
-    pub fn assumed_words(&self, telegram: Option<&Telegram>) -> Option<&'static str> {
-        let own = telegram.is_some_and(|telegram| telegram.own_words);
-        (own && self.vendor() == Some(DANFOSS) && self.own_words.is_none()).then_some("8-10 FC profile")
+    pub fn assumed_words(&self, telegram: Option<&Telegram>) -> Option<String> {
+        if self.chosen.is_some() || !telegram?.own_words {
+            return None;
+        }
+        let words = &self.model.words;
+        let (value, _) = words.chosen.iter().find(|(_, profile)| *profile == words.own)?;
+        let chooser = self.tables()?.part(Part::ControlProfile)?;
+        let number = Selection::number(chooser.pnu, self.parameters.notation()).label();
+        Some(format!("{number} {}", chooser.choice(*value)?))
     }
 
     /// The view that records of a subslot are, where they are parameters.
@@ -294,12 +287,13 @@ impl JobDrive {
                 _ => None,
             };
         }
-        if self.vendor() == Some(DANFOSS) && reading.pnu == CONTROL_PROFILE {
-            self.own_words = match reading.raw() {
-                Some(0) => Some(Profile::DanfossFc),
-                Some(1) => Some(Profile::DanfossProfidrive),
-                _ => None,
-            };
+        let mut chooser = self
+            .tables()
+            .into_iter()
+            .flat_map(|tables| tables.parts_of(Part::ControlProfile));
+        if chooser.any(|parameter| parameter.pnu == reading.pnu) {
+            let raw = reading.raw();
+            self.chosen = raw.filter(|&value| self.model.words.by(value).is_some());
         }
         let number = reading.number().filter(|number| *number > 0.0);
         let scale = number.and_then(|number| {

@@ -37,7 +37,7 @@ pub use position::{
     POSITION_TRANSITIONS, PositionCommand, PositionCondition, PositionEffect, PositionFacts, PositionInputs,
     PositionMachine, PositionOutput, PositionState, PositionTransition,
 };
-pub use profile::{Conditions, Correction, Orders, Profile, Start};
+pub use profile::{Conditions, ControlWords, Correction, Orders, Profile, Start};
 pub use setpoint::{Jog, SETPOINT_RULES, Setpoint, SetpointChannel, SetpointRule, SpeedCommand};
 pub use transition::{Condition, FaultReaction, MOST_TRANSITIONS, Reason, TRANSITIONS, Transition};
 pub use word::{Stw1, Zsw1};

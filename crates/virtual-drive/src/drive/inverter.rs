@@ -1,7 +1,7 @@
 //! What a frequency converter obeys beside what all drives do: motor data, references, ramp times, jog speeds, DC brake;
 //! and what it tells of that.
 
-use profidrive::catalogue::Parameter;
+use profidrive::catalogue::{Parameter, Part};
 use profidrive::state::{Conditions, Correction, Orders, Profile, SpeedCommand, State};
 
 use super::Drive;
@@ -157,11 +157,8 @@ impl Inverter {
         let protection = (protection != 0).then(|| read.raw(protection));
         let [currents, speeds] = roles.watched;
         let (site, kept_off) = roles.panel.not_by_bus;
-        let own = model.process.words;
-        let chosen = own.chosen.and_then(|(number, rows)| {
-            let value = read.raw(number);
-            rows.iter().find(|(known, _)| *known == value)
-        });
+        let chooser = model.catalogue.part(Part::ControlProfile);
+        let choice = chooser.map(|parameter| read.raw(parameter.pnu));
         Self {
             plate,
             ramps,
@@ -196,7 +193,7 @@ impl Inverter {
                 flying_start: roles.flying_start != 0 && read.raw(roles.flying_start) != 0,
                 ..InverterTuning::default()
             },
-            own_words: chosen.map_or(own.own, |(_, profile)| *profile),
+            own_words: model.process.words.makers(choice),
             not_by_bus: site != 0 && read.raw(site) == kept_off,
             thermal_warning: protection == Some(warning),
             thermal_trip: protection == Some(trip),

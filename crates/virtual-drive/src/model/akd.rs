@@ -5,12 +5,12 @@
 use profidrive::catalogue;
 use profidrive::fault::Shape;
 use profidrive::parameter::Dialect;
+use profidrive::state::ControlWords;
 
 use super::akd_conditions::{ACTIONS, CONDITIONS};
 use super::live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 use super::{
     Chosen, HomeRoles, Lost, Model, PositionRoles, ProcessFacts, Roles, Signals, TaskRoles, UnitRoles, Wire,
-    Words,
 };
 use crate::axis::Plant;
 
@@ -23,7 +23,7 @@ pub static AKD: Model = Model {
     dialect: &Dialect::AKD,
     pkw: None,
     process: ProcessFacts {
-        words: Words::PROFIDRIVE,
+        words: ControlWords::PROFIDRIVE,
         signals: Signals::Numbers,
         setpoints: Chosen::Nothing,
         actuals: Chosen::Nothing,

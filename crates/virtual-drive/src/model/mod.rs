@@ -19,7 +19,7 @@ pub use condition::{Cause, Condition, Delay, Limit, When};
 pub use inverter::{InverterRoles, PanelRoles, PlateRoles, RampTo};
 pub use live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 pub use positioning::{HomeRoles, PositionRoles, TaskRoles, UnitRoles};
-pub use process::{Chosen, Lost, ProcessFacts, Signals, Wire, Words};
+pub use process::{Chosen, Lost, ProcessFacts, Signals, Wire};
 pub use vacon::VACON;
 pub use vlt::VLT;
 

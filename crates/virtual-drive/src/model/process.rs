@@ -1,39 +1,18 @@
 //! What differs in the process data, and on PROFINET around them.
 
-use profidrive::state::Profile;
+use profidrive::state::ControlWords;
 
 /// What the process data of a model are.
 #[derive(Debug, Clone, Copy)]
 pub struct ProcessFacts {
     /// Whose control and status word it is.
-    pub words: Words,
+    pub words: ControlWords,
     /// Which parameters the signals are.
     pub signals: Signals,
     /// What the words behind control word and setpoint set, in telegrams of the maker.
     pub setpoints: Chosen,
     /// What the words behind status word and actual value tell, in telegrams of the maker.
     pub actuals: Chosen,
-}
-
-/// Whose control and status word it is.
-#[derive(Debug, Clone, Copy)]
-pub struct Words {
-    /// In telegrams of the profile.
-    pub standard: Profile,
-    /// In telegrams of the maker
-    /// ([`Telegram::own_words`](profidrive::telegram::Telegram::own_words)).
-    pub own: Profile,
-    /// Where a parameter chooses the latter: its number and its values; any other value means `own`.
-    pub chosen: Option<(u16, &'static [(i64, Profile)])>,
-}
-
-impl Words {
-    /// Those of PROFIdrive.
-    pub const PROFIDRIVE: Self = Self {
-        standard: Profile::Profidrive,
-        own: Profile::Profidrive,
-        chosen: None,
-    };
 }
 
 /// Which parameters the signals are.

@@ -6,14 +6,13 @@
 use profidrive::catalogue;
 use profidrive::fault::Shape;
 use profidrive::parameter::Dialect;
-use profidrive::state::Profile;
+use profidrive::state::ControlWords;
 use profidrive::telegram::signal;
 
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Live, Quantity, Sensor, Table};
 use super::{
     Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire,
-    Words,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -29,11 +28,7 @@ pub static VACON: Model = Model {
     dialect: &Dialect::VACON,
     pkw: None,
     process: ProcessFacts {
-        words: Words {
-            standard: Profile::Profidrive,
-            own: Profile::VaconPpo,
-            chosen: None,
-        },
+        words: ControlWords::VACON,
         signals: Signals::Are(SIGNALS),
         setpoints: Chosen::Fixed(&DATA_IN),
         actuals: Chosen::Each(&DATA_OUT_SELECTION),

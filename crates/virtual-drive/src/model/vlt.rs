@@ -8,14 +8,13 @@ use profidrive::catalogue;
 use profidrive::fault::Shape;
 use profidrive::parameter::Dialect;
 use profidrive::pkw::PkwDialect;
-use profidrive::state::Profile;
+use profidrive::state::ControlWords;
 use profidrive::telegram::signal;
 
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Action, Live, Quantity, Sensor, Table};
 use super::{
     Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire,
-    Words,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -32,11 +31,7 @@ pub static VLT: Model = Model {
     dialect: &Dialect::VLT,
     pkw: Some(&PkwDialect::DANFOSS_PPO),
     process: ProcessFacts {
-        words: Words {
-            standard: Profile::DanfossProfidrive,
-            own: Profile::DanfossFc,
-            chosen: Some((810, &[(0, Profile::DanfossFc), (1, Profile::DanfossProfidrive)])),
-        },
+        words: ControlWords::VLT,
         signals: Signals::Are(SIGNALS),
         setpoints: Chosen::Array(915),
         actuals: Chosen::Array(916),

@@ -3,16 +3,14 @@
 
 use std::time::Duration;
 
-use drive_client::{Drive, DriveAddress, Error, Session, WriteMode, describe};
+use drive_client::{Drive, DriveAddress, Error, Session, WriteMode, describe, modules_of};
 use network::host::{Host, StationId};
 use network::segment::SegmentMedium;
 use profidrive::catalogue::Device;
 use profidrive::pkw::{Answer, Client, ClientTiming, Job, Memory, Outcome, PkwDialect, PkwValue};
 use profidrive::state::{Profile, Stw1, Zsw1};
 use profidrive::telegram::{Telegram, signal};
-use profinet::controller::{
-    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, SubmoduleConfig, Target,
-};
+use profinet::controller::{ArId, ConnectConfig, Controller, ControllerConfig, Event, Target};
 use profinet::cyclic::Timing;
 use profinet::{IpSuite, MacAddress, Medium};
 use virtual_drive::station::Station;
@@ -150,7 +148,10 @@ impl<'s> Line<'s> {
         let device = device.ok_or_else(|| failed("no tables of this drive".into()))?;
         let telegram = Telegram::find(act.telegram, device.vendor_id)
             .ok_or_else(|| failed("no such telegram".into()))?;
-        let modules = modules(device, act.telegram).ok_or_else(|| failed("no such module".into()))?;
+        let module = device
+            .telegram(act.telegram)
+            .ok_or_else(|| failed("no such module".into()))?;
+        let modules = modules_of(device, module);
         let timing = Timing::for_interval(CYCLE).ok_or_else(|| failed("no such cycle".into()))?;
         let ip = IpSuite {
             address: std::net::Ipv4Addr::new(10, 0, 0, 200),
@@ -413,36 +414,4 @@ fn malformed(drive: &str, reason: String) -> Error {
         drive: drive.into(),
         reason,
     }
-}
-
-fn modules(device: &Device, telegram: u16) -> Option<Vec<ModuleConfig>> {
-    let submodule = |subslot, ident, input_length, output_length| SubmoduleConfig {
-        subslot,
-        ident,
-        input_length,
-        output_length,
-    };
-    let row = device.telegram(telegram)?;
-    let parameters = &device.layout.parameters;
-    let access = parameters
-        .submodule
-        .map(|ident| submodule(parameters.subslot, ident, 0, 0));
-    let data = submodule(device.layout.telegram, row.submodule, row.inputs, row.outputs);
-    Some(vec![
-        ModuleConfig {
-            api: 0,
-            slot: 0,
-            ident: device.access_point_module,
-            submodules: device
-                .access_point()
-                .map(|(subslot, ident)| submodule(subslot, ident, 0, 0))
-                .collect(),
-        },
-        ModuleConfig {
-            api: device.api.into(),
-            slot: 1,
-            ident: row.module,
-            submodules: access.into_iter().chain([data]).collect(),
-        },
-    ])
 }

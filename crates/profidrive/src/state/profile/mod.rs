@@ -23,6 +23,7 @@
 //! ```
 
 mod danfoss;
+mod make;
 mod vacon;
 
 #[cfg(test)]
@@ -34,6 +35,8 @@ mod tests;
 
 use super::bits::{self, Bit, BitMeaning, Mode};
 use super::{Inputs, Machine, Output, Setpoint, SpeedCommand, State, Stw1, Zsw1};
+
+pub use make::ControlWords;
 
 /// A control word profile: who gave the bits of the control and status word their meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
