@@ -111,9 +111,9 @@ enum State {
 /// Each slave has its data, which are sent in each round until others are set; what it answered last is kept. After an
 /// event set the next data before draining the telegram.
 ///
-/// With [`Echo::Detect`] a telegram equal to the one sent counts as echo when another follows, and from then on always.
-/// Before that, and when nothing follows, it counts as the reply only if it can be one: a mirror telegram, or data all
-/// zero.
+/// With [`Echo::Detect`] a telegram equal to the one sent is an echo, and from then on all are; but one that can be its own
+/// reply, a mirror telegram or data all zero, counts as echo only when another follows, and as the reply else. On a line
+/// that echoes what comes before the echo belongs to an earlier try and is not taken.
 ///
 /// ```
 /// use core::time::Duration;
@@ -149,7 +149,12 @@ pub struct Master {
     /// The next round may not begin before.
     round: Duration,
     echoes: bool,
+    /// Telegrams that came on a line that echoes although the one sent was not heard, since one was.
+    unheard: u8,
 }
+
+/// So many without an echo between them, and the line does not echo after all.
+const UNHEARD: u8 = 4;
 
 impl Master {
     /// A master without slaves.
@@ -169,6 +174,7 @@ impl Master {
             quiet: Duration::ZERO,
             round: Duration::ZERO,
             echoes: config.echo == Echo::Yes,
+            unheard: 0,
         }
     }
 
@@ -377,16 +383,30 @@ impl Master {
         let same = Telegram::decode(self.sent.get(..self.sent_length).unwrap_or_default()) == Ok(telegram);
         if same && !*heard && self.config.echo != Echo::No {
             *heard = true;
+            self.unheard = 0;
+            self.echoes |= !mirrors(telegram, self.config.protocol);
             return;
         }
-        let slave = *slave;
+        let (slave, heard) = (*slave, *heard);
+        // the echo of the try before, which an adapter handed over late
+        if same && heard && !mirrors(telegram, self.config.protocol) {
+            return;
+        }
+        // on a line that echoes nothing of this try can come before its echo
+        if self.echoes && !heard {
+            self.unheard += 1;
+            if self.config.echo == Echo::Yes || self.unheard < UNHEARD {
+                return;
+            }
+            self.echoes = false;
+        }
         let Some(entry) = self.slaves.get_mut(slave) else {
             return;
         };
         if telegram.address != entry.address {
             return;
         }
-        self.echoes |= *heard;
+        self.echoes |= heard;
         entry.reply_length = telegram.data.len();
         for (place, octet) in entry.reply.iter_mut().zip(telegram.data) {
             *place = *octet;
@@ -394,16 +414,10 @@ impl Master {
         self.replied(slave);
     }
 
-    /// A telegram sent that may come back as it is.
+    /// True when the telegram sent may come back as it is.
     fn may_be_reply(&self) -> bool {
         let sent = self.sent.get(..self.sent_length).unwrap_or_default();
-        Telegram::decode(sent).is_ok_and(|telegram| {
-            let mirror = matches!(
-                telegram.address.addressee(self.config.protocol),
-                Addressee::Mirror(_)
-            );
-            mirror || telegram.data.iter().all(|&octet| octet == 0)
-        })
+        Telegram::decode(sent).is_ok_and(|telegram| mirrors(telegram, self.config.protocol))
     }
 
     fn take_sent(&mut self, slave: usize) {
@@ -453,4 +467,10 @@ impl Master {
             self.events.push_back(event);
         }
     }
+}
+
+/// A telegram whose reply may be like it: a mirror telegram, or data all zero.
+fn mirrors(telegram: Telegram<'_>, protocol: Protocol) -> bool {
+    matches!(telegram.address.addressee(protocol), Addressee::Mirror(_))
+        || telegram.data.iter().all(|&octet| octet == 0)
 }

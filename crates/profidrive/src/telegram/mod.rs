@@ -422,6 +422,15 @@ mod tests {
         let actual = &ppo(1).actual;
         assert_eq!(actual.get(&reply, signal::ZSW1), Some(0x0F07));
         assert_eq!(actual.get(&reply, signal::NIST_A), Some(0x2000));
+        // the other way, and the printed rejection with the same process words
+        for pkw in [[0x20, 0xCF, 0, 0, 0, 0, 0x03, 0xE8], [0x70, 0, 0, 0, 0, 0, 0, 2]] {
+            let mut built = [0; 12];
+            built[..8].copy_from_slice(&pkw);
+            actual.set(&mut built, signal::ZSW1, 0x0F07).unwrap();
+            actual.set(&mut built, signal::NIST_A, 0x2000).unwrap();
+            assert_eq!(built[..8], pkw);
+            assert_eq!(built[8..], reply[8..]);
+        }
         let mut vendor = [0; 4];
         let telegram = Telegram::find(148, VACON).unwrap();
         telegram

@@ -276,6 +276,65 @@ fn a_line_that_echoes() {
     }
 }
 
+/// An adapter that is late with the echo of one try hands it over during the next: neither is the reply. And a reply that
+/// comes before the echo of what was sent is one to an earlier try.
+#[test]
+fn late_echoes_and_what_comes_before_them() {
+    let mut master = Master::new(MasterConfig::fc(9600));
+    let id = master
+        .add(
+            Address::fc(1).unwrap(),
+            &hex("15 FA 00 01 00 00 00 00 04 7C 00 00"),
+        )
+        .unwrap();
+    let mut out = [0; MAX_TELEGRAM];
+    let mut now = Duration::from_secs(1);
+    let length = master.poll_transmit(now, &mut out).unwrap();
+    let sent = out[..length].to_vec();
+    // nothing in time; the same again
+    now = master.poll_timeout().unwrap();
+    master.handle_timeout(now);
+    assert_eq!(master.poll_event(), None);
+    now = master.poll_timeout().unwrap();
+    assert_eq!(master.poll_transmit(now, &mut out), Some(length));
+    let hear = |master: &mut Master, octets: &[u8]| {
+        now += Duration::from_millis(20);
+        master.handle_octets(now, octets);
+        now = master.poll_timeout().unwrap();
+        master.handle_timeout(now);
+        master.poll_event()
+    };
+    let mut hear = hear;
+    // both echoes, and then the reply
+    assert_eq!(hear(&mut master, &sent), None);
+    assert_eq!(hear(&mut master, &sent), None);
+    assert!(master.hears_itself());
+    let reply = telegram(Address(0x81), &hex("15 FA 00 01 00 00 00 0E 06 03 00 00"));
+    assert_eq!(hear(&mut master, &reply), Some(Event::Reply(id)));
+    assert_eq!(master.reply(id)[7], 0x0E);
+    // the next: what comes before its echo is not taken, what comes behind it is
+    master
+        .set_data(id, &hex("15 FA 00 02 00 00 00 00 04 7C 00 00"))
+        .unwrap();
+    let begin = master.poll_timeout().unwrap();
+    let length = master.poll_transmit(begin, &mut out).unwrap();
+    let sent = out[..length].to_vec();
+    assert_eq!(hear(&mut master, &reply), None);
+    assert_eq!(hear(&mut master, &sent), None);
+    let own = telegram(Address(0x81), &hex("15 FA 00 02 00 00 00 0F 06 03 00 00"));
+    assert_eq!(hear(&mut master, &own), Some(Event::Reply(id)));
+    // an adapter that stops echoing is borne
+    let mut taken = 0;
+    for _ in 0..8 {
+        let due = master.poll_timeout().unwrap();
+        master.handle_timeout(due);
+        if master.poll_transmit(due, &mut out).is_some() {
+            taken += u32::from(hear(&mut master, &own) == Some(Event::Reply(id)));
+        }
+    }
+    assert!(taken > 2 && !master.hears_itself(), "{taken}");
+}
+
 /// Zero telegrams may be answered alike, mirror telegrams have to be.
 #[test]
 fn replies_like_their_requests() {

@@ -164,6 +164,71 @@ fn a_parameter_that_is_not_there() {
     }
 }
 
+/// Danfoss FC: the printed rejection of 15-30 index 1, which a drive gives that has no such parameter.
+#[test]
+fn a_printed_rejection() {
+    let missing = Job::Read {
+        pnu: 1530,
+        element: Some(1),
+    };
+    let mut client = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::CYCLIC);
+    let now = Duration::ZERO;
+    client.start(now, missing).unwrap();
+    client.handle(now, &[0; 8]);
+    assert_eq!(client.request(now), words("15 FA 00 01 00 00 00 00"));
+    let outcome = client.handle(now, &words("75 FA 00 01 00 00 00 00"));
+    assert_eq!(
+        outcome,
+        Some(Err(JobError::Refused(PkwErrorNumber::UNKNOWN_PARAMETER)))
+    );
+    // and as octets of the reply
+    let request = Pkw::from_octets(words("15 FA 00 01 00 00 00 00"));
+    let reply = request.mirrored(&PkwDialect::DANFOSS_FC, ReplyCode::REFUSED, 0);
+    assert_eq!(reply.to_octets(), words("75 FA 00 01 00 00 00 00"));
+}
+
+/// Kollmorgen S300 PROFIBUS p. 46: the zero telegram at the start is answered with itself, on every carrier.
+#[test]
+fn the_zero_telegram() {
+    for dialect in [
+        PkwDialect::STANDARD,
+        PkwDialect::DANFOSS_FC,
+        PkwDialect::DANFOSS_PPO,
+        PkwDialect::SIEMENS_PPO,
+        PkwDialect::SIEMENS_USS,
+    ] {
+        let mut server = Server::new(dialect);
+        let drive = &mut Bench::default();
+        assert_eq!(server.handle([0; 8], drive), [0; 8], "{}", dialect.name);
+        // whatever stands in IND and PWE
+        let reply = server.handle(words("00 00 01 02 03 04 05 06"), drive);
+        assert_eq!(reply, [0; 8], "{}", dialect.name);
+    }
+}
+
+/// PKE of the numbers that the guides spell out: 0-01, 1-20, 4-14, 15-30, 15-40.
+#[test]
+fn numbers_in_the_first_word() {
+    for (pnu, pke) in [
+        (1, 0x1001),
+        (120, 0x1078),
+        (414, 0x119E),
+        (1530, 0x15FA),
+        (1540, 0x1604),
+    ] {
+        let address = PkwAddress {
+            pnu,
+            subindex: 0,
+            text: 0,
+        };
+        for dialect in [PkwDialect::DANFOSS_FC, PkwDialect::DANFOSS_PPO] {
+            let pkw = Pkw::new(&dialect, 1, address, 0).unwrap();
+            assert_eq!(pkw.pke, pke);
+            assert_eq!(pkw.address(&dialect), Some(address));
+        }
+    }
+}
+
 /// FC design guide: identifier of 0-01, text array and type 5.
 #[test]
 fn a_description_element() {
