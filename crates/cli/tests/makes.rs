@@ -380,3 +380,41 @@ fn the_words_of_a_make_are_told_in_its_bits() {
         Profile::Profidrive
     );
 }
+
+#[test]
+fn selections_are_written_by_their_texts_also_where_the_drive_told_them() {
+    let mut session = makes();
+    let mut vlt = find(&mut session, "vlt-1").expect("there");
+    for (text, number) in [("8-10=profidrive", 1.0), ("8-10='FC profile'", 0.0)] {
+        write(&mut session, &mut vlt, text, WriteMode::Write).expect("taken");
+        let selection = select(&vlt, "8-10");
+        let reading = session.read_one(&mut vlt, &selection).expect("told");
+        assert_eq!(reading.number(), Some(number), "{text}");
+        assert!(reading.choice.is_some(), "{reading:?}");
+    }
+    let error = write(&mut session, &mut vlt, "8-10=Siemens", WriteMode::Write).expect_err("no text");
+    assert!(
+        error.to_string().contains("0 FC profile, 1 PROFIdrive profile"),
+        "{error}"
+    );
+    let mut akd = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut akd, "DRV.OPMODE=velocity", WriteMode::Write).expect("taken");
+
+    let strange = station_of(&model::VLT, "strange", 1, Some((0x1234, 7)));
+    let (mut session, _) = bench_of(vec![strange]);
+    let mut drive = find(&mut session, "strange").expect("there");
+    session.recognise(&mut drive, &mut |_, _| {}).expect("learned");
+    write(
+        &mut session,
+        &mut drive,
+        "810=\"profidrive profile\"",
+        WriteMode::Write,
+    )
+    .expect("taken");
+    assert_eq!(number(&mut session, &mut drive, "810"), 1.0);
+    let error = write(&mut session, &mut drive, "810=Siemens", WriteMode::Write).expect_err("no text");
+    assert!(
+        error.to_string().contains("is none of its texts: 0 FC profile"),
+        "{error}"
+    );
+}

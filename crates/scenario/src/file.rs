@@ -338,7 +338,7 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
     for (span, assignment) in &parameters {
         let checked = table
             .select(&assignment.reference)
-            .and_then(|selection| table.check(&selection, &assignment.quantity));
+            .and_then(|selection| table.check(&selection, &assignment.value));
         if let Err(problem) = checked {
             let hint = problem.hint().map_or(String::new(), |hint| format!(" ({hint})"));
             return Err(Located(span.clone(), format!("{problem}{hint}")));

@@ -87,7 +87,7 @@ impl DrivePlan {
                 problem,
             };
             let selection = table.select(&assignment.reference).map_err(problem)?;
-            let value = table.check(&selection, &assignment.quantity).map_err(problem)?;
+            let value = table.check(&selection, &assignment.value).map_err(problem)?;
             drive
                 .write(
                     selection.pnu,

@@ -160,7 +160,7 @@ fn held_back(enabled: &mut axis::Enabled<'_, '_>, output: &Output) {
 fn set_speed(session: &mut Live, drive: &mut Drive, pnu: u16, speed: &Quantity) -> Result<(), Error> {
     let assignment = Assignment {
         reference: ParameterReference::number(pnu),
-        quantity: speed.clone(),
+        value: speed.clone().into(),
     };
     let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
     match outcomes.into_iter().find_map(|outcome| outcome.written) {

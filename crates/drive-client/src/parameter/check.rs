@@ -5,6 +5,8 @@ use std::str::FromStr;
 use profidrive::catalogue::{Access, Parameter, Scale};
 use profidrive::notation::{Elements, Number, ParameterReference, Prefix, Quantity, Target};
 
+use super::choice::Given;
+
 use super::{ParameterProblem, Parameters, Selection};
 
 /// `PARAM=VALUE` as a person wrote it.
@@ -12,8 +14,8 @@ use super::{ParameterProblem, Parameters, Selection};
 pub struct Assignment {
     /// What to write to.
     pub reference: ParameterReference,
-    /// What to write.
-    pub quantity: Quantity,
+    /// What to write: a number, or the text of a selection.
+    pub value: Given,
 }
 
 impl Assignment {
@@ -27,10 +29,11 @@ impl Assignment {
                 elements: base,
                 prefix: Some(Prefix::Number),
             },
-            quantity: Quantity {
+            value: Quantity {
                 number: Number::Integer(number),
                 unit: None,
-            },
+            }
+            .into(),
         }
     }
 }
@@ -45,11 +48,11 @@ impl FromStr for Assignment {
                 text: text.to_owned(),
             })?;
         let reference: ParameterReference = reference.parse()?;
-        let quantity = value.parse().map_err(|problem| ParameterProblem::Quantity {
+        let value = Given::of(value).map_err(|problem| ParameterProblem::Quantity {
             parameter: reference.to_string(),
             problem,
         })?;
-        Ok(Self { reference, quantity })
+        Ok(Self { reference, value })
     }
 }
 
@@ -65,17 +68,14 @@ pub struct CheckedValue {
 }
 
 impl Parameters {
-    /// The number to send for `quantity`, once unit, limits and access are right.
+    /// The number to send for a value, once unit, limits and access are right.
     ///
-    /// A parameter without table entry takes bare numbers only; its size comes from the drive.
+    /// A selection takes its texts too. A parameter without table entry takes bare numbers only; its size comes from the
+    /// drive.
     ///
     /// # Errors
     /// What is wrong, before anything is sent.
-    pub fn check(
-        &self,
-        selection: &Selection,
-        quantity: &Quantity,
-    ) -> Result<CheckedValue, ParameterProblem> {
+    pub fn check(&self, selection: &Selection, given: &Given) -> Result<CheckedValue, ParameterProblem> {
         if selection
             .parameter
             .is_some_and(|parameter| parameter.access == Access::ReadOnly)
@@ -102,8 +102,17 @@ impl Parameters {
                     whole: whole.name,
                 });
             }
-            return unknown_parameter(selection, quantity);
+            return unknown_parameter(selection, &given.quantity(&selection.label())?);
         };
+        let chosen = given.choice(selection, parameter)?;
+        let quantity = match chosen {
+            Some(value) => Quantity {
+                number: Number::Integer(value.into()),
+                unit: None,
+            },
+            None => given.quantity(&selection.label())?,
+        };
+        let quantity = &quantity;
         let raw = match quantity.raw() {
             Some(raw) => self.check_raw(selection, parameter, raw)?,
             None => self.check_engineering(selection, parameter, quantity)?,
@@ -247,7 +256,7 @@ mod tests {
         };
         let assignment: Assignment = text.parse()?;
         let selection = drive.select(&assignment.reference)?;
-        drive.check(&selection, &assignment.quantity)
+        drive.check(&selection, &assignment.value)
     }
 
     /// The tables have limits in the unit of a drive as delivered, 2^16 counts for each revolution.
@@ -276,7 +285,7 @@ mod tests {
             // 2 * 10^11 revolutions are beyond, in every unit that can tell them
             let assignment: Assignment = "SWLS.LIMIT1=200000000000rev".parse().unwrap();
             let selection = drive.select(&assignment.reference).unwrap();
-            let checked = drive.check(&selection, &assignment.quantity);
+            let checked = drive.check(&selection, &assignment.value);
             assert!(
                 matches!(checked, Err(ParameterProblem::Limit { .. })),
                 "{checked:?}"
@@ -314,7 +323,7 @@ mod tests {
                 },
             };
             let assignment: Assignment = text.parse()?;
-            drive.check(&drive.select(&assignment.reference)?, &assignment.quantity)
+            drive.check(&drive.select(&assignment.reference)?, &assignment.value)
         };
         for (text, unit, raw, symbol) in [
             ("MT.P=3rev", 4, 196_608, "counts"),
@@ -351,7 +360,8 @@ mod tests {
             ("915[0..3]=0", "one value for 4 elements"),
             ("DRV.OPMODE=1.5", "takes whole numbers, not 1.5"),
             ("DRV.OPMODE=0x100", "does not fit 1 octets"),
-            ("DRV.OPMODE=fast", "does not start with a number"),
+            ("DRV.OPMODE=fast", "`fast` is none of its texts: 0 "),
+            ("DRV.ACC=fast", "does not start with a number"),
             ("DRV.OPMODE", "PARAM=VALUE"),
             ("DRV.OPMOD=1", "no parameter `DRV.OPMOD`"),
             ("2109=1", "2109 is the high half of DRV.ACC"),
@@ -378,7 +388,7 @@ mod tests {
         };
         let check = |text: &str| {
             let assignment: Assignment = text.parse()?;
-            plain.check(&plain.select(&assignment.reference)?, &assignment.quantity)
+            plain.check(&plain.select(&assignment.reference)?, &assignment.value)
         };
         assert_eq!(check("1234=-7").map(|value| value.raw), Ok(-7));
         assert!(check("1234=7rpm").is_err());

@@ -1,11 +1,13 @@
 //! Parameters as a person means them: name or number in, engineering value with unit out.
 
 mod check;
+mod choice;
 mod reading;
 mod select;
 mod wide;
 
 pub use check::{Assignment, CheckedValue};
+pub use choice::Given;
 pub use reading::{Content, Interpretation, Reading};
 pub use select::Selection;
 pub(crate) use wide::{halves, join, split};
@@ -13,7 +15,7 @@ pub(crate) use wide::{halves, join, split};
 pub use crate::session::take_scale;
 
 use crate::Model;
-use profidrive::catalogue::{Catalogue, Parameter, Scaling};
+use profidrive::catalogue::{Catalogue, Meaning, Parameter, Scaling};
 use profidrive::notation::{QuantityError, ReferenceError, UnitMismatch};
 
 /// What is known about the parameters of one drive: its tables, if there are any, and the values that scale others.
@@ -136,6 +138,26 @@ pub enum ParameterProblem {
         /// What is wrong.
         problem: UnitMismatch,
     },
+    /// A text that none of the selection has.
+    #[error("{parameter}: `{text}` is none of its texts: {}", listed(.choices))]
+    NoChoice {
+        /// The parameter.
+        parameter: String,
+        /// The text as given.
+        text: String,
+        /// Every value with its text.
+        choices: &'static [Meaning],
+    },
+    /// A text that several of the selection begin with.
+    #[error("{parameter}: `{text}` may be {}", listed(.choices))]
+    ManyChoices {
+        /// The parameter.
+        parameter: String,
+        /// The text as given.
+        text: String,
+        /// Those that it may be.
+        choices: Vec<Meaning>,
+    },
     /// Below or above what the drive takes.
     #[error("{parameter}: {}{} is outside {} to {}{}", digits(*.value), unit_text(.unit), digits(*.minimum), digits(*.maximum), unit_text(.unit))]
     Limit {
@@ -196,12 +218,21 @@ impl ParameterProblem {
             Self::HighHalf { whole, .. } => {
                 Some(format!("write {whole}: both halves are sent where it needs them"))
             }
+            Self::ManyChoices { .. } => Some("write more of the text, or the number".into()),
             Self::Unit { .. } | Self::Limit { .. } => {
                 Some("`profidrive describe DRIVE PARAM` shows unit and limits".into())
             }
             _ => None,
         }
     }
+}
+
+/// `0 PROFIdrive profile, 1 FC profile`
+fn listed(choices: &[Meaning]) -> String {
+    let texts = choices
+        .iter()
+        .map(|choice| format!("{} {}", choice.value, choice.text));
+    texts.collect::<Vec<_>>().join(", ")
 }
 
 fn elements_text(elements: u16) -> String {

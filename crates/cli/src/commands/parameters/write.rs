@@ -157,7 +157,7 @@ const fn kept(saving: Saving, save: bool) -> &'static str {
 
 /// A number in hexadecimal is the one on the wire: what that is in the unit of the parameter.
 fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
-    let raw = assignment.quantity.raw()?;
+    let raw = assignment.value.raw()?;
     let value = outcome.change.value;
     (!value.unit.is_empty()).then(|| {
         let label = outcome.change.selection.label();
@@ -172,10 +172,12 @@ fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> 
 fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
     let selection = &outcome.change.selection;
     let old = match &outcome.old {
-        Some(Ok(reading)) => value::value(reading),
+        Some(Ok(reading)) => with_text(value::value(reading), reading.choice),
         Some(Err(refusal)) => format!("({})", refusal.words()),
         None => "-".into(),
     };
+    let parameter = selection.parameter;
+    let text = parameter.and_then(|parameter| parameter.choice(outcome.change.value.raw));
     let result = match (&outcome.written, &outcome.new) {
         (None, _) => "would be written".into(),
         (Some(Err(refusal)), _) => format!("refused: {}", refusal.words()),
@@ -192,10 +194,18 @@ fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
         selection.shown(0).to_string(),
         old,
         "->".into(),
-        wanted(outcome),
+        with_text(wanted(outcome), text),
         outcome.change.value.unit.to_owned(),
         result,
     ]
+}
+
+/// `1 (PROFIdrive profile)`
+fn with_text(value: String, text: Option<&str>) -> String {
+    match text {
+        Some(text) => format!("{value} ({text})"),
+        None => value,
+    }
 }
 
 /// The new value as the drive will show it: rounded to its own steps.
@@ -249,7 +259,7 @@ mod tests {
         for (text, left) in [("DRV.DIS=1", false), ("DRV.ACC=5000", true)] {
             let assignment: Assignment = text.parse().unwrap();
             let selection = tables.select(&assignment.reference).unwrap();
-            let value = tables.check(&selection, &assignment.quantity).unwrap();
+            let value = tables.check(&selection, &assignment.value).unwrap();
             let outcome = ChangeOutcome {
                 change: drive_client::PlannedChange { selection, value },
                 old: None,

@@ -115,7 +115,7 @@ impl<M: Wire> Session<M> {
             if needs_scaling(&selection) {
                 self.read_scaling(drive)?;
             }
-            let value = drive.parameters.check(&selection, &assignment.quantity)?;
+            let value = drive.parameters.check(&selection, &assignment.value)?;
             if changes.iter().any(|other: &PlannedChange| {
                 (other.selection.pnu, other.selection.first) == (selection.pnu, selection.first)
             }) {
@@ -403,7 +403,7 @@ mod tests {
         };
         let assignment: Assignment = text.parse().unwrap();
         let selection = tables.select(&assignment.reference).unwrap();
-        let value = tables.check(&selection, &assignment.quantity).unwrap();
+        let value = tables.check(&selection, &assignment.value).unwrap();
         ChangeOutcome {
             change: PlannedChange { selection, value },
             old: None,
@@ -448,7 +448,7 @@ mod tests {
             let assignment: Assignment = text.parse().unwrap();
             let selection = tables.select(&assignment.reference).unwrap();
             tables
-                .check(&selection, &assignment.quantity)
+                .check(&selection, &assignment.value)
                 .unwrap_err()
                 .to_string()
         };
