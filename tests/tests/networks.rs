@@ -240,3 +240,42 @@ fn an_address_of_the_command_line_is_kept_like_one_by_dcp() {
     assert!(third.err().contains(told), "{}", third.err());
     client(&lab, &["read", "192.168.77.60", "DRV.ACC"]).ok();
 }
+
+/// Sockets of simulations stand in one folder, whichever network they are in.
+#[test]
+fn inject_means_the_drive_of_its_own_network() {
+    let lab = Lab::new("networks-inject");
+    let simulated = |side, last: &str| {
+        let mac = format!("02:50:4e:00:00:{last}");
+        simulate_at(&lab, side, &["--name", "akd-1", "--mac", &mac])
+    };
+    let here = simulated(Side::Controller, "71");
+    let there = simulated(Side::Device, "72");
+    let inject = |side, what: &str| lab.run(side, built("profidrive"), ["inject", "akd-1", what], SHORT);
+    let (mut here, mut there) = (here, there);
+    inject(Side::Controller, "fault=439").ok();
+    here.wait_for("! fault=439", SHORT);
+    inject(Side::Device, "fault=702").ok();
+    there.wait_for("! fault=702", SHORT);
+    assert!(!here.out().contains("702") && !there.out().contains("439"));
+    // a second one of the name in one network
+    let second = simulated(Side::Controller, "73");
+    let told = inject(Side::Controller, "fault=439");
+    refused(
+        &told,
+        2,
+        &[
+            "2 simulations have a drive akd-1",
+            "on ctl0, process",
+            "IP or MAC",
+        ],
+    );
+    // and two in another one only
+    drop((here, second));
+    let _second = simulated(Side::Device, "74");
+    let told = inject(Side::Controller, "fault=439");
+    refused(&told, 2, &["on dev0, process", "nsenter"]);
+    drop(there);
+    let told = inject(Side::Controller, "fault=439").ok();
+    assert!(told.err.contains("is in another network namespace"), "{told:?}");
+}

@@ -16,7 +16,7 @@ use profinet::controller::Station;
 use crate::failure::{Exit, Failure};
 
 /// First line of a request.
-const GREETING: &str = "profidrive inject 1";
+const GREETING: &str = "profidrive inject 2";
 /// First line of the question for drives.
 const ROLL: &str = "profidrive drives 1";
 /// Longest question or answer, in octets.
@@ -36,8 +36,10 @@ pub enum Question {
 /// What is to happen to which drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Request {
-    /// Station name, IP or MAC address.
+    /// Station name, IP or MAC address, or the place at a serial line.
     pub drive: String,
+    /// The network [`namespace`] of who asks.
+    pub from: u64,
     /// What, in the notation of scenarios; nothing asks who has the drive.
     pub happenings: Vec<String>,
     /// How long, in nanoseconds.
@@ -48,7 +50,12 @@ pub struct Request {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
     /// It happened to this drive, or would.
-    Done(String),
+    Done {
+        /// The drive in words.
+        drive: String,
+        /// It is in the network namespace of who asked, or at a serial line.
+        here: bool,
+    },
     /// This process has no such drive; these are its drives.
     NotHere(Vec<String>),
     /// It cannot happen.
@@ -77,7 +84,7 @@ impl Question {
 
 impl Request {
     fn text(&self) -> String {
-        let mut text = format!("{GREETING}\ndrive {}\n", self.drive);
+        let mut text = format!("{GREETING}\ndrive {}\nfrom {}\n", self.drive, self.from);
         if let Some(nanos) = self.lasts {
             text += &format!("for {nanos}\n");
         }
@@ -91,6 +98,7 @@ impl Request {
     fn read(mut lines: impl Iterator<Item = std::io::Result<String>>) -> Option<Self> {
         let mut request = Self {
             drive: lines.next()?.ok()?.strip_prefix("drive ")?.to_owned(),
+            from: lines.next()?.ok()?.strip_prefix("from ")?.parse().ok()?,
             happenings: Vec::new(),
             lasts: None,
         };
@@ -114,7 +122,8 @@ impl Answer {
     fn text(&self) -> String {
         let line = |text: &str| text.replace('\n', " ");
         match self {
-            Self::Done(drive) => format!("done {}\n", line(drive)),
+            Self::Done { drive, here: true } => format!("here {}\n", line(drive)),
+            Self::Done { drive, here: false } => format!("elsewhere {}\n", line(drive)),
             Self::NotHere(drives) => format!("not-here {}\n", line(&drives.join(" "))),
             Self::Refused(why) => format!("refused {}\n", line(why)),
             Self::Drives(drives) => {
@@ -130,7 +139,10 @@ impl Answer {
     fn read(text: &str) -> Option<Self> {
         let (word, rest) = text.trim_end_matches('\n').split_once(' ')?;
         Some(match word {
-            "done" => Self::Done(rest.to_owned()),
+            "here" | "elsewhere" => Self::Done {
+                drive: rest.to_owned(),
+                here: word == "here",
+            },
             "not-here" => Self::NotHere(rest.split_whitespace().map(str::to_owned).collect()),
             "refused" => Self::Refused(rest.to_owned()),
             "drives" => Self::Drives(rest.split_whitespace().map(station).collect::<Option<_>>()?),
@@ -156,8 +168,12 @@ fn station(text: &str) -> Option<Station> {
 
 /// Names an interface: one of the same name in another network namespace is another one.
 pub fn segment(interface: &str) -> String {
-    let inode = fs::metadata("/proc/self/ns/net").map_or(0, |namespace| namespace.ino());
-    format!("{inode}/{interface}")
+    format!("{}/{interface}", namespace())
+}
+
+/// The network namespace of this process, as a number that two processes of one namespace share.
+pub fn namespace() -> u64 {
+    fs::metadata("/proc/self/ns/net").map_or(0, |namespace| namespace.ino())
 }
 
 /// The drives that other processes run on an interface: their frames do not come back to it.
@@ -246,6 +262,7 @@ mod tests {
     fn requests_and_answers_survive_the_way() {
         let request = Request {
             drive: "akd-1".into(),
+            from: namespace(),
             happenings: vec!["fault=439!".into(), "answers=late 500ms".into()],
             lasts: Some(2_000_000_000),
         };
@@ -257,6 +274,11 @@ mod tests {
         let drives = Answer::Drives(drives.into_iter().flatten().collect());
         assert_eq!(Answer::read(&drives.text()), Some(drives.clone()));
         assert!(matches!(drives, Answer::Drives(drives) if drives.len() == 2));
+        for here in [true, false] {
+            let drive = "akd-1 (on field)".to_owned();
+            let done = Answer::Done { drive, here };
+            assert_eq!(Answer::read(&done.text()), Some(done));
+        }
         let (near, far) = UnixStream::pair().unwrap();
         let asked = std::thread::spawn(move || {
             let mut near = near;
@@ -282,9 +304,11 @@ mod tests {
         for text in [
             "",
             "hello\n",
-            "profidrive inject 1\n",
-            "profidrive inject 1\ndrive a\ndo x=1\n",
-            "profidrive inject 1\ndrive a\nfor x\nend\n",
+            "profidrive inject 2\n",
+            "profidrive inject 2\ndrive a\nend\n",
+            "profidrive inject 2\ndrive a\nfrom x\nend\n",
+            "profidrive inject 2\ndrive a\nfrom 1\ndo x=1\n",
+            "profidrive inject 2\ndrive a\nfrom 1\nfor x\nend\n",
             "profidrive drives 1\n",
         ] {
             assert_eq!(Question::read(text.as_bytes()), None, "{text}");

@@ -175,3 +175,42 @@ fn tempdir() -> std::path::PathBuf {
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
 }
+
+#[test]
+fn inject_reaches_a_drive_at_a_line_by_name_and_by_port() {
+    let cable = Cable::lay();
+    // other tests simulate at the same time
+    let name = format!("press{}", std::process::id());
+    let (first, other) = (format!("{name}-1"), format!("{name}-2"));
+    let mut drives = Simulated::start(&cable, &["--count", "2", "--name", &name]);
+    let second = cable.far_drive("fc", 2);
+    let inject = |drive: &str, what: &str| {
+        let output = profidrive(&["inject", drive, what]);
+        (output.status.code(), stdout(&output) + &stderr(&output))
+    };
+    let faults = |number| stdout(&profidrive(&["faults", &cable.drive("fc", number)]));
+    let (code, told) = inject(&first, "fault=439");
+    assert_eq!(code, Some(0), "{told}");
+    assert!(faults(1).contains("F439"), "{}", faults(1));
+    assert!(faults(2).contains("no fault is present"), "{}", faults(2));
+    let (code, told) = inject(&second, "fault=702");
+    assert_eq!(code, Some(0), "{told}");
+    assert!(faults(2).contains("F702"), "{}", faults(2));
+    let protocol = drives.told_until("fault=702");
+    assert!(
+        protocol.contains(&other) && protocol.contains("fault=702"),
+        "{protocol}"
+    );
+    // what only a network can suffer, and a drive that is not there
+    let (code, told) = inject(&first, "cable=pulled");
+    assert!(
+        code == Some(4) || told.contains("is of a network"),
+        "{code:?} {told}"
+    );
+    let (code, told) = inject(&cable.far_drive("fc", 9), "fault=439");
+    assert_eq!(code, Some(4), "{told}");
+    assert!(told.contains(&second), "{told}");
+    let output = profidrive(&["ack", &cable.drive("fc", 1)]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(faults(1).contains("no fault is present"), "{}", faults(1));
+}

@@ -9,7 +9,7 @@ use clap::Args;
 use scenario::{Happening, keys};
 
 use crate::args::duration;
-use crate::desk::{Answer, Question, Request, ask, sockets};
+use crate::desk::{Answer, Question, Request, ask, namespace, sockets};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
@@ -49,13 +49,14 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
         .map(|lasts| u64::try_from(lasts.as_nanos()).unwrap_or(u64::MAX));
     let request = Request {
         drive: drive.clone(),
+        from: namespace(),
         happenings: args.happenings.clone(),
         lasts,
     };
     let socket = owner(&request, output)?;
     let refused = |why: &str| Failure::new(Exit::Refused, format!("{drive}: {}", clean(why)));
     match ask(&socket, &Question::Inject(request)) {
-        Ok(Some(Answer::Done(name))) => {
+        Ok(Some(Answer::Done { drive: name, .. })) => {
             let what = args.happenings.join(" ");
             if output.json() {
                 output.document(
@@ -83,10 +84,10 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
         ..request.clone()
     });
     let drive = &request.drive;
-    let (mut found, mut others) = (Vec::new(), Vec::new());
+    let (mut found, mut others) = (Vec::<Found>::new(), Vec::new());
     for socket in sockets()? {
         match ask(&socket, &question) {
-            Ok(Some(Answer::Done(who))) => found.push((socket, who)),
+            Ok(Some(Answer::Done { drive, here })) => found.push(Found { socket, drive, here }),
             Ok(Some(Answer::NotHere(drives))) => others.extend(drives),
             Ok(Some(Answer::Refused(why))) => {
                 return Err(Failure::new(Exit::Refused, format!("{drive}: {}", clean(&why))));
@@ -99,17 +100,11 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
             Err(error) => output.warn(&format!("{}: {error}", socket.display())),
         }
     }
-    if found.len() > 1 {
-        let all: Vec<_> = found.iter().map(|(_, who)| clean(who)).collect();
-        return Err(Failure::usage(format!(
-            "{} simulations have a drive {drive}: {}",
-            all.len(),
-            all.join("; ")
-        ))
-        .hint("say which one by its IP or MAC address"));
-    }
-    if let Some((socket, _)) = found.pop() {
-        return Ok(socket);
+    if let Some(only) = meant(drive, found)? {
+        if !only.here {
+            output.say(&format!("{} is in another network namespace", clean(&only.drive)));
+        }
+        return Ok(only.socket);
     }
     let failure = Failure::new(
         Exit::Unreachable,
@@ -120,6 +115,36 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
     } else {
         failure.hint(format!("there are: {}", clean(&others.join(", "))))
     })
+}
+
+/// A simulation that has the drive.
+struct Found {
+    socket: PathBuf,
+    /// The drive in words.
+    drive: String,
+    /// In the network namespace of this process, or at a serial line.
+    here: bool,
+}
+
+/// The one that is meant: one of the own network namespace before all others.
+fn meant(drive: &str, mut found: Vec<Found>) -> Result<Option<Found>, Failure> {
+    if found.iter().any(|one| one.here) {
+        found.retain(|one| one.here);
+    }
+    if found.len() < 2 {
+        return Ok(found.pop());
+    }
+    let all: Vec<_> = found.iter().map(|one| clean(&one.drive)).collect();
+    let failure = Failure::usage(format!(
+        "{} simulations have a drive {drive}: {}",
+        all.len(),
+        all.join("; ")
+    ));
+    Err(failure.hint(if found.iter().all(|one| one.here) {
+        "say which one by its IP or MAC address; one process too many ends with Ctrl-C"
+    } else {
+        "they are in other network namespaces: call `inject` in that of the one meant (nsenter -n -t PROCESS), or say which one by its IP or MAC address"
+    }))
 }
 
 fn tell_keys(output: &Output) {
@@ -136,5 +161,42 @@ fn tell_keys(output: &Output) {
     }
     for line in table.lines() {
         output.line(&line);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(drive: &str, here: bool) -> Found {
+        Found {
+            socket: PathBuf::from(drive),
+            drive: drive.into(),
+            here,
+        }
+    }
+
+    #[test]
+    fn a_simulation_of_the_own_network_is_meant_first() {
+        let one = meant("a", vec![found("far", false), found("near", true)]);
+        assert_eq!(one.map(|one| one.map(|one| one.drive)), Ok(Some("near".into())));
+        let one = meant("a", vec![found("far", false)]);
+        assert_eq!(one.map(|one| one.map(|one| one.here)), Ok(Some(false)));
+        assert!(meant("a", Vec::new()).is_ok_and(|none| none.is_none()));
+        let error = |places: [bool; 2]| {
+            let both = places.map(|here| found("a, process 7", here));
+            meant("a", both.into()).err().expect("two of them")
+        };
+        let near = error([true, true]);
+        assert!(
+            near.message
+                .contains("2 simulations have a drive a: a, process 7; a"),
+            "{near:?}"
+        );
+        assert!(
+            error([false, false])
+                .hint
+                .is_some_and(|hint| hint.contains("nsenter"))
+        );
     }
 }

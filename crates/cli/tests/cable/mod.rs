@@ -48,6 +48,11 @@ impl Cable {
         format!("{protocol}:{}/{number}", self.near)
     }
 
+    /// A drive as the simulation calls it: by its own end.
+    pub fn far_drive(&self, protocol: &str, number: u8) -> String {
+        format!("{protocol}:{}/{number}", self.far)
+    }
+
     /// Whether the user's end hears itself.
     pub fn echo(&self, on: bool) {
         self.state.echo.store(on, Ordering::SeqCst);

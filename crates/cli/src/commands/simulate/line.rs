@@ -6,23 +6,29 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use drive_client::{LineAddress, Parity};
-use network::linux::{Stop, now};
+use network::linux::{Bell, Stop, now};
 use network::serial::{Error as SerialError, Line, Port, Talker};
 use profinet::Instant;
+use scenario::Happening;
 use uss::SlaveConfig;
+use virtual_drive::drive::Injection;
 use virtual_drive::serial::{SerialConfig, SerialStation};
 
+use super::mailbox::Mailbox;
 use super::plans::plans;
 use super::scribe::Scribe;
-use super::{Keeping, NAP, RETRY, count};
+use super::{Keeping, RETRY, count};
 use crate::args::Simulate;
 use crate::carrier::settings;
+use crate::desk::{Answer, Question, Request};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::state::{self, DriveState};
 
 /// Octets of one telegram may come so far apart: adapters hand them over in lumps.
 const GAP: Duration = Duration::from_millis(30);
+/// Time between two looks for questions of other processes, which a port does not wake for.
+const GLANCE: Duration = Duration::from_millis(100);
 /// Time between two steps while there is no port.
 const WITHOUT: Duration = Duration::from_millis(10);
 
@@ -67,6 +73,116 @@ fn parity(text: &str) -> Result<Parity, &'static str> {
 /// All drives of the line, each hearing what the others say.
 struct LineUp {
     drives: Vec<(Arc<Keeping>, SerialStation)>,
+    /// What ends again, when, and of which drive.
+    ends: Vec<(Instant, usize, Injection)>,
+}
+
+impl LineUp {
+    /// Does what `profidrive inject` asks for.
+    fn inject(&mut self, request: &Request, line: &Place, now: Instant) -> Answer {
+        let meant = |(keeping, station): &(Arc<Keeping>, SerialStation)| {
+            keeping.key == request.drive || line.is(&request.drive, station.number())
+        };
+        let found: Vec<usize> = (0..self.drives.len())
+            .filter(|at| self.drives.get(*at).is_some_and(meant))
+            .collect();
+        let one = match found.as_slice() {
+            [at] => self.drives.get_mut(*at).map(|one| (*at, one)),
+            [] => None,
+            several => {
+                return Answer::Refused(format!(
+                    "{} drives of this simulation go by this name",
+                    several.len()
+                ));
+            }
+        };
+        let Some((at, (keeping, station))) = one else {
+            let all = self.drives.iter();
+            return Answer::NotHere(all.map(|(_, station)| line.of(station.number())).collect());
+        };
+        let drive = line.of(station.number());
+        if request.happenings.is_empty() {
+            let drive = format!("{drive} ({}), process {}", keeping.key, std::process::id());
+            return Answer::Done { drive, here: true };
+        }
+        let happenings = match super::happenings(request, keeping.model) {
+            Err(why) => return Answer::Refused(why),
+            Ok(happenings) => happenings,
+        };
+        let inside = |happening: &Happening| match happening {
+            Happening::Drive(injection) => Ok(*injection),
+            other => Err(format!(
+                "`{other}` is of a network, the drive is at a serial line"
+            )),
+        };
+        let injections: Vec<Injection> = match happenings.iter().map(inside).collect() {
+            Err(why) => return Answer::Refused(why),
+            Ok(injections) => injections,
+        };
+        let lasts = request.lasts.map(Duration::from_nanos);
+        for (injection, happening) in injections.into_iter().zip(happenings) {
+            station.drive_mut().inject(injection);
+            if let (Some(lasts), Some(Happening::Drive(end))) = (lasts, happening.undo()) {
+                self.ends.push((now + lasts, at, end));
+            }
+        }
+        Answer::Done { drive, here: true }
+    }
+
+    /// What was to last so long ends.
+    fn end(&mut self, now: Instant) -> Vec<(usize, Injection)> {
+        let due: Vec<(usize, Injection)> = self
+            .ends
+            .iter()
+            .filter(|(at, ..)| *at <= now)
+            .map(|(_, drive, injection)| (*drive, *injection))
+            .collect();
+        self.ends.retain(|(at, ..)| *at > now);
+        for (drive, injection) in &due {
+            if let Some((_, station)) = self.drives.get_mut(*drive) {
+                station.drive_mut().inject(*injection);
+            }
+        }
+        due
+    }
+}
+
+/// The line as a user writes it.
+struct Place {
+    protocol: Protocol,
+    port: String,
+}
+
+impl Place {
+    /// `fc:/dev/ttyUSB0/1`
+    fn of(&self, number: u8) -> String {
+        let protocol = match self.protocol {
+            Protocol::Fc => "fc",
+            Protocol::Uss => "uss",
+        };
+        format!("{protocol}:{}/{number}", self.port)
+    }
+
+    /// Whether a user means the drive with this address: by protocol, port and address, or by port and address.
+    fn is(&self, text: &str, number: u8) -> bool {
+        let same = |port: &str| {
+            let real = |port: &str| std::fs::canonicalize(port).ok();
+            port == self.port || real(port).is_some_and(|port| Some(port) == real(&self.port))
+        };
+        match LineAddress::parse(text) {
+            Some(Ok(at)) => {
+                let protocol = match at.protocol {
+                    uss::Protocol::Fc => Protocol::Fc,
+                    uss::Protocol::Uss => Protocol::Uss,
+                };
+                protocol == self.protocol && at.number == number && same(&at.port)
+            }
+            Some(Err(_)) => false,
+            None => text
+                .rsplit_once('/')
+                .is_some_and(|(port, at)| at.parse() == Ok(number) && same(&LineAddress::path(port))),
+        }
+    }
 }
 
 impl Talker for LineUp {
@@ -108,7 +224,10 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
     if let Some(folder) = &args.state {
         state::usable(folder)?;
     }
-    let mut lineup = LineUp { drives: Vec::new() };
+    let mut lineup = LineUp {
+        drives: Vec::new(),
+        ends: Vec::new(),
+    };
     let scribe = Scribe::new(output.clone());
     let start = now();
     for (plan, number) in plans(args, None)?.iter().zip(u16::from(args.line.address)..) {
@@ -135,11 +254,24 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
         line
     };
     let mut line = Some(at(open()?));
+    let bell = Bell::new()
+        .map_err(|error| Failure::new(Exit::Failed, format!("cannot wait for requests: {error}")))?;
+    let mailbox = Mailbox::open(bell);
+    if let Err(failure) = &mailbox {
+        output.warn(&format!(
+            "`profidrive inject` will not reach these drives: {}",
+            failure.message
+        ));
+    }
+    let place = Place {
+        protocol: args.line.protocol,
+        port: name.clone(),
+    };
     output.say(&format!("{} at {name}; Ctrl-C ends", count(lineup.drives.len())));
     let end = args.time.map(|time| start + time);
     let mut next_try = start;
     while !stop.is_stopped() && end.is_none_or(|end| now() < end) {
-        let until = end.unwrap_or(Instant::MAX).min(now() + NAP);
+        let until = end.unwrap_or(Instant::MAX).min(now() + GLANCE);
         match &mut line {
             Some(open) => match open.step(&mut lineup, until) {
                 Err(error @ (SerialError::Gone { .. } | SerialError::Stuck { .. })) => {
@@ -163,6 +295,22 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
                 }
             }
         }
+        while let Some((question, answer)) = mailbox.as_ref().ok().and_then(Mailbox::take) {
+            // whoever asked may be gone
+            let _ = answer.send(match question {
+                Question::Inject(request) => {
+                    let done = lineup.inject(&request, &place, now());
+                    told(&lineup, &request, &done, &place, &scribe, now() - start);
+                    done
+                }
+                Question::Drives(_) => Answer::Drives(Vec::new()),
+            });
+        }
+        for (drive, injection) in lineup.end(now()) {
+            if let Some((keeping, _)) = lineup.drives.get(drive) {
+                scribe.say(keeping, now() - start, Happening::Drive(injection).to_string());
+            }
+        }
         for (keeping, drive) in &mut lineup.drives {
             while let Some(event) = drive.poll_event() {
                 scribe.happened(keeping, now() - start, event);
@@ -171,6 +319,16 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
     }
     scribe.finish();
     Ok(())
+}
+
+/// What was let happen to a drive stands in its protocol.
+fn told(lineup: &LineUp, request: &Request, done: &Answer, place: &Place, scribe: &Scribe, at: Duration) {
+    let Answer::Done { drive, .. } = done else { return };
+    let mut drives = lineup.drives.iter();
+    let meant = drives.find(|(_, station)| place.of(station.number()) == *drive);
+    if let Some((keeping, _)) = meant.filter(|_| !request.happenings.is_empty()) {
+        scribe.say(keeping, at, request.happenings.join(" "));
+    }
 }
 
 /// The slave of a drive, if there is such an address.

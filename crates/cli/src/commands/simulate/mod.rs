@@ -315,26 +315,38 @@ fn inject(request: &Request, runner: &Runner, drives: &mut BTreeMap<StationId, R
         } else {
             "no IP address".into()
         };
-        format!("{} ({}, {ip})", drive.keeping.key, station.mac())
+        let (key, interface) = (&drive.keeping.key, &runner.interface().name);
+        format!(
+            "{key} ({}, {ip}) on {interface}, process {}",
+            station.mac(),
+            std::process::id()
+        )
     });
+    let here = request.from == desk::namespace();
     if request.happenings.is_empty() {
-        return Answer::Done(who);
+        return Answer::Done { drive: who, here };
     }
-    let read = |text: &String| {
-        let happening: Happening = text.parse()?;
-        happening.fits(drive.keeping.model).map(|()| happening)
-    };
-    let happenings: Result<Vec<Happening>, _> = request.happenings.iter().map(read).collect();
-    match happenings {
-        Err(error) => Answer::Refused(error.to_string()),
+    match happenings(request, drive.keeping.model) {
+        Err(why) => Answer::Refused(why),
         Ok(happenings) => {
             let lasts = request.lasts.map(Duration::from_nanos);
             for happening in happenings {
                 drive.line.add(now(), happening, lasts);
             }
-            Answer::Done(drive.keeping.key.clone())
+            let drive = drive.keeping.key.clone();
+            Answer::Done { drive, here }
         }
     }
+}
+
+/// What a request asks for, if it can happen to a drive of this model.
+fn happenings(request: &Request, model: &DriveModel) -> Result<Vec<Happening>, String> {
+    let read = |text: &String| {
+        let happening: Happening = text.parse()?;
+        happening.fits(model).map(|()| happening)
+    };
+    let all: Result<Vec<Happening>, scenario::HappeningError> = request.happenings.iter().map(read).collect();
+    all.map_err(|error| error.to_string())
 }
 
 /// Whether the interface could be opened again; down and not there are no failures.
