@@ -238,7 +238,10 @@ impl<M: Wire> Session<M> {
     }
 
     /// Says whether the caller wants to stop, before something is begun that should not be interrupted.
-    fn glance(&mut self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// When the caller wants to stop ([`interrupt_with`](Self::interrupt_with)).
+    pub fn glance(&mut self) -> Result<(), Error> {
         if !self.stopping && (self.interrupted)() {
             return Err(Error::Interrupted);
         }

@@ -26,6 +26,8 @@ const CYCLE: Duration = Duration::from_millis(16);
 /// STW1: off, run, off with acknowledge.
 const OFF: Stw1 = Stw1(0x047E);
 const ACKNOWLEDGE: Stw1 = Stw1(0x04FE);
+/// How long a drive has for its ramp.
+const STOP: Duration = Duration::from_secs(5);
 /// Tolerance of a speed in percent: slip, and the steps of the words.
 const TOLERANCE: f64 = 3.0;
 
@@ -72,18 +74,18 @@ pub fn play(
     let mut drive = introduce(session, &VLT, show)?;
     settings(session, &mut drive, &VLT, &[], show)?;
     let mut line = Line::connect(session, &drive, &VLT, show)?;
-    show.next();
-    let text = line.ramp_by_pkw()?;
-    show.done(text);
-    line.run(&VLT, show)?;
-    line.alarm(&VLT, vlt, show)?;
-    line.release()?;
+    let result = line.by_pkw(show).and_then(|()| {
+        line.run(&VLT, show)?;
+        line.alarm(&VLT, vlt, show)
+    });
+    line.end(result)?;
     let mut drive = introduce(session, &VACON, show)?;
     settings(session, &mut drive, &VACON, &["ID103=1s"], show)?;
     let mut line = Line::connect(session, &drive, &VACON, show)?;
-    line.run(&VACON, show)?;
-    line.alarm(&VACON, vacon, show)?;
-    line.release()
+    let result = line
+        .run(&VACON, show)
+        .and_then(|()| line.alarm(&VACON, vacon, show));
+    line.end(result)
 }
 
 /// Found by name, known by its identity, read in its own numbers.
@@ -134,6 +136,8 @@ struct Line<'s> {
     pkw: Client,
     sent: u16,
     lost: Option<String>,
+    /// It is ending: nothing interrupts that.
+    ending: bool,
 }
 
 impl<'s> Line<'s> {
@@ -175,17 +179,20 @@ impl<'s> Line<'s> {
             pkw: Client::new(PkwDialect::DANFOSS_PPO, ClientTiming::CYCLIC),
             sent: 0,
             lost: None,
+            ending: false,
         };
         let mut ready = 0;
-        line.until("connected", Duration::from_secs(5), |line, event| {
+        let connected = line.until("connected", Duration::from_secs(5), |line, event| {
             match event {
                 Some(Event::Connected { .. }) => line.output(OFF, 0),
                 Some(Event::Ready { .. } | Event::Running { .. }) => ready += 1,
                 _ => {}
             }
             ready == 2
-        })?;
-        line.pass(5 * CYCLE)?;
+        });
+        if let Err(error) = connected.and_then(|()| line.pass(5 * CYCLE)) {
+            return Err(line.end(Err(error)).err().unwrap_or(Error::Interrupted));
+        }
         show.tell(&format!(
             "connected with telegram {}, {} octets each way, words of {}",
             act.telegram,
@@ -237,6 +244,9 @@ impl<'s> Line<'s> {
     ) -> Result<(), Error> {
         let end = self.session.medium().now() + limit;
         loop {
+            if !self.ending {
+                self.session.glance()?;
+            }
             let now = self.session.medium().now();
             let next = end.min(now + CYCLE);
             let stepped = self.session.medium_mut().step(&mut self.controller, next);
@@ -298,6 +308,13 @@ impl<'s> Line<'s> {
             },
         )?;
         outcome.ok_or_else(|| malformed(self.name, "no outcome".into()))
+    }
+
+    fn by_pkw(&mut self, show: &mut Show) -> Result<(), Error> {
+        show.next();
+        let text = self.ramp_by_pkw()?;
+        show.done(text);
+        Ok(())
     }
 
     /// Reads the ramp, writes it, and asks for a parameter that is not there.
@@ -397,6 +414,20 @@ impl<'s> Line<'s> {
             format!("{text}; reset"),
             "the motor still runs after the reset",
         )
+    }
+
+    /// Closes the connection; what ended early is brought to rest first.
+    fn end(mut self, result: Result<(), Error>) -> Result<(), Error> {
+        self.ending = true;
+        if result.is_err() {
+            self.output(OFF, 0);
+            // what cannot be told any more stops by its watchdog
+            let _ = self.until("standstill", STOP, |line, _| {
+                let speed = line.input().and_then(|data| line.half().speed(data));
+                !line.zsw1().has(Zsw1::READY_TO_OPERATE) && speed.unwrap_or(0) == 0
+            });
+        }
+        result.and(self.release())
     }
 
     fn release(mut self) -> Result<(), Error> {

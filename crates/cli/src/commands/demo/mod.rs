@@ -94,7 +94,16 @@ struct Show {
 }
 
 pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
-    let (mut session, [akd, vlt, vacon]) = stage(args)?;
+    let (mut session, stations) = stage(args)?;
+    show(args, &mut session, stations, output)
+}
+
+fn show(
+    args: &Demo,
+    session: &mut Session<SegmentMedium>,
+    [akd, vlt, vacon]: [StationId; 3],
+    output: &Output,
+) -> Result<(), Failure> {
     let view = LiveView::new(output.clone(), "demo");
     let mut show = Show {
         output: output.clone(),
@@ -103,9 +112,10 @@ pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
         steps: Vec::new(),
     };
     output.say("an in-memory Ethernet segment with a virtual AKD, a VLT, a Vacon and a controller");
-    let result = play(&mut session, akd, &mut show)
-        .and_then(|()| converters::play(&mut session, [vlt, vacon], &mut show));
+    let result =
+        play(session, akd, &mut show).and_then(|()| converters::play(session, [vlt, vacon], &mut show));
     let closed = session.close();
+    let interrupted = matches!(result, Err(Error::Interrupted));
     let taps = session.medium_mut().segment_mut().finish_taps();
     if let Err(error) = result.or(closed) {
         let what = PROMISES.get(show.steps.len()).copied().unwrap_or("close");
@@ -122,6 +132,10 @@ pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
             path.display(),
             path.display()
         ));
+    }
+    if interrupted {
+        let message = "stopped by Ctrl-C or a signal; every axis was brought to rest";
+        return Err(Failure::new(Exit::Failed, message));
     }
     match show
         .steps
@@ -531,5 +545,40 @@ mod tests {
             fast: true,
         };
         assert_eq!(run(&args, &Output::new(true, true)), Ok(()));
+    }
+
+    #[test]
+    fn wherever_it_is_stopped_every_axis_stands_and_every_connection_is_closed() {
+        let args = Demo {
+            pcap: None,
+            fast: true,
+        };
+        for looks in [10, 100, 300, 500, 700, 900, 1100, 1300, 1500, 1700] {
+            let (mut session, stations) = stage(&args).unwrap();
+            let left = Cell::new(looks);
+            session.interrupt_with(move || {
+                left.set(left.get() - 1);
+                left.get() < 0
+            });
+            let Err(failure) = show(&args, &mut session, stations, &Output::new(true, true)) else {
+                panic!("{looks} looks are all");
+            };
+            assert!(
+                failure.message.starts_with("stopped by Ctrl-C"),
+                "{looks}: {failure:?}"
+            );
+            for id in stations {
+                let host = session.medium().segment().station::<Host<Station>>(id).unwrap();
+                let station = host.endpoint();
+                let speed = station.drive().axis().measured_speed();
+                // a fault leaves the motor to its friction
+                let coasts = station.drive().has_fault();
+                assert!(coasts || speed.abs() < 1.0, "{looks}: it turns at {speed} rpm");
+                assert!(
+                    !station.drive().is_enabled() && !station.device().is_exchanging(),
+                    "{looks}"
+                );
+            }
+        }
     }
 }
