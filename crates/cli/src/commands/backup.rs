@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use drive_client::Refusal;
 use drive_client::backup::{Backup, MAX_TEXT, Task, TasksTold};
 use network::files::StateFile;
 use serde_json::{Map, Value};
@@ -42,8 +43,9 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     bar.finish_and_clear();
     let backup = backup?;
     session.close()?;
-    let text = backup.to_string();
     let label = drive.label();
+    told_something(&backup, &label)?;
+    let text = backup.to_string();
     if let Some(path) = &args.output {
         let same = old.as_deref() == Some(text.as_bytes());
         if !same {
@@ -57,8 +59,12 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
             (TasksTold::All, count) => format!(" and {count} motion tasks"),
             _ => String::new(),
         };
+        let missing = match backup.refused().len() {
+            0 => String::new(),
+            refused => format!(" (of {}, {refused} were refused)", count + refused),
+        };
         output.say(&format!(
-            "{count} settings{tasks} of {label} in {}{unchanged}",
+            "{count} settings{missing}{tasks} of {label} in {}{unchanged}",
             path.display()
         ));
     }
@@ -68,8 +74,9 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     let refused = backup.refused();
     if !refused.is_empty() {
         output.warn(&format!(
-            "{label} refused to tell {} of its settings; they stand in the backup as comments",
-            refused.len()
+            "the backup is not whole: {label} refused to tell {}: {}; they stand in it as comments and are not restored",
+            settings(refused.len()),
+            reasons(refused)
         ));
     }
     if output.json() {
@@ -89,6 +96,54 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     }
     Ok(())
 }
+
+/// A backup without a value is none.
+fn told_something(backup: &Backup, drive: &str) -> Result<(), Failure> {
+    if !backup.readings().is_empty() || backup.task_count() > 0 {
+        return Ok(());
+    }
+    let refused = backup.refused();
+    let why = if refused.is_empty() {
+        "it has no settings that can be listed".to_owned()
+    } else {
+        format!("it refused {}: {}", settings(refused.len()), reasons(refused))
+    };
+    let message = format!("{drive} told none of its settings, nothing is written: {why}");
+    Err(Failure::new(Exit::Difference, message).hint(
+        "is it the model that was taken? `profidrive info DRIVE` tells, --model forces another; another tool may hold the parameter channel",
+    ))
+}
+
+fn settings(count: usize) -> String {
+    match count {
+        1 => "1 setting".to_owned(),
+        _ => format!("{count} settings"),
+    }
+}
+
+/// Why settings were refused, each reason with who it was of, the first few by name.
+fn reasons(refused: &[Refusal]) -> String {
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for refusal in refused {
+        let words = refusal.words();
+        let name = refusal
+            .name
+            .map_or_else(|| refusal.shown.to_string(), str::to_owned);
+        match reasons.iter_mut().find(|(known, _)| *known == words) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((words, vec![name])),
+        }
+    }
+    let told = reasons.iter().map(|(words, names)| {
+        let first = names.get(..names.len().min(MOST_NAMED)).unwrap_or_default();
+        let more = if first.len() < names.len() { ", .." } else { "" };
+        format!("{}{more} ({words})", first.join(", "))
+    });
+    told.collect::<Vec<_>>().join("; ")
+}
+
+/// Most names for one reason.
+const MOST_NAMED: usize = 3;
 
 /// The motion tasks, in their order; none where they are left out.
 fn tasks_json(backup: &Backup) -> Option<Vec<Value>> {

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use drive_client::backup::{Backup, Side, TasksTold, compare, compare_tasks};
+use drive_client::backup::{Backup, Difference, Side, TasksTold, compare, compare_tasks};
+use drive_client::parameter::Reading;
 use drive_client::{Drive, DriveAddress, Refusal};
+use profidrive::catalogue::Role;
 use profidrive::parameter::ErrorNumber;
 use serde_json::{Map, Value};
 
@@ -73,6 +75,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
                 let mut fields = one.reading().map_or_else(Map::new, |reading| {
                     fields! { "pnu": reading.pnu, "index": reading.index, "name": reading.name }
                 });
+                fields.insert("connection".into(), of_connection(one, &left).into());
                 fields.insert("left".into(), side_json(&one.left));
                 fields.insert("right".into(), side_json(&one.right));
                 Value::Object(fields)
@@ -92,25 +95,8 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
             fields! { "left": args.left.as_str(), "right": args.right.as_str(), "differences": list,
             "tasks": tasks },
         );
-    } else if !differences.is_empty() {
-        let mut table = Table::new(&["name", "number", ">left", ">right", "unit", "meaning"]);
-        for one in &differences {
-            let Some(reading) = one.reading() else { continue };
-            let meaning = [&one.left, &one.right].map(meaning);
-            let meaning = match meaning {
-                [left, right] if left.is_empty() && right.is_empty() => String::new(),
-                [left, right] => format!("{left} / {right}"),
-            };
-            table.row([
-                reading.name.unwrap_or_default().to_owned(),
-                reading.shown().to_string(),
-                side(&one.left),
-                side(&one.right),
-                reading.unit.to_owned(),
-                meaning,
-            ]);
-        }
-        for line in table.lines() {
+    } else {
+        for line in rows(&differences, &left, &right).lines() {
             output.line(&line);
         }
     }
@@ -128,10 +114,89 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         }
         count => {
             let plural = if count == 1 { "" } else { "s" };
-            output.say(&format!("{count} difference{plural}"));
+            let connection = differences.iter().filter(|one| of_connection(one, &left)).count();
+            let of_it = match connection {
+                0 => String::new(),
+                _ if connection == count => ", of the connection only".to_owned(),
+                _ => format!(", {connection} of them of the connection"),
+            };
+            output.say(&format!("{count} difference{plural}{of_it}"));
             Err(Failure::told(Exit::Difference))
         }
     }
+}
+
+/// One line for each difference; those of the connection last, an array of them in one line.
+fn rows(differences: &[Difference], left: &Backup, right: &Backup) -> Table {
+    let mut table = Table::new(&["name", "number", ">left", ">right", "unit", "meaning"]);
+    let (connection, settings): (Vec<&Difference>, Vec<&Difference>) =
+        differences.iter().partition(|one| of_connection(one, left));
+    for one in settings {
+        table.row(row(one));
+    }
+    let pnu = |one: &&Difference| one.reading().map(|reading| reading.pnu);
+    for group in connection.chunk_by(|a, b| pnu(a) == pnu(b)) {
+        match group {
+            [first, .., last] => table.row(folded(first, last, left, right)),
+            [one] => table.row(row(one)),
+            [] => {}
+        }
+    }
+    table
+}
+
+fn row(one: &Difference) -> [String; 6] {
+    let Some(reading) = one.reading() else {
+        return Default::default();
+    };
+    let meaning = match [&one.left, &one.right].map(meaning) {
+        [left, right] if left.is_empty() && right.is_empty() => String::new(),
+        [left, right] => format!("{left} / {right}"),
+    };
+    let ([mut first, mut second], unit) = value::pair(given(&one.left), given(&one.right));
+    for (text, side) in [(&mut first, &one.left), (&mut second, &one.right)] {
+        if given(side).is_none() {
+            *text = absent(side);
+        }
+    }
+    [
+        reading.name.unwrap_or_default().to_owned(),
+        reading.shown().to_string(),
+        first,
+        second,
+        unit,
+        meaning,
+    ]
+}
+
+/// The elements of one array from the first that differs to the last, as both sides have them.
+fn folded(first: &Difference, last: &Difference, left: &Backup, right: &Backup) -> [String; 6] {
+    let Some((first, last)) = first.reading().zip(last.reading()) else {
+        return Default::default();
+    };
+    let (from, to) = (first.index.unwrap_or(0), last.index.unwrap_or(0));
+    let elements = |backup: &Backup| -> String {
+        let values = (from..=to).map(|index| {
+            let reading = backup.reading(first.pnu, Some(index));
+            reading.map_or_else(|| "-".to_owned(), value::value)
+        });
+        values.collect::<Vec<_>>().join(" ")
+    };
+    [
+        first.name.unwrap_or_default().to_owned(),
+        format!("{}..{to}]", first.shown().to_string().trim_end_matches(']')),
+        elements(left),
+        elements(right),
+        first.unit.to_owned(),
+        "of the connection".to_owned(),
+    ]
+}
+
+/// What the controller decides by connecting: telegram, mapping, command source, address.
+fn of_connection(one: &Difference, backup: &Backup) -> bool {
+    one.reading().is_some_and(|reading| {
+        drive_client::backup::rule(backup.parameters(), reading.pnu, reading.index).role == Role::Network
+    })
 }
 
 /// The file, where there is one of this name or the text is a path; `None` for a drive.
@@ -195,11 +260,19 @@ fn fits(file: &Backup, drive: &Drive) -> Result<(), Failure> {
     }
 }
 
-fn side(side: &Side) -> String {
+const fn given(side: &Side) -> Option<&Reading> {
+    match side {
+        Side::Value(reading) => Some(reading),
+        Side::Missing | Side::Refused(_) => None,
+    }
+}
+
+/// What stands where there is no value.
+fn absent(side: &Side) -> String {
     match side {
         Side::Missing => "(missing)".into(),
         Side::Refused(Refusal { number, .. }) => format!("({})", short(*number)),
-        Side::Value(reading) => value::value(reading),
+        Side::Value(_) => String::new(),
     }
 }
 
@@ -219,5 +292,38 @@ fn side_json(side: &Side) -> Value {
         Side::Missing => Value::Null,
         Side::Refused(refusal) => Value::Object(refusal_json(refusal)),
         Side::Value(reading) => value::json(reading),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn backup(lines: &str) -> Backup {
+        let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n";
+        Backup::parse(&format!("{head}{lines}\n")).unwrap()
+    }
+
+    #[test]
+    fn the_connection_is_one_line_for_each_array_and_comes_last() {
+        let left = backup("p915[0] = 1\np915[1] = 5\np915[2] = 0\np922 = 1\np2108 = 3000 rpm/s");
+        let right =
+            backup("p915[0] = 1\np915[1] = 104\np915[2] = 28\np922 = 9\np2108 = 50 rps/s\np2115 = 1 rps/s");
+        let right = Backup::parse(&right.to_string().replace("50 rps/s", "4000 rpm/s")).unwrap();
+        let found = rows(&compare(&left, &right), &left, &right).lines();
+        let text = found.join("\n");
+        assert_eq!(found.len(), 5, "{text}");
+        let words: Vec<Vec<&str>> = found
+            .iter()
+            .map(|line| line.split_whitespace().collect())
+            .collect();
+        assert_eq!(words[1][..4], ["DRV.ACC", "p2108", "3000", "3000"], "{text}");
+        assert!(words[2].contains(&"(missing)"), "{text}");
+        assert!(
+            found[3].contains("p0915[1..2]") && found[3].contains("5 0") && found[3].contains("104 28"),
+            "{text}"
+        );
+        assert!(found[4].contains("p0922"), "{text}");
     }
 }

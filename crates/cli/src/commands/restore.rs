@@ -84,7 +84,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
             output.document("restore", document(&drive, args, &Journal::new(&plan), None));
         }
         output.say("dry run: nothing was written");
-        return Ok(());
+        return refused(&plan, &drive);
     }
     let mut journal = Journal::new(&plan);
     let result = carry_out(
@@ -164,13 +164,14 @@ fn show(plan: &Plan, output: &Output) {
         let limits = change
             .limits
             .map(|(low, high)| format!("{} to {}", number(low), number(high)));
+        let ([old, new], unit) = value::pair(Some(&change.old), Some(&change.new));
         table.row([
             change.new.name.unwrap_or_default().to_owned(),
             change.new.shown().to_string(),
-            value::value(&change.old),
+            old,
             "->".to_owned(),
-            value::value(&change.new),
-            change.new.unit.to_owned(),
+            new,
+            unit,
             limits.unwrap_or_default(),
             kept(change).to_owned(),
         ]);
@@ -180,10 +181,11 @@ fn show(plan: &Plan, output: &Output) {
             output.line(&line);
         }
     }
+    let after = plan.parameters_after();
     for change in &plan.tasks {
         output.line(&format!("MT[{}]", change.number));
         output.line(&format!("  old  {}", change.old.text(plan.parameters())));
-        output.line(&format!("  new  {}", change.new.text(plan.parameters())));
+        output.line(&format!("  new  {}", change.new.text(&after)));
     }
     for skipped in plan.tasks_skipped.iter().filter(|one| one.why != Skip::Same) {
         output.line(&format!("MT[{}] left out: {}", skipped.number, skipped.why));
@@ -203,8 +205,12 @@ fn show(plan: &Plan, output: &Output) {
             output.line(&line);
         }
     }
+    let refused = match plan.refused() {
+        0 => String::new(),
+        count => format!(" ({count} of them the drive cannot have)"),
+    };
     output.say(&format!(
-        "{} to write, {} same, {} left out",
+        "{} to write, {} same, {} left out{refused}",
         plan.changes.len() + plan.tasks.len(),
         plan.same(),
         plan.left_out()
@@ -241,6 +247,9 @@ fn left_out_row(first: &Skipped, rest: &[&Skipped]) -> [String; 5] {
         first.why.to_string(),
     ]
 }
+
+/// Most names in a message.
+const MOST_NAMED: usize = 4;
 
 const fn kept(change: &Change) -> &'static str {
     match change.saved {
@@ -363,7 +372,43 @@ fn ended(journal: &Journal, drive: &Drive, args: &Args) -> Result<(), Failure> {
         return Err(Failure::new(Exit::Difference, message)
             .hint("the drive may round, limit or change values by itself"));
     }
-    Ok(())
+    self::refused(journal.plan(), drive)
+}
+
+/// A file of which the drive cannot have everything is not restored, whatever else was.
+fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
+    let mut missing = Vec::new();
+    match plan.refused() {
+        0 => {}
+        1 => missing.push("1 value of the file cannot be written".to_owned()),
+        count => missing.push(format!("{count} values of the file cannot be written")),
+    }
+    if let Some(why) = &plan.tasks_left_out {
+        missing.push(format!("the motion tasks are left out ({why})"));
+    }
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<&str> = plan
+        .skipped
+        .iter()
+        .filter(|skipped| skipped.why.is_refusal())
+        .filter_map(|skipped| skipped.reading.name)
+        .take(MOST_NAMED)
+        .collect();
+    let named = match names.len() {
+        0 => String::new(),
+        count if count < plan.refused() => format!(" ({}, ..)", names.join(", ")),
+        _ => format!(" ({})", names.join(", ")),
+    };
+    let message = format!(
+        "{} is not as the file says: {}{named}",
+        drive.label(),
+        missing.join("; ")
+    );
+    Err(Failure::new(Exit::Difference, message).hint(
+        "the lines `left out` say why; take them out of the file, or choose with --only, where that is meant",
+    ))
 }
 
 fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) -> Map<String, Value> {
@@ -400,7 +445,7 @@ fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) 
         .skipped
         .iter()
         .map(|one| {
-            let mut fields = fields! { "why": one.why.to_string() };
+            let mut fields = fields! { "why": one.why.to_string(), "refused": one.why.is_refusal() };
             fields.insert("file".into(), value::json(&one.reading));
             Value::Object(fields)
         })

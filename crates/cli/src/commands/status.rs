@@ -19,7 +19,7 @@ use crate::render::{hex16, words};
 pub struct Status {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
-    /// Only the sentence
+    /// Only the sentence, and what else stands in the way
     #[arg(long)]
     pub short: bool,
 }
@@ -41,6 +41,12 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
         output.line(&output.paint(colour, &sentence));
         if let Some(next) = &diagnosis.next {
             output.line(&format!("  next: {}", clean(next)));
+        }
+        for note in &diagnosis.notes {
+            output.line(&output.paint(Colour::Warning, &format!("  also: {}", clean(&note.sentence))));
+            if let Some(next) = &note.next {
+                output.line(&format!("    next: {}", clean(next)));
+            }
         }
         if !args.short {
             for line in lines(&status, drive.model.catalogue) {
@@ -113,6 +119,7 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
             .filter(|&sources| sources != 0)
             .map(|sources| bits_of(tables, Part::MotionDisableSources, sources)),
     );
+    line("DC bus", status.bus_voltage.map(|volts| format!("{volts:.0} V")));
     line("limits", limits(status));
     if mode == Mode::Position {
         line("homed", status.zsw1.map(homed));
@@ -211,6 +218,15 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
         .iter()
         .map(|warning| entry(warning.number, warning.meaning, warning.remedy))
         .collect();
+    let notes: Vec<Value> = diagnosis
+        .notes
+        .iter()
+        .map(|note| {
+            Value::Object(
+                fields! { "cause": note.id, "sentence": note.sentence.as_str(), "next": note.next.as_deref() },
+            )
+        })
+        .collect();
     let mut fields = fields! {
         "drive": status.drive.as_str(), "verdict": diagnosis.verdict.to_string(), "cause": diagnosis.cause.id(),
         "sentence": diagnosis.sentence.as_str(), "next": diagnosis.next.as_deref(),
@@ -221,7 +237,7 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
         "negative_switch": status.negative_switch, "positive_switch": status.positive_switch,
         "software_limits": status.software_limits, "speed_set": status.speed_set,
         "speed_actual": status.speed_actual, "position": status.position,
-        "following_error": status.following_error,
+        "following_error": status.following_error, "bus_voltage": status.bus_voltage, "notes": notes,
         "faults": faults, "warnings": warnings,
     };
     if let Some(controller) = &status.controller {

@@ -19,6 +19,25 @@ pub fn value(reading: &Reading) -> String {
     }
 }
 
+/// Two values beside each other, and the unit of both; where they have two, each value has its own and none is left.
+pub fn pair(left: Option<&Reading>, right: Option<&Reading>) -> ([String; 2], String) {
+    let units = [left, right].map(|one| one.map(|reading| reading.unit));
+    let text = |one: Option<&Reading>| one.map_or_else(String::new, value);
+    match units {
+        [Some(a), Some(b)] if a != b => {
+            let both = [left, right].map(|one| {
+                let unit = one.map_or("", |reading| reading.unit);
+                format!("{} {unit}", text(one)).trim_end().to_owned()
+            });
+            (both, String::new())
+        }
+        [one, other] => {
+            let unit = one.or(other).unwrap_or_default();
+            ([text(left), text(right)], unit.to_owned())
+        }
+    }
+}
+
 /// Value with unit and, where there are any, words: `1 (velocity)`, `0x0231 [READY_ON, CTRL_REQ]`.
 pub fn full(reading: &Reading) -> String {
     let mut text = value(reading);

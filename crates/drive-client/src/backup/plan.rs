@@ -28,7 +28,7 @@ pub struct Change {
     pub old: Reading,
     /// The value it shall have.
     pub new: Reading,
-    /// Lowest and highest value in the unit, where there are tables.
+    /// Lowest and highest value in the unit of the new one, where there are tables.
     pub limits: Option<(f64, f64)>,
     /// Whether the drive keeps it when it is switched off, where known.
     pub saved: Option<bool>,
@@ -123,6 +123,17 @@ impl std::fmt::Display for Skip {
     }
 }
 
+impl Skip {
+    /// True where the file asks for something that the drive cannot have; everything else is left out by rule or wish.
+    #[must_use]
+    pub const fn is_refusal(&self) -> bool {
+        matches!(
+            self,
+            Self::ReadOnly | Self::Unreadable(_) | Self::Size { .. } | Self::Limits { .. }
+        )
+    }
+}
+
 /// A value of the file that is not written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skipped {
@@ -167,6 +178,8 @@ pub struct Plan {
     pub tasks_left_out: Option<String>,
     /// Tables and scaling of the drive as they are now.
     pub(crate) parameters: Parameters,
+    /// Its scaling once the plan is done.
+    after: Scaling,
     /// The drive now.
     pub(crate) header: Header,
 }
@@ -183,6 +196,7 @@ impl Plan {
             tasks_skipped: Vec::new(),
             tasks_left_out: None,
             parameters: *present.parameters(),
+            after: present.parameters().scaling,
             header: present.header.clone(),
         };
         let chosen: Vec<&Reading> = wanted
@@ -218,6 +232,7 @@ impl Plan {
             .sort_by_key(|change| (change.phase, change.new.pnu, change.new.index));
         plan.skipped
             .sort_by_key(|skipped| (skipped.reading.pnu, skipped.reading.index));
+        plan.after = scaling;
         plan.plan_tasks(wanted, present, choice, scaling);
         plan
     }
@@ -280,6 +295,15 @@ impl Plan {
         &self.parameters
     }
 
+    /// Tables and scaling as they will be when the plan is done: what the new values are in.
+    #[must_use]
+    pub fn parameters_after(&self) -> Parameters {
+        Parameters {
+            scaling: self.after,
+            ..self.parameters
+        }
+    }
+
     /// True when nothing of the file fits what was chosen.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
@@ -299,12 +323,18 @@ impl Plan {
     /// How many values and motion tasks are left out for a reason other than that they are the same.
     #[must_use]
     pub fn left_out(&self) -> usize {
-        self.skipped
-            .iter()
-            .map(|skipped| &skipped.why)
-            .chain(self.tasks_skipped.iter().map(|skipped| &skipped.why))
-            .filter(|why| **why != Skip::Same)
-            .count()
+        self.reasons().filter(|why| **why != Skip::Same).count()
+    }
+
+    /// How many values and motion tasks of the file the drive cannot have.
+    #[must_use]
+    pub fn refused(&self) -> usize {
+        self.reasons().filter(|why| why.is_refusal()).count()
+    }
+
+    fn reasons(&self) -> impl Iterator<Item = &Skip> {
+        let tasks = self.tasks_skipped.iter().map(|skipped| &skipped.why);
+        self.skipped.iter().map(|skipped| &skipped.why).chain(tasks)
     }
 }
 
@@ -335,7 +365,11 @@ fn decide(
     }
     let selection = selection(now, reading);
     if selection.writable() == Some(false) {
-        return Err(Skip::ReadOnly);
+        return Err(if unchanged(wanted, present, reading) {
+            Skip::Same
+        } else {
+            Skip::ReadOnly
+        });
     }
     let Some(old) = present.reading(reading.pnu, reading.index) else {
         let refused = present.refused().iter().find(|refusal| {
@@ -375,7 +409,13 @@ fn decide(
     Ok(Change {
         old: old.clone(),
         new,
-        limits: selection.parameter.map(|parameter| now.limits(parameter)),
+        limits: selection.parameter.map(|parameter| {
+            let here = Parameters {
+                scaling: *scaling,
+                ..*now
+            };
+            here.limits(parameter)
+        }),
         saved,
         phase: rule.phase,
     })

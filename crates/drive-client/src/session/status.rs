@@ -18,7 +18,7 @@ const MODE: u16 = 930;
 /// What every drive is asked by number.
 const PROFILE: [u16; 4] = [TELEGRAM, SETPOINT_SIGNALS, ACTUAL_SIGNALS, MODE];
 /// What it is asked by what it is.
-const PARTS: [Part; 17] = [
+const PARTS: [Part; 21] = [
     Part::ControlWord,
     Part::StatusWord,
     Part::SpeedSetpoint,
@@ -36,6 +36,10 @@ const PARTS: [Part; 17] = [
     Part::Speed,
     Part::MotionDisableSources,
     Part::Current,
+    Part::BusVoltage,
+    Part::BusLowest,
+    Part::Brake,
+    Part::BrakeReleased,
 ];
 
 impl<M: Wire> Session<M> {
@@ -95,6 +99,10 @@ impl<M: Wire> Session<M> {
             negative_switch: told.flag(Part::NegativeSwitch),
             positive_switch: told.flag(Part::PositiveSwitch),
             software_limits: told.word(Part::SoftwareLimitState),
+            bus_voltage: told.number(Part::BusVoltage),
+            bus_lowest: told.number(Part::BusLowest),
+            brake_fitted: told.flag(Part::Brake),
+            brake_released: told.flag(Part::BrakeReleased),
             faults,
             warnings,
             speed_set: told

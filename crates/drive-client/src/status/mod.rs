@@ -1,5 +1,7 @@
 //! How a drive is, and in one sentence why it does not run.
 
+mod makes;
+mod notes;
 mod rules;
 
 use std::fmt;
@@ -8,6 +10,7 @@ use profidrive::state::{Mode, Profile, State, Stw1, Zsw1};
 
 use crate::{FaultEntry, WarningEntry};
 
+pub use notes::Note;
 pub use rules::Cause;
 
 /// Everything that decides whether an axis runs; `None` where the drive does not tell.
@@ -56,6 +59,14 @@ pub struct DriveStatus {
     pub positive_switch: Option<bool>,
     /// SWLS.STATE: bits 0 and 1 for the two software limits.
     pub software_limits: Option<u16>,
+    /// Voltage of the DC bus, V.
+    pub bus_voltage: Option<f64>,
+    /// The voltage below which the drive does not run, V.
+    pub bus_lowest: Option<f64>,
+    /// A holding brake is fitted, and applied while the power stage is off.
+    pub brake_fitted: Option<bool>,
+    /// The brake is released by hand.
+    pub brake_released: Option<bool>,
     /// Faults that wait to be acknowledged, first one first.
     pub faults: Vec<FaultEntry>,
     /// Warnings that are present.
@@ -102,6 +113,8 @@ pub struct Diagnosis {
     pub sentence: String,
     /// What to do next, where something is to be done.
     pub next: Option<String>,
+    /// What else stands in the way, or is about to.
+    pub notes: Vec<Note>,
 }
 
 /// The one cause that matters most.
@@ -151,6 +164,21 @@ impl DriveStatus {
             Some(Some(name)) if !name.is_empty() => format!("controller \"{name}\""),
             Some(None) => "nobody".into(),
             _ => "the controller".into(),
+        }
+    }
+
+    /// The power stage is off, by the state that the drive tells.
+    fn unpowered(&self) -> bool {
+        self.zsw1.is_some() && !self.state().is_some_and(State::pulses)
+    }
+
+    /// ` (STW1 bit 1 is 0)`; where the words have other bits, the word itself and whose it is.
+    fn bit_is_0(&self, bit: u8) -> String {
+        match self.control_word {
+            Some(word) if self.profile != Profile::Profidrive => {
+                format!("(control word 0x{word:04X}, {})", self.profile.name())
+            }
+            _ => format!("(STW1 bit {bit} is 0)"),
         }
     }
 

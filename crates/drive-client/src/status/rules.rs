@@ -2,7 +2,7 @@
 
 use profidrive::state::{State, Stw1, Zsw1};
 
-use super::{Diagnosis, DriveStatus, Verdict};
+use super::{Diagnosis, DriveStatus, Verdict, makes, notes};
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
@@ -14,6 +14,8 @@ const OTHER_SOURCES: u16 = !(1 | 1 << 1 | HARDWARE_DISABLE | CONTROLLED_STOP);
 const HOMING: u32 = 1 << 3;
 const HOMING_ERROR: u32 = 1 << 4;
 const NOT_STARTED: u32 = 1 << 10;
+/// Without this voltage on its DC bus no drive runs, whatever its own limit is.
+const NO_VOLTAGE: f64 = 50.0;
 
 macro_rules! causes {
     ($($(#[$doc:meta])* $name:ident = $id:literal, $verdict:ident, $applies:expr, $sentence:expr, $next:expr;)*) => {
@@ -37,7 +39,7 @@ macro_rules! causes {
             }
         }
 
-        const RULES: &[Rule] = &[$(Rule {
+        pub(super) const RULES: &[Rule] = &[$(Rule {
             cause: Cause::$name,
             verdict: Verdict::$verdict,
             applies: $applies,
@@ -47,20 +49,21 @@ macro_rules! causes {
     };
 }
 
-struct Rule {
-    cause: Cause,
+pub(super) struct Rule {
+    pub cause: Cause,
     verdict: Verdict,
-    applies: fn(&DriveStatus) -> bool,
-    sentence: fn(&DriveStatus) -> String,
-    /// What to do; `DRIVE` stands for the drive, empty where nothing is to be done.
-    next: &'static str,
+    pub applies: fn(&DriveStatus) -> bool,
+    pub sentence: fn(&DriveStatus) -> String,
+    /// What to do, of whatever make the drive is; `DRIVE` stands for the drive, empty where nothing is to be done. What
+    /// names parameters is in the table of the makes.
+    pub next: &'static str,
 }
 
 causes! {
     /// The status word cannot be read.
     Silent = "silent", Held,
         |s| s.zsw1.is_none(),
-        |_| "the drive does not tell its status word (PNU 2)".into(),
+        |_| "the drive does not tell its status word".into(),
         "`profidrive info DRIVE` shows what it tells";
     /// ZSW1 bit 3.
     Fault = "fault", Held,
@@ -69,9 +72,24 @@ causes! {
         "remove the cause, then `profidrive ack DRIVE`, or acknowledge from its controller (STW1 bit 7)";
     /// Safe torque off.
     Sto = "sto", Held,
-        |s| s.torque_allowed == Some(false),
-        |_| "safe torque off: the STO input is open (STO.STATE is 0)".into(),
+        |s| s.torque_allowed == Some(false) || makes::warned(s, Cause::Sto).is_some(),
+        |s| match makes::warned(s, Cause::Sto) {
+            Some(warning) if s.torque_allowed.is_none() => format!("safe torque off is active: {}", notes::told(warning)),
+            _ => "safe torque off: the STO input is open (STO.STATE is 0)".into(),
+        },
         "close the safety circuit";
+    /// The DC bus has too little voltage.
+    NoPower = "no-power", Held,
+        |s| !s.has(Zsw1::OPERATION_ENABLED) && (bus_is_low(s) || makes::warned(s, Cause::NoPower).is_some()),
+        |s| match (s.bus_voltage, s.bus_lowest, makes::warned(s, Cause::NoPower)) {
+            (Some(volts), Some(least), _) if bus_is_low(s) && least > 0.0 => format!(
+                "its DC bus has {volts:.0} V, it needs {least:.0} V: mains are off, missing a phase or too low"
+            ),
+            (Some(volts), ..) if bus_is_low(s) => format!("its DC bus has {volts:.0} V: mains are off or missing"),
+            (_, _, Some(warning)) => format!("its DC bus has too little voltage: {}", notes::told(warning)),
+            _ => "its DC bus has too little voltage".into(),
+        },
+        "switch the mains on; check contactor, fuses and supply";
     /// The hardware enable is missing.
     HardwareDisable = "hardware-disable", Held,
         |s| sources(s) & HARDWARE_DISABLE != 0,
@@ -81,12 +99,12 @@ causes! {
     ControlledStop = "controlled-stop", Held,
         |s| sources(s) & CONTROLLED_STOP != 0,
         |_| "a digital input commands a controlled stop (DRV.DISSOURCES bit 5)".into(),
-        "release that input: `profidrive list DRIVE --filter DIN --values` shows which";
+        "release that input";
     /// Something else of the drive keeps the power stage off.
     DisableSource = "disable-source", Held,
         |s| sources(s) & OTHER_SOURCES != 0,
         |s| format!("the drive keeps its power stage off (DRV.DISSOURCES is 0x{:04X})", sources(s)),
-        "`profidrive read DRIVE DRV.DISSOURCES` names the bits";
+        "remove what keeps it off";
     /// DRV.CMDSOURCE is not the field bus. Motion tasks come through the service channel, so position mode has it too. A
     /// controller that connects sets it by its telegram: without one it holds nothing.
     CommandSource = "command-source", Held,
@@ -97,7 +115,7 @@ causes! {
             s.command_source.unwrap_or_default(),
             s.command_source_text.map_or_else(String::new, |text| format!(", {text}")),
         ),
-        "`profidrive write DRIVE DRV.CMDSOURCE=1` while it is disabled";
+        "let it take its setpoints from the field bus";
     /// ZSW1 bit 9.
     LocalOperation = "local-operation", Held,
         |s| !s.has(Zsw1::CONTROL_REQUESTED),
@@ -116,28 +134,33 @@ causes! {
         |s| s.controller == Some(None) && !turns(s),
         |s| format!("nobody commands it: no controller is connected{}", stands_in(s)),
         "start the controller, or take the axis with `profidrive run`, `move` or `jog`";
+    /// Nobody is connected, its power stage is off, and it turns.
+    MovedFromOutside = "moved-from-outside", Held,
+        |s| s.controller == Some(None) && s.unpowered(),
+        moved,
+        MOVED_NEXT;
     /// Nobody is connected, and it turns.
     TurnsAlone = "turns-alone", Held,
         |s| s.controller == Some(None),
         |s| format!(
-            "it turns at {:.1} rpm though no controller is connected: its service channel moves it, or the load",
+            "it turns at {:.1} rpm though no controller is connected: it is commanded at the drive itself",
             s.speed_actual.unwrap_or_default()
         ),
-        "`profidrive stop DRIVE`";
+        "stop it where it is commanded: panel, inputs or service software";
     /// STW1 bit 10.
     NoControl = "no-control", Waits,
         |s| s.lacks(Stw1::CONTROL_BY_PLC),
-        |s| format!("{} does not take control (STW1 bit 10 is 0): its program is stopped, or does not want to", s.owner()),
+        |s| format!("{} does not take control {}: its program is stopped, or does not want to", s.owner(), s.bit_is_0(10)),
         "in the controller: set STW1 bit 10, its program must run";
     /// STW1 bit 1.
     CoastStop = "coast-stop", Held,
         |s| s.lacks(Stw1::NO_COAST_STOP),
-        |s| format!("{} commands a coast stop (OFF2: STW1 bit 1 is 0)", s.owner()),
+        |s| format!("{} commands a coast stop (OFF2) {}", s.owner(), s.bit_is_0(1)),
         "in the controller: set STW1 bit 1";
     /// STW1 bit 2.
     QuickStop = "quick-stop", Held,
         |s| s.lacks(Stw1::NO_QUICK_STOP),
-        |s| format!("{} commands a quick stop (OFF3: STW1 bit 2 is 0)", s.owner()),
+        |s| format!("{} commands a quick stop (OFF3) {}", s.owner(), s.bit_is_0(2)),
         "in the controller: set STW1 bit 2";
     /// S5.
     Stopping = "stopping", Waits,
@@ -148,7 +171,7 @@ causes! {
     Inhibited = "inhibited", Held,
         |s| s.state() == Some(State::S1) && s.sent(Stw1::ON),
         |s| format!(
-            "switching on is inhibited (S1) because {} still sends ON (STW1 bit 0) from before",
+            "switching on is inhibited (S1) because {} still sends ON from before",
             s.owner()
         ),
         "in the controller: OFF first (STW1 0x047E), then ON (0x047F)";
@@ -156,7 +179,7 @@ causes! {
     NotReady = "not-ready", Held,
         |s| s.state() == Some(State::S1),
         |_| "switching on is inhibited (S1) though OFF is sent: the drive is not ready for it".into(),
-        "`profidrive read DRIVE DRV.DISSOURCES` may tell more";
+        "look at its enable inputs";
     /// A status word without a state.
     SelfTest = "self-test", Waits,
         |s| s.state().is_none(),
@@ -165,14 +188,15 @@ causes! {
     /// S2: ON is missing.
     Off = "off", Waits,
         |s| s.state() == Some(State::S2) && !s.sent(Stw1::ON),
-        |s| format!("ready for switching on (S2), but {} does not send ON (STW1 bit 0 is 0)", s.owner()),
+        |s| format!("ready for switching on (S2), but {} does not send ON {}", s.owner(), s.bit_is_0(0)),
         "in the controller: ON (STW1 0x047F)";
     /// S3: operation is not enabled.
     OperationDisabled = "operation-disabled", Waits,
         |s| matches!(s.state(), Some(State::S2 | State::S3)) && !s.sent(Stw1::ENABLE_OPERATION),
         |s| format!(
-            "switched on, but {} does not enable operation (STW1 bit 3 is 0)",
-            s.owner()
+            "switched on, but {} does not enable operation {}",
+            s.owner(),
+            s.bit_is_0(3)
         ),
         "in the controller: set STW1 bit 3";
     /// ON is sent, S4 is not there yet.
@@ -187,7 +211,7 @@ causes! {
             "enabled (S4), but the drive holds motion off (DRV.MOTIONDISSOURCES is 0x{:04X})",
             s.motion_disable_sources.unwrap_or_default()
         ),
-        "`profidrive read DRIVE DRV.MOTIONDISSOURCES`";
+        "remove what holds it";
     /// A speed telegram in position mode.
     SpeedTelegram = "speed-telegram", Held,
         |s| positioning(s) && s.carries_tasks == Some(false) && !s.sent(Stw1::START_HOMING) && !moves(s),
@@ -212,19 +236,23 @@ causes! {
     /// A limit switch is hit.
     LimitSwitch = "limit-switch", Held,
         |s| s.negative_switch == Some(true) || s.positive_switch == Some(true),
-        |s| format!(
-            "enabled (S4), but the {} limit switch is hit",
-            if s.positive_switch == Some(true) { "positive" } else { "negative" }
-        ),
+        |s| match (s.negative_switch, s.positive_switch) {
+            (Some(true), Some(true)) => format!(
+                "{}both limit switches are hit: look at their wiring and the supply of the inputs", but(s)
+            ),
+            (_, Some(true)) => format!("{}the positive limit switch is hit", but(s)),
+            _ => format!("{}the negative limit switch is hit", but(s)),
+        },
         "move away from it: only the other direction is free";
     /// A software limit is reached.
     SoftwareLimit = "software-limit", Held,
         |s| s.software_limits.is_some_and(|limits| limits != 0),
         |s| format!(
-            "enabled (S4), but a software limit is reached (SWLS.STATE is {})",
+            "{}a software limit is reached (SWLS.STATE is {})",
+            but(s),
             s.software_limits.unwrap_or_default()
         ),
-        "move back inside: `profidrive read DRIVE SWLS.LIMIT0 SWLS.LIMIT1` shows the limits";
+        "move back inside";
     /// Homing runs.
     Homing = "homing", Runs,
         |s| positioning(s) && motion(s) & HOMING != 0,
@@ -234,7 +262,7 @@ causes! {
     HomingFailed = "homing-failed", Held,
         |s| positioning(s) && !s.has(Zsw1::HOMED) && motion(s) & HOMING_ERROR != 0,
         |_| "enabled (S4), but homing has failed (DRV.MOTIONSTAT bit 4)".into(),
-        "check HOME.MODE and the switches, then `profidrive home DRIVE`";
+        "check how it is to home and the switches, then `profidrive home DRIVE`";
     /// No home position.
     NotHomed = "not-homed", Held,
         |s| positioning(s) && !s.has(Zsw1::HOMED),
@@ -254,7 +282,7 @@ causes! {
     TaskHeld = "task-held", Held,
         |s| positioning(s) && s.has(Zsw1::TASK_ACTIVE),
         |_| "enabled (S4), but its task is held (ZSW1 bits 13 and 14): by DRV.STOP, by a dwell time, or at a limit".into(),
-        "`profidrive write DRIVE MT.CONTINUE=1` goes on after DRV.STOP; a new task replaces it";
+        "a new task replaces it";
     /// The drive could not start the task.
     TaskRefused = "task-refused", Held,
         |s| positioning(s)
@@ -275,22 +303,22 @@ causes! {
     /// STW1 bit 4, velocity mode.
     RampOff = "ramp-off", Waits,
         |s| s.lacks(Stw1::ENABLE_RAMP),
-        |s| format!("enabled (S4), but {} holds the ramp generator at 0 (STW1 bit 4 is 0)", s.owner()),
+        |s| format!("enabled (S4), but {} holds the ramp generator at 0 {}", s.owner(), s.bit_is_0(4)),
         "in the controller: set STW1 bits 4, 5 and 6";
     /// STW1 bit 6, velocity mode.
     SetpointOff = "setpoint-off", Waits,
         |s| s.lacks(Stw1::ENABLE_SETPOINT),
-        |s| format!("enabled (S4), but {} does not enable the setpoint (STW1 bit 6 is 0)", s.owner()),
+        |s| format!("enabled (S4), but {} does not enable the setpoint {}", s.owner(), s.bit_is_0(6)),
         "in the controller: set STW1 bit 6";
     /// STW1 bit 5, velocity mode.
     RampFrozen = "ramp-frozen", Waits,
         |s| s.lacks(Stw1::UNFREEZE_RAMP),
-        |s| format!("enabled (S4), but {} freezes the ramp generator (STW1 bit 5 is 0)", s.owner()),
+        |s| format!("enabled (S4), but {} freezes the ramp generator {}", s.owner(), s.bit_is_0(5)),
         "in the controller: set STW1 bit 5";
     /// The speed setpoint is 0.
     ZeroSetpoint = "zero-setpoint", Waits,
         |s| s.speed_set.is_some_and(|speed| speed.abs() < STANDS),
-        |s| format!("enabled (S4), but {} sends a speed setpoint of 0 (NSOLL_A)", s.owner()),
+        |s| format!("enabled (S4), but {} sends a speed setpoint of 0", s.owner()),
         "in the controller: give a speed";
     /// A setpoint, but no motion.
     DoesNotTurn = "does-not-turn", Held,
@@ -299,7 +327,7 @@ causes! {
             "enabled (S4) with a setpoint of {:.1} rpm, but the motor does not turn: brake, load, or a limit of current or speed",
             s.speed_set.unwrap_or_default()
         ),
-        "`profidrive read DRIVE IL.FB IL.LIMITP VL.LIMITP VL.LIMITN`";
+        "look at brake, load and limits";
     /// In operation, and nothing else is known.
     Operation = "operation", Runs,
         |_| true,
@@ -316,14 +344,47 @@ pub(super) fn first(status: &DriveStatus) -> Diagnosis {
             verdict: Verdict::Runs,
             sentence: String::new(),
             next: None,
+            notes: Vec::new(),
         };
     };
-    let next = rule.next.replace("DRIVE", &status.drive);
     Diagnosis {
         cause: rule.cause,
         verdict: rule.verdict,
         sentence: (rule.sentence)(status),
-        next: (!next.is_empty()).then_some(next),
+        next: advice(rule, status),
+        notes: notes::beside(rule.cause, status),
+    }
+}
+
+/// What to do about a cause: as the make of the drive has it, else what holds for all.
+pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<String> {
+    let own = makes::advice(rule.cause, status.make);
+    let general = || makes::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
+    let next = own.map_or_else(general, str::to_owned);
+    (!next.is_empty()).then(|| next.replace("DRIVE", &status.drive))
+}
+
+/// What holds an axis that something outside turns.
+pub(super) const MOVED_NEXT: &str = "keep clear: no command stops it; let it come to rest, close a brake that holds it, or take the load away";
+
+pub(super) fn moved(status: &DriveStatus) -> String {
+    format!(
+        "it turns at {:.1} rpm with its power stage off: it coasts, or something outside moves it (a load that hangs on it, a brake that does not hold)",
+        status.speed_actual.unwrap_or_default()
+    )
+}
+
+fn bus_is_low(status: &DriveStatus) -> bool {
+    let least = status.bus_lowest.unwrap_or_default().max(NO_VOLTAGE);
+    status.bus_voltage.is_some_and(|volts| volts < least)
+}
+
+/// What goes before something that keeps an enabled axis from moving.
+fn but(status: &DriveStatus) -> &'static str {
+    if status.state() == Some(State::S4) {
+        "enabled (S4), but "
+    } else {
+        ""
     }
 }
 
@@ -354,7 +415,7 @@ fn positioning(status: &DriveStatus) -> bool {
     status.mode == Some(2)
 }
 
-fn turns(status: &DriveStatus) -> bool {
+pub(super) fn turns(status: &DriveStatus) -> bool {
     status.speed_actual.is_some_and(|speed| speed.abs() >= STANDS)
 }
 

@@ -5,6 +5,7 @@ use super::*;
 fn running() -> DriveStatus {
     DriveStatus {
         drive: "akd-1".into(),
+        make: "AKD",
         controller: Some(Some("plc".into())),
         stw1: Some(Stw1(0x047F)),
         zsw1: Some(Zsw1(0x0337)),
@@ -56,7 +57,7 @@ fn words(status: &mut DriveStatus, stw1: u16, zsw1: u16) {
 type Change = fn(&mut DriveStatus);
 
 const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
-    (Cause::Silent, Verdict::Held, |s| s.zsw1 = None, "(PNU 2)"),
+    (Cause::Silent, Verdict::Held, |s| s.zsw1 = None, "status word"),
     (
         Cause::Fault,
         Verdict::Held,
@@ -77,6 +78,15 @@ const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
         Verdict::Held,
         |s| s.torque_allowed = Some(false),
         "STO.STATE is 0",
+    ),
+    (
+        Cause::NoPower,
+        Verdict::Held,
+        |s| {
+            words(s, 0x047E, 0x0231);
+            (s.bus_voltage, s.bus_lowest) = (Some(12.0), Some(90.0));
+        },
+        "has 12 V, it needs 90 V",
     ),
     (
         Cause::HardwareDisable,
@@ -137,6 +147,15 @@ const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
         Verdict::Held,
         |s| s.controller = Some(None),
         "59.7 rpm though no controller",
+    ),
+    (
+        Cause::MovedFromOutside,
+        Verdict::Held,
+        |s| {
+            words(s, 0x0000, 0x0240);
+            s.controller = Some(None);
+        },
+        "59.7 rpm with its power stage off",
     ),
     (
         Cause::NoControl,
@@ -424,4 +443,135 @@ fn the_advice_names_the_drive() {
     words(&mut status, 0x047F, 0x0278);
     let next = diagnose(&status).next.unwrap();
     assert!(next.contains("`profidrive ack akd-1`"), "{next}");
+}
+
+/// Nobody has a connection, the power stage is off, the axis stands.
+fn alone() -> DriveStatus {
+    let mut status = running();
+    words(&mut status, 0, 0x0240);
+    (status.controller, status.speed_actual) = (Some(None), Some(0.0));
+    status
+}
+
+fn ids(status: &DriveStatus) -> (Cause, Vec<&'static str>) {
+    let found = diagnose(status);
+    (found.cause, found.notes.iter().map(|note| note.id).collect())
+}
+
+#[test]
+fn what_stands_in_the_way_is_told_beside_the_cause() {
+    assert_eq!(ids(&alone()), (Cause::NoController, vec![]));
+    let mut status = alone();
+    status.positive_switch = Some(true);
+    status.software_limits = Some(2);
+    status.brake_fitted = Some(true);
+    status.brake_released = Some(false);
+    status.warnings = vec![
+        WarningEntry {
+            number: 107,
+            meaning: Some("Positive limit reached"),
+            remedy: Some("move away"),
+        },
+        WarningEntry {
+            number: 304,
+            meaning: Some("Motor foldback"),
+            remedy: Some("less load"),
+        },
+    ];
+    let found = diagnose(&status);
+    assert_eq!(found.verdict, Verdict::Waits);
+    assert_eq!(
+        ids(&status),
+        (
+            Cause::NoController,
+            vec!["limit-switch", "software-limit", "brake", "warning"]
+        )
+    );
+    let text = format!("{:?}", found.notes);
+    assert!(
+        text.contains("the positive limit switch is hit") && !text.contains("enabled (S4)"),
+        "{text}"
+    );
+    assert!(
+        text.contains("HWLS.POSSTATE") && text.contains("less load"),
+        "{text}"
+    );
+    // what weighs more is the sentence, and not said twice
+    status.torque_allowed = Some(false);
+    status.bus_voltage = Some(0.0);
+    let (cause, notes) = ids(&status);
+    assert_eq!((cause, notes[0]), (Cause::Sto, "no-power"));
+    assert!(!notes.contains(&"sto"));
+}
+
+#[test]
+fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
+    let mut status = alone();
+    status.speed_actual = Some(-404.6);
+    let found = diagnose(&status);
+    assert_eq!(found.cause, Cause::MovedFromOutside);
+    let next = found.next.unwrap();
+    assert!(
+        next.contains("MOTOR.BRAKE") && !next.contains("profidrive stop"),
+        "{next}"
+    );
+    // beside a fault it is a note
+    words(&mut status, 0, 0x0248);
+    assert_eq!(ids(&status), (Cause::Fault, vec!["moved-from-outside"]));
+    // and what the service channel moves can be stopped
+    words(&mut status, 0, 0x0337);
+    let found = diagnose(&status);
+    assert_eq!(found.cause, Cause::TurnsAlone);
+    assert!(found.next.unwrap().contains("`profidrive stop akd-1`"));
+}
+
+#[test]
+fn other_makes_are_told_in_their_own_words() {
+    let base = DriveStatus {
+        drive: "vlt-1".into(),
+        make: "VLT",
+        profile: Profile::DanfossFc,
+        control_word: Some(0x0438),
+        controller: Some(Some("plc".into())),
+        stw1: Some(Stw1(0x0476)),
+        zsw1: Some(Zsw1(0x0231)),
+        ..DriveStatus::default()
+    };
+    let off = diagnose(&base);
+    assert_eq!(off.cause, Cause::Off);
+    assert!(
+        off.sentence.contains("(control word 0x0438, "),
+        "{}",
+        off.sentence
+    );
+    let next = off.next.unwrap();
+    let word = Profile::DanfossFc.control(Stw1(0x047F));
+    assert!(
+        next.contains(&format!("0x{word:04X}")) && !next.contains("STW1"),
+        "{next}"
+    );
+    let stopped = DriveStatus {
+        warnings: vec![WarningEntry {
+            number: 68,
+            meaning: Some("Safe stop"),
+            remedy: None,
+        }],
+        ..base.clone()
+    };
+    let found = diagnose(&stopped);
+    assert_eq!(found.cause, Cause::Sto);
+    assert!(
+        found.sentence.ends_with("n68 Safe stop") && found.notes.is_empty(),
+        "{found:?}"
+    );
+    assert!(found.next.unwrap().contains("terminal 37"));
+    let unpowered = DriveStatus {
+        make: "VACON",
+        profile: Profile::Profidrive,
+        bus_voltage: Some(3.0),
+        ..base
+    };
+    let found = diagnose(&unpowered);
+    assert_eq!(found.cause, Cause::NoPower);
+    assert!(found.next.unwrap().contains("ID 7"));
 }

@@ -59,6 +59,14 @@ parts! {
     PositiveSwitch = "positive-switch";
     /// Bits 0 and 1: at a software limit.
     SoftwareLimitState = "software-limit-state";
+    /// Voltage of the DC bus.
+    BusVoltage = "bus-voltage";
+    /// Voltage of the DC bus below which the drive does not run.
+    BusLowest = "bus-lowest";
+    /// 1: a holding brake is fitted, which the drive applies while its power stage is off.
+    Brake = "brake";
+    /// 1: the brake is released by hand.
+    BrakeReleased = "brake-released";
     /// Current of the motor.
     Current = "current";
     /// Limit of the current, negative.

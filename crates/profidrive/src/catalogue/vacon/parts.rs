@@ -10,6 +10,7 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::SpeedActual, pnu: 10001, base: Some(2103) },
     PartRow { part: Part::Speed, pnu: 10001, base: Some(2) },
     PartRow { part: Part::Frequency, pnu: 10001, base: Some(1) },
+    PartRow { part: Part::BusVoltage, pnu: 10001, base: Some(7) },
     PartRow { part: Part::Current, pnu: 10001, base: Some(3) },
     PartRow { part: Part::RampUpTime, pnu: 10001, base: Some(103) },
     PartRow { part: Part::RampDownTime, pnu: 10001, base: Some(104) },

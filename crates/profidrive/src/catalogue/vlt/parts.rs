@@ -10,6 +10,7 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::SpeedActual, pnu: 1605, base: None },
     PartRow { part: Part::Speed, pnu: 1617, base: None },
     PartRow { part: Part::Frequency, pnu: 1613, base: None },
+    PartRow { part: Part::BusVoltage, pnu: 1630, base: None },
     PartRow { part: Part::Current, pnu: 1614, base: None },
     PartRow { part: Part::ControlProfile, pnu: 810, base: None },
     PartRow { part: Part::RampUpTime, pnu: 341, base: None },
