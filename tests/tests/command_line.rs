@@ -329,6 +329,34 @@ fn settings_are_saved_compared_and_brought_back() {
         "Dear Sir or Madam\n"
     );
 
+    // what the drive cannot have is told by the exit code, after the rest was done
+    std::fs::write(
+        &second,
+        saved
+            .replace("DRV.ACC = 3000 rpm/s", "DRV.ACC = 900000000 rpm/s")
+            .replace("DRV.DEC = 3000 rpm/s", "DRV.DEC = 2000 rpm/s"),
+    )
+    .unwrap();
+    for arguments in [vec!["--dry-run"], vec![]] {
+        let line = [vec!["restore", "akd-1", &second], arguments].concat();
+        let refused = client(&lab, &line);
+        assert_eq!(refused.code, Some(5), "{refused:?}");
+        assert!(
+            refused
+                .err
+                .contains("1 value of the file cannot be written (DRV.ACC)"),
+            "{refused:?}"
+        );
+    }
+    let read = client(&lab, &["read", "akd-1", "DRV.DEC"]).ok().out;
+    assert!(read.contains("2000"), "{read}");
+    // by the tables of another make the drive has none of these settings
+    let none = path("none.backup");
+    let nothing = client(&lab, &["backup", "akd-1", "--model", "vacon", "-o", &none]);
+    assert_eq!(nothing.code, Some(5), "{nothing:?}");
+    assert!(nothing.err.contains("told none of its settings"), "{nothing:?}");
+    assert!(!std::path::Path::new(&none).exists());
+
     let faults = client(&lab, &["faults", "akd-1", "--history"]).ok();
     assert!(faults.out.contains("no fault is present"), "{faults:?}");
     assert_eq!(

@@ -200,6 +200,109 @@ fn every_make_turns_and_says_so() {
     }
 }
 
+/// Whatever keeps a drive from running is told with what to do, in the parameters and words of its make.
+#[test]
+fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
+    type Row = (
+        &'static str,
+        [&'static str; 3],
+        [&'static str; 3],
+        [&'static str; 3],
+    );
+    // what happens; the cause of it; words of the sentence; words of the advice
+    let rows: [Row; 3] = [
+        (
+            "sto=on",
+            ["sto", "fault", "fault"],
+            [
+                "STO.STATE",
+                "F68 is present: Safe stop",
+                "F30 is present: Safe torque off",
+            ],
+            ["safety circuit", "terminal 37", "safety circuit"],
+        ),
+        (
+            "mains=off",
+            ["no-power"; 3],
+            ["its DC bus has"; 3],
+            ["VBUS.VALUE", "16-30", "ID 7"],
+        ),
+        (
+            "limit+=on",
+            ["no-controller"; 3],
+            ["no controller is connected"; 3],
+            ["HWLS.POSSTATE", "", ""],
+        ),
+    ];
+    for (happening, causes, sentences, advices) in rows {
+        let models = model::ALL.iter().zip(NAMES).zip(1..);
+        let stations = models.map(|((model, name), last)| station_of(model, name, last, None));
+        let (mut session, ids) = bench_of(stations.collect());
+        for (at, name) in NAMES.into_iter().enumerate() {
+            let mut drive = find(&mut session, name).expect("there");
+            let waits = diagnose(&session.status(&mut drive).expect("a status"));
+            assert!(
+                waits.cause.id() == "no-controller" && waits.notes.is_empty(),
+                "{name}: {waits:?}"
+            );
+            bench::with_drive(&mut session, ids[at], |drive| {
+                drive.inject(happening.parse().expect("an injection"));
+            });
+            session.pass(Duration::from_secs(60)).expect("time passes");
+            let found = diagnose(&session.status(&mut drive).expect("a status"));
+            let told = format!("{name}, {happening}: {found:?}");
+            assert_eq!(found.cause.id(), causes[at], "{told}");
+            assert!(found.sentence.contains(sentences[at]), "{told}");
+            let advice = format!("{:?} {:?}", found.next, found.notes);
+            assert!(advice.contains(advices[at]), "{told}");
+            if name != "akd-1" {
+                for group in [
+                    "DRV.",
+                    "VBUS.",
+                    "HWLS.",
+                    "SWLS.",
+                    "IL.",
+                    "VL.",
+                    "STO.STATE",
+                    "MOTOR.",
+                ] {
+                    assert!(!told.contains(group), "{told}");
+                }
+            }
+        }
+    }
+}
+
+/// Warnings come with their remedy, beside the sentence.
+#[test]
+fn a_warning_of_each_make_is_told_with_its_remedy() {
+    let models = model::ALL.iter().zip(NAMES).zip(1..);
+    let stations = models.map(|((model, name), last)| station_of(model, name, last, None));
+    let (mut session, ids) = bench_of(stations.collect());
+    for ((name, number), id) in NAMES.into_iter().zip([304, 59, 14]).zip(ids) {
+        let mut drive = find(&mut session, name).expect("there");
+        bench::with_drive(&mut session, id, |drive| {
+            drive.inject(format!("warning={number}").parse().expect("an injection"));
+        });
+        session.pass(Duration::from_secs(1)).expect("time passes");
+        let found = diagnose(&session.status(&mut drive).expect("a status"));
+        let note = found.notes.first().unwrap_or_else(|| panic!("{name}: {found:?}"));
+        assert_eq!(note.id, "warning", "{name}: {note:?}");
+        let tables = drive.model.catalogue.expect("tables");
+        let mut numbers = [Part::Warning, Part::WarningWord]
+            .iter()
+            .flat_map(|&part| tables.parts_of(part));
+        if numbers.next().is_none() {
+            // a Vacon tells that there is one, not which
+            assert!(note.sentence.contains("ZSW1 bit 7"), "{name}: {note:?}");
+            continue;
+        }
+        assert!(note.sentence.contains(&format!("n{number} ")), "{name}: {note:?}");
+        let row = tables.fault(number, true);
+        assert_eq!(note.next.as_deref(), row.map(|row| row.remedy), "{name}");
+    }
+}
+
 #[test]
 fn settings_go_there_and_back() {
     for (at, (name, way)) in NAMES.into_iter().zip(WAYS).enumerate() {

@@ -9,7 +9,7 @@ use std::time::Duration;
 use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
 use drive_client::axis::{Move, Objection, Purpose, Trouble};
 use drive_client::parameter::Assignment;
-use drive_client::status::{Cause, Verdict, diagnose};
+use drive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
 use drive_client::{AxisSettings, Drive, Error, StopWay, WriteMode};
 use profidrive::notation::Position;
 use profidrive::parameter::{Keep, ParameterAccess};
@@ -322,6 +322,85 @@ fn an_axis_that_turns_without_power_is_not_called_at_rest() {
             Err(error) => panic!("{error}"),
         }
     }
+}
+
+/// What another program does by parameter is told as that, and not as an input that is open.
+#[test]
+fn an_axis_that_another_program_disables_is_told_by_what() {
+    for (by_parameter, torque_off) in [(true, false), (false, true)] {
+        let (mut session, ids) = bench(&[("akd-1", 1)]);
+        let mut drive = find(&mut session, "akd-1").expect("there");
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        let mut enabled = axis.enable().expect("enabled");
+        enabled.reach_speed(60.0, None).expect("runs");
+        {
+            let (session, drive) = enabled.session();
+            if by_parameter {
+                let outcome = session.stop_drive(drive, StopWay::Disable, Duration::from_secs(2));
+                assert!(outcome.expect("sent").sent);
+            }
+            with_drive(session, ids[0], |drive| {
+                if torque_off {
+                    drive.inject("sto=on".parse().expect("an injection"));
+                }
+            });
+        }
+        let error = enabled.hold(Duration::from_secs(2)).expect_err("it is off");
+        assert!(
+            matches!(
+                error,
+                Error::Axis {
+                    trouble: Trouble::LeftOperation { .. } | Trouble::Fault,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        drop(enabled);
+        let _ = axis.release();
+        let status = session.status(&mut drive).expect("a status");
+        let note = switched_off_beside(&status);
+        assert_eq!(note.is_some(), by_parameter, "{note:?}");
+        if let Some(note) = note {
+            assert!(note.sentence.contains("DRV.DIS"), "{note:?}");
+            assert!(note.next.is_some_and(|next| next.contains("stop --disable")));
+        }
+    }
+}
+
+/// A load that turns an axis whose power stage is off: no command stops it, and nothing claims that one does.
+#[test]
+fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    with_drive(&mut session, ids[0], |drive| {
+        drive.inject("load=0.3Nm".parse().expect("a load"));
+    });
+    session.pass(Duration::from_millis(100)).expect("time passes");
+    assert_eq!(
+        cause(&mut session, &mut drive),
+        (Cause::MovedFromOutside, Verdict::Held)
+    );
+    for way in [StopWay::Stop, StopWay::Disable] {
+        let outcome = session
+            .stop_drive(&mut drive, way, Duration::from_millis(50))
+            .expect("looked at");
+        assert!(!outcome.sent && !outcome.at_rest, "{outcome:?}");
+    }
+    // too fast by now: the fault stays, and the reason is told beside it
+    session.pass(Duration::from_secs(2)).expect("time passes");
+    let status = session.status(&mut drive).expect("a status");
+    let found = diagnose(&status);
+    assert_eq!(found.cause, Cause::Fault);
+    assert!(
+        found
+            .notes
+            .iter()
+            .any(|note| note.id == Cause::MovedFromOutside.id()),
+        "{found:?}"
+    );
 }
 
 /// A ramp that takes longer than its setting says: the quick stop that ends it is told.

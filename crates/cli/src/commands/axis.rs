@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Goal, Purpose};
-use drive_client::status::{Verdict, diagnose};
+use drive_client::axis::{Goal, Purpose, Trouble};
+use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
 use drive_client::{AxisSettings, AxisStatus, Drive, Error, FaultEntry, WarningEntry};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
@@ -291,6 +291,13 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
             | Error::SpeedLost { .. }
     );
     let held = matches!(error, Error::Held { .. });
+    let left_operation = matches!(
+        error,
+        Error::Axis {
+            trouble: Trouble::LeftOperation { .. },
+            ..
+        }
+    );
     let mut failure = Failure::from(error);
     if !asked {
         return failure;
@@ -309,6 +316,14 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
     if diagnosis.verdict == Verdict::Held && status.faults.is_empty() && !held {
         failure.message = format!("{}; {}", failure.message, diagnosis.sentence);
         failure.hint = diagnosis.next.or(failure.hint);
+    }
+    // by now it is off: what turns it then no command of ours holds, and a fault that comes of it stays
+    let turns = |note: &Note| note.id == Cause::MovedFromOutside.id();
+    let moved = diagnosis.notes.into_iter().find(turns);
+    let beside = switched_off_beside(&status).filter(|_| left_operation);
+    for note in moved.into_iter().chain(beside) {
+        failure.message = format!("{}; {}", failure.message, note.sentence);
+        failure.hint = note.next.or(failure.hint);
     }
     failure
 }

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use drive_client::parameter::Assignment;
+use drive_client::status::{Cause, Note, diagnose};
 use drive_client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
 use profidrive::catalogue::Role;
 use serde_json::{Map, Value};
@@ -222,8 +223,17 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         }
         session.pass(GLANCE)?;
     };
+    let mut left: Vec<String> = report.present().map(title).collect();
+    let mut hint = "remove the cause, then acknowledge again".to_owned();
+    if !left.is_empty() {
+        let status = session.status(&mut drive)?;
+        let turns = |note: &Note| note.id == Cause::MovedFromOutside.id();
+        if let Some(moved) = diagnose(&status).notes.into_iter().find(turns) {
+            left.push(moved.sentence);
+            hint = moved.next.unwrap_or(hint);
+        }
+    }
     session.close()?;
-    let left: Vec<String> = report.present().map(title).collect();
     if output.json() {
         output.document("ack", json(&drive, &report, false));
     }
@@ -231,8 +241,8 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         output.say("no fault is present");
         return Ok(());
     }
-    let message = format!("{}: the fault stays: {}", drive.label(), left.join(", "));
-    Err(Failure::new(Exit::Refused, message).hint("remove the cause, then acknowledge again"))
+    let message = format!("{}: the fault stays: {}", drive.label(), left.join("; "));
+    Err(Failure::new(Exit::Refused, message).hint(hint))
 }
 
 #[cfg(test)]

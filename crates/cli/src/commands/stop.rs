@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use clap::Args;
+use drive_client::status::moved_advice;
 use drive_client::{StopOutcome, StopWay};
 
 use crate::args::{Interface, duration};
@@ -59,6 +60,12 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
     if outcome.at_rest {
         return Ok(());
     }
+    if outcome.enabled == Some(false) && outcome.speed.is_some() {
+        let speed = outcome.speed.unwrap_or_default();
+        let message =
+            format!("{label} turns at {speed:.1} rpm with its power stage off: something outside moves it");
+        return Err(Failure::new(Exit::Safety, message).hint(moved_advice(drive.model.name)));
+    }
     Err(Failure::new(
         Exit::Failed,
         format!(
@@ -83,6 +90,18 @@ fn told(drive: &str, command: &str, outcome: &StopOutcome) -> String {
         Some(false) => "the power stage is off",
         None => "the drive does not tell whether its power stage is on",
     };
+    if !outcome.sent && outcome.speed_before.is_some_and(|speed| speed.abs() >= 1.0) {
+        let end = if outcome.at_rest {
+            "came to rest"
+        } else {
+            "turns on"
+        };
+        return format!(
+            "{drive} turned at {} with its power stage off, so nothing was sent: it {end} ({})",
+            speed(outcome.speed_before),
+            speed(outcome.speed)
+        );
+    }
     if !outcome.sent {
         return format!("{drive} is at rest, {stage}: nothing was sent");
     }
@@ -117,12 +136,23 @@ mod tests {
         );
         let nothing = StopOutcome {
             sent: false,
+            speed_before: Some(0.0),
             enabled: Some(false),
             ..outcome
         };
         assert_eq!(
             told("akd-1", "DRV.STOP", &nothing),
             "akd-1 is at rest, the power stage is off: nothing was sent"
+        );
+        let pulled = StopOutcome {
+            speed_before: Some(60.02),
+            speed: Some(-480.5),
+            at_rest: false,
+            ..nothing
+        };
+        assert_eq!(
+            told("akd-1", "DRV.STOP", &pulled),
+            "akd-1 turned at 60.0 rpm with its power stage off, so nothing was sent: it turns on (-480.5 rpm)"
         );
         let turning = StopOutcome {
             speed: None,

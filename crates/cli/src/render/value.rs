@@ -141,6 +141,20 @@ mod tests {
     }
 
     #[test]
+    fn two_units_beside_each_other_stand_with_their_values() {
+        let acceleration = read("DRV.ACC", &[0x00, 0x2D, 0xC6, 0xC0]);
+        let mode = read("DRV.OPMODE", &[1]);
+        let texts = |a: &str, b: &str, unit: &str| ([a.to_owned(), b.to_owned()], unit.to_owned());
+        let same = pair(Some(&acceleration), Some(&acceleration));
+        assert_eq!(same, texts("3000", "3000", "rpm/s"));
+        assert_eq!(pair(Some(&acceleration), None), texts("3000", "", "rpm/s"));
+        assert_eq!(
+            pair(Some(&acceleration), Some(&mode)),
+            texts("3000 rpm/s", "1", "")
+        );
+    }
+
+    #[test]
     fn words_are_hexadecimal_with_the_names_of_their_bits() {
         let reading = read("ZSW1", &[0x02, 0x40]);
         assert_eq!(value(&reading), "0x0240");

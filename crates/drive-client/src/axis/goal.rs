@@ -109,7 +109,7 @@ pub enum Trouble {
     #[error("the drive reports a fault (ZSW1 bit 3)")]
     Fault,
     /// ZSW1 bit 3 stayed after the acknowledge edge.
-    #[error("the fault stays after acknowledging (ZSW1 bit 3): its cause is still there")]
+    #[error("the fault stays after acknowledging (ZSW1 bit 3)")]
     FaultStays,
     /// ZSW1 bit 9 stayed 0.
     #[error("the drive does not ask for control by the PLC (ZSW1 bit 9 is 0): it is in local operation")]

@@ -407,6 +407,66 @@ fn scalings_go_first_and_what_they_scale_follows_in_its_unit() {
 }
 
 #[test]
+fn what_the_drive_cannot_have_is_counted() {
+    let present = drive(Scaling::default(), &[]);
+    let wanted =
+        file("p2108 = 5000 rpm/s\np2439 = 100000 rpm\np2403 VBUS.VALUE = 12 V\np922 = 9\np5 = 100 rpm");
+    let plan = Plan::new(&wanted, &present, &Choice::default());
+    // the setpoint and the telegram are left out by rule, the limit and the measured value are refused
+    assert_eq!((plan.changes.len(), plan.left_out(), plan.refused()), (1, 4, 2));
+    let choice = Choice {
+        only: vec!["DRV.*".parse().unwrap()],
+        ..Choice::default()
+    };
+    assert_eq!(Plan::new(&wanted, &present, &choice).refused(), 0);
+}
+
+#[test]
+fn old_and_new_values_are_each_in_the_unit_of_their_time() {
+    let degrees = UnitChoice {
+        rotary_unit: 2,
+        ..Scaling::default().unit
+    };
+    let there = drive(
+        Scaling {
+            unit: degrees,
+            ..Scaling::default()
+        },
+        &[("UNIT.PROTARY", 2)],
+    );
+    let wanted = Backup::parse(&there.to_string()).unwrap();
+    let present = drive(Scaling::default(), &[]);
+    let plan = Plan::new(&wanted, &present, &Choice::default());
+    assert_ne!(
+        plan.parameters().scaling.unit,
+        plan.parameters_after().scaling.unit
+    );
+    let mut seen = 0;
+    for change in &plan.changes {
+        let Some(parameter) = change.new.name.and_then(|name| AKD.by_name(name)) else {
+            continue;
+        };
+        if change.old.unit == change.new.unit {
+            continue;
+        }
+        seen += 1;
+        assert_eq!(
+            (change.old.unit, change.new.unit),
+            ("counts", "deg"),
+            "{}",
+            change.label()
+        );
+        assert_eq!(
+            change.limits,
+            Some(plan.parameters_after().limits(parameter)),
+            "{}",
+            change.label()
+        );
+    }
+    assert!(seen > 3, "{seen}");
+}
+
+#[test]
 fn differences_are_in_units_and_say_what_is_missing() {
     let left = file("p2108 = 3000 rpm/s\np2115 = 1000 rpm/s\np1004 = 60 rpm");
     let coarse =

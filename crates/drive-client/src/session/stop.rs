@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::Part;
+use profidrive::catalogue::{Parameter, Part};
 
 use super::Session;
 use crate::parameter::Assignment;
@@ -43,7 +43,7 @@ impl StopWay {
 /// What became of a stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StopOutcome {
-    /// The command was sent; false when the axis was at rest already.
+    /// The command was sent; false when the axis was at rest already, or its power stage off: then no command holds it.
     pub sent: bool,
     /// Speed before in rpm.
     pub speed_before: Option<f64>,
@@ -57,6 +57,8 @@ pub struct StopOutcome {
 
 impl<M: Wire> Session<M> {
     /// Stops a drive that somebody else commands, and looks for up to `limit` whether it does.
+    ///
+    /// An axis that turns with its power stage off, because it coasts or a load pulls at it, is only waited for.
     ///
     /// The controller of the drive is not asked and goes on: what it commands next may move the axis again.
     ///
@@ -81,6 +83,25 @@ impl<M: Wire> Session<M> {
         if before.enabled == Some(false) && before.at_rest {
             return Ok(before);
         }
+        let sent = before.enabled != Some(false);
+        if sent {
+            self.command_stop(drive, command)?;
+        }
+        let end = self.now() + limit;
+        loop {
+            let seen = self.look_at(drive, way)?;
+            if seen.at_rest || self.now() >= end {
+                return Ok(StopOutcome {
+                    sent,
+                    speed_before: before.speed,
+                    ..seen
+                });
+            }
+            self.pass(LOOK)?;
+        }
+    }
+
+    fn command_stop(&mut self, drive: &mut Drive, command: &Parameter) -> Result<(), Error> {
         let assignment = Assignment::of(command, 1);
         let outcomes = self.write(drive, &[assignment], WriteMode::Write)?;
         if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
@@ -89,18 +110,7 @@ impl<M: Wire> Session<M> {
                 refusal,
             });
         }
-        let end = self.now() + limit;
-        loop {
-            let seen = self.look_at(drive, way)?;
-            if seen.at_rest || self.now() >= end {
-                return Ok(StopOutcome {
-                    sent: true,
-                    speed_before: before.speed,
-                    ..seen
-                });
-            }
-            self.pass(LOOK)?;
-        }
+        Ok(())
     }
 
     fn look_at(&mut self, drive: &mut Drive, way: StopWay) -> Result<StopOutcome, Error> {

@@ -118,6 +118,13 @@ const WARNINGS: &[(&str, u32, &[Cause])] = &[
     ("VLT", 36, &[Cause::NoPower]),
 ];
 
+/// The parameter that switches a drive off beside its controller, and who writes it.
+const DISABLES: &[(&str, &str, &str)] = &[(
+    "AKD",
+    "DRV.DIS",
+    "find out who: `profidrive stop --disable` of somebody else, service software (WorkBench), or a controller that writes DRV.DIS by record; then start again",
+)];
+
 /// Control word for operation, as PROFIdrive has it.
 const OPERATION: Stw1 = Stw1(0x047F);
 
@@ -139,6 +146,12 @@ pub(super) fn in_words_of(status: &DriveStatus, advice: &str) -> Option<String> 
             profile.name()
         )
     })
+}
+
+/// The parameter that switches a drive of this make off beside its controller, and who may write it.
+pub(super) fn disable(make: &str) -> Option<(&'static str, &'static str)> {
+    let row = DISABLES.iter().find(|(of, ..)| *of == make);
+    row.map(|(_, command, advice)| (*command, *advice))
 }
 
 /// A warning of the drive that says this cause.

@@ -11,7 +11,7 @@ use profidrive::state::{Mode, Profile, State, Stw1, Zsw1};
 use crate::{FaultEntry, WarningEntry};
 
 pub use notes::Note;
-pub use rules::Cause;
+pub use rules::{Cause, moved_advice};
 
 /// Everything that decides whether an axis runs; `None` where the drive does not tell.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -139,6 +139,15 @@ pub struct Diagnosis {
 #[must_use]
 pub fn diagnose(status: &DriveStatus) -> Diagnosis {
     rules::first(status)
+}
+
+/// Why a drive has left operation though its controller wanted it there, as far as only its parameters can say: nothing
+/// at its inputs, no fault, no warning is left that would. `None` where something else is known.
+///
+/// Read after the axis was released: what the drive says of its power stage then is what the release did.
+#[must_use]
+pub fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
+    notes::switched_off_beside(status)
 }
 
 impl DriveStatus {

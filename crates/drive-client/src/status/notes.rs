@@ -1,5 +1,7 @@
 //! What stands in the way of a drive beside the cause that matters most, or will once that is gone.
 
+use profidrive::state::Zsw1;
+
 use super::rules::{self, RULES};
 use super::{Cause, DriveStatus, makes};
 use crate::WarningEntry;
@@ -42,11 +44,10 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
     }
     let moved = Cause::MovedFromOutside;
     if told != moved && rules::turns(status) && status.unpowered() {
-        let own = makes::advice(moved, status.make);
         notes.push(Note {
             id: moved.id(),
             sentence: rules::moved(status),
-            next: Some(own.unwrap_or(rules::MOVED_NEXT).to_owned()),
+            next: Some(rules::moved_advice(status.make).to_owned()),
         });
     }
     if status.brake_fitted == Some(true) && status.brake_released == Some(false) && status.unpowered() {
@@ -73,7 +74,35 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
                 .map(str::to_owned),
         }
     }));
+    if status.warnings.is_empty() && status.has(Zsw1::WARNING) {
+        notes.push(Note {
+            id: "warning",
+            sentence: "a warning is present (ZSW1 bit 7), the drive does not tell its number here".to_owned(),
+            next: Some("look at its panel".to_owned()),
+        });
+    }
     notes
+}
+
+pub(super) fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
+    let (command, advice) = makes::disable(status.make)?;
+    let inputs = status
+        .disable_sources
+        .is_some_and(|sources| sources & rules::AT_INPUTS != 0);
+    let known = inputs
+        || !status.faults.is_empty()
+        || !status.warnings.is_empty()
+        || status.has(Zsw1::FAULT)
+        || RULES
+            .iter()
+            .any(|rule| NOTED.contains(&rule.cause) && (rule.applies)(status));
+    (!known).then(|| Note {
+        id: "disabled-by-parameter",
+        sentence: format!(
+            "no fault, input or supply did it: it was disabled by parameter ({command}), by another program"
+        ),
+        next: Some(advice.to_owned()),
+    })
 }
 
 /// `n107 Positive limit reached: limit switch or software limit`

@@ -9,6 +9,8 @@ const STANDS: f64 = 1.0;
 /// Bits of DRV.DISSOURCES that stand for the hardware; bit 0 is the software, bit 1 the fault.
 const HARDWARE_DISABLE: u16 = 1 << 2;
 const CONTROLLED_STOP: u16 = 1 << 5;
+/// What keeps the power stage off and is neither the software nor a fault.
+pub(super) const AT_INPUTS: u16 = !3;
 const OTHER_SOURCES: u16 = !(1 | 1 << 1 | HARDWARE_DISABLE | CONTROLLED_STOP);
 /// DRV.MOTIONSTAT: homing runs, homing failed, a task could not be started.
 const HOMING: u32 = 1 << 3;
@@ -361,11 +363,22 @@ pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<String> {
     let own = makes::advice(rule.cause, status.make);
     let general = || makes::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
     let next = own.map_or_else(general, str::to_owned);
+    let remedy = status.faults.first().and_then(|fault| fault.remedy);
+    if let (Cause::Fault, Some(remedy)) = (rule.cause, remedy.filter(|text| !text.is_empty())) {
+        let next = next.trim_start_matches("remove the cause, ");
+        return Some(format!("{remedy}; {next}").replace("DRIVE", &status.drive));
+    }
     (!next.is_empty()).then(|| next.replace("DRIVE", &status.drive))
 }
 
 /// What holds an axis that something outside turns.
-pub(super) const MOVED_NEXT: &str = "keep clear: no command stops it; let it come to rest, close a brake that holds it, or take the load away";
+const MOVED_NEXT: &str = "keep clear: no command stops it; let it come to rest, close a brake that holds it, or take the load away";
+
+/// What to do about an axis of this make that something outside turns.
+#[must_use]
+pub fn moved_advice(make: &str) -> &'static str {
+    makes::advice(Cause::MovedFromOutside, make).unwrap_or(MOVED_NEXT)
+}
 
 pub(super) fn moved(status: &DriveStatus) -> String {
     format!(
