@@ -5,6 +5,7 @@ use profidrive::notation::Notation;
 use profidrive::parameter::{
     Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, Saving, serve,
 };
+use profidrive::unit::Variable;
 
 use super::Drive;
 use crate::model::Live;
@@ -52,13 +53,13 @@ impl ParameterAccess for Drive {
         let attributes = match (parameter.length, parameter.is_array()) {
             (0, array) => Attributes {
                 elements: if array { parameter.elements } else { 0 },
-                ..Attributes::simple(self.format(parameter), parameter.size.octets(), writable)
+                ..Attributes::simple(parameter.format, parameter.size.octets(), writable)
             },
             (length, false) => Attributes::string(length, writable),
             (length, true) => Attributes::strings(parameter.elements, length, writable),
         };
         Some(Attributes {
-            format: self.format(parameter),
+            format: parameter.format,
             first: parameter.base.unwrap_or(0),
             ..attributes
         })
@@ -144,30 +145,28 @@ impl ParameterAccess for Drive {
         let catalogue = self.model.catalogue;
         let high = catalogue.by_high(pnu);
         let (position, _, parameter) = self.place(high.map_or(pnu, |parameter| parameter.pnu), 0).ok()?;
-        let mut flags = u16::from(self.format(parameter).0);
+        let mut flags = u16::from(parameter.format.0);
         let mut set = |flag: u16, when: bool| {
             if when {
                 flags |= flag;
             }
         };
-        let (size_index, conversion_index) = match high {
-            Some(_) => (0, 0),
-            None if self.model.catalogue.notation != Notation::Name => {
-                (parameter.variable.size, parameter.variable.conversion.0)
-            }
-            None => unit(parameter).unwrap_or_default(),
+        let Variable { size, conversion } = match high {
+            Some(_) => Variable::NONE,
+            None if catalogue.notation != Notation::Name => parameter.variable,
+            None => variable(parameter).unwrap_or_default(),
         };
         let stored = matches!(self.live.get(position), Some(Live::Stored));
         set(Identifier::ARRAY, parameter.is_array());
         set(Identifier::READ_ONLY, parameter.access == Access::ReadOnly);
-        set(Identifier::NO_SCALE, size_index == 0);
+        set(Identifier::NO_SCALE, size == 0);
         set(Identifier::CHANGED, stored && self.values.is_changed(position));
         set(
             Identifier::TEXT,
             self.model.texts && !parameter.choices.is_empty(),
         );
         let fits = parameter.size.range(parameter.signed);
-        let normalised = self.format(parameter) == Format::N2;
+        let normalised = parameter.format == Format::N2;
         let (low, high) = match high {
             Some(_) => (*fits.start(), *fits.end()),
             None => {
@@ -183,8 +182,8 @@ impl ParameterAccess for Drive {
                 (false, length) => length,
             },
             factor: 1.0,
-            size_index,
-            conversion_index,
+            size_index: size,
+            conversion_index: conversion.0,
             name: padded(parameter.name),
             minimum: (low as u32).to_be_bytes(),
             maximum: (high as u32).to_be_bytes(),
@@ -208,54 +207,19 @@ fn padded(text: &str) -> [u8; 16] {
 }
 
 impl Drive {
-    /// True type of the value. The table of an AKD has sizes only.
-    fn format(&self, parameter: &Parameter) -> Format {
-        if self.model.catalogue.notation == Notation::Name {
-            format(parameter)
-        } else {
-            parameter.format
-        }
-    }
-
     /// PNU of the value that is 100 % of a reference.
     fn reference_number(&self) -> u16 {
         self.model.roles.inverter.map_or(0, |roles| roles.reference[1])
     }
 }
 
-/// The type of a value of this size; dialects that know only sizes do not show it.
-const fn format(parameter: &Parameter) -> Format {
-    match (parameter.size, parameter.signed) {
-        (Size::Byte, true) => Format::INTEGER8,
-        (Size::Byte, false) => Format::UNSIGNED8,
-        (Size::Word, true) => Format::INTEGER16,
-        (Size::Word | Size::Command, _) => Format::UNSIGNED16,
-        (Size::Dword, true) => Format::INTEGER32,
-        (Size::Dword, false) => Format::UNSIGNED32,
-    }
-}
-
-/// Size index and conversion index of the unit. Source: profile reference 1.9 by way of Danfoss MCA 101. `None` where
-/// the table has no index for the unit and the steps of the value.
-fn unit(parameter: &Parameter) -> Option<(u8, i8)> {
-    let milli = match parameter.scale {
+/// Unit and step of a value whose table has no indices for them: as unit and scale say. Dimensionless numbers tell none.
+fn variable(parameter: &Parameter) -> Option<Variable> {
+    let exponent = match parameter.scale {
         Scale::Raw => 0,
         Scale::Milli => -3,
         _ => return None,
     };
-    Some(match (parameter.unit, milli) {
-        ("rpm", 0) => (11, 67),
-        ("s", exponent) => (4, exponent),
-        ("ms", 0) => (4, -3),
-        ("W", exponent) => (9, exponent),
-        ("degC", exponent) => (17, exponent),
-        ("V" | "Vrms", exponent) => (21, exponent),
-        ("A" | "Arms", exponent) => (22, exponent),
-        ("mA", 0) => (22, -3),
-        ("ohm", exponent) => (23, exponent),
-        ("%", exponent) => (24, exponent),
-        ("Hz", exponent) => (28, exponent),
-        ("kHz", exponent) => (28, exponent + 3),
-        _ => return None,
-    })
+    let unit = parameter.unit.strip_suffix("rms").unwrap_or(parameter.unit);
+    Variable::of(unit, exponent).filter(|_| !unit.is_empty())
 }
