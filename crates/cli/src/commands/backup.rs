@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use drive_client::Refusal;
 use drive_client::backup::{Backup, MAX_TEXT, Task, TasksTold};
+use drive_client::{Drive, Refusal};
 use network::files::StateFile;
 use serde_json::{Map, Value};
 
@@ -34,15 +34,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         Some(path) => replaceable(path, args.force)?,
         None => None,
     };
-    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
-    let bar = connect::bar(output, 0, "reading");
-    let backup = session.backup(&mut drive, &mut |done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
-    let backup = backup?;
-    session.close()?;
+    let (backup, drive) = whole(&args.drive, interface, output)?;
     let label = drive.label();
     told_something(&backup, &label)?;
     let text = backup.to_string();
@@ -144,6 +136,20 @@ fn reasons(refused: &[Refusal]) -> String {
 
 /// Most names for one reason.
 const MOST_NAMED: usize = 3;
+
+/// All settings of a drive, and the drive.
+pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Backup, Drive), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, name, output)?;
+    let bar = connect::bar(output, 0, "reading");
+    let backup = session.backup(&mut drive, &mut |done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    let backup = backup?;
+    session.close()?;
+    Ok((backup, drive))
+}
 
 /// The motion tasks, in their order; none where they are left out.
 fn tasks_json(backup: &Backup) -> Option<Vec<Value>> {

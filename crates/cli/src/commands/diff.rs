@@ -41,8 +41,9 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         }
         (None, Some(file)) => (like(&file, &args.left, interface, output)?, file),
         (None, None) => {
-            let left = whole(&args.left, interface, output)?;
-            (left, whole(&args.right, interface, output)?)
+            let (left, _) = backup::whole(&args.left, interface, output)?;
+            let (right, _) = backup::whole(&args.right, interface, output)?;
+            (left, right)
         }
     };
     if left.header.model != right.header.model {
@@ -213,19 +214,6 @@ fn source(text: &str) -> Result<Option<Backup>, Failure> {
     } else {
         Ok(None)
     }
-}
-
-fn whole(text: &str, interface: &Interface, output: &Output) -> Result<Backup, Failure> {
-    let (mut session, mut drive) = connect::drive(interface, Need::Records, text, output)?;
-    let bar = connect::bar(output, 0, "reading");
-    let backup = session.backup(&mut drive, &mut |done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
-    let backup = backup?;
-    session.close()?;
-    Ok(backup)
 }
 
 /// The parameters of a file, as the drive has them.

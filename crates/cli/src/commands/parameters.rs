@@ -8,6 +8,7 @@ use drive_client::Refusal;
 use drive_client::parameter::{ParameterProblem, Parameters, Reading};
 use profidrive::catalogue::{Access, Catalogue, Parameter, WordKind};
 use profidrive::notation::{ParameterReference, Shown};
+use profidrive::parameter::pnu;
 use profidrive::state::Mode;
 use serde_json::{Map, Value};
 
@@ -61,7 +62,7 @@ fn name_bits(
     }
     let selection = drive
         .parameters
-        .select(&ParameterReference::number(OPERATING_MODE))?;
+        .select(&ParameterReference::number(pnu::OPERATING_MODE))?;
     let answers = session.read(drive, &[selection])?;
     let position = answers.iter().flatten().any(|reading| reading.raw() == Some(2));
     if position {
@@ -71,9 +72,6 @@ fn name_bits(
     }
     Ok(())
 }
-
-/// Operating mode: 1 speed control, 2 positioning.
-const OPERATING_MODE: u16 = 930;
 
 /// All but the last failure are told at once; the last ends the command.
 fn last_failure(mut problems: Vec<Failure>, output: &Output) -> Result<(), Failure> {

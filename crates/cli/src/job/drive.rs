@@ -4,14 +4,11 @@ use drive_client::Model;
 use drive_client::parameter::{Interpretation, Parameters, Reading, Selection, take_scale};
 use profidrive::catalogue::{Catalogue, Parameter, Part, RecordView, Scale};
 use profidrive::notation::{Elements, Notation, ParameterReference, Prefix, Target};
-use profidrive::parameter::{CodeSpace, ErrorNames, Format, ParameterAddress, ValueBlock};
+use profidrive::parameter::{CodeSpace, ErrorNames, Format, ParameterAddress, ValueBlock, pnu};
 use profidrive::pkw::PkwDialect;
 use profidrive::state::{Mode, Profile};
 use profidrive::telegram::Telegram;
 use profinet::wire::Uuid;
-
-/// Operating mode: decides over the names of some bits of STW1 and ZSW1.
-const OPERATING_MODE: u16 = 930;
 
 /// The drive that a job asks, or that answers it. It learns from what is read from it and written to it; what nobody
 /// told is assumed to be as delivered, and said to be assumed.
@@ -280,7 +277,7 @@ impl JobDrive {
 
     /// Takes over what a reading tells about other values.
     pub fn learn_from(&mut self, reading: &Reading) {
-        if reading.pnu == OPERATING_MODE {
+        if reading.pnu == pnu::OPERATING_MODE {
             self.mode = match reading.raw() {
                 Some(1) => Some(Mode::Velocity),
                 Some(2) => Some(Mode::Position),

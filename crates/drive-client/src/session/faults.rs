@@ -3,6 +3,7 @@
 use profidrive::catalogue::{Cleared, Fault, Part, Reaction};
 use profidrive::fault::{ConsistentRead, Next, Shape};
 use profidrive::notation::{Elements, ParameterReference, Target};
+use profidrive::parameter::pnu;
 
 use super::Session;
 use super::prepare::zsw1_of;
@@ -10,12 +11,6 @@ use super::told::Told;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
 
-/// Fault message counter, fault numbers, their times and values, division of the buffer.
-const COUNTER: u16 = 944;
-const NUMBERS: u16 = 947;
-const TIMES: u16 = 948;
-const VALUES: u16 = 949;
-const DIVISION: u16 = 950;
 /// What is asked beside the buffer.
 const PARTS: [Part; 9] = [
     Part::ControlWord,
@@ -145,10 +140,12 @@ impl<M: Wire> Session<M> {
     fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
         let own = drive.model.catalogue.filter(|_| !drive.model.learned);
         if let Some(tables) = own {
-            let elements = tables.by_pnu(NUMBERS).map_or(0, |parameter| parameter.elements);
+            let elements = tables
+                .by_pnu(pnu::FAULT_NUMBERS)
+                .map_or(0, |parameter| parameter.elements);
             return Ok(shape_of(elements));
         }
-        let Some(selection) = select(drive, DIVISION, Some(2)) else {
+        let Some(selection) = select(drive, pnu::FAULT_DIVISION, Some(2)) else {
             return Ok(Shape::EIGHT_BY_EIGHT);
         };
         let values: Vec<u16> = self
@@ -161,8 +158,11 @@ impl<M: Wire> Session<M> {
     }
 
     fn fault_buffer(&mut self, drive: &mut Drive, shape: Shape) -> Result<(u16, Vec<FaultEntry>), Error> {
-        let counter = drive.parameters.select(&ParameterReference::number(COUNTER))?;
-        let parts = [NUMBERS, TIMES, VALUES].map(|pnu| select(drive, pnu, Some(shape.elements())));
+        let counter = drive
+            .parameters
+            .select(&ParameterReference::number(pnu::FAULT_COUNTER))?;
+        let parts = [pnu::FAULT_NUMBERS, pnu::FAULT_TIMES, pnu::FAULT_VALUES]
+            .map(|pnu| select(drive, pnu, Some(shape.elements())));
         let mut order = ConsistentRead::new(ATTEMPTS);
         let mut count = 0;
         let mut buffers: [Vec<Result<Reading, Refusal>>; 3] = Default::default();

@@ -2,6 +2,8 @@
 
 use profidrive::catalogue::Part;
 use profidrive::notation::ParameterReference;
+use profidrive::parameter::pnu;
+use profidrive::telegram::signal;
 use profinet::MacAddress;
 use profinet::controller::RecordAddress;
 use profinet::wire::record::{Im0, ImText, PortPeer, PortReal, decode_relations, index};
@@ -18,7 +20,16 @@ const FIRST_PORT: u16 = 0x8001;
 const IM0: u16 = 0xAFF0;
 /// The page of parameters that tells who and how a drive is: identification, profile, object, telegram, mode, words,
 /// faults.
-const PAGE: [u16; 8] = [964, 965, 975, 922, 930, 1, 2, 944];
+const PAGE: [u16; 8] = [
+    pnu::IDENTIFICATION,
+    pnu::PROFILE,
+    pnu::DRIVE_OBJECT,
+    pnu::TELEGRAM,
+    pnu::OPERATING_MODE,
+    signal::STW1,
+    signal::ZSW1,
+    pnu::FAULT_COUNTER,
+];
 
 /// What I&M0 to 3 say about the device; empty where the device does not say.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -3,7 +3,7 @@
 use profidrive::notation::Notation;
 use profidrive::parameter::{
     Answer, Attribute, Description, Dialect, ErrorNumber, Identifier, ParameterAddress, RequestId, Response,
-    encode_read, plan_reads,
+    encode_read, plan_reads, pnu,
 };
 
 use super::Session;
@@ -11,8 +11,6 @@ use crate::learn::{self, KindOfDrive};
 use crate::parameter::{Parameters, Selection};
 use crate::{Drive, Error, Model, Wire};
 
-/// Drive unit identification: every drive of the profile has it.
-const IDENTIFICATION: u16 = 964;
 /// Elements of it that make a kind: maker, type, version, date.
 const OF_KIND: u16 = 5;
 /// Records of the parameter channel.
@@ -103,7 +101,7 @@ impl<M: Wire> Session<M> {
             let selection = Selection {
                 count: OF_KIND,
                 indexed: true,
-                ..Selection::number(IDENTIFICATION, Notation::Name)
+                ..Selection::number(pnu::IDENTIFICATION, Notation::Name)
             };
             let answers = match self.read_plain(drive, &[selection]) {
                 Ok(answers) => answers,

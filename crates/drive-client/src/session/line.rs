@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use profidrive::notation::Notation;
+use profidrive::parameter::pnu;
 use profidrive::pkw::JobError;
 use profinet::controller::Station;
 use uss::{Protocol, SlaveId};
@@ -20,8 +21,6 @@ const PARAMETER_LIMIT: Duration = Duration::from_secs(10);
 const ADDRESS: usize = 6;
 /// Whose protocol FC is.
 const FC_MODEL: &str = "vlt";
-/// Identification of the drive: vendor, then kind.
-const IDENTIFICATION: u16 = 964;
 
 impl<M: Wire> Session<M> {
     pub(super) fn is_on_line(&self) -> bool {
@@ -58,7 +57,7 @@ impl<M: Wire> Session<M> {
         let mut nobody = Drive::new(station.clone());
         nobody.slave = Some(slave);
         let identification = Selection {
-            pnu: IDENTIFICATION,
+            pnu: pnu::IDENTIFICATION,
             first: 0,
             count: 2,
             indexed: true,

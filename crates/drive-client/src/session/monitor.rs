@@ -1,15 +1,12 @@
 //! Looking at a drive beside its controller: reads only.
 
 use profidrive::catalogue::Part;
+use profidrive::parameter::pnu;
 use profidrive::state::Profile;
 
 use super::Session;
-use super::told::TELEGRAM;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
-
-/// Fault message counter.
-const FAULT_COUNTER: u16 = 944;
 
 const PARTS: [Part; 6] = [
     Part::ControlWord,
@@ -46,7 +43,7 @@ impl<M: Wire> Session<M> {
     /// When the drive cannot be reached.
     pub fn snapshot(&mut self, drive: &mut Drive, more: &[Selection]) -> Result<Snapshot, Error> {
         let told = self.ask(drive, &PARTS)?;
-        let numbers = self.read_numbers(drive, &[FAULT_COUNTER, TELEGRAM])?;
+        let numbers = self.read_numbers(drive, &[pnu::FAULT_COUNTER, pnu::TELEGRAM])?;
         let word = |pnu| {
             let found = numbers.iter().find(|reading| reading.pnu == pnu);
             let raw = found.and_then(Reading::raw);
@@ -54,12 +51,12 @@ impl<M: Wire> Session<M> {
         };
         let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
         Ok(Snapshot {
-            profile: told.profile(drive, word(TELEGRAM)),
+            profile: told.profile(drive, word(pnu::TELEGRAM)),
             stw1: control,
             zsw1: status,
             speed_set: told.speed(Part::SpeedSetpoint),
             speed_actual: told.speed(Part::SpeedActual).or_else(|| told.speed(Part::Speed)),
-            fault_counter: word(FAULT_COUNTER),
+            fault_counter: word(pnu::FAULT_COUNTER),
             readings: self.read(drive, more)?,
         })
     }

@@ -2,12 +2,13 @@
 
 use profidrive::catalogue::{Device, Part};
 use profidrive::notation::ParameterReference;
+use profidrive::parameter::pnu;
 use profidrive::state::{Mode, Zsw1};
 use profidrive::telegram::Telegram;
 
 use super::Session;
 use super::plugged::Layout;
-use super::told::{TELEGRAM, Told};
+use super::told::Told;
 use crate::axis::{
     ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, Wiring, choose_telegram, plan_move,
     process_words,
@@ -15,11 +16,6 @@ use crate::axis::{
 use crate::error::mode_words;
 use crate::parameter::{Assignment, Reading, Selection};
 use crate::{Drive, Error, Wire, WriteMode};
-
-/// PNUs of the profile: mapping, mode.
-const SETPOINT_SIGNALS: u16 = 915;
-const ACTUAL_SIGNALS: u16 = 916;
-const MODE: u16 = 930;
 
 /// What matters for a move, and what a converter's ramps follow from.
 const MOTION: [Part; 26] = [
@@ -87,7 +83,7 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the drive cannot be reached.
     pub fn operating_mode(&mut self, drive: &mut Drive) -> Result<Option<Mode>, Error> {
-        let readings = self.read_numbers(drive, &[MODE])?;
+        let readings = self.read_numbers(drive, &[pnu::OPERATING_MODE])?;
         Ok(readings
             .first()
             .and_then(|reading| reading.raw())
@@ -118,7 +114,7 @@ impl<M: Wire> Session<M> {
             Mode::Velocity => 1,
             Mode::Position => 2,
         };
-        let assignment: Assignment = format!("{MODE}={number}").parse()?;
+        let assignment: Assignment = format!("{}={number}", pnu::OPERATING_MODE).parse()?;
         let outcomes = self.write(drive, &[assignment], WriteMode::Write)?;
         for outcome in outcomes {
             if let Some(Err(refusal)) = outcome.written {
@@ -232,7 +228,15 @@ impl<M: Wire> Session<M> {
         device: &Device,
         purpose: Purpose,
     ) -> Result<Prepared, Error> {
-        let readings = self.read_numbers(drive, &[TELEGRAM, MODE, SETPOINT_SIGNALS, ACTUAL_SIGNALS])?;
+        let readings = self.read_numbers(
+            drive,
+            &[
+                pnu::TELEGRAM,
+                pnu::OPERATING_MODE,
+                pnu::SETPOINT_SIGNALS,
+                pnu::ACTUAL_SIGNALS,
+            ],
+        )?;
         let told = self.ask(drive, &CONTROL)?;
         let words = |pnu| -> Vec<u16> {
             readings
@@ -243,9 +247,9 @@ impl<M: Wire> Session<M> {
                 .collect()
         };
         let reported = ReportedTelegram {
-            number: words(TELEGRAM).first().copied(),
-            setpoint: trimmed(words(SETPOINT_SIGNALS)),
-            actual: trimmed(words(ACTUAL_SIGNALS)),
+            number: words(pnu::TELEGRAM).first().copied(),
+            setpoint: trimmed(words(pnu::SETPOINT_SIGNALS)),
+            actual: trimmed(words(pnu::ACTUAL_SIGNALS)),
         };
         let telegram = if drive.is_on_line() {
             Telegram::of_line(device.vendor_id).map(|telegram| telegram.number)
@@ -253,7 +257,7 @@ impl<M: Wire> Session<M> {
             reported.number
         };
         self.not_local(drive, zsw1_of(drive, &told, telegram))?;
-        let mode = self.mode_for(drive, words(MODE).first().copied(), purpose)?;
+        let mode = self.mode_for(drive, words(pnu::OPERATING_MODE).first().copied(), purpose)?;
         if drive.is_on_line() {
             let wiring = process_words(device, purpose).map_err(|problem| Error::Telegram {
                 drive: drive.label(),
@@ -316,7 +320,7 @@ impl<M: Wire> Session<M> {
 
     /// The telegram that a drive has now (PNU 922).
     pub(super) fn telegram_now(&mut self, drive: &mut Drive) -> Result<Option<u16>, Error> {
-        let readings = self.read_numbers(drive, &[TELEGRAM])?;
+        let readings = self.read_numbers(drive, &[pnu::TELEGRAM])?;
         let raw = readings.first().and_then(Reading::raw);
         Ok(raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok()))
     }

@@ -1,22 +1,23 @@
 //! Everything that tells why a drive does not run, read in as few jobs as possible. Reads only.
 
 use profidrive::catalogue::Part;
+use profidrive::parameter::pnu;
 use profidrive::state::{State, Zsw1};
 use profidrive::telegram::{Telegram, signal};
 
 use super::Session;
-use super::told::TELEGRAM;
 use crate::axis::Wiring;
 use crate::parameter::Reading;
 use crate::status::DriveStatus;
 use crate::{Drive, Error, Wire};
 
-const SETPOINT_SIGNALS: u16 = 915;
-const ACTUAL_SIGNALS: u16 = 916;
-const MODE: u16 = 930;
-
 /// What every drive is asked by number.
-const PROFILE: [u16; 4] = [TELEGRAM, SETPOINT_SIGNALS, ACTUAL_SIGNALS, MODE];
+const PROFILE: [u16; 4] = [
+    pnu::TELEGRAM,
+    pnu::SETPOINT_SIGNALS,
+    pnu::ACTUAL_SIGNALS,
+    pnu::OPERATING_MODE,
+];
 /// What it is asked by what it is.
 const PARTS: [Part; 21] = [
     Part::ControlWord,
@@ -57,7 +58,7 @@ impl<M: Wire> Session<M> {
             let raw = found.and_then(Reading::raw);
             raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
         };
-        let telegram = word(TELEGRAM);
+        let telegram = word(pnu::TELEGRAM);
         let profile = told.profile(drive, telegram);
         let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
         let zsw1 = status.map(|status| profile.zsw1(status, control.unwrap_or_default()));
@@ -89,7 +90,7 @@ impl<M: Wire> Session<M> {
             telegram,
             carries_speed: carries(signal::NSOLL_A),
             carries_tasks: carries(signal::SATZANW),
-            mode: word(MODE),
+            mode: word(pnu::OPERATING_MODE),
             command_source: told.word(Part::CommandSource),
             command_source_text: told.find(Part::CommandSource).and_then(|reading| reading.choice),
             disable_sources: told.word(Part::DisableSources),
@@ -124,7 +125,7 @@ fn wiring(drive: &Drive, readings: &[Reading]) -> Option<Wiring> {
             .filter_map(|reading| reading.raw())
             .filter_map(|raw| u16::try_from(raw & 0xFFFF).ok())
     };
-    let number = words(TELEGRAM).next()?;
+    let number = words(pnu::TELEGRAM).next()?;
     // the signals of a fixed telegram are known; of a free one the drive tells them
     let vendor = drive.station.vendor_id;
     if let Some(fixed) = Telegram::find(number, vendor).filter(|telegram| !telegram.free) {
@@ -132,8 +133,8 @@ fn wiring(drive: &Drive, readings: &[Reading]) -> Option<Wiring> {
     }
     Wiring::new(
         number,
-        words(SETPOINT_SIGNALS),
-        words(ACTUAL_SIGNALS),
+        words(pnu::SETPOINT_SIGNALS),
+        words(pnu::ACTUAL_SIGNALS),
         drive.station.vendor_id,
     )
     .ok()

@@ -9,9 +9,6 @@ use super::Session;
 use crate::parameter::{Content, Reading, Selection};
 use crate::{Drive, Error, Wire};
 
-/// Telegram number of the profile.
-pub(super) const TELEGRAM: u16 = 922;
-
 /// Where a drive without tables may have a part; the first number that it has counts.
 const WITHOUT_TABLES: [(Part, u16); 6] = [
     (Part::ControlWord, 967),

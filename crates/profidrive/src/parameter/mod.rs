@@ -33,6 +33,7 @@ mod format;
 mod generated_errors;
 mod generated_formats;
 mod plan;
+pub mod pnu;
 mod request;
 mod response;
 mod serve;

@@ -3,7 +3,7 @@
 use profidrive::catalogue::{Parameter, Phase, Role, Size};
 use profidrive::parameter::{
     Answer, Format, Keep, NewValue, ParameterAddress, RequestId, Response, Saving, encode_change_as,
-    plan_changes,
+    plan_changes, pnu,
 };
 
 use super::{MAX_REQUEST, format_of, malformed, needs_scaling, refusal};
@@ -11,9 +11,6 @@ use crate::parameter::{Assignment, CheckedValue, Content, ParameterProblem, Read
 use crate::session::Session;
 use crate::session::scaling::is_scaling;
 use crate::{Drive, Error, Model, Refusal, Wire};
-
-/// Transfer to non-volatile memory, of the profile.
-const SAVE: u16 = 971;
 
 /// Write, or only check and show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -318,7 +315,7 @@ fn save_command(drive: &Drive) -> Result<ChangeOutcome, Error> {
 pub(in crate::session) fn saver(drive: &Drive) -> Result<&'static Parameter, Error> {
     let tables = drive.model.catalogue;
     tables
-        .and_then(|tables| tables.with_role(Role::Save).or_else(|| tables.by_pnu(SAVE)))
+        .and_then(|tables| tables.with_role(Role::Save).or_else(|| tables.by_pnu(pnu::SAVE)))
         .ok_or_else(|| Error::UnknownModel {
             drive: drive.label(),
             what: "how to save its parameters",
