@@ -144,6 +144,12 @@ impl SerialStation {
         let _ = self.drive.connect(self.telegram, self.timeout);
     }
 
+    /// Power goes in order: what is to be kept of it comes as events.
+    pub fn switch_off(&mut self) {
+        self.drive.switch_off();
+        self.settle();
+    }
+
     /// Takes one event.
     pub fn poll_event(&mut self) -> Option<StationEvent> {
         self.events.pop_front()

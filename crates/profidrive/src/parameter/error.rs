@@ -47,6 +47,8 @@ pub struct ErrorInfo {
 pub struct ErrorNumber(pub u16);
 
 impl ErrorNumber {
+    /// From here on the numbers are the maker's.
+    pub const FIRST_OWN: u16 = 0x65;
     /// Danfoss: wrong axis.
     pub const DANFOSS_WRONG_AXIS: Self = Self(0x65);
     /// Danfoss: unknown service.

@@ -383,11 +383,21 @@ impl Job<'_> {
                 let raw = block.raw(index).ok_or(ErrorNumber::DATA_TYPE)?;
                 narrowed(raw, form.octets, &facts)
                     .and_then(|raw| drive.write(pnu, element, raw, keep))
-                    .map_err(|number| at(number, element))?;
+                    .map_err(|number| at(self.known(number), element))?;
             }
         }
         self.out.put(&[Format::ZERO.0, 0]).ok_or(ErrorNumber::TOO_LONG)?;
         Ok(())
+    }
+
+    /// A number of the maker's older channel (PKW) that this one does not have: not now.
+    fn known(&self, number: ErrorNumber) -> ErrorNumber {
+        let own = number.0 >= ErrorNumber::FIRST_OWN;
+        if own && number.info(self.dialect.error_names).is_none() {
+            ErrorNumber::NOT_NOW
+        } else {
+            number
+        }
     }
 
     /// Puts the response ID in and cuts a positive change response to its form.

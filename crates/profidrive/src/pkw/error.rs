@@ -60,6 +60,9 @@ pub struct PkwErrorInfo {
 pub struct PkwErrorNumber(pub u16);
 
 impl PkwErrorNumber {
+    /// Danfoss: the factory set-up is the one that is edited.
+    pub const FACTORY_SET_UP: Self = Self(131);
+
     /// Meaning and remedy, `None` for a number nobody told about or another maker's.
     #[must_use]
     pub fn info(self, names: PkwErrorNames) -> Option<&'static PkwErrorInfo> {

@@ -141,6 +141,13 @@ impl Faults {
         self.log.get(place).copied().filter(|(number, _)| *number != 0)
     }
 
+    /// Puts an entry of the log back.
+    pub fn log_again(&mut self, place: usize, number: u16, at: Duration) {
+        if let Some(entry) = self.log.get_mut(place) {
+            *entry = (number, at);
+        }
+    }
+
     /// True while a fault is there that only a restart clears, or whose cause was put there from outside.
     pub const fn has_lasting(&self) -> bool {
         self.lasting.0[0] != 0
@@ -305,6 +312,7 @@ impl Drive {
         if let Some(newest) = self.faults.log.first_mut() {
             *newest = (number, self.last - Instant::ZERO);
         }
+        self.count_fault(number);
         let known = self.model.catalogue.fault(number, false);
         if known.is_some_and(|fault| fault.cleared == Cleared::Restart) {
             self.faults.lasting.push(number);

@@ -8,7 +8,7 @@ use profidrive::parameter::ErrorNumber;
 
 use super::settings::Settings;
 use super::{Drive, Event};
-use crate::store::{Image, ImageError, Values, is_saved, key};
+use crate::store::{Image, ImageError, Values, is_saved};
 
 /// Address mode: the address as DCP set it (IP.MODE 1, AKD PROFINET manual 3.4.1).
 const BY_DCP: i64 = 1;
@@ -19,7 +19,9 @@ impl Drive {
     /// # Errors
     /// When the text is damaged or of another model; the drive then keeps the values it has.
     pub fn start_with(&mut self, saved: &[u8]) -> Result<usize, ImageError> {
-        let left_out = self.restore(&Image::decode(saved)?)?;
+        let image = Image::decode(saved)?;
+        let left_out = self.restore(&image)?;
+        self.take_counters(&image);
         self.saved = Some(self.image().encode());
         Ok(left_out)
     }
@@ -28,6 +30,7 @@ impl Drive {
     pub fn reset_to_delivery(&mut self) {
         self.request_disable();
         self.values.reset();
+        self.reset_set_ups();
         self.forget_tasks();
         self.reset_telegrams();
         self.apply();
@@ -81,21 +84,24 @@ impl Drive {
             return Err(ErrorNumber::NOT_NOW);
         }
         self.values.reset();
+        self.reset_set_ups();
         self.forget_tasks();
         Ok(())
     }
 
     /// Everything that would be saved now.
     fn image(&self) -> Image {
-        let mut image = self.values.image(&self.settings.scaling);
+        let mut image = self.first_set_up().image(&self.settings.scaling);
+        self.push_set_ups(&mut image);
         for (name, text) in self.task_lines() {
             image.push_text(&name, &text);
         }
+        self.push_counters(&mut image);
         image
     }
 
     /// What was saved last; the values as delivered where nothing ever was.
-    fn saved_image(&self) -> Image {
+    pub(super) fn saved_image(&self) -> Image {
         let saved = self.saved.as_deref();
         saved
             .and_then(|text| Image::decode(text.as_bytes()).ok())
@@ -104,15 +110,21 @@ impl Drive {
 
     fn restore(&mut self, image: &Image) -> Result<usize, ImageError> {
         let model = self.model;
+        self.reset_set_ups();
         let left_out = self
             .values
             .restore(image, |values| Settings::new(model, values).scaling)?;
-        self.apply();
         self.forget_tasks();
-        let tasks = image.entries();
-        let taken = tasks
-            .filter(|(name, text)| self.take_task_line(name, text))
+        let others = image.entries();
+        let taken = others
+            .filter(|(name, text)| {
+                self.take_task_line(name, text)
+                    || self.take_set_up_line(image, name, text)
+                    || self.is_counter_line(name, text)
+            })
             .count();
+        self.apply();
+        self.restore_telegram();
         Ok(left_out - taken)
     }
 
@@ -124,8 +136,8 @@ impl Drive {
         if !is_saved(parameter) {
             return;
         }
-        let key = key(self.model.catalogue, position, element);
-        let raw = self.values.element_at(position, element);
+        let key = self.saved_key(position, element);
+        let raw = self.stored(position, element);
         let mut image = self.saved_image();
         if image.set_as(&key, parameter, raw, &self.settings.scaling) {
             self.keep_saved(&image);
@@ -135,6 +147,6 @@ impl Drive {
     fn keep_saved(&mut self, image: &Image) {
         let text = image.encode();
         self.saved = Some(text.clone());
-        self.emit(Event::Save { text });
+        self.emit(Event::Save { text, asked: true });
     }
 }

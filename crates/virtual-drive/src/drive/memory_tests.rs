@@ -10,7 +10,7 @@ use profidrive::parameter::ErrorNumber;
 /// The text that the drive wants to be kept.
 fn saved(bench: &mut Bench) -> Option<String> {
     bench.events().into_iter().rev().find_map(|event| match event {
-        Event::Save { text } => Some(text),
+        Event::Save { text, .. } => Some(text),
         _ => None,
     })
 }

@@ -1,7 +1,9 @@
 //! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
 
 mod another;
+mod counters;
 mod faults;
+mod history;
 mod injection;
 mod inverter;
 mod memory;
@@ -11,6 +13,7 @@ mod panel;
 mod parameters;
 mod position;
 mod reading;
+mod set_ups;
 mod settings;
 mod signals;
 mod telegrams;
@@ -33,10 +36,13 @@ pub use settings::Mode;
 use crate::axis::{Axis, Plant};
 use crate::model::{Live, Model};
 use crate::store::Values;
+use counters::Meter;
 use faults::{Faults, Keeper};
+use history::History;
 use outside::Outside;
 use parameters::Half;
 use position::Positioning;
+use set_ups::SetUps;
 use settings::Settings;
 use signals::Process;
 use telegrams::FreeTelegram;
@@ -79,6 +85,8 @@ pub enum Event {
     Save {
         /// The image of all saved parameters.
         text: String,
+        /// Somebody asked for it. Else the drive keeps what it counts.
+        asked: bool,
     },
     /// Show which drive this is.
     Blink,
@@ -162,7 +170,9 @@ pub struct Drive {
     numbers: Box<[u16]>,
     /// One half of a 64-bit value.
     half: Option<Half>,
+    /// Those of the active set-up.
     values: Values,
+    set_ups: Option<SetUps>,
     settings: Settings,
     saved: Option<String>,
     machine: Machine,
@@ -171,6 +181,7 @@ pub struct Drive {
     /// Parameter channel in the process data.
     pkw: Option<pkw::Server>,
     meter: Meter,
+    history: History,
     channel: SetpointChannel,
     /// Reaction to the faults that came since the last step of the machine.
     reaction: Option<FaultReaction>,
@@ -203,9 +214,11 @@ impl Drive {
     pub fn new(model: &'static Model) -> Self {
         let values = Values::new(model.catalogue);
         let settings = Settings::new(model, &values);
+        let live = model.live_by_position();
         let mut drive = Self {
             model,
-            live: model.live_by_position(),
+            set_ups: SetUps::new(model, &live),
+            live,
             numbers: Self::listed_numbers(model),
             half: None,
             values,
@@ -215,6 +228,7 @@ impl Drive {
             orders: Orders::default(),
             pkw: model.pkw.map(|dialect| pkw::Server::new(*dialect)),
             meter: Meter::default(),
+            history: History::new(model),
             channel: SetpointChannel::default(),
             reaction: None,
             faults: Faults::new(model.fault_buffer),
@@ -246,9 +260,9 @@ impl Drive {
         self.model
     }
 
-    /// Takes one event.
+    /// Takes one event. A drive that keeps what it counts has one of its own from time to time.
     pub fn poll_event(&mut self) -> Option<Event> {
-        self.events.pop_front()
+        self.events.pop_front().or_else(|| self.counters_due())
     }
 
     fn emit(&mut self, event: Event) {
@@ -322,6 +336,7 @@ impl Drive {
         self.position_settle();
         self.process.status = self.told(status);
         self.meter.count(passed, self.is_enabled(), &self.axis);
+        self.watch_history();
         self.give_inputs(inputs);
     }
 
@@ -412,28 +427,10 @@ impl Drive {
 
     /// Takes changed parameters over.
     fn apply(&mut self) {
+        self.follow_set_up();
         self.settings = Settings::new(self.model, &self.values);
         self.fit_motor();
         self.choose_words();
-    }
-}
-
-/// What is counted since power on.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Meter {
-    on: Duration,
-    running: Duration,
-    /// Energy that went to the motor, Ws.
-    energy: f64,
-}
-
-impl Meter {
-    fn count(&mut self, passed: Duration, running: bool, axis: &Axis) {
-        self.on += passed;
-        if running {
-            self.running += passed;
-            self.energy += axis.motor_output().power.max(0.0) * passed.as_secs_f64();
-        }
     }
 }
 
@@ -447,6 +444,8 @@ mod bench;
 #[cfg(test)]
 mod conformance;
 #[cfg(test)]
+mod counter_tests;
+#[cfg(test)]
 mod fault_tests;
 #[cfg(test)]
 mod makers_tests;
@@ -454,6 +453,8 @@ mod makers_tests;
 mod memory_tests;
 #[cfg(test)]
 mod panel_tests;
+#[cfg(test)]
+mod set_up_tests;
 #[cfg(test)]
 mod table_tests;
 #[cfg(test)]

@@ -53,6 +53,9 @@ impl Drive {
         } else if output.accepted && self.is_running() {
             self.orders = orders;
         }
+        if self.follow_set_up() {
+            self.apply();
+        }
         if output.acknowledged {
             self.acknowledged();
         }

@@ -48,9 +48,7 @@ impl Drive {
         match live {
             Live::Stored if parameter.is_text() => text_octet(parameter, element),
             Live::Stored if parameter.length > 0 => octet(self.values.at(position), parameter, element),
-            Live::Stored | Live::Mode if parameter.size != Size::Command => {
-                self.values.element_at(position, element)
-            }
+            Live::Stored | Live::Mode if parameter.size != Size::Command => self.stored(position, element),
             Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(_) => 0,
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Place(place) => wrap(self.place_number(place), parameter),
@@ -75,6 +73,7 @@ impl Drive {
             Live::WarningWord(first) => self.alarm_word(true, first),
             Live::ExtendedStatus => self.extended_status(),
             Live::FaultSituations => i64::from(self.faults.situations()),
+            Live::EditedSetUps => self.edited_digits(),
             Live::Word { actual, number } => self.shown_word(actual, number),
             Live::Watchdog => i64::try_from(self.link.watchdog().as_millis()).unwrap_or(i64::MAX),
             Live::Active => i64::from(self.is_enabled()),
@@ -147,6 +146,9 @@ impl Drive {
             Quantity::PowerTime => self.meter.on.as_secs_f64() / HOUR,
             Quantity::RunningTime => self.meter.running.as_secs_f64() / HOUR,
             Quantity::Energy => self.meter.energy / (1000.0 * HOUR),
+            Quantity::PowerUps => self.meter.power_ups.into(),
+            Quantity::OverTemperatures => self.meter.hot.into(),
+            Quantity::OverVoltages => self.meter.over_voltage.into(),
             Quantity::TaskSpeed => axis.trajectory_speed(),
             Quantity::BusVoltage => axis.electrical().bus_voltage(),
             Quantity::RegenPower => axis.electrical().regen_power(),
@@ -185,6 +187,9 @@ impl Drive {
                 .faults
                 .logged(element)
                 .map_or(0, |(_, at)| at.as_secs() as i64),
+            Table::HistoryEvents => self.history.at(element).event.into(),
+            Table::HistoryValues => self.history.at(element).value.into(),
+            Table::HistoryTimes => i64::from(self.history.at(element).at.as_millis() as u32),
             Table::SetpointWords | Table::ActualWords => 0,
             Table::Changed(list) => self.changed(usize::from(list) * PER_LIST + element, element),
             Table::Identification => unit.get(element).copied().unwrap_or(0),

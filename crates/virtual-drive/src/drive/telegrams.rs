@@ -1,14 +1,15 @@
 //! Which telegram is in use (PNU 922), and the mapping of the free ones (PNU 915 and 916).
 //!
-//! Source: AKD manual 5.8, 5.11.1 and 5.11.10; profile reference on the configuration of telegrams. Neither 922 nor the
-//! mappings are kept over power-off, as the table of parameters has it.
+//! Source: AKD manual 5.8, 5.11.1 and 5.11.10; profile reference on the configuration of telegrams. Whether 922 is kept over
+//! power-off the table of parameters says: of an AKD neither it nor the mappings are, of a VLT it is (9-22).
 
 use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::{Direction, FreeMapping, Mapping, Signal, Telegram, signal};
 
 use super::Drive;
 use super::signals::FIRST_TELEGRAM;
-use crate::model::Model;
+use crate::model::{Live, Model};
+use crate::store::is_saved;
 
 /// Values of DRV.CMDSOURCE: telegrams with a speed or current setpoint need the field bus, those of positioning the
 /// service channel. Source: Kollmorgen developer network, command source for PROFINET.
@@ -131,6 +132,22 @@ impl Drive {
             self.free = FreeTelegram::of(self.model);
             self.choose_telegram(FIRST_TELEGRAM);
         }
+    }
+
+    /// After power on: the telegram that was kept, where the table says that it is.
+    pub(super) fn restore_telegram(&mut self) {
+        let Some(position) = self.live.iter().position(|live| *live == Live::Telegram) else {
+            return;
+        };
+        let parameter = self.model.catalogue.parameters.get(position);
+        if !parameter.is_some_and(is_saved) || self.link.is_cyclic() {
+            return;
+        }
+        let kept = u16::try_from(self.values.at(position)).unwrap_or_default();
+        if kept == self.process.telegram() || self.choose_telegram(kept) {
+            return;
+        }
+        self.values.set_at(position, self.process.telegram().into());
     }
 
     /// The telegram sets DRV.CMDSOURCE.

@@ -475,7 +475,7 @@ fn saving_and_loading() {
     bench.write("DRV.ACC", 4_000_000).unwrap();
     bench.write("DRV.NVSAVE", 1).unwrap();
     bench.write("DRV.ACC", 5_000_000).unwrap();
-    let Some(Event::Save { text }) = bench.drive.poll_event() else {
+    let Some(Event::Save { text, .. }) = bench.drive.poll_event() else {
         panic!("saved")
     };
     bench.write("DRV.NVLOAD", 1).unwrap();

@@ -105,7 +105,7 @@ fn ids_are_subindices_of_10001_and_every_write_lasts() {
     let change = [4, 2, 1, 1, 0x10, 1, 0x27, 0x11, 0, 0x67, 0x42, 1, 0, 0x46];
     assert_eq!(ask(&mut drive, &change), [4, 2, 1, 1]);
     let text = std::iter::from_fn(|| drive.poll_event()).find_map(|event| match event {
-        Event::Save { text } => Some(text),
+        Event::Save { text, .. } => Some(text),
         _ => None,
     });
     let text = text.unwrap();

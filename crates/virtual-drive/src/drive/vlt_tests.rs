@@ -282,7 +282,7 @@ fn a_power_cycle_keeps_what_was_to_be_kept() {
     );
     let mut saved = None;
     while let Some(event) = drive.poll_event() {
-        if let Event::Save { text } = event {
+        if let Event::Save { text, .. } = event {
             saved = Some(text);
         }
     }
@@ -299,7 +299,7 @@ fn a_power_cycle_keeps_what_was_to_be_kept() {
     // 9-71 keeps everything
     assert_eq!(ask(&mut drive, &change(2, 971, 0, 5, &[1, 0])), [1, 2, 0, 1]);
     let text = std::iter::from_fn(|| drive.poll_event()).find_map(|event| match event {
-        Event::Save { text } => Some(text),
+        Event::Save { text, .. } => Some(text),
         _ => None,
     });
     again.start_with(text.unwrap().as_bytes()).unwrap();

@@ -43,6 +43,7 @@ impl Drive {
                 if !self.choose_telegram(number) {
                     return Err(ErrorNumber::VALUE);
                 }
+                self.values.set_at(position, raw);
             }
             // What a controller sends, nobody else sets.
             Live::Setpoint | Live::Through(_) if self.is_commanded(parameter.pnu) => {
@@ -96,7 +97,7 @@ impl Drive {
                 if !parameter.choices.is_empty() && parameter.choice(raw).is_none() {
                     return Err(ErrorNumber::VALUE);
                 }
-                self.values.set_element_at(position, element, raw);
+                self.store(position, element, raw)?;
             }
         }
         self.apply();
@@ -166,6 +167,7 @@ impl Drive {
             Action::Save => self.save(),
             Action::Load => self.load()?,
             Action::Defaults => self.defaults()?,
+            Action::CopySetUp(to) => self.copy_set_up(to)?,
             Action::ResetEnergy => self.meter.energy = 0.0,
             Action::ResetRunningTime => self.meter.running = Duration::ZERO,
             Action::Blink => self.emit(Event::Blink),

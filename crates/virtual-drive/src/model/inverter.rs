@@ -53,6 +53,10 @@ pub struct InverterRoles {
     pub thermal: (u16, i64, i64),
     /// Local operation.
     pub panel: PanelRoles,
+    /// Set-ups.
+    pub set_ups: SetUpRoles,
+    /// What is counted and kept over power-off; none: nothing is kept.
+    pub counters: Option<&'static CounterRoles>,
     /// Currents and speeds outside of which the extended status word says so: low and high, A and rpm.
     pub watched: [[u16; 2]; 2],
 }
@@ -83,6 +87,32 @@ pub struct PanelRoles {
     pub keys: [u16; 3],
     /// A parameter, and the value with which the control word of the bus has no effect.
     pub not_by_bus: (u16, i64),
+}
+
+/// Numbers of the parameters of set-ups.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SetUpRoles {
+    /// Chooses the one that is active, 0 to 4; any other value: the control word does. 0: the model has no set-ups.
+    pub active: u16,
+    /// Chooses the one that is read and written, 0 to 4; any other value: the active one.
+    pub edit: u16,
+    /// A parameter, and its values with which the control word counts.
+    pub by_bus: (u16, &'static [i64]),
+    /// First and last number of what each set-up has for itself.
+    pub own: [u16; 2],
+    /// First and last number of what must be the same while a motor runs from one to another.
+    pub fixed_while_running: [u16; 2],
+}
+
+/// What a drive counts and logs.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct CounterRoles {
+    /// Faults of temperature.
+    pub hot: &'static [u16],
+    /// Faults of too high a voltage.
+    pub over_voltage: &'static [u16],
+    /// Parameters whose changes are logged, with the number of the event.
+    pub history: &'static [(u8, u16)],
 }
 
 /// What a ramp time is the time to, from standstill.

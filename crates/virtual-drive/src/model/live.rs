@@ -52,6 +52,8 @@ pub enum Live {
     },
     /// Writing a value does something; it reads as 0.
     Choose(&'static [(i64, Action)]),
+    /// Which set-up each channel edits.
+    EditedSetUps,
     /// Time in milliseconds after which the controller counts as lost.
     Watchdog,
     /// 1 while the power stage is on.
@@ -163,6 +165,12 @@ pub enum Quantity {
     RunningTime,
     /// Energy that went to the motor, kWh.
     Energy,
+    /// How often power came.
+    PowerUps,
+    /// Faults of temperature.
+    OverTemperatures,
+    /// Faults of too high a voltage.
+    OverVoltages,
 }
 
 /// What position, and in which unit.
@@ -215,6 +223,12 @@ pub enum Table {
     LogCodes,
     /// When they came, s since power on.
     LogTimes,
+    /// Which words changed, the last change first.
+    HistoryEvents,
+    /// To what.
+    HistoryValues,
+    /// When, ms since power on.
+    HistoryTimes,
     /// PNU 964: drive unit identification.
     Identification,
     /// PNU 975: drive object identification.
@@ -258,6 +272,8 @@ pub enum Action {
     ResetEnergy,
     /// Forget the time that was counted.
     ResetRunningTime,
+    /// Copy the set-up that is edited to this one, 0: to all.
+    CopySetUp(u8),
     /// Show which drive this is.
     Blink,
     /// Known, does nothing in a virtual drive.

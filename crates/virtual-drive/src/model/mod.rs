@@ -16,7 +16,7 @@ mod vlt;
 
 pub use akd::AKD;
 pub use condition::{Cause, Condition, Delay, Limit, When};
-pub use inverter::{InverterRoles, PanelRoles, PlateRoles, RampTo};
+pub use inverter::{CounterRoles, InverterRoles, PanelRoles, PlateRoles, RampTo, SetUpRoles};
 pub use live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 pub use positioning::{HomeRoles, PositionRoles, TaskRoles, UnitRoles};
 pub use process::{Chosen, Lost, ProcessFacts, Signals, Wire};

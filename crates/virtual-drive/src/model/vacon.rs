@@ -12,7 +12,8 @@ use profidrive::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire,
+    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, SetUpRoles,
+    Signals, Wire,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -106,6 +107,14 @@ const INVERTER: InverterRoles = InverterRoles {
         keys: [0; 3],
         not_by_bus: (172, 0),
     },
+    set_ups: SetUpRoles {
+        active: 0,
+        edit: 0,
+        by_bus: (0, &[]),
+        own: [0, 0],
+        fixed_while_running: [0, 0],
+    },
+    counters: None,
     watched: [[0, 0], [0, 0]],
 };
 

@@ -14,7 +14,8 @@ use profidrive::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Action, Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, Signals, Wire,
+    Chosen, CounterRoles, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles,
+    SetUpRoles, Signals, Wire,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -109,7 +110,32 @@ const INVERTER: InverterRoles = InverterRoles {
         keys: [40, 41, 42],
         not_by_bus: (801, 1),
     },
+    set_ups: SetUpRoles {
+        active: 10,
+        edit: 11,
+        // bus; bus or input
+        by_bus: (855, &[1, 3]),
+        own: [100, 499],
+        fixed_while_running: [100, 199],
+    },
+    counters: Some(&COUNTERS),
     watched: [[450, 451], [452, 453]],
+};
+
+/// Source: FC 300 programming guide 15-0* and 15-2*, from memory.
+const COUNTERS: CounterRoles = CounterRoles {
+    hot: &[29],
+    over_voltage: &[7],
+    // digital input and output, warning word, alarm word, status word, control word, extended status word
+    history: &[
+        (1, 1660),
+        (2, 1666),
+        (3, 1692),
+        (4, 1690),
+        (5, 1603),
+        (6, 1600),
+        (7, 1694),
+    ],
 };
 
 /// A fault with the plain meaning of its row.
@@ -166,6 +192,17 @@ const CONDITIONS: &[Condition] = &[
 ];
 
 const LIVE: &[(u16, Live)] = &[
+    (14, Live::EditedSetUps),
+    (
+        51,
+        Live::Choose(&[
+            (1, Action::CopySetUp(1)),
+            (2, Action::CopySetUp(2)),
+            (3, Action::CopySetUp(3)),
+            (4, Action::CopySetUp(4)),
+            (9, Action::CopySetUp(0)),
+        ]),
+    ),
     (900, Live::Signal(signal::NSOLL_A)),
     (907, Live::Measured(Quantity::SpeedPart)),
     (915, Live::Array(Table::SetpointWords)),
@@ -193,8 +230,14 @@ const LIVE: &[(u16, Live)] = &[
     (1500, Live::Measured(Quantity::PowerTime)),
     (1501, Live::Measured(Quantity::RunningTime)),
     (1502, Live::Measured(Quantity::Energy)),
+    (1503, Live::Measured(Quantity::PowerUps)),
+    (1504, Live::Measured(Quantity::OverTemperatures)),
+    (1505, Live::Measured(Quantity::OverVoltages)),
     (1506, Live::Choose(&[(1, Action::ResetEnergy)])),
     (1507, Live::Choose(&[(1, Action::ResetRunningTime)])),
+    (1520, Live::Array(Table::HistoryEvents)),
+    (1521, Live::Array(Table::HistoryValues)),
+    (1522, Live::Array(Table::HistoryTimes)),
     (1530, Live::Array(Table::LogCodes)),
     (1532, Live::Array(Table::LogTimes)),
     (1592, Live::Array(Table::Numbers(0))),

@@ -17,6 +17,8 @@ pub enum StationEvent {
     PersistParameters {
         /// Image of the saved parameters.
         text: String,
+        /// Somebody asked for it. Else the drive keeps what it counts, which nobody has to hear of.
+        asked: bool,
     },
     /// The saved parameters could not be used; the drive has the values as delivered.
     ParametersIgnored(ImageError),
@@ -76,7 +78,7 @@ impl From<DriveEvent> for StationEvent {
             DriveEvent::Fault { number } => Self::Fault { number },
             DriveEvent::Acknowledged => Self::Acknowledged,
             DriveEvent::Warning { number, active } => Self::Warning { number, active },
-            DriveEvent::Save { text } => Self::PersistParameters { text },
+            DriveEvent::Save { text, asked } => Self::PersistParameters { text, asked },
             DriveEvent::Blink => Self::Blink,
         }
     }

@@ -140,6 +140,14 @@ impl Station {
         station
     }
 
+    /// Power goes in order: what is to be kept of it comes as events.
+    pub fn switch_off(&mut self) {
+        self.drive.switch_off();
+        while let Some(event) = self.drive.poll_event() {
+            self.emit(event.into());
+        }
+    }
+
     /// Takes one event.
     pub fn poll_event(&mut self) -> Option<StationEvent> {
         self.events.pop_front()

@@ -343,7 +343,7 @@ fn named_and_addressed_and_both_are_kept() {
 fn saved_parameters_come_back_and_damaged_ones_are_told() {
     let mut drive = Drive::new(&AKD);
     drive.reset_to_delivery();
-    let Some(crate::drive::Event::Save { text }) = drive.poll_event() else {
+    let Some(crate::drive::Event::Save { text, .. }) = drive.poll_event() else {
         panic!("saves")
     };
     let mut config = StationConfig::new(&AKD, DRIVE);
@@ -368,7 +368,7 @@ fn a_drive_that_shall_not_use_the_address_of_dcp_starts_without_one() {
             )
             .unwrap();
         core::iter::from_fn(|| drive.poll_event()).find_map(|event| match event {
-            crate::drive::Event::Save { text } => Some(text),
+            crate::drive::Event::Save { text, .. } => Some(text),
             _ => None,
         })
     };
@@ -401,7 +401,7 @@ fn a_drive_that_shall_not_use_the_address_of_dcp_starts_without_one() {
     station.settle(Instant::from_millis(1));
     let happenings: Vec<StationEvent> = core::iter::from_fn(|| station.poll_event()).collect();
     let text = happenings.iter().find_map(|event| match event {
-        StationEvent::PersistParameters { text } => Some(text.clone()),
+        StationEvent::PersistParameters { text, .. } => Some(text.clone()),
         _ => None,
     });
     assert!(
@@ -469,7 +469,7 @@ fn resets_clear_what_their_mode_says() {
             _ => None,
         });
         let parameters = happenings.iter().rev().find_map(|event| match event {
-            StationEvent::PersistParameters { text } => Some(text.clone()),
+            StationEvent::PersistParameters { text, .. } => Some(text.clone()),
             _ => None,
         });
         let network = network.unwrap();

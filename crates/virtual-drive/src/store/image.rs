@@ -147,6 +147,14 @@ impl Image {
             .push((name.to_owned(), text.to_owned(), String::new()));
     }
 
+    /// Puts a value as text in the place of the one that stands there, or behind all others.
+    pub fn set_text(&mut self, name: &str, text: &str) {
+        match self.entries.iter_mut().find(|(known, ..)| known == name) {
+            Some((_, present, _)) => text.clone_into(present),
+            None => self.push_text(name, text),
+        }
+    }
+
     /// The text, checksum included.
     #[must_use]
     pub fn encode(&self) -> String {

@@ -317,6 +317,12 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
             }
         }
     }
+    for (keeping, drive) in &mut lineup.drives {
+        drive.switch_off();
+        while let Some(event) = drive.poll_event() {
+            scribe.happened(keeping, now() - start, event);
+        }
+    }
     scribe.finish();
     Ok(())
 }

@@ -214,6 +214,16 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             break;
         }
     }
+    for (id, drive) in &drives {
+        let Some(unit) = runner.station_mut::<Unit>(*id) else {
+            continue;
+        };
+        let station = unit.inner_mut().endpoint_mut();
+        station.switch_off();
+        while let Some(event) = station.poll_event() {
+            scribe.happened(&drive.keeping, now() - start, event);
+        }
+    }
     scribe.finish();
     runner
         .finish_taps()

@@ -146,8 +146,12 @@ fn keep_all(jobs: &Receiver<Keep>, voice: &Voice) {
                     format!("name and address: {name}, {ip}"),
                 )
             }
-            StationEvent::PersistParameters { text } => {
-                (drive.state.write_parameters(text), "parameters saved".to_owned())
+            StationEvent::PersistParameters { text, asked } => {
+                let result = drive.state.write_parameters(text);
+                if result.is_ok() && !asked {
+                    continue;
+                }
+                (result, "parameters saved".to_owned())
             }
             _ => continue,
         };
