@@ -430,7 +430,7 @@ fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
         let events: Vec<StationEvent> = std::iter::from_fn(|| bus.drives[0].poll_event()).collect();
         events
             .iter()
-            .any(|event| matches!(event, StationEvent::PersistParameters { .. }))
+            .any(|event| matches!(event, StationEvent::PersistParameters { asked: true, .. }))
     };
     assert!(!saved(), "a change goes to the RAM");
 }
