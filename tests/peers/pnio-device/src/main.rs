@@ -1,9 +1,11 @@
-//! An independent PROFINET device for the system tests: the `pnio` crate with four modules.
+//! An independent PROFINET device for the system tests: the `pnio` crate with four modules, or those of a converter.
 //!
 //! `pnio-device INTERFACE STATION-NAME IP` serves slot 1 (64 octets in), 2 (4 in), 3 (64 out), 4 (4 out) and mirrors
-//! outputs to inputs. Prints `ready` once it listens and every change of its connection state; ends when killed or when its
+//! outputs to inputs; with `ppo` behind the address what [`ppo`] describes. Prints `ready` once it listens and every change of its connection state; ends when killed or when its
 //! standard input closes.
 #![forbid(unsafe_code)]
+
+mod ppo;
 
 use std::io::Read;
 use std::process::ExitCode;
@@ -17,11 +19,15 @@ use pnio::im::Im0;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [interface, name, ip] = arguments.as_slice() else {
-        eprintln!("usage: pnio-device INTERFACE STATION-NAME IP");
-        return ExitCode::from(2);
+    let (interface, name, ip, converter) = match arguments.as_slice() {
+        [interface, name, ip] => (interface, name, ip, None),
+        [interface, name, ip, kind] if kind == "ppo" => (interface, name, ip, Some(ppo::Converter::new())),
+        _ => {
+            eprintln!("usage: pnio-device INTERFACE STATION-NAME IP [ppo]");
+            return ExitCode::from(2);
+        }
     };
-    match serve(interface, name, ip) {
+    match serve(interface, name, ip, converter) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("pnio-device: {error}");
@@ -30,20 +36,30 @@ fn main() -> ExitCode {
     }
 }
 
-fn serve(interface: &str, name: &str, ip: &str) -> Result<(), Box<dyn std::error::Error>> {
+fn serve(
+    interface: &str,
+    name: &str,
+    ip: &str,
+    mut converter: Option<ppo::Converter>,
+) -> Result<(), Box<dyn std::error::Error>> {
     let address: std::net::Ipv4Addr = ip.parse()?;
-    let config = DeviceConfig::builder(name)
+    let builder = DeviceConfig::builder(name)
         .station_type("pnio device")
         .im0(Im0 {
             order_id: "PNIO-PEER".into(),
             ..Im0::default()
         })
-        .min_device_interval(32)
-        .input(Slot(1), &[FieldType::Real; 16])
-        .input(Slot(2), &[FieldType::Bool; 32])
-        .output(Slot(3), &[FieldType::Real; 16])
-        .output(Slot(4), &[FieldType::Bool; 32])
-        .build()?;
+        .min_device_interval(32);
+    let builder = if converter.is_some() {
+        ppo::modules(builder)
+    } else {
+        builder
+            .input(Slot(1), &[FieldType::Real; 16])
+            .input(Slot(2), &[FieldType::Bool; 32])
+            .output(Slot(3), &[FieldType::Real; 16])
+            .output(Slot(4), &[FieldType::Bool; 32])
+    };
+    let config = builder.build()?;
     let device = IoDevice::start(
         config,
         StartOptions {
@@ -72,7 +88,12 @@ fn serve(interface: &str, name: &str, ip: &str) -> Result<(), Box<dyn std::error
             println!("{present:?}");
             state = present;
         }
-        if device.ready()
+        if let Some(converter) = &mut converter {
+            if device.ready() {
+                // a connection that has just ended is told by the state above
+                let _ = converter.work(&device);
+            }
+        } else if device.ready()
             && let Ok(output) = device.outputs(Slot(3))
         {
             let _ = device.with_inputs(Slot(1), |input| -> Result<(), pnio::api::ApiError> {
