@@ -105,6 +105,16 @@ impl Model {
         known.or_else(relative).unwrap_or(STANDARD)
     }
 
+    /// The model that says this of itself in PNU 964: its vendor and its type of drive unit. At a serial line nothing else
+    /// is known of it.
+    pub(crate) fn of_unit(vendor_id: u16, unit_type: u16) -> Option<Self> {
+        let told = |make: &&Make| {
+            let device = &make.0.device;
+            (device.vendor_id, device.drive_unit_type) == (vendor_id, unit_type)
+        };
+        MAKES.iter().find(told).map(Self::made)
+    }
+
     /// The model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the profile alone,
     /// without any tables.
     ///

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use drive_client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
 use drive_client::{Drive, Error, describe};
 use network::files::StateFile;
+use profidrive::parameter::Saving;
 use serde_json::{Map, Value};
 
 use super::backup;
@@ -322,10 +323,17 @@ fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, outp
     match journal.saved() {
         Saved::Yes => output.say("saved: the drive keeps them over power-off"),
         Saved::No if args.save => output.say("not saved, because not every value is as planned"),
-        Saved::No if journal.count(|step| *step == Step::ReadBack) > 0 => output.say(&format!(
-            "not saved: `profidrive write {} DRV.NVSAVE=1` lets the drive keep them over power-off",
-            drive.label()
-        )),
+        Saved::No if journal.count(|step| *step == Step::ReadBack) > 0 => {
+            output.say(&match drive.model.dialect.saving {
+                Saving::Command => format!(
+                    "not saved: `profidrive write {} DRV.NVSAVE=1` lets the drive keep them over power-off",
+                    drive.label()
+                ),
+                Saving::Request | Saving::Always => {
+                    "not saved: until the next power cycle; with --save the drive keeps them".into()
+                }
+            });
+        }
         Saved::No => {}
         Saved::InDoubt => output.warn("it is not known whether the drive saved: asked for, not answered"),
         Saved::Refused(number) => output.warn(&format!("not saved, the drive refused: {number}")),

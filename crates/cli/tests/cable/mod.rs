@@ -1,5 +1,8 @@
 //! A cable between two pseudo-terminals, and a simulation at its far end.
 
+// each test program uses a part of it
+#![allow(dead_code)]
+
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::Arc;
@@ -142,10 +145,15 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// Starts it and waits until its drives are there.
+    /// Starts AKDs and waits until they are there.
     pub fn start(cable: &Cable, more: &[&str]) -> Self {
+        Self::start_model(cable, "akd", more)
+    }
+
+    /// Starts drives of this model and waits until they are there.
+    pub fn start_model(cable: &Cable, model: &str, more: &[&str]) -> Self {
         let mut process = Command::new(env!("CARGO_BIN_EXE_profidrive"))
-            .args(["simulate", "--model", "akd", "--serial", &cable.far])
+            .args(["simulate", "--model", model, "--serial", &cable.far])
             .args(more)
             .env("NO_COLOR", "1")
             .stdout(Stdio::piped())

@@ -102,7 +102,10 @@ pub fn describe(station: &Station) -> String {
     } else {
         &station.name
     };
-    if station.mac == MacAddress::default() {
+    if station.mac == MacAddress::default() && !station.ip.is_set() {
+        // at a serial line: its name is where it is
+        name.to_owned()
+    } else if station.mac == MacAddress::default() {
         // found by its IP address alone
         station.ip.address.to_string()
     } else if station.ip.is_set() {

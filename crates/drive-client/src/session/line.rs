@@ -70,25 +70,26 @@ impl<M: Wire> Session<M> {
             .flatten()
             .filter_map(|reading| u16::try_from(reading.raw()?).ok())
             .collect();
-        if let [vendor, device, ..] = words.as_slice() {
-            (station.vendor_id, station.device_id) = (*vendor, *device);
+        let (vendor, unit) = match words.as_slice() {
+            [vendor, unit, ..] => (*vendor, *unit),
+            _ => (0, 0),
+        };
+        let maker = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
+        // another VLT speaks like the one with tables; older ones do not name their maker
+        let speaks_fc =
+            |model: &Model| at.protocol == Protocol::Fc && (vendor == 0 || maker(model) == Some(vendor));
+        let by_protocol = || Model::by_name(FC_MODEL).filter(speaks_fc);
+        let model = Model::of_unit(vendor, unit).or_else(by_protocol);
+        match model.and_then(|model| model.catalogue) {
+            Some(tables) => {
+                station.vendor_id = tables.device.vendor_id;
+                station.device_id = tables.device.device_id;
+            }
+            None => (station.vendor_id, station.device_id) = (vendor, unit),
         }
-        let vendor = station.vendor_id;
         let mut drive = Drive::new(station);
         drive.slave = Some(slave);
-        // a VLT has no number of its kind on this line; older ones have none of their maker either
-        let maker = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
-        Ok(match Model::by_name(FC_MODEL) {
-            Some(model)
-                if at.protocol == Protocol::Fc
-                    && drive.model.catalogue.is_none()
-                    && (vendor == 0 || maker(&model) == Some(vendor)) =>
-            {
-                drive.station.vendor_id = maker(&model).unwrap_or(vendor);
-                drive.taken_for(model)
-            }
-            _ => drive,
-        })
+        Ok(drive)
     }
 
     /// One parameter job through the parameter channel of a drive at the line.

@@ -1,0 +1,153 @@
+//! A VLT at a serial port, by the binary: every command that a user has for it, over the FC protocol and over USS, on a
+//! line that spoils what passes too.
+
+mod binary;
+mod cable;
+
+use std::path::PathBuf;
+use std::process::Output;
+
+use binary::{profidrive, stderr, stdout};
+use cable::{Cable, Simulated};
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("profidrive-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        Self(folder)
+    }
+
+    fn file(&self, name: &str) -> String {
+        self.0.join(name).to_str().expect("text").into()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[track_caller]
+fn ok(line: &[&str]) -> Output {
+    let output = profidrive(line);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{line:?}: {}{}",
+        stdout(&output),
+        stderr(&output)
+    );
+    output
+}
+
+/// The values of a `read --json`.
+#[track_caller]
+fn values(drive: &str, parameters: &[&str]) -> Vec<serde_json::Value> {
+    let output = ok(&[&["--json", "read", drive], parameters].concat());
+    let document: serde_json::Value = serde_json::from_str(&stdout(&output)).expect("a document");
+    let read = document["parameters"].as_array().expect("parameters").iter();
+    read.map(|one| one["value"].clone()).collect()
+}
+
+#[test]
+fn every_command_over_both_protocols() {
+    for (protocol, address) in [("fc", 126), ("uss", 5)] {
+        let cable = Cable::lay();
+        let number = address.to_string();
+        let line = ["--protocol", protocol, "--address", &number, "--baud", "115200"];
+        let _drives = Simulated::start_model(&cable, "vlt", &line);
+        let drive = format!("{},baud=115200", cable.drive(protocol, address));
+        let folder = Folder::new(&format!("vlt-{protocol}"));
+
+        let info = stdout(&ok(&["info", &drive]));
+        assert!(info.starts_with(&format!("{drive} (VLT)")), "{info}");
+        let told = values(&drive, &["1-20", "341", "p342", "15-30[0..2]"]);
+        assert_eq!(
+            (told[0].as_f64(), told[1].as_f64()),
+            (Some(0.75), Some(3.0)),
+            "{told:?}"
+        );
+        if protocol == "fc" {
+            // USS has no texts
+            assert_eq!(values(&drive, &["15-40"])[0], "FC-302");
+        }
+        let listed = stdout(&ok(&["list", &drive]));
+        assert!(listed.contains("Ramp 1 Ramp up Time"), "{listed}");
+        let described = stdout(&ok(&["describe", &drive, "3-41"]));
+        assert!(described.contains("0.01 s to 3600 s"), "{described}");
+
+        // backup, a change, what differs, and back
+        let file = folder.file("line.backup");
+        ok(&["backup", &drive, "-o", &file]);
+        ok(&["diff", &file, &drive]);
+        ok(&["write", &drive, "3-41=5s"]);
+        let differs = profidrive(&["diff", &file, &drive]);
+        assert_eq!(differs.status.code(), Some(5), "{}", stderr(&differs));
+        assert!(stdout(&differs).contains("3-41"), "{}", stdout(&differs));
+        let restored = ok(&["restore", &drive, &file]);
+        // how this make keeps values
+        assert!(
+            stderr(&restored).contains("with --save the drive keeps them"),
+            "{}",
+            stderr(&restored)
+        );
+        ok(&["diff", &file, &drive]);
+        assert_eq!(values(&drive, &["3-41"])[0].as_f64(), Some(3.0));
+        // what cannot be
+        let refused = profidrive(&["write", &drive, "3-41=9999s"]);
+        assert_ne!(refused.status.code(), Some(0));
+        assert!(stderr(&refused).contains("3600"), "{}", stderr(&refused));
+
+        let ran = ok(&["run", &drive, "--velocity", "300rpm", "--for", "500ms"]);
+        assert!(
+            stderr(&ran).contains("axis at rest, control released"),
+            "{}",
+            stderr(&ran)
+        );
+        ok(&["ack", &drive]);
+        let faults = ok(&["faults", &drive]);
+        assert!(stdout(&faults).contains("no fault") || stderr(&faults).contains("no fault"));
+        let status = stdout(&profidrive(&["status", &drive]));
+        assert!(status.contains("Danfoss FC"), "{status}");
+    }
+}
+
+/// What is kept is there after the power was off, what is not is as delivered.
+#[test]
+fn the_eeprom_survives_a_restart() {
+    let cable = Cable::lay();
+    let folder = Folder::new("vlt-eeprom");
+    let state = folder.file("state");
+    let drive = cable.drive("fc", 1);
+    {
+        let _drives = Simulated::start_model(&cable, "vlt", &["--state", &state]);
+        ok(&["write", &drive, "3-41=5s"]);
+        ok(&["write", "--save", &drive, "3-42=7s"]);
+        let told = values(&drive, &["3-41", "3-42"]);
+        assert_eq!((told[0].as_f64(), told[1].as_f64()), (Some(5.0), Some(7.0)));
+    }
+    let _drives = Simulated::start_model(&cable, "vlt", &["--state", &state]);
+    let told = values(&drive, &["3-41", "3-42"]);
+    assert_eq!((told[0].as_f64(), told[1].as_f64()), (Some(3.0), Some(7.0)));
+}
+
+#[test]
+fn noise_wrong_checks_halves_and_echo_are_borne() {
+    for (protocol, echo) in [("fc", true), ("uss", false)] {
+        let cable = Cable::lay();
+        let _drives = Simulated::start_model(&cable, "vlt", &["--protocol", protocol]);
+        let drive = cable.drive(protocol, 1);
+        let parameters = ["1-20", "3-41", "3-42", "8-10", "15-30[0..9]", "16-13"];
+        let clean = values(&drive, &parameters);
+        cable.echo(echo);
+        cable.spoil_every(9);
+        assert_eq!(values(&drive, &parameters), clean);
+        ok(&["write", &drive, "3-41=4s"]);
+        assert_eq!(values(&drive, &["3-41"])[0].as_f64(), Some(4.0));
+        ok(&["run", &drive, "--velocity", "200rpm", "--for", "1s"]);
+        assert!(cable.spoiled() > 3, "{}", cable.spoiled());
+    }
+}
