@@ -266,11 +266,25 @@ fn demo_writes_a_capture_that_decode_reads() {
         "CTW 0x043C -> 0x047C run: follows the setpoint [START, DATA_VALID]; MRV 50 %, 750 rpm",
         "40-00: refused: 0 parameter number does not exist",
         "Deceleration time 1 (ID 104) = 1 s",
+        "expects slot 1 module 0x00010095, VACON telegram 149: subslot 1 0xFFFF, subslot 2 0x10095 (12 in, 12 out)",
+        "CTW 0x047E -> 0x047F run: follows the setpoint [ON1, RUN_EN, START_4, START_5, START_6, FB_CTRL]; MRV 25 %",
+        "CTW 0x047E -> 0x04FE acknowledge fault",
         "release",
     ] {
         assert!(text.contains(words), "{words}");
     }
     assert!(stderr(&output).contains("frames: "), "{}", stderr(&output));
+    assert!(
+        !stderr(&output).contains("began earlier"),
+        "no connect is overlooked: {}",
+        stderr(&output)
+    );
+    // nothing of the VLT's telegram is read into the words of the Vacon
+    let vacon = text.lines().filter(|line| line.contains(" vacon-1 > "));
+    let wrong: Vec<_> = vacon
+        .filter(|line| line.contains("PKW") || line.contains("TRIP"))
+        .collect();
+    assert_eq!(wrong, [] as [&str; 0]);
 
     // a damaged capture is read as far as it is sound
     let mut octets = std::fs::read(&path).expect("the capture");

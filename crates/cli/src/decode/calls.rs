@@ -15,14 +15,14 @@ use super::jobs::{Jobs, is_parameter_record};
 use super::names::Names;
 use super::udp::Datagram;
 use super::{Sink, Weight, connect, records};
-use crate::job::JobDrive;
 
 /// Most calls remembered at a time.
 const MAX_CALLS: usize = 1024;
 /// Largest request or answer put together.
 const MAX_BODY: usize = 1 << 20;
 
-type Key = (Uuid, u32);
+/// Who asks whom, and the call: activities are told apart by their client, and a client may use one towards several.
+type Key = (Ipv4Addr, Ipv4Addr, Uuid, u32);
 
 /// All calls of a capture that may still be answered.
 #[derive(Debug, Default)]
@@ -51,6 +51,8 @@ enum Context {
     Read(Ipv4Addr, ReadRequest),
     Write(Ipv4Addr, Vec<WriteRequest>),
     Control(&'static str),
+    /// Of which drive, and which connection.
+    Release(Ipv4Addr, Uuid),
 }
 
 /// A body in pieces.
@@ -124,7 +126,14 @@ impl Calls {
         if header.interface == Uuid::ENDPOINT_MAPPER {
             return Ok(());
         }
-        let key = (header.activity, header.sequence);
+        let (source, destination) = (*datagram.source.ip(), *datagram.destination.ip());
+        let (client, server) = match header.packet_type {
+            PacketType::Request | PacketType::Ping | PacketType::Ack | PacketType::Cancel => {
+                (source, destination)
+            }
+            _ => (destination, source),
+        };
+        let key = (client, server, header.activity, header.sequence);
         match header.packet_type {
             PacketType::Request => {
                 let call = self.call(key);
@@ -208,26 +217,30 @@ fn request(
             if first.index == MULTIPLE_WRITE {
                 for item in WriteItems::new(Reader::new(data)) {
                     let (write, data) = item?;
-                    note_write(names.drives.at(drive), &write, data, jobs, sink);
+                    note_write(drive, &write, data, jobs, names, sink);
                     writes.push(write);
                 }
             } else {
-                note_write(names.drives.at(drive), &first, data, jobs, sink);
+                note_write(drive, &first, data, jobs, names, sink);
                 writes.push(first);
             }
             Context::Write(drive, writes)
         }
         operation::RELEASE | operation::CONTROL => {
-            let mut what = "control";
+            let mut context = Context::Control("control");
             for block in Blocks::new(reader) {
                 let block = block?;
                 if let Ok(control) = ControlBlock::decode(block.block_type, block.body) {
-                    what = command(control.command, block.block_type);
+                    let what = command(control.command, block.block_type);
                     sink.note(Weight::Normal, "connect", what);
+                    context = match control.command {
+                        ControlCommand::RELEASE => Context::Release(drive, control.ar_uuid),
+                        _ => Context::Control(what),
+                    };
                     break;
                 }
             }
-            Context::Control(what)
+            context
         }
         other => {
             sink.note(Weight::Warning, "RPC", format!("unknown operation {other}"));
@@ -248,9 +261,17 @@ fn command(command: ControlCommand, block: BlockType) -> &'static str {
     }
 }
 
-fn note_write(drive: &JobDrive, write: &WriteRequest, data: &[u8], jobs: &mut Jobs, sink: &mut Sink<'_>) {
+fn note_write(
+    at: Ipv4Addr,
+    write: &WriteRequest,
+    data: &[u8],
+    jobs: &mut Jobs,
+    names: &mut Names,
+    sink: &mut Sink<'_>,
+) {
+    let drive = names.drives.at(at);
     if is_parameter_record(write.index) {
-        jobs.request(drive, write, data, sink);
+        jobs.request(at, drive, write, data, sink);
     } else {
         let place = records::place(write.api, write.slot, write.subslot);
         let text = match records::parameter(drive, write.slot, write.subslot, write.index) {
@@ -294,7 +315,7 @@ fn response(
             } else {
                 None
             };
-            jobs.answer(names.drives.at(drive), &read, data, ndr.status, sink);
+            jobs.answer(drive, names.drives.at(drive), &read, data, ndr.status, sink);
         }
         Context::Read(drive, read) => {
             let drive = names.drives.at(drive);
@@ -329,6 +350,8 @@ fn response(
                 }
             }
         }
+        Context::Release(drive, ar) if ndr.status.is_ok() => relations.close(drive, ar),
+        Context::Release(..) => refused("release", ndr.status, sink),
         Context::Control(what) if !ndr.status.is_ok() => refused(what, ndr.status, sink),
         Context::Control(_) | Context::None => {}
     }
@@ -342,6 +365,7 @@ fn refused(what: &str, status: PnioStatus, sink: &mut Sink<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decode::{Walker, udp};
     use profinet::wire::rpc::Flags;
 
     fn fragment(number: u16, last: bool) -> Header {
@@ -369,8 +393,34 @@ mod tests {
     fn memory_is_bounded() {
         let mut calls = Calls::default();
         for sequence in 0..5000 {
-            calls.call((Uuid::NIL, sequence));
+            calls.call((Ipv4Addr::LOCALHOST, Ipv4Addr::LOCALHOST, Uuid::NIL, sequence));
         }
         assert_eq!((calls.open.len(), calls.order.len()), (MAX_CALLS, MAX_CALLS));
+    }
+
+    /// A controller that begins with the same identifiers towards each device: both releases are told.
+    #[test]
+    fn the_same_activity_towards_two_devices_is_two_calls() {
+        let mut blocks = Vec::new();
+        let release = ControlBlock::new(BlockType::RELEASE, Uuid([9; 16]), 1, ControlCommand::RELEASE);
+        release.encode(&mut blocks);
+        let length = u32::try_from(blocks.len()).unwrap();
+        let ndr = NdrRequest {
+            args_maximum: length,
+            args_length: length,
+        };
+        let mut body = Vec::new();
+        ndr.encode(&mut body, profinet::wire::ByteOrder::Big);
+        body.extend(blocks);
+        let mut frame = udp::tests::rpc_frame(operation::RELEASE.try_into().unwrap(), &body);
+        let mut walker = Walker::default();
+        let mut told = Vec::new();
+        for last in [2, 2, 3] {
+            frame[33] = last;
+            let notes = walker.frame(std::time::Duration::ZERO, &frame);
+            told.extend(notes.into_iter().map(|note| (note.to, note.text)));
+        }
+        let expected = ["10.0.0.2", "10.0.0.3"].map(|to| (to.to_owned(), "release".to_owned()));
+        assert_eq!(told, expected, "a repetition is told once");
     }
 }

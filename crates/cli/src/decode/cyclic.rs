@@ -5,6 +5,7 @@ use std::net::Ipv4Addr;
 use profidrive::pkw::Pkw;
 use profidrive::telegram::Telegram;
 use profinet::MacAddress;
+use profinet::wire::Uuid;
 use profinet::wire::block::{ConnectResponse, IocrType};
 use profinet::wire::ethernet::Frame;
 use profinet::wire::rt::{Cyclic, DataStatus, Iops};
@@ -31,6 +32,7 @@ pub struct Relations {
 /// One direction of one connection.
 #[derive(Debug)]
 struct Stream {
+    sender: MacAddress,
     receiver: MacAddress,
     frame_id: u16,
     /// True from controller to device.
@@ -41,6 +43,9 @@ struct Stream {
     /// Drive telegrams in it.
     drives: Vec<DriveData>,
     status: Option<DataStatus>,
+    ar: Uuid,
+    /// Released: what still comes tells nothing.
+    closed: bool,
 }
 
 /// Where a telegram is, and what it was.
@@ -85,10 +90,11 @@ impl Relations {
             let frame_id = chosen
                 .or_else(|| response.iocrs.get(at))
                 .map_or(request.frame_id, |row| row.frame_id);
-            let receiver = if output {
-                response.ar.responder_mac
+            let (controller, drive_mac) = (ar.initiator_mac, response.ar.responder_mac);
+            let (sender, receiver) = if output {
+                (controller, drive_mac)
             } else {
-                ar.initiator_mac
+                (drive_mac, controller)
             };
             let mut drives = Vec::new();
             for api in &request.apis {
@@ -111,12 +117,13 @@ impl Relations {
                 }
             }
             self.streams
-                .retain(|stream| stream.receiver != receiver || stream.frame_id != frame_id);
+                .retain(|stream| !stream.is_between(sender, receiver, frame_id));
             if self.streams.len() >= MAX_STREAMS {
                 self.streams.remove(0);
             }
             let data_length = request.data_length.into();
             self.streams.push(Stream {
+                sender,
                 receiver,
                 frame_id,
                 output,
@@ -124,14 +131,22 @@ impl Relations {
                 device,
                 drives,
                 status: None,
+                ar: ar.ar_uuid,
+                closed: false,
             });
+        }
+    }
+
+    /// A connection to a device was released.
+    pub fn close(&mut self, device: Ipv4Addr, ar: Uuid) {
+        for stream in &mut self.streams {
+            stream.closed |= (stream.device, stream.ar) == (device, ar);
         }
     }
 
     /// Looks at a cyclic frame; false if it belongs to no known connection.
     pub fn cyclic(&mut self, frame: &Frame<'_>, names: &mut Names, sink: &mut Sink<'_>) -> bool {
-        let known =
-            |stream: &Stream| stream.receiver == frame.destination && stream.frame_id == frame.frame_id.0;
+        let known = |stream: &Stream| stream.is_between(frame.source, frame.destination, frame.frame_id.0);
         let Some(at) = self.streams.iter().position(known) else {
             return false;
         };
@@ -143,7 +158,10 @@ impl Relations {
         let opposite = before
             .iter()
             .chain(&*after)
-            .find(|other| other.output && other.receiver == frame.source);
+            .find(|other| other.output && other.receiver == frame.source && !other.closed);
+        if stream.closed {
+            return true;
+        }
         let Some(cyclic) = Cyclic::parse(frame.payload, stream.data_length) else {
             return false;
         };
@@ -164,6 +182,12 @@ impl Relations {
             data.look(drive, cyclic.data, stream.output, sent, sink);
         }
         true
+    }
+}
+
+impl Stream {
+    fn is_between(&self, sender: MacAddress, receiver: MacAddress, frame_id: u16) -> bool {
+        (self.sender, self.receiver, self.frame_id) == (sender, receiver, frame_id)
     }
 }
 
@@ -294,5 +318,81 @@ impl Asked {
     fn telegram(&self, drive: &JobDrive, slot: u16) -> Option<&'static Telegram> {
         let mut modules = self.modules.iter().filter(|module| module.slot == slot);
         modules.find_map(|module| connect::telegram(drive, module))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONTROLLER: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
+
+    fn device(last: u8) -> (MacAddress, Ipv4Addr) {
+        (MacAddress([2, 0, 0, 0, 0, last]), Ipv4Addr::new(10, 0, 0, last))
+    }
+
+    /// Inputs of a device with the identifiers that every device of this controller has.
+    fn stream(last: u8) -> Stream {
+        let (sender, device) = device(last);
+        Stream {
+            sender,
+            receiver: CONTROLLER,
+            frame_id: 0x8000,
+            output: false,
+            data_length: 40,
+            device,
+            drives: Vec::new(),
+            status: None,
+            ar: Uuid([7; 16]),
+            closed: false,
+        }
+    }
+
+    #[test]
+    fn frames_belong_to_their_sender_and_to_nobody_after_the_release() {
+        let mut relations = Relations {
+            streams: vec![stream(2), stream(3)],
+        };
+        let mut names = Names::default();
+        let mut payload = [0; 44];
+        payload[42] = DataStatus::GOOD.0;
+        let mut look = |relations: &mut Relations, last: u8| {
+            let mut notes = Vec::new();
+            let mut sink = Sink {
+                at: std::time::Duration::ZERO,
+                from: String::new(),
+                to: String::new(),
+                notes: &mut notes,
+            };
+            let frame = Frame {
+                destination: CONTROLLER,
+                source: device(last).0,
+                tag: None,
+                frame_id: profinet::wire::ethernet::FrameId(0x8000),
+                payload: &payload,
+            };
+            let known = relations.cyclic(&frame, &mut names, &mut sink);
+            (known, notes.len())
+        };
+        assert_eq!(look(&mut relations, 3), (true, 1), "its first data");
+        assert_eq!(
+            look(&mut relations, 2),
+            (true, 1),
+            "they are not those of the other"
+        );
+        assert_eq!(
+            look(&mut relations, 4),
+            (false, 0),
+            "of nobody that was connected"
+        );
+        relations.close(device(2).1, Uuid([7; 16]));
+        let closed = relations.streams.iter().map(|stream| stream.closed);
+        assert_eq!(
+            closed.collect::<Vec<_>>(),
+            [true, false],
+            "the same identifier, another device"
+        );
+        relations.streams[0].status = None;
+        assert_eq!(look(&mut relations, 2), (true, 0));
     }
 }

@@ -1,6 +1,7 @@
 //! Parameter jobs inside records: requests with names, answers matched with them.
 
 use std::collections::HashMap;
+use std::net::Ipv4Addr;
 
 use profinet::wire::PnioStatus;
 use profinet::wire::Uuid;
@@ -17,7 +18,8 @@ pub const fn is_parameter_record(index: u16) -> bool {
     matches!(index, 0x002F | 0xB02E | 0xB02F)
 }
 
-type Channel = (Uuid, u16, u16, u16);
+/// Which drive, and the record of which connection.
+type Channel = (Ipv4Addr, Uuid, u16, u16, u16);
 
 /// Requests that wait for their answer.
 #[derive(Debug, Default)]
@@ -27,13 +29,20 @@ pub struct Jobs {
 
 impl Jobs {
     /// A request was written to a drive.
-    pub fn request(&mut self, drive: &JobDrive, write: &WriteRequest, data: &[u8], sink: &mut Sink<'_>) {
+    pub fn request(
+        &mut self,
+        at: Ipv4Addr,
+        drive: &JobDrive,
+        write: &WriteRequest,
+        data: &[u8],
+        sink: &mut Sink<'_>,
+    ) {
         for (weight, line) in job::request_lines(drive, data) {
             sink.note(weight, "parameter", line);
         }
         if self.open.len() < MAX_OPEN {
             self.open.insert(
-                (write.ar_uuid, write.slot, write.subslot, write.index),
+                (at, write.ar_uuid, write.slot, write.subslot, write.index),
                 data.to_vec(),
             );
         }
@@ -42,13 +51,14 @@ impl Jobs {
     /// An answer of a drive was read, or refused.
     pub fn answer(
         &mut self,
+        at: Ipv4Addr,
         drive: &mut JobDrive,
         read: &ReadRequest,
         data: Option<&[u8]>,
         status: PnioStatus,
         sink: &mut Sink<'_>,
     ) {
-        let channel = (read.ar_uuid, read.slot, read.subslot, read.index);
+        let channel = (at, read.ar_uuid, read.slot, read.subslot, read.index);
         match data {
             Some(data) => {
                 let request = self.open.remove(&channel);

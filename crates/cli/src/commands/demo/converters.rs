@@ -161,7 +161,9 @@ impl<'s> Line<'s> {
             address: std::net::Ipv4Addr::new(10, 0, 0, 200),
             ..drive.station.ip
         };
-        let mut controller = Controller::new(ControllerConfig::new(MAC, ip, "demo-plc", 7));
+        // each is a program of its own: no identifier of one connection is that of another
+        let seed = u64::from(act.telegram);
+        let mut controller = Controller::new(ControllerConfig::new(MAC, ip, "demo-plc", seed));
         let now = session.medium().now();
         let target = Target::of(&drive.station);
         let ar = controller
