@@ -18,11 +18,12 @@ pub struct Simulate {
     /// Ends after this time; else the `duration` of the scenario, or Ctrl-C
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Drive model
-    #[arg(long, value_enum, default_value = "akd")]
-    pub model: Model,
-    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it; not in virtual
-    /// time, where the controllers of the scenario know the model's own
+    /// Drive model; that of the maker whose device description is given, else akd, when left out
+    #[arg(long, value_enum)]
+    pub model: Option<Model>,
+    /// Device description (GSDML) of the maker: identity, modules and ident numbers are taken from it. In a scenario it
+    /// is that of this maker's drives. One of a maker whose drives are not simulated wants --model, which then says what
+    /// the drive is inside. Not in virtual time, where the controllers of the scenario know the model's own
     #[arg(long, value_name = "FILE", conflicts_with = "virtual_time")]
     pub gsdml: Option<PathBuf>,
     /// Only this access point of the device description; all of them when left out

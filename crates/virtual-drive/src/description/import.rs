@@ -99,15 +99,29 @@ impl Description {
         model: &Model,
         access_point: Option<&str>,
     ) -> Result<Import, ImportError> {
-        let catalogue = model.catalogue;
-        let own = Self::of(model);
-        if gsdml.identity.vendor_id != own.identity.vendor_id {
+        let (expected, found) = (model.catalogue.device.vendor_id, gsdml.identity.vendor_id);
+        if found != expected {
             return Err(ImportError::Vendor {
-                model: catalogue.model,
-                expected: own.identity.vendor_id,
-                found: gsdml.identity.vendor_id,
+                model: model.catalogue.model,
+                expected,
+                found,
             });
         }
+        Self::under_the_name_of(gsdml, model, access_point)
+    }
+
+    /// The same for a file of any vendor: a drive that goes by the name of another maker and is the model inside. Of
+    /// another maker's modules those are taken that are as long as the model's telegrams.
+    ///
+    /// # Errors
+    /// When no module carries a telegram of the model, or one of the model's own vendor contradicts it.
+    pub fn under_the_name_of(
+        gsdml: &Gsdml,
+        model: &Model,
+        access_point: Option<&str>,
+    ) -> Result<Import, ImportError> {
+        let catalogue = model.catalogue;
+        let own = Self::of(model);
         let points: Vec<&AccessPoint> = gsdml
             .access_points
             .iter()
@@ -411,17 +425,22 @@ impl Reader<'_> {
                 }
                 Ok(())
             }
-            Found::Unknown(reason) => {
+            // numbers of telegrams from 100 on mean something else at each maker
+            Found::Contradiction(reason)
+                if self.gsdml.identity.vendor_id == self.catalogue.device.vendor_id =>
+            {
+                Err(ImportError::Contradiction {
+                    module: label,
+                    reason,
+                })
+            }
+            Found::Unknown(reason) | Found::Contradiction(reason) => {
                 let reason = format!("{label}: {reason}");
                 if self.left_out.len() < MOST_MODULES && !self.left_out.contains(&reason) {
                     self.left_out.push(reason);
                 }
                 Ok(())
             }
-            Found::Contradiction(reason) => Err(ImportError::Contradiction {
-                module: label,
-                reason,
-            }),
         }
     }
 

@@ -15,6 +15,7 @@ use virtual_drive::drive::Injection;
 use virtual_drive::serial::{SerialConfig, SerialStation};
 
 use super::mailbox::Mailbox;
+use super::maker::Maker;
 use super::plans::plans;
 use super::scribe::Scribe;
 use super::{Keeping, RETRY, count};
@@ -230,7 +231,11 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
     };
     let scribe = Scribe::new(output.clone());
     let start = now();
-    for (plan, number) in plans(args, None)?.iter().zip(u16::from(args.line.address)..) {
+    let maker = Maker::of(args, None, output)?;
+    for (plan, number) in plans(args, maker.model, None)?
+        .iter()
+        .zip(u16::from(args.line.address)..)
+    {
         let slave = slave(&args.line, number)?;
         let key = plan.key();
         let state = DriveState::new(args.state.as_deref(), &key);

@@ -2,6 +2,7 @@
 
 mod line;
 mod mailbox;
+mod maker;
 mod plans;
 mod scribe;
 mod taken;
@@ -33,8 +34,9 @@ use crate::state::{self, DriveState};
 
 pub use line::SerialOptions;
 use mailbox::Mailbox;
-pub use plans::model_of;
-use plans::{Plan, description, plans};
+use maker::Maker;
+pub use maker::model_of;
+use plans::{Plan, plans};
 use scribe::Scribe;
 use taken::Wanted;
 
@@ -67,13 +69,13 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
         return line::run(args, port, output);
     }
     let interface = connect::interface(on)?.ok_or_else(connect::no_interface)?;
-    let description = description(args, output)?;
+    let maker = Maker::of(args, scenario.as_ref(), output)?;
     let mut runner = Runner::open(&interface)?;
     let host = runner.interface().mac;
     let seed = scenario.as_ref().map_or(1, |scenario| scenario.seed);
     let time = args.time.or_else(|| scenario.as_ref()?.duration);
     let plans: Vec<Plan> = match scenario {
-        None => plans(args, host)?,
+        None => plans(args, maker.model, host)?,
         Some(scenario) => {
             if !scenario.controllers.is_empty() {
                 output.warn("the controllers of the scenario are left out: they exist in virtual time only");
@@ -91,7 +93,7 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     for plan in &plans {
         let state = DriveState::new(args.state.as_deref(), &plan.key());
         let mut config = plan.drive.config();
-        config.description = description.clone();
+        config.description = maker.description(plan.drive.model);
         config.follow_controller = true;
         config.network = kept(&state, plan, output)?;
         config.parameters = state.read_parameters()?;

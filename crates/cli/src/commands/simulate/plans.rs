@@ -6,13 +6,10 @@ use std::time::Duration;
 use profinet::wire::dcp::check_name;
 use profinet::{IpSuite, MacAddress};
 use scenario::{DrivePlan, derived_mac};
-use virtual_drive::description::Description;
-use virtual_drive::model::{self, Model as DriveModel};
+use virtual_drive::model::Model as DriveModel;
 
-use crate::args::{Model, Network, Simulate};
-use crate::failure::{Exit, Failure};
-use crate::output::Output;
-use crate::render::table::clean;
+use crate::args::{Network, Simulate};
+use crate::failure::Failure;
 
 /// One step of an update time.
 const TICK_NANOS: u128 = 31_250;
@@ -43,7 +40,11 @@ impl From<DrivePlan> for Plan {
 }
 
 /// Names, addresses and MAC addresses of all drives.
-pub fn plans(args: &Simulate, host: Option<MacAddress>) -> Result<Vec<Plan>, Failure> {
+pub fn plans(
+    args: &Simulate,
+    model: &'static DriveModel,
+    host: Option<MacAddress>,
+) -> Result<Vec<Plan>, Failure> {
     let interval = args.min_cycle.map(interval).transpose()?;
     if let Some(first) = args.ip {
         has_room(first, args.count)?;
@@ -60,7 +61,6 @@ pub fn plans(args: &Simulate, host: Option<MacAddress>) -> Result<Vec<Plan>, Fai
         {
             return Err(crate::commands::address::no_name(&name, rule));
         }
-        let model = model_of(args.model);
         let mut plan = Plan {
             number,
             drive: DrivePlan::new(&name, model),
@@ -162,48 +162,6 @@ fn address(first: Network, offset: u16) -> IpSuite {
     }
 }
 
-pub const fn model_of(model: Model) -> &'static DriveModel {
-    match model {
-        Model::Akd => &model::AKD,
-        Model::Vlt => &model::VLT,
-        Model::Vacon => &model::VACON,
-    }
-}
-
-/// Identity and modules: those of the model, or of the maker's device description.
-pub fn description(args: &Simulate, output: &Output) -> Result<Description, Failure> {
-    let model = model_of(args.model);
-    let Some(path) = &args.gsdml else {
-        return Ok(Description::of(model));
-    };
-    let file = crate::commands::gsdml::read(path)?;
-    let import = Description::from_gsdml(&file, model, args.access_point.as_deref());
-    let import = import.map_err(|error| {
-        let message = format!("{}: {}", path.display(), clean(&error.to_string()));
-        Failure::new(Exit::Failed, message).hint(format!(
-            "`profidrive gsdml show {}` shows access points and modules",
-            path.display()
-        ))
-    })?;
-    for reason in &import.left_out {
-        output.warn(&format!("not simulated: {}", clean(reason)));
-    }
-    let identity = &import.description.identity;
-    let mut telegrams: Vec<u16> = import.description.telegrams.iter().map(|t| t.telegram).collect();
-    telegrams.sort_unstable();
-    telegrams.dedup();
-    let telegrams: Vec<String> = telegrams.iter().map(u16::to_string).collect();
-    output.say(&format!(
-        "{}: {} {}, device 0x{:04X}, telegrams {}",
-        path.display(),
-        clean(&file.identity.vendor),
-        identity.station_type,
-        identity.device_id,
-        telegrams.join(", ")
-    ));
-    Ok(import.description)
-}
-
 /// The fastest update time in steps of 31.25 us: a power of two of them, as every update time of PROFINET here.
 fn interval(time: Duration) -> Result<u16, Failure> {
     let wanted = time.as_nanos();
@@ -238,14 +196,16 @@ fn interval(time: Duration) -> Result<u16, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::failure::Exit;
     use clap::Parser;
+    use virtual_drive::model::AKD;
 
     fn planned(line: &str) -> Result<Vec<Plan>, Failure> {
         let cli = crate::args::Cli::try_parse_from(line.split(' ')).unwrap();
         let crate::args::Command::Simulate(args) = cli.command else {
             panic!()
         };
-        plans(&args.args, Some(MacAddress([0, 1, 2, 3, 4, 5])))
+        plans(&args.args, &AKD, Some(MacAddress([0, 1, 2, 3, 4, 5])))
     }
 
     #[test]
