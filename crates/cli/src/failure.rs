@@ -82,12 +82,28 @@ impl Failure {
         error
     }
 
+    /// The same with the drive as the person called it, where the advice is for any drive.
+    #[must_use]
+    pub fn about(mut self, drive: Option<&str>) -> Self {
+        if let (Some(drive), Some(hint)) = (drive, &self.hint) {
+            self.hint = Some(with_drive(hint, drive));
+        }
+        self
+    }
+
     /// The same with what to do.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
+}
+
+/// Commands in `advice` name the drive.
+fn with_drive(advice: &str, drive: &str) -> String {
+    advice
+        .replace(" DRIVE ", &format!(" {drive} "))
+        .replace(" DRIVE`", &format!(" {drive}`"))
 }
 
 impl fmt::Display for Failure {
@@ -187,11 +203,29 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::ConnectionLost { .. }
         | Error::Record { .. }
         | Error::Timeout { .. } => Exit::Unreachable,
-        Error::Parameter(_) | Error::Misuse(_) | Error::NotOnLine { .. } | Error::OtherWire { .. } => {
-            Exit::Usage
-        }
+        Error::Parameter(_)
+        | Error::SpeedStep { .. }
+        | Error::Misuse(_)
+        | Error::NotOnLine { .. }
+        | Error::OtherWire { .. } => Exit::Usage,
         Error::SpeedLimit { .. } | Error::Objections { .. } | Error::WrongMode { .. } => Exit::Safety,
-        Error::NotAtRest { .. } | Error::ScaleChanged { .. } | Error::SpeedStep { .. } => Exit::Safety,
+        Error::NotAtRest { .. } | Error::ScaleChanged { .. } => Exit::Safety,
         _ => Exit::Failed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_names_the_drive_as_the_person_did() {
+        let failure = |hint: &str| Failure::usage("no").hint(hint).about(Some("10.0.0.2")).hint;
+        assert_eq!(
+            failure("`profidrive describe DRIVE PARAM`, then `profidrive ack DRIVE`").as_deref(),
+            Some("`profidrive describe 10.0.0.2 PARAM`, then `profidrive ack 10.0.0.2`")
+        );
+        let kinds = "DRIVE is a station name (akd-1), an IP address";
+        assert_eq!(failure(kinds).as_deref(), Some(kinds));
     }
 }

@@ -32,19 +32,29 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return misunderstood(&error),
     };
-    let output = Output::new(cli.global.json, cli.global.quiet);
+    let output = Output::new(cli.global.json, cli.global.quiet).about(commands::drive(&cli.command));
     let result = commands::run(&cli, &output);
     output.end(result.as_ref().err());
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => ExitCode::from(failure.exit as u8),
+    let lost = output.lost();
+    if let Some(failure) = &lost {
+        output.error(&failure.message, None);
+    }
+    // what went wrong with the drive counts more than what became of the words about it
+    match result.err().or(lost) {
+        None => ExitCode::SUCCESS,
+        Some(failure) => ExitCode::from(failure.exit as u8),
     }
 }
 
 /// A command line that is none, or that asks for help. With `--json` a mistake is a document too.
 fn misunderstood(error: &clap::Error) -> ExitCode {
-    // a closed stdout or stderr is nobody's mistake
-    let _ = error.print();
+    let output = Output::new(false, false);
+    if error.use_stderr() {
+        // a closed stderr is nobody's mistake
+        let _ = error.print();
+    } else {
+        output.styled(&error.render());
+    }
     if error.use_stderr() && std::env::args_os().any(|argument| argument == "--json") {
         let text = error.render().to_string();
         let message = text
@@ -53,10 +63,11 @@ fn misunderstood(error: &clap::Error) -> ExitCode {
             .unwrap_or_default()
             .trim_start_matches("error: ");
         let failure = Failure::usage(message);
-        println!(
-            "{}",
-            output::document("error", fields! { "error": failure.json() })
-        );
+        output.event("error", fields! { "error": failure.json() });
+    }
+    if let Some(failure) = output.lost() {
+        output.error(&failure.message, None);
+        return ExitCode::from(failure.exit as u8);
     }
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))
 }

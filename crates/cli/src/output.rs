@@ -51,8 +51,10 @@ pub struct Output {
     colour_err: bool,
     live: bool,
     held: Arc<Mutex<Held>>,
-    /// Nobody reads stdout any more.
+    /// Nobody reads stdout any more, or it takes no more.
     closed: Arc<AtomicBool>,
+    /// The drive as the person called it, for advice.
+    drive: Option<String>,
 }
 
 /// What a command has to say as JSON until it ends.
@@ -62,6 +64,8 @@ struct Held {
     document: Option<Map<String, Value>>,
     /// What went wrong beside the failure that ends it.
     problems: Vec<Map<String, Value>>,
+    /// Why what should have been printed was not.
+    lost: Option<String>,
 }
 
 impl Output {
@@ -77,7 +81,15 @@ impl Output {
             live: io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb"),
             held: Arc::default(),
             closed: Arc::default(),
+            drive: None,
         }
+    }
+
+    /// The same for a command on `drive`, which advice then names.
+    #[must_use]
+    pub fn about(mut self, drive: Option<&str>) -> Self {
+        self.drive = drive.map(str::to_owned);
+        self
     }
 
     /// True when data goes out as JSON.
@@ -110,6 +122,15 @@ impl Output {
         self.write_out(text);
     }
 
+    /// Prints text of the reader of the command line: help, version.
+    pub fn styled(&self, text: &clap::builder::StyledStr) {
+        if self.colour_out {
+            self.raw(&text.ansi().to_string());
+        } else {
+            self.raw(&text.to_string());
+        }
+    }
+
     /// Takes the one JSON document of a command. It is printed when the command ends, with what went wrong in it.
     pub fn document(&self, command: &str, fields: Map<String, Value>) {
         let earlier = self.held().document.replace(with_schema(command, fields));
@@ -126,6 +147,7 @@ impl Output {
 
     /// Tells something that went wrong, while the command goes on to its end, which will be another failure.
     pub fn problem(&self, failure: &Failure) {
+        let failure = &failure.clone().about(self.drive.as_deref());
         self.error(&failure.message, failure.hint.as_deref());
         if self.json {
             self.held().problems.push(failure.json());
@@ -134,7 +156,10 @@ impl Output {
 
     /// Ends the command: tells the failure, if it is one that nothing told yet, and prints the document.
     pub fn end(&self, failure: Option<&Failure>) {
-        let failure = failure.filter(|failure| !failure.message.is_empty());
+        let failure = failure
+            .filter(|failure| !failure.message.is_empty())
+            .map(|failure| failure.clone().about(self.drive.as_deref()));
+        let failure = failure.as_ref();
         if self.json
             && let Some(whole) = self.ending(failure)
         {
@@ -147,7 +172,10 @@ impl Output {
 
     /// The last document: that of the command with its failure, or that of the failure alone.
     fn ending(&self, failure: Option<&Failure>) -> Option<Map<String, Value>> {
-        let Held { document, problems } = std::mem::take(&mut *self.held());
+        let (document, problems) = {
+            let mut held = self.held();
+            (held.document.take(), std::mem::take(&mut held.problems))
+        };
         let Some(failure) = failure else { return document };
         let mut whole = document.unwrap_or_else(|| with_schema("error", Map::new()));
         whole.insert("error".into(), failure.json().into());
@@ -162,7 +190,16 @@ impl Output {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// True once somebody who read stdout went away (`| head`). Nothing goes on unseen: whoever waits for a drive takes it
+    /// Why the output is not complete: the disk is full, for example. A reader who had enough (`| head`) is no reason.
+    pub fn lost(&self) -> Option<Failure> {
+        let lost = self.held().lost.take()?;
+        Some(Failure::new(
+            crate::failure::Exit::Failed,
+            format!("the output cannot be written: {lost}"),
+        ))
+    }
+
+    /// True once somebody who read stdout went away (`| head`), or it takes no more. Nothing goes on unseen: whoever waits for a drive takes it
     /// for a wish to stop.
     pub fn is_closed(&self) -> bool {
         self.closed.load(Ordering::Relaxed)
@@ -170,9 +207,13 @@ impl Output {
 
     fn write_out(&self, text: &str) {
         let mut out = io::stdout().lock();
-        let result = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-        if result.is_err_and(|error| error.kind() == io::ErrorKind::BrokenPipe) {
-            self.closed.store(true, Ordering::Relaxed);
+        let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) else {
+            return;
+        };
+        drop(out);
+        self.closed.store(true, Ordering::Relaxed);
+        if error.kind() != io::ErrorKind::BrokenPipe {
+            self.held().lost.get_or_insert_with(|| error.to_string());
         }
     }
 

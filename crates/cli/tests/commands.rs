@@ -2,7 +2,7 @@
 
 mod binary;
 
-use binary::{profidrive, profidrive_on, stderr, stdout};
+use binary::{onto, profidrive, profidrive_on, stderr, stdout};
 
 #[test]
 fn explain_a_control_word() {
@@ -33,6 +33,64 @@ fn explain_a_control_word() {
          \x20  15  0  BIT15         -\n"
     );
     assert_eq!(stderr(&output), "");
+}
+
+#[test]
+fn what_cannot_be_written_is_a_failure_of_every_command() {
+    let hex = "05 02 00 01 10 01 03 A2 00 00 42 01 00 02";
+    for line in [
+        &["explain", "0x047F", "--as", "stw1"][..],
+        &["--json", "explain", "S4", "--as", "state"],
+        &["decode", "--hex", hex],
+        &["--json", "decode", "--hex", hex],
+        &["completions", "bash"],
+        &["demo", "--fast"],
+        &["--json", "demo", "--fast"],
+        &["inject"],
+        &["--help"],
+        &["read", "--help"],
+        &["--version"],
+        &["gsdml", "export", "--help"],
+    ] {
+        let full = std::fs::OpenOptions::new()
+            .write(true)
+            .open("/dev/full")
+            .expect("there");
+        let output = onto(line, full.into());
+        assert_eq!(output.status.code(), Some(1), "{line:?}: {output:?}");
+        let told = stderr(&output);
+        let words = "error: the output cannot be written: No space left on device";
+        assert_eq!(told.matches(words).count(), 1, "{line:?}: {told}");
+        // who had enough is no failure
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let output = onto(line, writer.into());
+        assert_eq!(output.status.code(), Some(0), "{line:?}: {output:?}");
+        assert!(!stderr(&output).contains("error:"), "{line:?}: {output:?}");
+    }
+    // a failure of its own is not covered by that of the output
+    let full = std::fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .expect("there");
+    let output = onto(&["--json", "explain", "0x10000", "--as", "stw1"], full.into());
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(stderr(&output).contains("cannot be written"), "{output:?}");
+}
+
+#[test]
+fn explain_a_state_by_its_name() {
+    let output = profidrive(&["explain", "S1", "--as", "state"]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = stdout(&output);
+    assert!(
+        text.starts_with("S1 switching on inhibited\n  motor    pulses off"),
+        "{text}"
+    );
+    assert!(text.contains("\n  leave    STW1 bit 0 (ON) = 0, "), "{text}");
+    let output = profidrive(&["explain", "S9", "--as", "state"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("S1 to S5"), "{output:?}");
 }
 
 #[test]

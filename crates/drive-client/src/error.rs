@@ -6,6 +6,7 @@ mod text;
 
 use std::time::Duration;
 
+use profidrive::notation::figures;
 use profidrive::pkw::JobError;
 use profidrive::state::Mode;
 use profinet::MacAddress;
@@ -228,7 +229,7 @@ pub enum Error {
         limit: Duration,
     },
     /// The axis did not come up to its speed; it is being stopped.
-    #[error("{drive}: {wanted} rpm not reached within {:.1} s, the highest speed was {}", .limit.as_secs_f64(), rpm_text(*.highest))]
+    #[error("{drive}: {} rpm not reached within {:.1} s, the highest speed was {}", figures(*.wanted), .limit.as_secs_f64(), rpm_text(*.highest))]
     SpeedNotReached {
         /// The drive.
         drive: String,
@@ -240,7 +241,7 @@ pub enum Error {
         limit: Duration,
     },
     /// The axis had its speed and does not follow any more; it is being stopped.
-    #[error("{drive}: {wanted} rpm was reached and is not kept: {} for {:.1} s", rpm_text(*.actual), .time.as_secs_f64())]
+    #[error("{drive}: {} rpm was reached and is not kept: {} for {:.1} s", figures(*.wanted), rpm_text(*.actual), .time.as_secs_f64())]
     SpeedLost {
         /// The drive.
         drive: String,
@@ -263,17 +264,21 @@ pub enum Error {
         /// Scale of the drive.
         now: u16,
     },
-    /// A speed that rounds to a standstill; nothing was sent.
+    /// A speed that cannot be told to the drive, and what can is too far away
+    /// ([`MOST_ROUNDING`](crate::parameter::MOST_ROUNDING)); nothing was sent.
     #[error(
-        "{drive}: {wanted} rpm is less than half a step of its speed setpoint, which is {step:.4} rpm: it would stand"
+        "{drive}: {} rpm cannot be told: the nearest speeds are {} rpm and {} rpm",
+        figures(*.wanted),
+        figures(.nearest[0]),
+        figures(.nearest[1])
     )]
     SpeedStep {
         /// The drive.
         drive: String,
         /// Speed asked for.
         wanted: f64,
-        /// The smallest speed that can be told, rpm.
-        step: f64,
+        /// The speeds below and above it that can be told, rpm.
+        nearest: [f64; 2],
     },
     /// The axis is held by something; what the drive said while it was still in operation.
     #[error("{error}; {evidence}")]
@@ -284,7 +289,7 @@ pub enum Error {
         evidence: Evidence,
     },
     /// A speed that the caller did not allow.
-    #[error("{wanted} rpm is above the limit of {limit} rpm")]
+    #[error("{} rpm is above the limit of {} rpm", figures(*.wanted), figures(*.limit))]
     SpeedLimit {
         /// Speed wanted.
         wanted: f64,

@@ -8,7 +8,7 @@ use super::Kind;
 
 #[derive(Debug, Args)]
 pub struct Explain {
-    /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500
+    /// The number: 0x047F, 1151, 0b0000_0100_0111_1111, DE80B500; a state also by its name, S1 to S5
     #[arg(allow_negative_numbers = true)]
     pub value: String,
     /// What the number is
@@ -29,7 +29,7 @@ pub enum What {
     Stw1,
     /// Status word 1
     Zsw1,
-    /// State of the drive, from status word 1
+    /// State of the drive, from status word 1 or by its name
     State,
     /// Fault number (PNU 947) of the model, an AKD where none is given
     Fault,

@@ -1,5 +1,7 @@
 //! What all commands that move an axis share: how it begins, how it is shown, how it ends.
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::time::Duration;
 
 use clap::Args;
@@ -180,16 +182,44 @@ pub fn watch(axis: &mut Axis<'_>, command: &'static str, output: &Output) {
             axis.telegram()
         ));
     }
-    let mut view = LiveView::new(output.clone(), command);
+    let view = Rc::new(RefCell::new(LiveView::new(output.clone(), command)));
     let mut stop = LongStop::default();
+    let (above, teller) = (Rc::clone(&view), output.clone());
+    axis.watch_warnings(move |status, warnings| {
+        above.borrow_mut().leave();
+        tell_warnings(command, status, warnings, &teller);
+    });
     let output = output.clone();
     axis.watch(move |status| {
-        view.show(&AxisView::of(status));
+        view.borrow_mut().show(&AxisView::of(status));
         if stop.tells(status) {
-            view.leave();
+            view.borrow_mut().leave();
             output.say("still stopping along the ramp; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before");
         }
     });
+}
+
+/// Warnings in words, at the time they come.
+fn tell_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry], output: &Output) {
+    if output.json() {
+        let list: Vec<Value> = warnings
+            .iter()
+            .map(|warning| Value::Object(super::faults::warning_json(warning)))
+            .collect();
+        output.event(
+            command,
+            fields! { "time": status.time.as_secs_f64(), "warnings": list },
+        );
+    }
+    if warnings.is_empty() {
+        output.warn("the drive has a warning (ZSW1 bit 7) and no number for it");
+    }
+    for warning in warnings {
+        let remedy = warning
+            .remedy
+            .map_or_else(String::new, |remedy| format!("; {remedy}"));
+        output.warn(&format!("{}{remedy}", warned(warning)));
+    }
 }
 
 /// A ramp that takes its time is told once.

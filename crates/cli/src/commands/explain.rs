@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::fields;
 use crate::job::{self, JobDrive};
 use crate::output::Output;
-use crate::render::{hex16, words};
+use crate::render::{hex16, states, words};
 
 pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
     let (lines, fields) = explain(&args.value, args.kind, args.model.model)?;
@@ -77,8 +77,16 @@ fn explain(text: &str, kind: What, model: Option<Model>) -> Result<Explained, Fa
         What::AlarmWord2 => bits(text, "alarm-word2", 1691, false, 32)?,
         What::WarningWord => bits(text, "warning-word", 1692, true, 0)?,
         What::WarningWord2 => bits(text, "warning-word2", 1693, true, 32)?,
+        What::State if !states::named(text).is_empty() => {
+            let meant = states::named(text);
+            let list: Vec<Value> = meant.iter().map(|state| states::json(*state).into()).collect();
+            let lines = meant.into_iter().flat_map(states::lines).collect();
+            (lines, fields! { "as": "state", "states": list })
+        }
         What::State => {
-            let word = word(text)?;
+            let word = word(text).map_err(|failure| {
+                failure.hint("a state by its name, S1 to S5, or the status word that tells it")
+            })?;
             let state = words::state(word, None);
             let fields = fields! { "as": "state", "raw": word, "state": words::state_number(word, None), "meaning": state.as_str() };
             (vec![format!("ZSW1 {}: {state}", hex16(word))], fields)
@@ -296,6 +304,13 @@ mod tests {
         assert!(following.contains("\n  cleared  by itself"), "{following}");
         assert!(lines("9", What::Fault).contains("not in the table"));
         assert_eq!(lines("0x0237", What::State), "ZSW1 0x0237: S4 operation");
+        assert!(lines("S4", What::State).starts_with("S4 operation\n"));
+        assert_eq!(
+            explain("s5", What::State, None).unwrap().1["states"]
+                .as_array()
+                .map(Vec::len),
+            Some(2)
+        );
         assert!(lines("DE80B500", What::Pnio).contains("state conflict"));
     }
 

@@ -161,10 +161,10 @@ fn json(drive: &Drive, report: &FaultReport, history: bool) -> Map<String, Value
         .filter(|fault| history || fault.situation == 0)
         .map(|fault| Value::Object(fault_json(fault)))
         .collect();
-    let warnings = report
-        .warnings
-        .as_ref()
-        .map(|warnings| warnings.iter().map(warning_json).collect::<Vec<Value>>());
+    let warnings = report.warnings.as_ref().map(|warnings| {
+        let list = warnings.iter().map(warning_json);
+        list.map(Value::Object).collect::<Vec<Value>>()
+    });
     let logged = |fault: &LoggedFault| {
         Value::Object(fields! {
             "number": fault.number, "meaning": fault.meaning, "value": fault.value, "time": fault.time,
@@ -187,8 +187,8 @@ fn fault_json(fault: &FaultEntry) -> Map<String, Value> {
     }
 }
 
-fn warning_json(warning: &WarningEntry) -> Value {
-    Value::Object(fields! { "number": warning.number, "meaning": warning.meaning, "remedy": warning.remedy })
+pub fn warning_json(warning: &WarningEntry) -> Map<String, Value> {
+    fields! { "number": warning.number, "meaning": warning.meaning, "remedy": warning.remedy }
 }
 
 /// Clears the faults by parameter (DRV.CLRFAULTS), beside whoever has control.

@@ -4,16 +4,16 @@ use std::time::Duration;
 
 use clap::Args;
 use drive_client::axis::{Jog as JogSetpoint, Purpose};
-use drive_client::parameter::Assignment;
+use drive_client::parameter::{Assignment, Reading};
 use drive_client::{Drive, Error, WriteMode};
-use profidrive::notation::{ParameterReference, Quantity};
+use profidrive::notation::{Number, ParameterReference, Quantity};
 
 use super::axis::{self, End};
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::output::Output;
-use crate::render::value;
+use crate::render::{number, value};
 
 /// PNUs of the two jog speeds.
 const JOG_SPEED: [u16; 2] = [1004, 1005];
@@ -62,7 +62,7 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         real_time(args, speed, limit, &mut session, &mut drive, output)?;
         return Ok(session.close()?);
     }
-    let mut before = None;
+    let mut before: Option<Reading> = None;
     let result = go(
         args,
         limit,
@@ -73,10 +73,13 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         output,
     );
     if let Some(speed) = before {
-        let back = session.uninterrupted(|session| set_speed(session, &mut drive, pnu, &speed));
+        let back = session.uninterrupted(|session| put_back(session, &mut drive, pnu, &speed));
         match back {
-            Ok(()) => output.say(&format!("PNU {pnu} is {speed} again")),
-            Err(error) => output.warn(&format!("PNU {pnu} was not put back to {speed}: {error}")),
+            Ok(()) => output.say(&format!("PNU {pnu} is {} again", value::full(&speed))),
+            Err(error) => output.warn(&format!(
+                "PNU {pnu} was not put back to {}: {error}",
+                value::full(&speed)
+            )),
         }
     }
     result?;
@@ -87,7 +90,7 @@ fn go(
     args: &Jog,
     limit: f64,
     (jog, pnu): (JogSetpoint, u16),
-    before: &mut Option<Quantity>,
+    before: &mut Option<Reading>,
     session: &mut Live,
     drive: &mut Drive,
     output: &Output,
@@ -99,9 +102,7 @@ fn go(
     let mut speed = inner.read_one(own, &selection)?;
     if let Some(wanted) = &args.velocity {
         // put back at the end, whatever happens
-        *before = speed
-            .number()
-            .and_then(|number| format!("{number}rpm").parse().ok());
+        *before = Some(speed);
         set_speed(inner, own, pnu, wanted)?;
         speed = inner.read_one(own, &selection)?;
     }
@@ -134,8 +135,9 @@ fn real_time(
     let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
-        "this moves the axis: {} jogs at {speed} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",
+        "this moves the axis: {} jogs at {} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",
         drive.label(),
+        number(speed),
         args.time.as_secs_f64(),
         taken.telegram()
     ));
@@ -155,6 +157,18 @@ fn held_back(enabled: &mut axis::Enabled<'_, '_>, output: &Output) {
     if let Some(evidence) = enabled.held_back() {
         output.warn(&format!("the axis stood at the end of the jog: {evidence}"));
     }
+}
+
+/// The speed of the drive as it was, to the last bit.
+fn put_back(session: &mut Live, drive: &mut Drive, pnu: u16, before: &Reading) -> Result<(), Error> {
+    let Some(number) = before.number() else {
+        return Ok(());
+    };
+    let quantity = Quantity {
+        number: Number::Decimal(number),
+        unit: None,
+    };
+    set_speed(session, drive, pnu, &quantity)
 }
 
 fn set_speed(session: &mut Live, drive: &mut Drive, pnu: u16, speed: &Quantity) -> Result<(), Error> {

@@ -87,6 +87,42 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
     }
 }
 
+/// The drive of a command, as the person called it; `None` where there is none, or more than one.
+pub fn drive(command: &Command) -> Option<&str> {
+    Some(match command {
+        Command::Name(on) => &on.args.drive,
+        Command::Ip(on) => &on.args.drive,
+        Command::Blink(on) => &on.args.drive,
+        Command::Reset(on) => &on.args.drive,
+        Command::Info(on) => &on.args.drive,
+        Command::Read(on) => &on.args.drive,
+        Command::Write(on) => &on.args.drive,
+        Command::List(on) => &on.args.drive,
+        Command::Describe(on) => &on.args.drive,
+        Command::Run(on) => &on.args.drive,
+        Command::Jog(on) => &on.args.drive,
+        Command::Move(on) => &on.args.drive,
+        Command::Task(on) => &on.args.drive,
+        Command::Home(on) => &on.args.drive,
+        Command::Stop(on) => &on.args.drive,
+        Command::Status(on) => &on.args.drive,
+        Command::Ack(on) => &on.args.drive,
+        Command::Monitor(on) => &on.args.drive,
+        Command::Faults(on) => &on.args.drive,
+        Command::Backup(on) => &on.args.drive,
+        Command::Restore(on) => &on.args.drive,
+        Command::Inject(args) => args.drive.as_deref()?,
+        Command::Scan(_)
+        | Command::Diff(_)
+        | Command::Explain(_)
+        | Command::Decode(_)
+        | Command::Gsdml(_)
+        | Command::Simulate(_)
+        | Command::Demo(_)
+        | Command::Completions(_) => return None,
+    })
+}
+
 /// The name of a command that works without a network.
 const fn offline(command: &Command) -> Option<&'static str> {
     match command {

@@ -23,20 +23,22 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     }
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
-    let faults = session.faults(&mut drive).unwrap_or_default();
-    let present: Vec<String> = faults
-        .iter()
-        .filter(|fault| fault.situation == 0)
-        .map(told)
-        .collect();
-    for fault in &present {
-        output.say(fault);
+    // a drive that does not tell its faults so may have one all the same
+    if let Ok(report) = session.fault_report(&mut drive) {
+        let bit = report.zsw1.is_none_or(words::has_fault);
+        if report.present().next().is_none() && !bit {
+            session.close()?;
+            if output.json() {
+                output.event("ack", fields! { "end": true, "faults": Vec::<Value>::new() });
+            }
+            output.say("no fault: nothing to acknowledge");
+            return Ok(());
+        }
+        for fault in report.present() {
+            output.say(&told(fault));
+        }
     }
-    if present.is_empty() {
-        output.say("no fault is present");
-    } else {
-        output.say("acknowledging by an edge of STW1 bit 7");
-    }
+    output.say("acknowledging by an edge of STW1 bit 7");
     let settings = axis::settings(&args.cyclic, Purpose::Control, 0.0);
     let mut taken = session.take_axis(&mut drive, settings)?;
     axis::watch(&mut taken, "ack", output);

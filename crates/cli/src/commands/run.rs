@@ -13,6 +13,7 @@ use crate::args::{Cyclic, Interface, duration};
 use crate::connect::Live;
 use crate::failure::Failure;
 use crate::output::Output;
+use crate::render::number;
 
 /// A ramp that takes longer than this is told beforehand.
 const LONG_RAMP: Duration = Duration::from_secs(2);
@@ -59,6 +60,7 @@ fn go(
         || "until Ctrl-C".into(),
         |time| format!("for {} s", time.as_secs_f64()),
     );
+    session.check_speed(drive, speed)?;
     let facts = session.motion_facts(drive)?;
     if let Some(warning) = above(speed, &facts) {
         output.warn(&warning);
@@ -67,8 +69,9 @@ fn go(
     let settings = axis::settings(&args.cyclic, Purpose::Speed, limit);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
-        "this moves the axis: {} turns at {speed} rpm {time}; Ctrl-C stops it",
-        drive.label()
+        "this moves the axis: {} turns at {} rpm {time}; Ctrl-C stops it",
+        drive.label(),
+        number(speed)
     ));
     axis::watch(&mut taken, "run", output);
     let result = taken.enable().and_then(|mut enabled| match args.time {
@@ -90,10 +93,6 @@ fn go(
                     output.warn(&unreached(speed, actual));
                     return Err(Error::Interrupted);
                 }
-                Err(error @ (Error::SpeedNotReached { .. } | Error::Held { .. })) => {
-                    output.warn(&format!("{error}; it goes on, Ctrl-C stops it"));
-                    return enabled.hold(axis::FOR_EVER);
-                }
                 other => other?,
             }
             enabled.keep_speed(speed, axis::FOR_EVER)
@@ -106,7 +105,7 @@ fn go(
 /// A run that ended before it was at its speed.
 fn unreached(speed: f64, actual: Option<f64>) -> String {
     let actual = actual.map_or_else(String::new, |actual| format!(", it was {actual:.1} rpm"));
-    format!("{speed} rpm was not reached when the stop came{actual}")
+    format!("{} rpm was not reached when the stop came{actual}", number(speed))
 }
 
 /// What the drive will make of a speed that is above its own limit, or that leads into a limit switch.
@@ -120,7 +119,10 @@ fn above(speed: f64, facts: &MotionFacts) -> Option<String> {
         return Some("the limit switch in this direction is hit: the drive may not turn".into());
     }
     let limit = limit.filter(|&limit| speed.abs() > limit)?;
-    Some(format!("the drive limits itself to {limit} rpm ({name})"))
+    Some(format!(
+        "the drive limits itself to {} rpm ({name})",
+        number(limit)
+    ))
 }
 
 #[cfg(test)]

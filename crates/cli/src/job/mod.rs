@@ -177,12 +177,23 @@ fn block_json(
     address: Option<ParameterAddress>,
     block: &ValueBlock<'_>,
 ) -> Map<String, Value> {
-    let values: Vec<Value> = drive.readings(address, block).iter().map(value::json).collect();
+    let assumed = address.and_then(|address| drive.assumption(address));
+    let values: Vec<Value> = drive
+        .readings(address, block)
+        .iter()
+        .map(|reading| {
+            let mut value = value::json(reading);
+            if let (Value::Object(fields), Some(assumed)) = (&mut value, &assumed) {
+                fields.insert("assumed".into(), assumed.as_str().into());
+            }
+            value
+        })
+        .collect();
     let mut fields = fields! {
         "format": block.format.0, "format_name": format_name(drive, block.format), "count": block.count,
         "hex": hex_bytes(block.data), "values": values,
     };
-    if let Some(assumed) = address.and_then(|address| drive.assumption(address)) {
+    if let Some(assumed) = assumed {
         fields.insert("assumed".into(), assumed.into());
     }
     fields

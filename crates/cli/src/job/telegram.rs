@@ -163,6 +163,40 @@ impl Half<'_> {
         lines
     }
 
+    /// The speed and the signals that are parameters, in units, with what each of them rests on and nobody told.
+    fn values_json(&self, data: &[u8]) -> Vec<Value> {
+        let full = self.telegram.and_then(|telegram| telegram.full_speed);
+        let mut values: Vec<Value> = Vec::new();
+        if let Some(raw) = self.speed(data) {
+            let (rpm, assumed) = self.drive.speed(raw, full);
+            let mut value = fields! { "name": self.speed_name(), "raw": raw, "value": rpm, "unit": "rpm" };
+            value.extend(assumed.map(|assumed| ("assumed".to_owned(), assumed.into())));
+            values.push(value.into());
+        }
+        let told = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
+        let fields = self.image().map_or(&[][..], |image| image.fields);
+        for field in fields.iter().filter(|field| !told.contains(&field.signal.number)) {
+            let Some(octets) = part(data, field) else { continue };
+            let Some(address) = self.address(field, octets) else {
+                continue;
+            };
+            let mut value = value::json(&self.drive.number(address, octets));
+            if let (Value::Object(fields), Some(assumed)) = (&mut value, self.drive.assumption(address)) {
+                fields.insert("assumed".into(), assumed.into());
+            }
+            values.push(value);
+        }
+        values
+    }
+
+    /// The parameter that a signal is, where the tables have one of this size.
+    fn address(&self, field: &Field, octets: &[u8]) -> Option<ParameterAddress> {
+        let address = ParameterAddress::value(field.signal.number, 0);
+        let known = self.drive.parameter(address)?;
+        (known.octets() == octets.len() && field.signal.vendor.is_some() || known.name == field.signal.name)
+            .then_some(address)
+    }
+
     /// Signals and words beside control word and speed.
     fn others(&self, data: &[u8]) -> Vec<(Weight, String)> {
         let (Some(telegram), Some(image)) = (self.telegram, self.image()) else {
@@ -192,11 +226,7 @@ impl Half<'_> {
     }
 
     fn signal_text(&self, field: &Field, octets: &[u8]) -> String {
-        let address = ParameterAddress::value(field.signal.number, 0);
-        let known = self.drive.parameter(address);
-        if known.is_some_and(|parameter| parameter.octets() == octets.len()) && field.signal.vendor.is_some()
-            || known.is_some_and(|parameter| parameter.name == field.signal.name)
-        {
+        if let Some(address) = self.address(field, octets) {
             let assumed = self.drive.assumption(address);
             let condition = assumed.map_or_else(String::new, |assumed| format!(" if {assumed}"));
             return value::full(&self.drive.number(address, octets)) + &condition;
@@ -268,7 +298,7 @@ pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>
         halves.push(json!({
             "from": if side { "controller" } else { "drive" },
             "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
-            "word": half.word(data), "speed": half.speed(data),
+            "word": half.word(data), "speed": half.speed(data), "values": half.values_json(data),
         }));
         lines.extend(told);
     }
@@ -340,6 +370,25 @@ mod tests {
         ];
         let text = lines(0x0105, 1, 9, &data, true);
         assert!(text.contains("MDI_TARPOS"), "{text}");
+    }
+
+    #[test]
+    fn a_value_of_an_assumed_scale_says_so_beside_it() {
+        let drive = JobDrive::of(0x0105, 1);
+        let told = decode(&drive, 1, &[0x04, 0x7F, 0x00, 0xA4], Some(true)).unwrap();
+        let value = &told.fields["halves"][0]["values"][0];
+        assert_eq!(
+            (&value["name"], &value["unit"]),
+            (&"NSOLL_A".into(), &"rpm".into())
+        );
+        assert_eq!(value["assumed"], "PN.VELSCALING 1638");
+        let data = [0; 20];
+        let told = decode(&drive, 9, &data, Some(true)).unwrap();
+        let values = told.fields["halves"][0]["values"].as_array().unwrap();
+        let of = |name: &str| values.iter().find(|value| value["name"] == name).unwrap();
+        assert!(of("MDI_VELOCITY").get("assumed").is_none(), "{values:?}");
+        assert_eq!(of("MDI_TARPOS")["assumed"], "PNU 1002 16");
+        assert!(of("MDI_ACC")["assumed"].is_string(), "{values:?}");
     }
 
     #[test]

@@ -1,9 +1,13 @@
 //! Tables, words and live views. Knows how things look, nothing of where they come from.
 
 pub mod live;
+pub mod states;
 pub mod table;
 pub mod value;
 pub mod words;
+
+/// A number for people; the one form for all of the program.
+pub use profidrive::notation::figures as number;
 
 /// `0x047F` for a 16-bit word.
 pub fn hex16(word: u16) -> String {
@@ -28,21 +32,6 @@ pub fn nibbles(word: u16) -> String {
         .join(" ")
 }
 
-/// From here on the digits of a number are not all known, and too many to read.
-const HUGE: f64 = 1e17;
-
-/// A number without a tail of zeros or rounding dirt: `60`, `0.366`, `1234.5`.
-pub fn number(value: f64) -> String {
-    if value.abs() >= HUGE {
-        return format!("{value:e}");
-    }
-    if value.fract() == 0.0 {
-        return format!("{value}");
-    }
-    let text = format!("{value:.6}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,8 +44,7 @@ mod tests {
         assert_eq!(number(60.0), "60");
         assert_eq!(number(59.695_25), "59.69525");
         assert_eq!(number(-0.5), "-0.5");
-        assert_eq!(number(-9_223_372_036_854_775_808.0), "-9.223372036854776e18");
-        assert_eq!(number(9_007_199_254_740_991.0), "9007199254740991");
+        assert_eq!(number(-9_223_372_036_854_775_808.0), "-9.223372e18");
         assert_eq!(number(1e300), "1e300");
     }
 }

@@ -11,6 +11,11 @@ use crate::fields;
 pub fn value(reading: &Reading) -> String {
     match &reading.content {
         Content::Number { .. } if reading.word.is_some() => words::hex(&reading.octets),
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "only to see whether the number has a scale"
+        )]
+        Content::Number { raw, engineering } if *engineering == *raw as f64 => raw.to_string(),
         Content::Number { engineering, .. } if reading.decimals == 0 => number(*engineering),
         Content::Number { engineering, .. } => trimmed(*engineering, reading.decimals),
         Content::Float(value) => number(*value),

@@ -3,7 +3,7 @@
 // each test program uses a part of it
 #![allow(dead_code)]
 
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// The program with these arguments, without colours and with nothing from the environment.
 pub fn profidrive(line: &[&str]) -> Output {
@@ -13,6 +13,11 @@ pub fn profidrive(line: &[&str]) -> Output {
 /// The same where the environment names an interface.
 pub fn profidrive_on(interface: &str, line: &[&str]) -> Output {
     run(command(line).env("PROFIDRIVE_INTERFACE", interface))
+}
+
+/// The same with what it prints going elsewhere.
+pub fn onto(line: &[&str], stdout: Stdio) -> Output {
+    run(command(line).env_remove("PROFIDRIVE_INTERFACE").stdout(stdout))
 }
 
 fn command(line: &[&str]) -> Command {

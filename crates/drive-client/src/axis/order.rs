@@ -8,6 +8,7 @@ use profidrive::notation::Position;
 use profidrive::telegram::signal;
 
 use super::command::Traverse;
+use crate::parameter::is_another;
 
 pub use modulo::ModuloRange;
 pub use objection::Objection;
@@ -121,7 +122,9 @@ pub struct MovePlan {
 
 /// Plans a move: engineering units into what travels, checked against what the drive says and the caller allows.
 ///
-/// A ramp becomes the nearest step that the drive can take, at least one; speed and target are exact to one step.
+/// A ramp becomes the nearest step that the drive can take, at least one, which is told; a target is exact to half an
+/// increment. A speed that would become another one ([`MOST_ROUNDING`](crate::parameter::MOST_ROUNDING)) and a distance
+/// that would become none are objections.
 #[must_use]
 pub fn plan_move(
     order: &Move,
@@ -132,10 +135,14 @@ pub fn plan_move(
 ) -> MovePlan {
     let mut objections = Vec::new();
     let per_turn = 2_f64.powi(i32::from(scaling.singleturn_bits.min(32)));
-    let counts = order.target.counts(per_turn).round();
+    let exact = order.target.counts(per_turn);
+    let counts = exact.round();
     let wire = i32_of(counts);
     if wire.is_none() {
         objections.push(Objection::Range { counts });
+    }
+    if order.relative && counts == 0.0 && exact != 0.0 {
+        objections.push(Objection::NoDistance { counts: exact });
     }
     // a target that does not fit says nothing about the way there
     let known = wire.and(facts.position);
@@ -164,6 +171,20 @@ pub fn plan_move(
         (raw, taken)
     };
     let (velocity, speed) = field(signal::MDI_VELOCITY, order.speed);
+    if order.speed > 0.0 && order.speed <= speed_limit && is_another(order.speed, speed) {
+        let beside = if speed > order.speed {
+            velocity - 1
+        } else {
+            velocity + 1
+        };
+        let other = tables
+            .by_pnu(signal::MDI_VELOCITY)
+            .map_or(speed, |parameter| parameter.engineering(beside, scaling));
+        objections.push(Objection::SpeedStep {
+            speed: order.speed,
+            nearest: [speed.min(other), speed.max(other)],
+        });
+    }
     let mut ramp = |number, own: Option<f64>, drives: Option<f64>| {
         let [lowest, highest] = [1, i64::from(u16::MAX)].map(|raw| {
             let parameter = tables.by_pnu(number);
@@ -403,7 +424,8 @@ mod tests {
     #[test]
     fn everything_that_speaks_against_a_move() {
         use Objection::{
-            DriveLimit, Fault, LimitSwitch, NoSpeed, NotHomed, Ramp, Range, SoftwareLimit, SpeedLimit,
+            DriveLimit, Fault, LimitSwitch, NoDistance, NoSpeed, NotHomed, Ramp, Range, SoftwareLimit,
+            SpeedLimit,
         };
         let at = |speed| Move { speed, ..turns(10.0) };
         let with = |change: &dyn Fn(&mut MotionFacts)| {
@@ -485,6 +507,12 @@ mod tests {
                     counts: 2_621_440_000.0,
                 }],
             ),
+            (
+                Move::by(Position::Counts(-0.4), 300.0),
+                facts(),
+                vec![NoDistance { counts: -0.4 }],
+            ),
+            (Move::by(Position::Counts(0.0), 300.0), facts(), none.clone()),
             (at(0.0), facts(), vec![NoSpeed { speed: 0.0 }]),
             (at(-5.0), facts(), vec![NoSpeed { speed: -5.0 }]),
             (
@@ -524,6 +552,20 @@ mod tests {
                     .iter()
                     .all(|one| !one.hint().is_empty() && !one.to_string().is_empty())
             );
+        }
+        // steps of 2.8e-6 rpm
+        for speed in [1e-6, 1e-5] {
+            let found = plan(&at(speed), &facts()).objections;
+            let [
+                Objection::SpeedStep {
+                    nearest: [below, above],
+                    ..
+                },
+            ] = found[..]
+            else {
+                panic!("{found:?}")
+            };
+            assert!(below < speed && speed < above, "{below} {speed} {above}");
         }
         assert!(matches!(
             plan(&at(f64::NAN), &facts()).objections[..],

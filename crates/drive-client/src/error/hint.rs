@@ -9,7 +9,7 @@ use super::Error;
 use crate::axis::{Objection, Trouble};
 
 impl Error {
-    /// What to do about it, where that can be said.
+    /// What to do about it, where that can be said. `DRIVE` in it stands for the drive as the person calls it.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         Some(match self {
@@ -82,7 +82,7 @@ impl Error {
             Self::ScaleChanged { .. } => {
                 "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
             }
-            Self::SpeedStep { .. } => "ask for a higher speed, or make the steps finer (PN.VELSCALING)".into(),
+            Self::SpeedStep { .. } => "ask for one of them, or make the steps finer (AKD: PN.VELSCALING)".into(),
             Self::SpeedNotReached { .. } => {
                 "the ramp (DRV.ACC), a limit of the drive (VL.LIMITP, VL.LIMITN, IL.LIMITP) or the load holds it".into()
             }

@@ -61,17 +61,39 @@ impl FromStr for Assignment {
 pub struct CheckedValue {
     /// The number on the wire.
     pub raw: i64,
-    /// Its engineering value, which can differ from the one asked for by less than one step of the drive.
+    /// Its engineering value, at most [`MOST_ROUNDING`] away from the one asked for.
     pub engineering: f64,
+    /// The engineering value asked for.
+    pub asked: f64,
     /// Unit of the engineering value, empty for none.
     pub unit: &'static str,
+}
+
+/// How far the nearest value that a drive can hold may be from the one asked for, as a share of it: one hundredth. What is
+/// further away is refused before anything is sent, and so is a value that would become zero.
+pub const MOST_ROUNDING: f64 = 0.01;
+/// A value this near to the one asked for is the same for everybody.
+const SAME: f64 = 1e-6;
+
+/// True when `held` is no rounding of `asked` but another value.
+pub(crate) fn is_another(asked: f64, held: f64) -> bool {
+    (held - asked).abs() > asked.abs() * MOST_ROUNDING * (1.0 + 1e-9)
+}
+
+impl CheckedValue {
+    /// True when the drive cannot hold the value asked for and gets one beside it.
+    #[must_use]
+    pub fn is_rounded(&self) -> bool {
+        (self.engineering - self.asked).abs() > self.asked.abs() * SAME
+    }
 }
 
 impl Parameters {
     /// The number to send for a value, once unit, limits and access are right.
     ///
     /// A selection takes its texts too. A parameter without table entry takes bare numbers only; its size comes from the
-    /// drive.
+    /// drive. A value between two that the drive can hold becomes the nearer one, if that is not more than
+    /// [`MOST_ROUNDING`] away. Raw numbers are sent as they are.
     ///
     /// # Errors
     /// What is wrong, before anything is sent.
@@ -113,13 +135,17 @@ impl Parameters {
             None => given.quantity(&selection.label())?,
         };
         let quantity = &quantity;
-        let raw = match quantity.raw() {
-            Some(raw) => self.check_raw(selection, parameter, raw)?,
+        let (raw, asked) = match quantity.raw() {
+            Some(raw) => {
+                let raw = self.check_raw(selection, parameter, raw)?;
+                (raw, parameter.engineering(raw, &self.scaling))
+            }
             None => self.check_engineering(selection, parameter, quantity)?,
         };
         Ok(CheckedValue {
             raw,
             engineering: parameter.engineering(raw, &self.scaling),
+            asked,
             unit: parameter.unit_in(&self.scaling),
         })
     }
@@ -129,7 +155,7 @@ impl Parameters {
         selection: &Selection,
         parameter: &'static Parameter,
         quantity: &Quantity,
-    ) -> Result<i64, ParameterProblem> {
+    ) -> Result<(i64, f64), ParameterProblem> {
         let value =
             parameter
                 .quantity(quantity, &self.scaling)
@@ -137,7 +163,9 @@ impl Parameters {
                     parameter: selection.label(),
                     problem,
                 })?;
-        if parameter.scale == Scale::Raw && value.fract() != 0.0 {
+        let unit = parameter.unit_in(&self.scaling);
+        let converted = quantity.unit.as_deref().is_some_and(|given| given != unit);
+        if parameter.scale == Scale::Raw && value.fract() != 0.0 && !converted {
             return Err(ParameterProblem::Fraction {
                 parameter: selection.label(),
                 value,
@@ -150,10 +178,21 @@ impl Parameters {
                 value,
                 minimum,
                 maximum,
-                unit: parameter.unit_in(&self.scaling),
+                unit,
             });
         }
-        Ok(parameter.raw(value, &self.scaling))
+        let raw = parameter.raw(value, &self.scaling);
+        let held = parameter.engineering(raw, &self.scaling);
+        if !is_another(value, held) {
+            return Ok((raw, value));
+        }
+        let other = parameter.engineering(if held > value { raw - 1 } else { raw + 1 }, &self.scaling);
+        Err(ParameterProblem::Coarse {
+            parameter: selection.label(),
+            wanted: quantity.clone(),
+            nearest: [held.min(other), held.max(other)].map(|value| value.clamp(minimum, maximum)),
+            unit,
+        })
     }
 
     /// A raw number is taken bit by bit; the limits hold for it all the same.
@@ -230,6 +269,7 @@ fn unknown_parameter(selection: &Selection, quantity: &Quantity) -> Result<Check
     Ok(CheckedValue {
         raw,
         engineering: value,
+        asked: value,
         unit: "",
     })
 }
@@ -343,6 +383,50 @@ mod tests {
         let error = check("MT.P=5counts", 2).unwrap_err().to_string();
         assert!(error.contains("a bare number in deg"), "{error}");
         assert!(check("FB1.ENCRES=1rev", 4).is_err(), "no position");
+    }
+
+    #[test]
+    fn the_nearest_value_that_the_drive_holds_or_none() {
+        // steps of 0.366 rpm
+        let near = check("1004=99rpm").unwrap();
+        assert_eq!((near.raw, near.asked, near.is_rounded()), (270, 99.0, true));
+        assert!((near.engineering - 98.853).abs() < 1e-3, "{near:?}");
+        assert!(!check("DRV.ACC=5000rpm/s").unwrap().is_rounded());
+        assert!(!check("1004=0rpm").unwrap().is_rounded());
+        assert!(!check("1004=0x0001").unwrap().is_rounded(), "raw is as it is");
+        for (text, words) in [
+            (
+                "1004=0.001rpm",
+                "0.001 rpm cannot be held: the nearest values are 0 rpm and 0.3661",
+            ),
+            (
+                "1004=-0.01rps",
+                "-0.01 rps cannot be held: the nearest values are -0.7322",
+            ),
+            ("1004=5", "5 rpm cannot be held: the nearest values are 4.7595"),
+        ] {
+            let problem = check(text).unwrap_err();
+            let told = problem.to_string();
+            assert!(told.contains(words), "{text}: {told}");
+            assert!(problem.hint().is_some());
+        }
+        let radians = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling {
+                unit: UnitChoice {
+                    rotary_unit: 1,
+                    ..UnitChoice::DELIVERED
+                },
+                ..Scaling::default()
+            },
+        };
+        let quarter: Assignment = "HOME.DIST=90deg".parse().unwrap();
+        let selection = radians.select(&quarter.reference).unwrap();
+        let told = radians.check(&selection, &quarter.value).unwrap_err().to_string();
+        assert!(
+            told.ends_with("90 deg cannot be held: the nearest values are 1 rad and 2 rad"),
+            "{told}"
+        );
     }
 
     #[test]

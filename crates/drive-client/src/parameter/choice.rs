@@ -58,6 +58,12 @@ impl Given {
         self.quantity.as_ref().ok()?.raw()
     }
 
+    /// The number with its unit, where one was given.
+    #[must_use]
+    pub fn number(&self) -> Option<&Quantity> {
+        self.quantity.as_ref().ok()
+    }
+
     /// The number that was given.
     pub(super) fn quantity(&self, parameter: &str) -> Result<Quantity, ParameterProblem> {
         self.quantity

@@ -6,7 +6,8 @@ mod reading;
 mod select;
 mod wide;
 
-pub use check::{Assignment, CheckedValue};
+pub(crate) use check::is_another;
+pub use check::{Assignment, CheckedValue, MOST_ROUNDING};
 pub use choice::Given;
 pub use reading::{Content, Interpretation, Reading};
 pub use select::Selection;
@@ -16,7 +17,7 @@ pub use crate::session::take_scale;
 
 use crate::Model;
 use profidrive::catalogue::{Catalogue, Meaning, Parameter, Scaling};
-use profidrive::notation::{QuantityError, ReferenceError, UnitMismatch};
+use profidrive::notation::{Quantity, QuantityError, ReferenceError, UnitMismatch, figures};
 
 /// What is known about the parameters of one drive: its tables, if there are any, and the values that scale others.
 #[derive(Debug, Clone, Copy)]
@@ -159,7 +160,7 @@ pub enum ParameterProblem {
         choices: Vec<Meaning>,
     },
     /// Below or above what the drive takes.
-    #[error("{parameter}: {}{} is outside {} to {}{}", digits(*.value), unit_text(.unit), digits(*.minimum), digits(*.maximum), unit_text(.unit))]
+    #[error("{parameter}: {}{} is outside {} to {}{}", figures(*.value), unit_text(.unit), figures(*.minimum), figures(*.maximum), unit_text(.unit))]
     Limit {
         /// The parameter.
         parameter: String,
@@ -172,8 +173,20 @@ pub enum ParameterProblem {
         /// Unit of the parameter.
         unit: &'static str,
     },
+    /// The drive cannot hold it, and what it can hold is too far away: see [`MOST_ROUNDING`].
+    #[error("{parameter}: {}{} cannot be held: the nearest values are {}{} and {}{}", figures(.wanted.number.as_f64()), unit_text(.wanted.unit.as_deref().unwrap_or(.unit)), figures(.nearest[0]), unit_text(.unit), figures(.nearest[1]), unit_text(.unit))]
+    Coarse {
+        /// The parameter.
+        parameter: String,
+        /// The value as it was written.
+        wanted: Quantity,
+        /// The values below and above it that the drive can hold.
+        nearest: [f64; 2],
+        /// Unit of the parameter.
+        unit: &'static str,
+    },
     /// A fraction for a parameter of whole numbers.
-    #[error("{parameter} takes whole numbers, not {value}")]
+    #[error("{parameter} takes whole numbers, not {}", figures(*.value))]
     Fraction {
         /// The parameter.
         parameter: String,
@@ -207,7 +220,7 @@ pub enum ParameterProblem {
 }
 
 impl ParameterProblem {
-    /// What to do, where that is not said already.
+    /// What to do, where that is not said already. `DRIVE` in it stands for the drive.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -219,9 +232,14 @@ impl ParameterProblem {
                 Some(format!("write {whole}: both halves are sent where it needs them"))
             }
             Self::ManyChoices { .. } => Some("write more of the text, or the number".into()),
-            Self::Unit { .. } | Self::Limit { .. } => {
-                Some("`profidrive describe DRIVE PARAM` shows unit and limits".into())
-            }
+            Self::Unit { parameter, .. } | Self::Limit { parameter, .. } => Some(format!(
+                "`profidrive describe DRIVE {}` shows unit and limits",
+                written(parameter)
+            )),
+            Self::Coarse { parameter, .. } => Some(format!(
+                "write one of them; `profidrive describe DRIVE {}` shows unit and scaling, which make the steps",
+                written(parameter)
+            )),
             _ => None,
         }
     }
@@ -235,19 +253,22 @@ fn listed(choices: &[Meaning]) -> String {
     texts.collect::<Vec<_>>().join(", ")
 }
 
+/// A label (`DRV.ACC (p2108)`, `Ramp 1 Ramp up Time (3-41)`) as one word that a command takes.
+fn written(label: &str) -> String {
+    match label.split_once(" (") {
+        Some((name, number)) if !name.contains(' ') && !number.contains(" (") => name.to_owned(),
+        Some(_) => {
+            let number = label.rsplit_once(" (").map_or(label, |(_, number)| number);
+            number.trim_end_matches(')').replace(' ', "")
+        }
+        None => label.replace(' ', ""),
+    }
+}
+
 fn elements_text(elements: u16) -> String {
     match elements {
         0 | 1 => "no elements".into(),
         count => format!("elements 0 to {}", count - 1),
-    }
-}
-
-/// A number with as many digits as can be read.
-fn digits(value: f64) -> String {
-    if value.abs() >= 1e17 {
-        format!("{value:e}")
-    } else {
-        value.to_string()
     }
 }
 
@@ -256,5 +277,24 @@ fn unit_text(unit: &str) -> String {
         String::new()
     } else {
         format!(" {unit}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_names_the_parameter_as_a_command_takes_it() {
+        for (label, word) in [
+            ("DRV.ACC (p2108)", "DRV.ACC"),
+            ("Ramp 1 Ramp up Time (3-41)", "3-41"),
+            ("Motor Power [kW] (1-20)", "1-20"),
+            ("Speed (max) limit (4-19)", "4-19"),
+            ("Acceleration time 1 (ID 103)", "ID103"),
+            ("p1234", "p1234"),
+        ] {
+            assert_eq!(written(label), word);
+        }
     }
 }

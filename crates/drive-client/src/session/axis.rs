@@ -12,9 +12,12 @@ use profinet::cyclic::CyclicStatistics;
 
 use super::Session;
 use super::enabled::Enabled;
+use super::faults::WarningEntry;
 use super::keep::Kept;
+use super::warnings::Warnings;
 use crate::axis::{Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose};
 use crate::client::AxisView;
+use crate::parameter::is_another;
 use crate::{Connection, Drive, Error, Link, Wire};
 
 /// How to run an axis.
@@ -84,6 +87,9 @@ pub struct AxisStatus {
 /// Somebody who wants to see the axis while calls wait.
 pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
 
+/// Somebody who wants to know of warnings as they come, by number where the drive has numbers.
+pub type WarningWatcher<'s> = Box<dyn FnMut(&AxisStatus, &[WarningEntry]) + 's>;
+
 /// An axis under control.
 ///
 /// Dropping it, for whatever reason, ends in a ramp stop and a release. It cannot be moved before it is enabled: only
@@ -129,6 +135,7 @@ pub struct Axis<'s, M: Wire> {
     pub(super) target: Option<f64>,
     taken: profinet::Instant,
     pub(super) watcher: Option<Watcher<'s>>,
+    pub(super) warnings: Warnings<'s>,
     /// The trouble there is was returned to the caller.
     told: bool,
     finished: bool,
@@ -151,6 +158,31 @@ pub(super) fn speed_raw(drive: &Drive, rpm: f64) -> Option<i16> {
     i16::try_from(raw).ok()
 }
 
+/// NSOLL_A for a speed that a person asked for: the nearest step, if that is the same speed.
+pub(super) fn speed_setpoint(drive: &Drive, rpm: f64) -> Result<i16, Error> {
+    let Some(raw) = speed_raw(drive, rpm) else {
+        return Err(Error::SpeedLimit {
+            wanted: rpm,
+            limit: speed_rpm(drive, i16::MAX),
+        });
+    };
+    let told = speed_rpm(drive, raw);
+    if !is_another(rpm, told) {
+        return Ok(raw);
+    }
+    let beside = if told > rpm {
+        raw.saturating_sub(1)
+    } else {
+        raw.saturating_add(1)
+    };
+    let other = speed_rpm(drive, beside);
+    Err(Error::SpeedStep {
+        drive: drive.label(),
+        wanted: rpm,
+        nearest: [told.min(other), told.max(other)],
+    })
+}
+
 pub(super) fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
     drive.parameters.scaling.speed().engineering(raw.into())
 }
@@ -159,6 +191,12 @@ impl<'s, M: Wire> Axis<'s, M> {
     /// Shows the axis to `watcher` after everything that happens while calls wait.
     pub fn watch(&mut self, watcher: impl FnMut(&AxisStatus) + 's) {
         self.watcher = Some(Box::new(watcher));
+    }
+
+    /// Tells `watcher` of each warning (ZSW1 bit 7) when it comes, while calls wait. A drive that has no number for its
+    /// warning gives an empty list.
+    pub fn watch_warnings(&mut self, watcher: impl FnMut(&AxisStatus, &[WarningEntry]) + 's) {
+        self.warnings.watch(Box::new(watcher));
     }
 
     /// The drive.
@@ -412,7 +450,10 @@ impl<'s, M: Wire> Axis<'s, M> {
                     trouble,
                 })
             }
-            Progress::Pursuing | Progress::Reached => Ok(status),
+            Progress::Pursuing | Progress::Reached => {
+                self.look_for_warnings(&status);
+                Ok(status)
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use profidrive::notation::Position;
 use profidrive::state::Mode;
 
 use super::Axis;
-use super::axis::{AxisStatus, speed_raw, speed_rpm};
+use super::axis::{AxisStatus, speed_setpoint};
 use crate::axis::{Evidence, Goal, Jog, MotionFacts, Move, MovePlan, Progress, Traverse};
 use crate::{Connection, Error, Wire};
 
@@ -61,27 +61,14 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     /// Follows this speed from now on, in rpm.
     ///
     /// # Errors
-    /// A speed above the limit or below the steps of the drive, a drive in position mode, and when the axis is not
+    /// A speed above the limit or one that cannot be told ([`Session::check_speed`](crate::Session::check_speed)), a drive in position mode, and when the axis is not
     /// enabled any more.
     pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
             return Err(Error::SpeedLimit { wanted: rpm, limit });
         }
-        let drive = &self.axis.drive;
-        if rpm != 0.0 && speed_raw(drive, rpm) == Some(0) {
-            return Err(Error::SpeedStep {
-                drive: drive.label(),
-                wanted: rpm,
-                step: speed_rpm(drive, 1),
-            });
-        }
-        let setpoint = speed_raw(drive, rpm)
-            .filter(|&raw| (speed_rpm(drive, raw) - rpm).abs() <= 1.0)
-            .ok_or_else(|| Error::SpeedLimit {
-                wanted: rpm,
-                limit: speed_rpm(drive, i16::MAX),
-            })?;
+        let setpoint = speed_setpoint(&self.axis.drive, rpm)?;
         self.axis.fastest = self.axis.fastest.max(rpm.abs());
         self.axis.evidence = None;
         self.reach(Goal::Run { setpoint }, None, "")
@@ -391,6 +378,7 @@ impl<M: Wire> Drop for Enabled<'_, '_, M> {
         if std::thread::panicking() {
             // a watcher that panics once more would end the process before the axis stands
             self.axis.watcher = None;
+            self.axis.warnings = Default::default();
         }
         let operates = self
             .axis

@@ -136,6 +136,16 @@ impl<M: Wire> Session<M> {
         })
     }
 
+    /// The warnings that are present, by number and by bit; `None` where the drive has no numbers for them.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn warnings(&mut self, drive: &Drive) -> Result<Option<Vec<WarningEntry>>, Error> {
+        let mut drive = drive.clone();
+        let told = self.ask(&mut drive, &[Part::Warning, Part::WarningWord])?;
+        Ok(warnings(&drive, &told))
+    }
+
     /// How the buffer is divided: as the tables say, else as the drive says, else eight by eight.
     fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
         let own = drive.model.catalogue.filter(|_| !drive.model.learned);

@@ -20,6 +20,7 @@ mod status;
 mod stop;
 mod tasks;
 mod told;
+mod warnings;
 
 use std::time::Duration;
 
@@ -28,7 +29,7 @@ use profinet::controller::ControllerConfig;
 
 use crate::{Client, Drive, Error, LineConfig, Wire};
 
-pub use axis::{Axis, AxisSettings, AxisStatus};
+pub use axis::{Axis, AxisSettings, AxisStatus, WarningWatcher, Watcher};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
 pub use info::{Identity, Info, Peer};

@@ -3,11 +3,13 @@
 //! Accepts what the field writes (`DRV.ACC`, `p922`, `r947[0]`, `P0922`, `PNU 922.0`, `922[0..7]`, `0x39A`, `8-10`,
 //! `ID 1805`, `50rpm`, `0x047F`) and prints one form (`p0922`, `r0947[0]`).
 
+mod figures;
 mod position;
 mod quantity;
 mod reference;
 mod units;
 
+pub use figures::figures;
 pub use position::{NoPosition, Position};
 pub use quantity::{Number, Quantity, QuantityError, UnitMismatch};
 pub use reference::{Elements, Notation, ParameterReference, Prefix, ReferenceError, Shown, Target};

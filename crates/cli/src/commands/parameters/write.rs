@@ -53,7 +53,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
             table.row(row);
         }
         for (assignment, outcome) in assignments.iter().zip(&outcomes) {
-            if let Some(told) = raw_told(assignment, outcome) {
+            if let Some(told) = raw_told(assignment, outcome).or_else(|| rounded(assignment, outcome)) {
                 output.say(&told);
             }
         }
@@ -169,6 +169,20 @@ fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> 
     })
 }
 
+/// What becomes of a value between two that the drive can hold.
+fn rounded(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
+    let value = outcome.change.value;
+    let asked = assignment.value.number()?;
+    let unit = asked.unit.as_deref().unwrap_or(value.unit);
+    let (asked, written) = (number(asked.number.as_f64()), wanted(outcome));
+    let shown = unit != value.unit || asked != written;
+    (value.is_rounded() && shown).then(|| {
+        let label = outcome.change.selection.label();
+        let line = format!("{label}: {asked} {unit} -> {written} {}", value.unit);
+        format!("{}, the nearest the drive can hold", line.trim_end())
+    })
+}
+
 fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
     let selection = &outcome.change.selection;
     let old = match &outcome.old {
@@ -229,7 +243,8 @@ fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
     let mut fields = fields! {
         "pnu": selection.pnu, "index": selection.shown(0).index,
         "name": selection.parameter.map(|parameter| parameter.name),
-        "value": outcome.change.value.engineering, "raw": outcome.change.value.raw, "unit": outcome.change.value.unit,
+        "value": outcome.change.value.engineering, "asked": outcome.change.value.asked,
+        "rounded": outcome.change.value.is_rounded(), "raw": outcome.change.value.raw, "unit": outcome.change.value.unit,
         "written": matches!(outcome.written, Some(Ok(()))), "differs": outcome.differs(),
     };
     if let Some(old) = &outcome.old {

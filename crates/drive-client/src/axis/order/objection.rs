@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use profidrive::notation::figures;
+
 /// Why a move is not sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -42,6 +44,18 @@ pub enum Objection {
     NoSpeed {
         /// Speed wanted, rpm.
         speed: f64,
+    },
+    /// A distance of less than half an increment: the axis would not move.
+    NoDistance {
+        /// Distance wanted, in increments.
+        counts: f64,
+    },
+    /// A speed between two that can be told, and neither is near.
+    SpeedStep {
+        /// Speed wanted, rpm.
+        speed: f64,
+        /// The speeds below and above it that can be told, rpm.
+        nearest: [f64; 2],
     },
     /// Above what the caller allows.
     SpeedLimit {
@@ -92,13 +106,32 @@ impl fmt::Display for Objection {
                 f,
                 "the target of {counts:.0} counts does not fit 32 bits (MDI_TARPOS)"
             ),
-            Self::NoSpeed { speed } => write!(f, "{speed} rpm is no speed for a move"),
+            Self::NoSpeed { speed } => write!(f, "{} rpm is no speed for a move", figures(*speed)),
+            Self::NoDistance { counts } => write!(
+                f,
+                "a distance of {} counts is less than half an increment: the axis would not move",
+                figures(*counts)
+            ),
+            Self::SpeedStep { speed, nearest } => write!(
+                f,
+                "{} rpm cannot be told: the nearest speeds are {} rpm and {} rpm (MDI_VELOCITY)",
+                figures(*speed),
+                figures(nearest[0]),
+                figures(nearest[1])
+            ),
             Self::SpeedLimit { speed, limit } => {
-                write!(f, "{speed} rpm is above the limit of {limit} rpm")
+                write!(
+                    f,
+                    "{} rpm is above the limit of {} rpm",
+                    figures(*speed),
+                    figures(*limit)
+                )
             }
             Self::DriveLimit { speed, limit } => write!(
                 f,
-                "{speed} rpm is above the limit of the drive, {limit} rpm (VL.LIMITP, VL.LIMITN)"
+                "{} rpm is above the limit of the drive, {} rpm (VL.LIMITP, VL.LIMITN)",
+                figures(*speed),
+                figures(*limit)
             ),
             Self::Ramp {
                 ramp,
@@ -106,7 +139,10 @@ impl fmt::Display for Objection {
                 highest,
             } => write!(
                 f,
-                "{ramp} rpm/s is outside of what MDI_ACC and MDI_DEC carry, {lowest} to {highest} rpm/s"
+                "{} rpm/s is outside of what MDI_ACC and MDI_DEC carry, {} to {} rpm/s",
+                figures(*ramp),
+                figures(*lowest),
+                figures(*highest)
             ),
         }
     }
@@ -128,6 +164,8 @@ impl Objection {
             Self::LimitSwitch { .. } => "move the other way",
             Self::Range { .. } => "a distance (--relative) may be shorter than a position",
             Self::NoSpeed { .. } => "give a speed above 0; the direction is that of the target",
+            Self::NoDistance { .. } => "give a longer distance",
+            Self::SpeedStep { .. } => "ask for one of them",
             Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it",
             Self::DriveLimit { .. } => "`profidrive read DRIVE VL.LIMITP VL.LIMITN` shows the limits",
             Self::Ramp { .. } => "the steps are those of PN.ACCSCALING",

@@ -6,7 +6,7 @@ use profidrive::state::Zsw1;
 use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
 use profinet::cyclic::Timing;
 
-use super::{Axis, AxisSettings, Session, speed_raw};
+use super::{Axis, AxisSettings, Session, speed_raw, speed_setpoint};
 use crate::axis::{AxisControl, Limits};
 use crate::session::prepare::Prepared;
 use crate::{Drive, Error, Link, Wire};
@@ -17,6 +17,17 @@ const TICK: Duration = Duration::from_nanos(31_250);
 const ACCEPT: Duration = Duration::from_secs(2);
 
 impl<M: Wire> Session<M> {
+    /// Whether a speed can be told to the drive with the scale it has now: the setpoint travels in steps, and the nearest
+    /// one must not be more than [`MOST_ROUNDING`](crate::parameter::MOST_ROUNDING) away. Reads only.
+    ///
+    /// # Errors
+    /// [`Error::SpeedStep`] with the speeds beside it, [`Error::SpeedLimit`] beyond what the setpoint holds, and when the
+    /// drive cannot be reached.
+    pub fn check_speed(&mut self, drive: &mut Drive, rpm: f64) -> Result<(), Error> {
+        self.read_scaling(drive)?;
+        speed_setpoint(drive, rpm).map(|_| ())
+    }
+
     /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
     /// moves: control is taken with the first goal.
     ///
@@ -108,6 +119,7 @@ impl<M: Wire> Session<M> {
             target: None,
             taken: now,
             watcher: None,
+            warnings: Default::default(),
             told: false,
             finished: false,
             quick: false,

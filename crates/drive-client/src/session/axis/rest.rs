@@ -119,6 +119,7 @@ impl<M: Wire> Drop for Axis<'_, M> {
         if std::thread::panicking() {
             // a watcher that panics once more would end the process before the axis stands
             self.watcher = None;
+            self.warnings = Default::default();
         }
         // nobody is left to tell
         let _ = self.shut_down();

@@ -300,6 +300,7 @@ fn save_command(drive: &Drive) -> Result<ChangeOutcome, Error> {
     let value = CheckedValue {
         raw: 1,
         engineering: 1.0,
+        asked: 1.0,
         unit: "",
     };
     Ok(ChangeOutcome {
@@ -424,7 +425,7 @@ mod tests {
             encode(&outcome("DRV.ACC=5000"), &akd()).unwrap(),
             (Format::DOUBLE_WORD, vec![0, 0, 0, 0, 0, 0x4C, 0x4B, 0x40])
         );
-        assert_eq!(encode(&outcome("1004=-1"), &akd()).unwrap().1.len(), 2);
+        assert_eq!(encode(&outcome("1004=-60"), &akd()).unwrap().1, [0xFF, 0x5C]);
     }
 
     #[test]

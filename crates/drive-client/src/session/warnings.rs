@@ -1,0 +1,85 @@
+//! Warnings of an axis under control: the status word has one bit for all of them, their numbers are asked for.
+
+use std::time::Duration;
+
+use profinet::Instant;
+
+use super::axis::{Axis, AxisStatus, WarningWatcher};
+use crate::{Connection, Error, Wire};
+
+/// How often a drive that has a warning is asked which ones it has.
+const AGAIN: Duration = Duration::from_secs(1);
+
+/// Who wants to know, and what was told.
+#[derive(Default)]
+pub(super) struct Warnings<'s> {
+    watcher: Option<WarningWatcher<'s>>,
+    told: Told,
+}
+
+/// What was told since the warning bit came.
+#[derive(Debug, Default, PartialEq)]
+enum Told {
+    /// There is no warning.
+    #[default]
+    Nothing,
+    /// These numbers; the drive was asked at this time.
+    Numbers(Vec<u32>, Instant),
+    /// That there is one: the drive has no number for it, or does not answer.
+    TheBit,
+}
+
+impl<'s> Warnings<'s> {
+    pub(super) fn watch(&mut self, watcher: WarningWatcher<'s>) {
+        self.watcher = Some(watcher);
+        self.told = Told::Nothing;
+    }
+}
+
+impl<M: Wire> Axis<'_, M> {
+    /// Tells of warnings that are new. What the drive does not answer holds nothing up: it is asked once.
+    pub(super) fn look_for_warnings(&mut self, status: &AxisStatus) {
+        if self.warnings.watcher.is_none() || self.connection() != Connection::Running {
+            return;
+        }
+        if !status.view.seen.is_some_and(crate::axis::Seen::warning) {
+            self.warnings.told = Told::Nothing;
+            return;
+        }
+        let now = self.session.now();
+        let mut before = Vec::new();
+        match &mut self.warnings.told {
+            Told::TheBit => return,
+            Told::Numbers(_, asked) if now - *asked < AGAIN => return,
+            Told::Numbers(numbers, _) => before = std::mem::take(numbers),
+            Told::Nothing => {}
+        }
+        let present = match self.session.warnings(&self.drive) {
+            Err(Error::Interrupted) => return,
+            other => other.ok().flatten().filter(|present| !present.is_empty()),
+        };
+        let still = self.status().and_then(|status| status.view.seen);
+        let still = still.is_some_and(crate::axis::Seen::warning);
+        let Some(watcher) = &mut self.warnings.watcher else {
+            return;
+        };
+        let Some(present) = present else {
+            // gone before it was asked for, or without a number
+            if still && before.is_empty() {
+                watcher(status, &[]);
+            }
+            self.warnings.told = Told::TheBit;
+            return;
+        };
+        let new: Vec<_> = present
+            .iter()
+            .filter(|warning| !before.contains(&warning.number))
+            .cloned()
+            .collect();
+        if !new.is_empty() {
+            watcher(status, &new);
+        }
+        let numbers = present.iter().map(|warning| warning.number).collect();
+        self.warnings.told = Told::Numbers(numbers, self.session.now());
+    }
+}

@@ -1,0 +1,195 @@
+//! What the commands tell a person: roundings, warnings, advice, what is not to be done, and what could not be written.
+
+use std::time::Duration;
+
+use serde_json::Value;
+use system_tests::{Finished, Lab, Running, Side, built};
+
+const SHORT: Duration = Duration::from_secs(20);
+
+fn simulate(lab: &Lab) -> Running {
+    system_tests::simulate(lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"])
+}
+
+fn client(lab: &Lab, verb: &[&str]) -> Finished {
+    system_tests::client(lab, verb)
+}
+
+/// Changes of the fault buffer and the telegram say whether somebody took control since.
+fn counter(lab: &Lab) -> Value {
+    let read = client(lab, &["read", "akd-1", "944", "922", "DRV.ACTIVE", "--json"]).ok();
+    serde_json::from_str(&read.out).unwrap_or_else(|error| panic!("{error}: {read:?}"))
+}
+
+#[test]
+fn roundings_are_told_and_other_values_refused() {
+    let lab = Lab::new("roundings");
+    let _drive = simulate(&lab);
+    let written = client(&lab, &["write", "akd-1", "1004=99rpm"]).ok();
+    assert!(
+        written
+            .err
+            .contains("Jog v1 (p1004): 99 rpm -> 98.853 rpm, the nearest the drive can hold"),
+        "{written:?}"
+    );
+    let json = client(&lab, &["write", "akd-1", "1004=1.65rps", "--json"]).ok();
+    let json: Value = serde_json::from_str(&json.out).unwrap();
+    assert_eq!(
+        (&json["changes"][0]["asked"], &json["changes"][0]["rounded"]),
+        (&99.0.into(), &true.into())
+    );
+    for line in [
+        &["write", "akd-1", "1004=0.001rpm"][..],
+        &["jog", "akd-1", "--velocity", "0.001rpm"],
+        &["run", "akd-1", "--velocity", "0.001rpm"],
+        &["run", "akd-1", "--velocity", "5rpm", "--for", "1s"],
+    ] {
+        let refused = client(&lab, line);
+        assert_eq!(refused.code, Some(2), "{line:?}: {refused:?}");
+        assert!(refused.err.contains("the nearest "), "{line:?}: {refused:?}");
+        assert!(
+            !refused.err.contains("this moves the axis"),
+            "{line:?}: {refused:?}"
+        );
+        assert!(!refused.err.contains("DRIVE"), "{line:?}: {refused:?}");
+    }
+    let limit = client(&lab, &["write", "192.168.77.50", "DRV.ACC=8e9rpm/s"]);
+    assert!(
+        limit
+            .err
+            .contains("`profidrive describe 192.168.77.50 DRV.ACC` shows unit and limits"),
+        "{limit:?}"
+    );
+    let jog = client(
+        &lab,
+        &[
+            "jog",
+            "akd-1",
+            "--velocity",
+            "30rpm",
+            "--for",
+            "300ms",
+            "--watchdog",
+            "15",
+        ],
+    )
+    .ok();
+    assert!(jog.err.contains("PNU 1004 is 98.853 rpm again"), "{jog:?}");
+}
+
+#[test]
+fn nothing_to_acknowledge_takes_no_control() {
+    let lab = Lab::new("nothing");
+    let _drive = simulate(&lab);
+    let before = counter(&lab);
+    let none = client(&lab, &["ack", "akd-1"]).ok();
+    assert_eq!(none.err.trim(), "no fault: nothing to acknowledge", "{none:?}");
+    assert_eq!(none.out, "", "no state was shown: no connection");
+    let none = client(&lab, &["ack", "akd-1", "--json"]).ok();
+    let none: Value = serde_json::from_str(&none.out).unwrap();
+    assert_eq!(
+        (&none["end"], &none["faults"]),
+        (&true.into(), &Value::Array(Vec::new()))
+    );
+    assert_eq!(counter(&lab), before);
+    client(&lab, &["inject", "akd-1", "fault=439"]).ok();
+    let one = client(&lab, &["ack", "akd-1", "--watchdog", "15"]).ok();
+    assert!(
+        one.err.contains("F439 ") && one.err.contains("axis at rest"),
+        "{one:?}"
+    );
+}
+
+#[test]
+fn a_warning_during_a_good_run_is_put_in_words() {
+    let lab = Lab::new("warned");
+    let _drive = simulate(&lab);
+    let call = [
+        "-i",
+        "ctl0",
+        "run",
+        "akd-1",
+        "--velocity",
+        "60rpm",
+        "--for",
+        "3s",
+        "--watchdog",
+        "15",
+    ];
+    let mut run = lab.spawn(Side::Controller, built("profidrive"), call);
+    run.wait_for("S4 operation", SHORT);
+    client(&lab, &["inject", "akd-1", "warning=107", "--for", "1s"]).ok();
+    let ended = run.finish(SHORT);
+    assert_eq!(ended.code, Some(0), "{ended:?}");
+    assert_eq!(
+        ended.err.matches("warning: n107 Positive limit").count(),
+        1,
+        "{ended:?}"
+    );
+}
+
+#[test]
+fn a_speed_that_is_never_reached_ends_the_run() {
+    let lab = Lab::new("never");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "VL.LIMITP_32=100rpm"]).ok();
+    let ended = client(
+        &lab,
+        &["run", "akd-1", "--velocity", "600rpm", "--watchdog", "15"],
+    );
+    assert_eq!(ended.code, Some(1), "{ended:?}");
+    assert!(
+        ended
+            .err
+            .contains("600 rpm not reached within 5.4 s, the highest speed was 1"),
+        "{ended:?}"
+    );
+    let read = client(&lab, &["read", "akd-1", "VL.FB_32", "r947[0]", "--json"]).ok();
+    let read: Value = serde_json::from_str(&read.out).unwrap();
+    assert!(
+        read["parameters"][0]["value"].as_f64().unwrap().abs() < 1.0,
+        "{read}"
+    );
+    assert_eq!(read["parameters"][1]["value"], 0.0, "no F702");
+}
+
+#[test]
+fn what_cannot_be_written_fails_with_a_drive_too() {
+    let lab = Lab::new("full");
+    let _drive = simulate(&lab);
+    for line in [
+        "scan",
+        "info akd-1",
+        "read akd-1 DRV.ACC",
+        "write akd-1 DRV.ACC=5000",
+        "list akd-1 --filter DRV",
+        "list akd-1 --filter DRV --values",
+        "describe akd-1 DRV.ACC",
+        "status akd-1",
+        "faults akd-1",
+        "backup akd-1",
+        "monitor akd-1",
+        "run akd-1 --velocity 60rpm --watchdog 15",
+        "jog akd-1 --watchdog 15",
+    ] {
+        for more in ["", " --json"] {
+            let script = format!(
+                "{} -i ctl0 {line}{more} >/dev/full",
+                built("profidrive").display()
+            );
+            let ended = lab.run(Side::Controller, "bash", ["-c", &script], SHORT);
+            assert_eq!(ended.code, Some(1), "{line}{more}: {ended:?}");
+            assert!(
+                ended.err.contains("the output cannot be written: No space left"),
+                "{line}{more}: {ended:?}"
+            );
+        }
+    }
+    let read = client(&lab, &["read", "akd-1", "VL.FB_32", "r947[0]", "--json"]).ok();
+    let read: Value = serde_json::from_str(&read.out).unwrap();
+    assert!(
+        read["parameters"][0]["value"].as_f64().unwrap().abs() < 1.0,
+        "{read}"
+    );
+    assert_eq!(read["parameters"][1]["value"], 0.0, "no F702");
+}
