@@ -156,6 +156,8 @@ impl Lab {
         if self.user {
             command.args(["--user", "--preserve-credentials"]);
         }
+        // another mount namespace begins at its root: the folder below is relative
+        command.arg(format!("--wd={}", root().display()));
         command.args([
             "--mount",
             "--net",

@@ -564,7 +564,7 @@ fn limits_are_kept_before_anything_moves() {
     );
     // told to stop, it is over: nothing moves on an old permission
     enabled.stop().expect("stopped");
-    assert!(matches!(enabled.run(60.0), Err(Error::NotEnabled { .. })));
+    assert!(matches!(enabled.run(30.0), Err(Error::NotEnabled { .. })));
     drop(enabled);
     drop(axis);
     assert!(is_at_rest(&session, ids[0]));
