@@ -414,7 +414,7 @@ fn a_drive_that_tells_nothing_of_itself_goes_by_number() {
     );
     let mute: &'static model::Model = Box::leak(Box::new(model::Model {
         catalogue: Box::leak(Box::new(tables)),
-        ..model_of(own)
+        ..own.clone()
     }));
     let station = station_of(mute, "mute", 1, Some((0x1234, 99)));
     let (mut session, _) = bench_of(vec![station]);
@@ -425,27 +425,6 @@ fn a_drive_that_tells_nothing_of_itself_goes_by_number() {
     assert_eq!(number(&mut session, &mut drive, "341"), 300.0);
     write(&mut session, &mut drive, "341=750", WriteMode::Write).expect("taken");
     assert_eq!(number(&mut session, &mut drive, "341"), 750.0);
-}
-
-/// The same model, to change something of it.
-fn model_of(model: &model::Model) -> model::Model {
-    model::Model {
-        catalogue: model.catalogue,
-        live: model.live,
-        roles: model.roles,
-        plant: model.plant,
-        dialect: model.dialect,
-        pkw: model.pkw,
-        process: model.process,
-        wire: model.wire,
-        conditions: model.conditions,
-        fault_actions: model.fault_actions,
-        connection_lost_fault: model.connection_lost_fault,
-        connection_lost: model.connection_lost,
-        fault_buffer: model.fault_buffer,
-        texts: model.texts,
-        profile: model.profile,
-    }
 }
 
 #[test]

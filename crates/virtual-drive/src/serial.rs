@@ -31,7 +31,7 @@ pub struct SerialConfig {
     pub model: &'static Model,
     /// Protocol, address and times of the line.
     pub slave: SlaveConfig,
-    /// A master that has control and is silent for so long is lost.
+    /// A master that has control and is silent for so long is lost; a drive with a parameter for that goes by it (8-03).
     pub timeout: Duration,
     /// Motor, load and travel; `None` for those of the model.
     pub plant: Option<Plant>,
@@ -40,7 +40,7 @@ pub struct SerialConfig {
 }
 
 impl SerialConfig {
-    /// A new drive. Its master counts as lost after a second, the usual setting of Danfoss drives (8-03).
+    /// A new drive. Its master counts as lost after a second.
     #[must_use]
     pub const fn new(model: &'static Model, slave: SlaveConfig) -> Self {
         Self {
@@ -141,7 +141,12 @@ impl SerialStation {
 
     fn connect(&mut self) {
         // a model has the telegram of its maker
-        let _ = self.drive.connect(self.telegram, self.timeout);
+        let _ = self.drive.connect(self.telegram, self.patience());
+    }
+
+    /// A master that has control and is silent for so long is lost.
+    fn patience(&self) -> Duration {
+        self.drive.control_timeout().unwrap_or(self.timeout)
     }
 
     /// Power goes in order: what is to be kept of it comes as events.
@@ -196,11 +201,11 @@ impl SerialStation {
         self.slave.handle_timeout(time(now));
         self.serve(now);
         if let Master::Heard { since, controls } = self.master
-            && now >= since + self.timeout
+            && now >= since + self.patience()
         {
             self.master = Master::None;
             self.drive.disconnect(if controls {
-                Disconnect::Lost
+                Disconnect::Silent
             } else {
                 Disconnect::Released
             });
@@ -223,7 +228,7 @@ impl SerialStation {
     pub fn poll_timeout(&self) -> Option<Instant> {
         let line = self.slave.poll_timeout().map(|due| Instant::ZERO + due);
         let lost = match self.master {
-            Master::Heard { since, .. } => Some(since + self.timeout),
+            Master::Heard { since, .. } => Some(since + self.patience()),
             Master::None => None,
         };
         [line, lost, self.next_tick()].into_iter().flatten().min()

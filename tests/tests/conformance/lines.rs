@@ -27,10 +27,10 @@ const fn all(number: u16, check: fn(&mut Bench)) -> Line {
     on(number, &[Akd, Vlt, Vacon], check)
 }
 
-/// Answer to line 1: 922 of the VLT is an octet, of the others a word.
+/// Answer to line 1: 922 is a word with each; the VLT names its type.
 fn telegram_block(bench: &Bench) -> Vec<u8> {
     match bench.make.maker {
-        Vlt => bench.hex("05 01 01 00"),
+        Vlt => bench.hex("06 01 00 01"),
         Akd | Vacon => bench.hex("42 01 00 01"),
     }
 }

@@ -12,7 +12,7 @@ use profidrive::state::FaultReaction;
 use profinet::Instant;
 
 use super::{Drive, Event, RESTLESS};
-use crate::model::{Cause, Limit, Lost, MOST_CONDITIONS, Model, When};
+use crate::model::{Cause, Limit, MOST_CONDITIONS, Model, When};
 
 /// Faults shown by DRV.FAULT1 and following; a situation of the buffer holds eight of them.
 const MOST_ACTIVE: usize = 10;
@@ -563,17 +563,6 @@ impl Drive {
             self.faults.warnings.iter().fold(0, word)
         } else {
             self.faults.active.iter().fold(0, word)
-        }
-    }
-
-    /// The controller is lost: a fault, or a warning where the parameters say so.
-    pub(super) fn raise_lost(&mut self) {
-        let number = self.model.connection_lost_fault;
-        match self.model.connection_lost {
-            Lost::From(parameter, least) if self.values.get(parameter) < least => {
-                self.keep(number, Keeper::Action, true);
-            }
-            Lost::From(..) | Lost::Always => self.raise(number),
         }
     }
 }

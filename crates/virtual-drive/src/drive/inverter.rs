@@ -204,6 +204,12 @@ impl Inverter {
         }
     }
 
+    /// Highest speed, rpm.
+    pub const fn fastest(&self) -> f64 {
+        let [_, fastest] = self.speed_limits;
+        fastest
+    }
+
     /// Limits for the axis.
     pub fn tuning(&self, tuning: Tuning) -> Tuning {
         let [nominal, most] = self.inverter_current;

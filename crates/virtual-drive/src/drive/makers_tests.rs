@@ -228,7 +228,7 @@ fn checklist_of_parameter_access() {
         (
             &model::VLT,
             "01 01 00 01 10 01 03 9A 00 00",
-            "01 01 00 01 05 01 01 00",
+            "01 01 00 01 06 01 00 01",
         ),
         (
             &model::VLT,
@@ -243,7 +243,7 @@ fn checklist_of_parameter_access() {
         (
             &model::VLT,
             "10 01 00 02 10 01 03 9A 00 00 10 01 FF FE 00 00",
-            "10 81 00 02 05 01 01 00 44 01 00 00",
+            "10 81 00 02 06 01 00 01 44 01 00 00",
         ),
         (
             &model::VLT,

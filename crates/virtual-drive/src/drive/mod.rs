@@ -2,6 +2,7 @@
 
 mod another;
 mod counters;
+mod deserted;
 mod faults;
 mod history;
 mod injection;
@@ -37,6 +38,7 @@ use crate::axis::{Axis, Plant};
 use crate::model::{Live, Model};
 use crate::store::Values;
 use counters::Meter;
+use deserted::Alone;
 use faults::{Faults, Keeper};
 use history::History;
 use outside::Outside;
@@ -99,6 +101,8 @@ pub enum Disconnect {
     Released,
     /// It broke.
     Lost,
+    /// There was none, only a master of a line that does not speak any more.
+    Silent,
 }
 
 /// What the service channel (DRV.EN) does with the power stage.
@@ -185,6 +189,8 @@ pub struct Drive {
     channel: SetpointChannel,
     /// Reaction to the faults that came since the last step of the machine.
     reaction: Option<FaultReaction>,
+    /// Without its controller, and not yet stopped by that.
+    alone: Option<Alone>,
     faults: Faults,
     outside: Outside,
     axis: Axis,
@@ -231,6 +237,7 @@ impl Drive {
             history: History::new(model),
             channel: SetpointChannel::default(),
             reaction: None,
+            alone: None,
             faults: Faults::new(model.fault_buffer),
             outside: Outside::default(),
             axis: Axis::new(model.plant),
@@ -304,9 +311,10 @@ impl Drive {
     /// breaks off before that does not; a released one only when the power stage was on, and then it stops too.
     pub fn disconnect(&mut self, cause: Disconnect) {
         let exchanging = self.link.is_exchanging();
+        let age = self.link.watchdog();
         self.link = Link::None;
-        if exchanging && (cause == Disconnect::Lost || self.is_enabled()) {
-            self.raise_lost();
+        if exchanging && (cause != Disconnect::Released || self.is_enabled()) {
+            self.raise_lost(cause, age);
         }
     }
 
@@ -316,6 +324,7 @@ impl Drive {
     pub fn tick(&mut self, now: Instant, outputs: Option<&[u8]>, inputs: &mut [u8]) {
         let passed = now - self.last;
         self.last = now;
+        self.grow_lonely(passed);
         self.take_outputs(outputs);
         self.serve_channel(outputs, inputs);
         let was_enabled = self.is_enabled();
@@ -344,7 +353,9 @@ impl Drive {
     /// the input frames ticks it.
     #[must_use]
     pub fn next_tick(&self) -> Option<Instant> {
-        let pending = self.reaction.is_some() || self.disable_requested || self.service == Service::Starting;
+        let waits = matches!(self.alone, Some(Alone::Waits(_)));
+        let pending =
+            waits || self.reaction.is_some() || self.disable_requested || self.service == Service::Starting;
         let idle = !self.is_enabled() && self.axis.is_at_rest() && !pending && self.restless == 0;
         if idle || self.link.is_cyclic() {
             None

@@ -137,7 +137,9 @@ impl Drive {
             ),
             Motion::FollowSetpoint if self.service == Service::Off => {
                 let panel = self.panel_command();
-                let command = panel.unwrap_or_else(|| self.velocity_operation());
+                let command = panel
+                    .or_else(|| self.deserted_command())
+                    .unwrap_or_else(|| self.velocity_operation());
                 self.kept_off_switches(command)
             }
             Motion::FollowSetpoint => match settings.mode {

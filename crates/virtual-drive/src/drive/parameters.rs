@@ -159,7 +159,8 @@ impl ParameterAccess for Drive {
         let stored = matches!(self.live.get(position), Some(Live::Stored));
         set(Identifier::ARRAY, parameter.is_array());
         set(Identifier::READ_ONLY, parameter.access == Access::ReadOnly);
-        set(Identifier::NO_SCALE, size == 0);
+        // a selection of a VLT has no quantity either, and yet 0-01 is described as 0x0405 (FC 300 design guide)
+        set(Identifier::NO_SCALE, size == 0 && parameter.choices.is_empty());
         set(Identifier::CHANGED, stored && self.values.is_changed(position));
         set(
             Identifier::TEXT,
@@ -181,7 +182,7 @@ impl ParameterAccess for Drive {
                 (true, _) => parameter.elements,
                 (false, length) => length,
             },
-            factor: 1.0,
+            factor: factor(conversion.0),
             size_index: size,
             conversion_index: conversion.0,
             name: padded(parameter.name),
@@ -191,6 +192,18 @@ impl ParameterAccess for Drive {
             normalisation: if normalised { NORMALISED } else { 0 },
             ..Description::default()
         })
+    }
+}
+
+/// Standardisation factor of a conversion index: the value by which one divides to have the unit itself, as in the
+/// example of the MCA 101 manual (mV, 1000). Minutes, hours and days are 70, 74 and 77; others than powers of ten are 1.
+fn factor(conversion: i8) -> f32 {
+    match conversion {
+        -9..=9 => 10_f32.powi(-i32::from(conversion)),
+        70 => 1.0 / 60.0,
+        74 => 1.0 / 3600.0,
+        77 => 1.0 / 86400.0,
+        _ => 1.0,
     }
 }
 

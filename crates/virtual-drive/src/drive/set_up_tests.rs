@@ -200,7 +200,7 @@ fn every_set_up_survives_the_power() {
 fn nine_twenty_two_outlives_the_power() {
     let mut drive = Drive::new(&VLT);
     assert_eq!(drive.read(922, 0), Ok(1));
-    let change = [1, 0x42, 0, 1, 0x10, 1, 0x03, 0x9A, 0, 0, 5, 1, 104, 0];
+    let change = [1, 0x42, 0, 1, 0x10, 1, 0x03, 0x9A, 0, 0, 6, 1, 0, 104];
     assert_eq!(ask(&mut drive, &change)[1] & 0x80, 0);
     let text = saved(&mut drive);
     let mut again = Drive::new(&VLT);

@@ -2,12 +2,14 @@
 //!
 //! Source: AKD manual 5.8 (signals; each is a parameter of the same number too), 5.11 (telegrams).
 
+use std::time::Duration;
+
 use profidrive::state::{Orders, Stw1};
 use profidrive::telegram::{Field, Mapping, Telegram, signal};
 use profidrive::unit::akd;
 
 use super::words::{ChosenWord, MOST_WORDS};
-use super::{Drive, Link};
+use super::{Disconnect, Drive, Link};
 use crate::model::{Live, Model};
 
 /// Number of the telegram in use until a controller or PNU 922 chooses another.
@@ -169,8 +171,12 @@ impl Process {
 }
 
 impl Drive {
+    /// There is a control word that counts.
     pub(super) const fn is_running(&self) -> bool {
-        matches!(self.link, Link::Cyclic { running: true, .. })
+        match self.alone {
+            Some(alone) => alone.holds(),
+            None => matches!(self.link, Link::Cyclic { running: true, .. }),
+        }
     }
 
     /// True while nobody but the controller may give this setpoint.
@@ -188,13 +194,15 @@ impl Drive {
         };
         let Some(outputs) = outputs else {
             let stopped = core::mem::replace(running, false);
-            if stopped && self.settings.fault_on_stop {
-                self.raise_lost();
+            let supervised = self.settings.fault_on_stop || self.control_timeout().is_some();
+            if stopped && supervised {
+                self.raise_lost(Disconnect::Silent, Duration::ZERO);
             }
             return;
         };
         *running = true;
         *exchanging = true;
+        self.is_not_alone();
         if let Some(control) = self.process.setpoint.get(outputs, signal::STW1) {
             self.process.control = Stw1(control as u16);
             self.process.set_signal(signal::STW1, control);

@@ -342,20 +342,67 @@ fn alarms_and_warnings_have_their_words_and_their_log() {
 }
 
 #[test]
-fn a_lost_controller_is_a_warning_unless_eight_four_trips() {
-    for (function, trips) in [(0, false), (5, true)] {
+fn a_lost_controller_is_what_eight_three_and_eight_four_say() {
+    // value of 8-04, speed that it ends with, fault, warning of the control word
+    let rows = [
+        (0, 750.0, false, false),
+        (1, 750.0, false, true),
+        (2, 0.0, false, true),
+        (3, 100.0, false, true),
+        (4, 1800.0, false, true),
+        (5, 0.0, true, false),
+    ];
+    for (function, speed, trips, warns) in rows {
         let mut bench = profidrive();
         bench.write(804, function).unwrap();
+        bench.write(803, 20).unwrap(); // 2 s
+        bench.write(319, 100).unwrap();
         bench.send(0x047E, 0, 40);
-        bench.send(0x047F, 0x2000, 2000);
+        bench.send(0x047F, 0x2000, 6000);
         bench.drive.disconnect(Disconnect::Lost);
-        assert_eq!(bench.drive.has_fault(), trips);
-        assert_eq!(bench.drive.warning_number(0), if trips { 0 } else { 34 });
-        for _ in 0..3000 {
-            bench.now += CYCLE;
-            bench.drive.tick(bench.now, None, &mut []);
-        }
-        assert!(!bench.drive.is_enabled());
+        let wait = |bench: &mut Bench, milliseconds: u64| {
+            let end = bench.now + Duration::from_millis(milliseconds);
+            while bench.now < end {
+                bench.now += CYCLE;
+                bench.drive.tick(bench.now, None, &mut []);
+            }
+        };
+        // until its time is over the last word counts, whatever comes then
+        wait(&mut bench, 1800);
+        assert!(bench.drive.is_enabled() && !bench.drive.has_fault(), "{function}");
+        assert!((bench.drive.axis().speed() - 750.0).abs() < 30.0, "{function}");
+        assert_eq!(bench.drive.warning_number(0), 34);
+        wait(&mut bench, 15_000);
+        let turns = bench.drive.axis().speed();
+        assert!((turns - speed).abs() < 40.0, "{function}: {turns} rpm");
+        assert_eq!(bench.drive.has_fault(), trips, "{function}");
+        let warned = (0..4).any(|place| bench.drive.warning_number(place) == 17);
+        assert_eq!(warned, warns, "{function}");
+        // a controller that comes back has it again
+        bench.drive.connect(1, CYCLE * 3).unwrap();
+        bench.send(0x047E, 0, 20_000);
+        bench.send(0x04FE, 0, 40);
+        bench.send(0x047E, 0, 40);
+        assert_eq!(bench.drive.warning_number(0), 0, "{function}");
+        assert!(
+            bench.drive.axis().is_at_rest() && !bench.drive.has_fault(),
+            "{function}"
+        );
+    }
+}
+
+#[test]
+fn the_motor_and_the_profile_are_changed_at_standstill_only() {
+    let mut bench = fc();
+    bench.send(0x047C, 0x2000, 6000);
+    assert!(bench.drive.is_enabled());
+    for (number, raw) in [(120, 150), (139, 4), (810, 1), (410, 2)] {
+        assert_eq!(bench.write(number, raw), Err(ErrorNumber::NOT_NOW), "{number}");
+    }
+    assert_eq!(bench.write(341, 500), Ok(()));
+    bench.send(0x043C, 0, 8000);
+    for (number, raw) in [(120, 150), (139, 4), (810, 1), (410, 2)] {
+        assert_eq!(bench.write(number, raw), Ok(()), "{number}");
     }
 }
 
@@ -377,6 +424,8 @@ fn strings_texts_and_descriptions() {
     );
     let description = drive.description(341).unwrap();
     assert_eq!((description.size_index, description.conversion_index), (4, -2));
+    assert_eq!((description.identifier.0, description.factor), (0x0007, 100.0));
+    assert_eq!(drive.description(1).unwrap().identifier.0, 0x0405); // 0-01 Language
     assert_eq!(&description.name, b"Ramp 1 Ramp up T");
     assert_eq!(description.minimum, 1_u32.to_be_bytes());
     assert_eq!(description.maximum, 360_000_u32.to_be_bytes());

@@ -31,6 +31,7 @@ pub static AKD: Model = Model {
     wire: Wire::PLAIN,
     conditions: CONDITIONS,
     fault_actions: ACTIONS,
+    only_stopped: &[],
     connection_lost_fault: 702,
     connection_lost: Lost::Always,
     fault_buffer: Shape::EIGHT_BY_EIGHT,

@@ -19,7 +19,7 @@ pub use condition::{Cause, Condition, Delay, Limit, When};
 pub use inverter::{CounterRoles, InverterRoles, PanelRoles, PlateRoles, RampTo, SetUpRoles};
 pub use live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 pub use positioning::{HomeRoles, PositionRoles, TaskRoles, UnitRoles};
-pub use process::{Chosen, Lost, ProcessFacts, Signals, Wire};
+pub use process::{Chosen, ControlTimeout, Deserted, Lost, ProcessFacts, Signals, Wire};
 pub use vacon::VACON;
 pub use vlt::VLT;
 
@@ -50,7 +50,7 @@ pub fn by_name(name: &str) -> Option<&'static Model> {
 }
 
 /// A drive model.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Model {
     /// Its parameters, faults and modules.
     pub catalogue: &'static Catalogue,
@@ -72,6 +72,8 @@ pub struct Model {
     pub conditions: &'static [Condition],
     /// Faults with a parameter that says what becomes of them (0 fault, 1 nothing, 4 warning), ascending by fault.
     pub fault_actions: &'static [(u16, u16)],
+    /// Parameters that cannot be changed while the power stage is on, as the maker counts them, ascending.
+    pub only_stopped: &'static [u16],
     /// Fault raised when the controller is lost.
     pub connection_lost_fault: u16,
     /// When that is a fault.

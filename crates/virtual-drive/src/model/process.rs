@@ -58,6 +58,38 @@ pub enum Lost {
     Always,
     /// While this parameter has this value or a higher one.
     From(u16, i64),
+    /// Never at once: the last control word holds until its time is over.
+    After(&'static ControlTimeout),
+}
+
+/// Supervision of the control word by parameters (VLT 8-03 and 8-04).
+#[derive(Debug, Clone, Copy)]
+pub struct ControlTimeout {
+    /// Parameter of the time, s.
+    pub time: u16,
+    /// Parameter that says what becomes of the drive then.
+    pub function: u16,
+    /// Its values; one that is not here leaves the drive as it is.
+    pub actions: &'static [(i64, Deserted)],
+    /// Number of the warning while it does that, and of the fault of [`Deserted::Trip`].
+    pub number: u16,
+}
+
+/// What a drive does whose control word is out of date.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Deserted {
+    /// It goes on with the last one, without a warning.
+    GoesOn,
+    /// It keeps the speed that it has.
+    Freezes,
+    /// It ramps down and stays in its state until there is OFF and ON again.
+    Stops,
+    /// It turns at the speed of jogging.
+    Jogs,
+    /// It turns at its highest speed.
+    RunsAtMaximum,
+    /// It has a fault.
+    Trips,
 }
 
 /// What is particular about a drive on PROFINET.

@@ -37,6 +37,7 @@ pub static VACON: Model = Model {
     wire: Wire::PLAIN,
     conditions: CONDITIONS,
     fault_actions: &[],
+    only_stopped: &[],
     connection_lost_fault: 53,
     connection_lost: Lost::From(733, 2),
     fault_buffer: Shape::EIGHT_SINGLE,

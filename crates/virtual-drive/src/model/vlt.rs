@@ -14,8 +14,8 @@ use profidrive::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Action, Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, CounterRoles, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles,
-    SetUpRoles, Signals, Wire,
+    Chosen, ControlTimeout, CounterRoles, Deserted, InverterRoles, Lost, Model, PanelRoles, PlateRoles,
+    ProcessFacts, RampTo, Roles, SetUpRoles, Signals, Wire,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -44,8 +44,9 @@ pub static VLT: Model = Model {
     },
     conditions: CONDITIONS,
     fault_actions: &[],
+    only_stopped: ONLY_STOPPED,
     connection_lost_fault: 34,
-    connection_lost: Lost::From(804, 5),
+    connection_lost: Lost::After(&CONTROL_TIMEOUT),
     fault_buffer: Shape::EIGHT_BY_EIGHT,
     texts: true,
     profile: 0x0329,
@@ -65,6 +66,27 @@ const PLANT: Plant = Plant {
         breakdown: 2.8,
     }),
     ..Plant::INDUCTION
+};
+
+/// Motor, its control and its direction: from memory of the FC 301/302 Programming Guide. 8-10 is ours: the control word
+/// that stands would mean something else at once.
+const ONLY_STOPPED: &[u16] = &[
+    101, 110, 120, 121, 122, 123, 124, 125, 130, 131, 133, 134, 135, 136, 139, 410, 810,
+];
+
+/// From memory of the FC 301/302 Programming Guide: delivered as "off", which keeps the last control word for ever.
+const CONTROL_TIMEOUT: ControlTimeout = ControlTimeout {
+    time: 803,
+    function: 804,
+    actions: &[
+        (0, Deserted::GoesOn),
+        (1, Deserted::Freezes),
+        (2, Deserted::Stops),
+        (3, Deserted::Jogs),
+        (4, Deserted::RunsAtMaximum),
+        (5, Deserted::Trips),
+    ],
+    number: 17,
 };
 
 /// Control word, reference, status word and main actual value (16-80, 16-82, 16-03, 16-05).

@@ -1,5 +1,6 @@
 use super::*;
 use crate::model;
+use profidrive::parameter::{Keep, ParameterAccess};
 use profidrive::pkw::{Answer, Client, ClientTiming, Job, Memory, PkwValue};
 use profidrive::state::State;
 use uss::{Address, Event, Master as LineMaster, MasterConfig, SlaveId};
@@ -241,5 +242,38 @@ fn what_is_damaged_on_the_way_is_neither_executed_nor_answered() {
             assert_eq!(station.poll_transmit(now, &mut out), None, "{length} octets");
         }
         assert_eq!(station.poll_event(), None);
+    }
+}
+
+#[test]
+fn a_vlt_watches_its_control_word_as_eight_three_and_eight_four_say() {
+    // 8-03 in 0.1 s, 8-04, seconds of silence, still runs, fault 17
+    for (time, function, silence, runs, trips) in [
+        (10, 0, 30, true, false),
+        (50, 5, 4, true, false),
+        (50, 5, 20, false, true),
+        (10, 2, 20, false, false),
+    ] {
+        let mut bench = Bench::fc(&[]);
+        let config = SerialConfig::new(&model::VLT, SlaveConfig::fc(1, 9600));
+        bench.drives.push(SerialStation::new(config));
+        let slave = bench.master.add(Address::fc(1).unwrap(), &[0; 4]).unwrap();
+        let drive = bench.drives[0].drive_mut();
+        drive.write(803, 0, time, Keep::Volatile).unwrap();
+        drive.write(804, 0, function, Keep::Volatile).unwrap();
+        bench.words(slave, 0x043C, 0);
+        bench.run(SECOND / 2);
+        bench.words(slave, 0x047C, 0x2000);
+        bench.run(SECOND * 6);
+        assert!((bench.drives[0].drive().axis().speed() - 750.0).abs() < 30.0);
+        bench.cut = true;
+        bench.run(SECOND * silence);
+        let drive = bench.drives[0].drive();
+        let row = format!("8-03 {time}, 8-04 {function}, {silence} s");
+        assert_eq!(drive.is_enabled(), runs, "{row}");
+        assert_eq!(drive.has_fault(), trips, "{row}");
+        assert_eq!(drive.fault_number(0), if trips { 17 } else { 0 }, "{row}");
+        // no word of a field bus that is not there
+        assert_ne!(drive.warning_number(0), 34, "{row}");
     }
 }

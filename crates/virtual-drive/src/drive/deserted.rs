@@ -1,0 +1,119 @@
+//! A drive that stands without its controller and watches the age of the control word itself (VLT 8-03, 8-04).
+
+use std::time::Duration;
+
+use profidrive::catalogue::Parameter;
+
+use super::faults::Keeper;
+use super::velocity::on_ramp;
+use super::{Disconnect, Drive};
+use crate::axis::Command;
+use crate::model::{ControlTimeout, Deserted, Lost, numbered};
+
+/// How far it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Alone {
+    /// The last control word still counts for so long.
+    Waits(Duration),
+    /// Its time is over.
+    Acts(Deserted),
+}
+
+impl Alone {
+    /// The last control word is as good as one of a controller.
+    pub(super) const fn holds(self) -> bool {
+        !matches!(self, Self::Acts(Deserted::Stops | Deserted::Trips))
+    }
+}
+
+impl Drive {
+    /// How long a control word counts, where parameters say that.
+    #[must_use]
+    pub fn control_timeout(&self) -> Option<Duration> {
+        self.time_of(self.control_word_rule()?)
+    }
+
+    const fn control_word_rule(&self) -> Option<&'static ControlTimeout> {
+        match self.model.connection_lost {
+            Lost::After(rule) => Some(rule),
+            Lost::Always | Lost::From(..) => None,
+        }
+    }
+
+    fn time_of(&self, rule: &ControlTimeout) -> Option<Duration> {
+        let position = numbered(self.model.catalogue, rule.time)?;
+        let parameter: &Parameter = self.model.catalogue.parameters.get(position)?;
+        let seconds = parameter.engineering(self.values.at(position), &self.settings.scaling);
+        Duration::try_from_secs_f64(seconds).ok()
+    }
+
+    /// The controller is lost, `age` after its last word: a fault, or a warning where the parameters say so.
+    pub(super) fn raise_lost(&mut self, cause: Disconnect, age: Duration) {
+        let number = self.model.connection_lost_fault;
+        match self.model.connection_lost {
+            Lost::Always => self.raise(number),
+            Lost::From(parameter, least) => {
+                if self.values.get(parameter) < least {
+                    self.keep(number, Keeper::Action, true);
+                } else {
+                    self.raise(number);
+                }
+            }
+            Lost::After(rule) => {
+                // a line has no connection whose loss could be told
+                if cause != Disconnect::Silent {
+                    self.keep(number, Keeper::Action, true);
+                }
+                let left = self.time_of(rule).unwrap_or_default().saturating_sub(age);
+                self.alone = Some(Alone::Waits(left));
+            }
+        }
+    }
+
+    /// A controller speaks again.
+    pub(super) fn is_not_alone(&mut self) {
+        if self.alone.take().is_some()
+            && let Some(rule) = self.control_word_rule()
+        {
+            self.keep(rule.number, Keeper::Action, false);
+        }
+    }
+
+    /// `passed` more without a controller.
+    pub(super) fn grow_lonely(&mut self, passed: Duration) {
+        let (Some(Alone::Waits(left)), Some(rule)) = (self.alone, self.control_word_rule()) else {
+            return;
+        };
+        let left = left.saturating_sub(passed);
+        if !left.is_zero() {
+            self.alone = Some(Alone::Waits(left));
+            return;
+        }
+        let function = self.values.get(rule.function);
+        let action = rule.actions.iter().find(|(value, _)| *value == function);
+        let action = action.map_or(Deserted::GoesOn, |(_, action)| *action);
+        self.alone = Some(Alone::Acts(action));
+        match action {
+            Deserted::GoesOn => {}
+            Deserted::Trips => self.raise(rule.number),
+            _ => self.keep(rule.number, Keeper::Action, true),
+        }
+    }
+
+    /// What the axis does instead of following the last setpoint.
+    pub(super) fn deserted_command(&mut self) -> Option<Command> {
+        let Some(Alone::Acts(action)) = self.alone else {
+            return None;
+        };
+        let settings = &self.settings;
+        let inverter = settings.inverter.as_ref()?;
+        let (target, ramps) = match action {
+            Deserted::Freezes => (self.axis.speed_command(), settings.ramps),
+            Deserted::Jogs => (inverter.jog, settings.jog_ramps),
+            Deserted::RunsAtMaximum => (inverter.fastest(), settings.ramps),
+            Deserted::GoesOn | Deserted::Stops | Deserted::Trips => return None,
+        };
+        self.target = target;
+        Some(on_ramp(target, ramps))
+    }
+}
