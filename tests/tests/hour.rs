@@ -311,8 +311,8 @@ impl World {
 
 #[test]
 fn one_hour_at_one_percent_loss_duplication_and_reordering() {
-    for seed in [SEED, 1, 2] {
-        one_hour(seed);
+    for seed in [1, 2] {
+        one_hour(&mut bad_world(seed));
     }
 }
 
@@ -343,31 +343,31 @@ fn run_until(world: &mut World, end: Instant) {
     }
 }
 
-/// The first half minute of the hour, and a connection lost and found, for the dissector.
+/// Every frame of an hour, and of a connection lost and found after it, is read by the dissector: half a million frames in
+/// one capture.
 #[test]
-fn the_dissector_accepts_what_is_sent_on_a_bad_segment() {
+fn the_dissector_accepts_every_frame_of_the_hour() {
     let mut world = bad_world(SEED);
     let traffic = memory::listen(&mut world.segment);
-    run_until(&mut world, Instant::from_millis(30_000));
-    world.until("last job", 60, |world| world.job.is_none());
+    one_hour(&mut world);
     world.segment.cut(world.drive);
     let before = world.lost.len();
     world.until("the controller notices", 1, |world| world.lost.len() > before);
     world.segment.uncut(world.drive);
     world.until("connected again", 60, |world| world.running);
-    let statistics = world.segment.statistics();
-    println!("{} right, errors {:?}; {statistics:?}", world.right, world.errors);
-    assert!(world.right > 100, "{}", world.right);
     let file = memory::save("bad-segment.pcapng", &traffic.borrow());
-    judge::judge(&file).clean().saw("pn_dcp", 4).saw("pn_io", 3000);
+    let sent = traffic.borrow().len();
+    assert!(sent > 500_000, "{sent} frames");
+    let verdict = judge::judge(&file);
+    verdict.clean().saw("pn_dcp", 4).saw("pn_io", 400_000);
+    assert_eq!(verdict.frames, sent, "the dissector read all of them");
     // the dissector sees each job even if its frames come twice or not at all
     let jobs = compare::parameter_frames(&file, &Dialect::AKD).len();
     assert!(jobs > 2 * world.right, "{jobs} of {}", world.right);
 }
 
-fn one_hour(seed: u64) {
-    let mut world = bad_world(seed);
-    run_until(&mut world, Instant::from_millis(3_600_000));
+fn one_hour(world: &mut World) {
+    run_until(world, Instant::from_millis(3_600_000));
     world.until("last job", 60, |world| world.job.is_none());
     let statistics = world.segment.statistics();
     println!(
