@@ -171,6 +171,7 @@ impl Lab {
         // simulations that run beside the tests are none of theirs; relative, as names of sockets are short
         let own = self.folder.strip_prefix(root()).unwrap_or(&self.folder);
         command.env("XDG_RUNTIME_DIR", own);
+        command.env("XDG_STATE_HOME", self.folder.join("state"));
         command.arg(program).args(arguments).current_dir(root());
         command
     }

@@ -80,6 +80,36 @@ fn a_killed_client_leaves_the_stop_to_the_watchdog() {
         .saw("pn_io", 10);
 }
 
+/// The speed that `jog` sets for its time is noted: after a kill it is told, and the next jog puts it back.
+#[test]
+fn a_jog_that_is_killed_leaves_a_note_of_the_speed_before() {
+    let lab = Lab::new("moving-jog-killed");
+    let _drive = simulate(&lab);
+    let before = number(&lab, "1004");
+    let jog = ["jog", "akd-1", "--velocity", "90rpm", "--for"];
+    let mut killed = start(&lab, &[jog.as_slice(), &["20s"]].concat());
+    killed.wait_for("actual    9", SHORT);
+    killed.signal("KILL");
+    at_rest(&lab);
+    assert!((number(&lab, "1004") - 90.0).abs() < 0.2);
+    client(&lab, &["ack", "akd-1"]).ok();
+    let status = client(&lab, &["status", "akd-1", "--short"]).ok();
+    assert!(
+        status.out.contains("of a `profidrive jog` that was killed")
+            && status.out.contains("write akd-1 1004=60.0"),
+        "{status:?}"
+    );
+    let again = client(&lab, &[jog.as_slice(), &["100ms"]].concat()).ok();
+    assert!(again.err.contains("that was killed"), "{again:?}");
+    assert_eq!(number(&lab, "1004"), before);
+    // with the value that the drive has nothing is written, and nothing is to be put back
+    let speed = format!("{before}rpm");
+    let same = client(&lab, &["jog", "akd-1", "--velocity", &speed, "--for", "100ms"]).ok();
+    assert!(!same.err.contains("again"), "{same:?}");
+    let status = client(&lab, &["status", "akd-1", "--short"]).ok();
+    assert!(!status.out.contains("killed"), "{status:?}");
+}
+
 #[test]
 fn status_and_stop_beside_a_client_that_runs() {
     let lab = Lab::new("moving-stop");

@@ -145,14 +145,19 @@ pub enum Command {
     /// Describe one parameter: unit, limits, default, access
     Describe(OnDrive<Describe>),
     /// Turn the motor at a speed for a time, then stop it (moves the axis)
+    #[command(after_help = CYCLIC)]
     Run(OnDrive<Run>),
     /// Turn the motor at a jog speed for a time, then stop it (moves the axis)
+    #[command(after_help = CYCLIC)]
     Jog(OnDrive<Jog>),
     /// Move the axis to a position or by a distance, then stop it (moves the axis)
+    #[command(after_help = CYCLIC)]
     Move(OnDrive<Move>),
     /// Carry out a motion task of the drive's own table, then stop the axis (moves the axis)
+    #[command(after_help = CYCLIC)]
     Task(OnDrive<Task>),
     /// Set the home position by the procedure the drive is set up for (moves the axis)
+    #[command(after_help = CYCLIC)]
     Home(OnDrive<Home>),
     /// Stop a drive that somebody else commands: DRV.STOP, or DRV.DIS with --disable
     Stop(OnDrive<Stop>),
@@ -191,6 +196,11 @@ pub struct Drive {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
 }
+
+/// What every command says that takes the axis.
+const CYCLIC: &str = "It takes the one cyclic connection of the drive, as a controller does: while a controller has it the \
+drive refuses, and only one program on a computer can have such connections (UDP port 34964). `read`, `write`, `status`, \
+`monitor` and `stop` work beside it.";
 
 #[derive(Debug, Args)]
 pub struct Cyclic {

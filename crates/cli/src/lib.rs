@@ -12,6 +12,7 @@ mod decode;
 mod desk;
 mod failure;
 mod job;
+mod leftover;
 mod output;
 mod reach;
 mod render;

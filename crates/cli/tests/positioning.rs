@@ -340,6 +340,23 @@ fn homing_to_a_switch_and_homing_that_is_broken_off() {
     );
 }
 
+/// Telegram 7 has SATZANW and no position: homing works with it, and the telegram stays.
+#[test]
+fn homing_with_telegram_7() {
+    let mut bench = positioning();
+    let (session, _, drive) = &mut bench;
+    write(session, drive, &["922=7"]);
+    let mut axis = session
+        .take_axis(drive, AxisSettings::for_purpose(Purpose::Home))
+        .expect("connected");
+    assert_eq!((axis.telegram(), axis.telegram_before()), (7, None));
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.home(Some(Duration::from_secs(5))).expect("homed");
+    drop(enabled);
+    axis.release().expect("at rest");
+    assert_eq!(session.motion_facts(drive).expect("told").homed, Some(true));
+}
+
 #[test]
 fn jog_in_position_mode() {
     let mut bench = positioning();

@@ -12,6 +12,7 @@ use super::axis::{self, End};
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
+use crate::leftover::{Leftover, Note};
 use crate::output::Output;
 use crate::render::{number, value};
 
@@ -75,7 +76,10 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
     if let Some(speed) = before {
         let back = session.uninterrupted(|session| put_back(session, &mut drive, pnu, &speed));
         match back {
-            Ok(()) => output.say(&format!("PNU {pnu} is {} again", value::full(&speed))),
+            Ok(()) => {
+                Note::of(&drive, pnu).clear();
+                output.say(&format!("PNU {pnu} is {} again", value::full(&speed)));
+            }
             Err(error) => output.warn(&format!(
                 "PNU {pnu} was not put back to {}: {error}",
                 value::full(&speed)
@@ -100,11 +104,32 @@ fn go(
     let (inner, own) = taken.session();
     let selection = own.parameters.select(&ParameterReference::number(pnu))?;
     let mut speed = inner.read_one(own, &selection)?;
-    if let Some(wanted) = &args.velocity {
-        // put back at the end, whatever happens
-        *before = Some(speed);
-        set_speed(inner, own, pnu, wanted)?;
+    let note = Note::of(own, pnu);
+    let left = note.read().filter(|left| speed.raw() == Some(left.set));
+    if let Some(left) = left {
+        output.warn(&left.told(&own.label()).0);
+        set_speed(inner, own, pnu, &left.old)?;
+        note.clear();
+        output.say(&format!("PNU {pnu} is {} again", left.old));
         speed = inner.read_one(own, &selection)?;
+    }
+    if let Some(wanted) = &args.velocity {
+        let set = own.parameters.check(&selection, &wanted.clone().into())?.raw;
+        // what the drive has already is neither written nor put back
+        let old = speed.number().filter(|_| speed.raw() != Some(set));
+        if let Some(old) = old.and_then(|number| format!("{number}rpm").parse::<Quantity>().ok()) {
+            let told = value::full(&speed);
+            let leftover = Leftover { pnu, old, set };
+            if let Err(why) = note.write(&leftover) {
+                output.warn(&format!(
+                    "if this program is killed, PNU {pnu} stays changed and nobody knows that it was {told}: {why}"
+                ));
+            }
+            // put back at the end, whatever happens
+            *before = Some(speed);
+            set_speed(inner, own, pnu, wanted)?;
+            speed = inner.read_one(own, &selection)?;
+        }
     }
     axis::within(speed.number().unwrap_or(0.0), limit)?;
     output.say(&format!(

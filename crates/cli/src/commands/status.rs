@@ -1,7 +1,7 @@
 //! `profidrive status`
 
 use clap::Args;
-use drive_client::status::{Diagnosis, DriveStatus, Verdict, diagnose};
+use drive_client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
 use profidrive::catalogue::{Catalogue, Part};
 use profidrive::state::{Mode, Profile};
 use serde_json::{Map, Value};
@@ -11,6 +11,7 @@ use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
+use crate::leftover;
 use crate::output::{Colour, Output};
 use crate::render::table::clean;
 use crate::render::{hex16, words};
@@ -27,8 +28,21 @@ pub struct Status {
 pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let status = session.status(&mut drive)?;
+    // a controller may be the very program that will put its setting back
+    let left = match status.controller {
+        Some(None) => leftover::at(&mut session, &mut drive)?,
+        _ => Vec::new(),
+    };
     session.close()?;
-    let diagnosis = diagnose(&status);
+    let mut diagnosis = diagnose(&status);
+    diagnosis.notes.extend(left.iter().map(|left| {
+        let (sentence, next) = left.told(&drive.label());
+        Note {
+            id: "leftover",
+            sentence,
+            next: Some(next),
+        }
+    }));
     if output.json() {
         output.document("status", json(&status, &diagnosis));
     } else {

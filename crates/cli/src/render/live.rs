@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use drive_client::AxisStatus;
+use drive_client::parameter::Beyond;
 use profidrive::state::{Mode, bits};
 use serde_json::Value;
 
@@ -34,6 +35,8 @@ pub struct AxisView {
     pub speed_set: Option<f64>,
     /// Speed of the motor, rpm.
     pub speed_actual: Option<f64>,
+    /// The motor may turn faster than that: its signal has no higher number.
+    pub speed_beyond: Option<Beyond>,
     /// Position in the drive's unit, where somebody reads it.
     pub position: Option<f64>,
     /// Where a move leads, in turns.
@@ -56,6 +59,7 @@ impl AxisView {
             lost: status.lost,
             speed_set: status.speed_set,
             speed_actual: status.speed_actual,
+            speed_beyond: status.speed_beyond,
             position: None,
             target: status.target,
             turns: status.position,
@@ -146,6 +150,7 @@ impl LiveView {
         let fields = fields! {
             "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.stw1,
             "zsw1": view.zsw1, "connected": !view.lost, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
+            "speed_beyond": view.speed_beyond.map(Beyond::sign),
             "position": view.position, "target": view.target, "turns": view.turns,
             "following_error": view.following_error,
             "words": words_json(view.mode, Some(view.stw1), view.zsw1),
@@ -198,13 +203,24 @@ pub fn line(view: &AxisView) -> String {
     ] {
         if let Some(value) = value {
             let digits = if unit == "rpm" { 2 } else { 3 };
-            text.push_str(&format!("  {name} {value:>8.digits$} {unit}"));
+            let end = if name == "actual" {
+                beyond(view)
+            } else {
+                String::new()
+            };
+            text.push_str(&format!("  {name} {end}{value:>8.digits$} {unit}"));
         }
     }
     if let Some(position) = view.position {
         text.push_str(&format!("  position {position:.0}"));
     }
     text
+}
+
+/// `> ` where the speed is at least the one told.
+fn beyond(view: &AxisView) -> String {
+    view.speed_beyond
+        .map_or_else(String::new, |end| format!("{} ", end.sign()))
 }
 
 fn picture(view: &AxisView, output: &Output) -> Vec<String> {
@@ -245,7 +261,8 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
         ),
     ];
     lines.extend(view.speed_set.map(|rpm| speed("set   ", rpm)));
-    lines.extend(view.speed_actual.map(|rpm| speed("actual", rpm)));
+    let actual = format!("actual{}", beyond(view));
+    lines.extend(view.speed_actual.map(|rpm| speed(actual.trim_end(), rpm)));
     for (name, turns) in [
         ("target", view.target),
         ("actual", view.turns),
@@ -286,6 +303,7 @@ mod tests {
         lost: false,
         speed_set: Some(60.06),
         speed_actual: Some(59.7),
+        speed_beyond: None,
         position: None,
         target: None,
         turns: None,
@@ -299,6 +317,16 @@ mod tests {
             "   1.23 s  S4 operation                                    STW1 0x047F  ZSW1 0x0337  set    60.06 rpm  actual    59.70 rpm"
         );
         assert!(line(&AxisView { zsw1: None, ..VIEW }).contains("no data yet"));
+        let fast = AxisView {
+            speed_actual: Some(11996.7),
+            speed_beyond: Some(Beyond::Above),
+            ..VIEW
+        };
+        assert!(
+            line(&fast).ends_with("  actual > 11996.70 rpm"),
+            "{}",
+            line(&fast)
+        );
     }
 
     #[test]

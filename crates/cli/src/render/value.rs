@@ -8,7 +8,15 @@ use super::{hex_bytes, number, words};
 use crate::fields;
 
 /// The value without its unit: `3000`, `0.366`, `"akd-1"`, `05 A2`.
+/// A measured signal at the end of its numbers is told as `> 11996.704`.
 pub fn value(reading: &Reading) -> String {
+    match reading.beyond() {
+        Some(end) => format!("{} {}", end.sign(), plain(reading)),
+        None => plain(reading),
+    }
+}
+
+fn plain(reading: &Reading) -> String {
     match &reading.content {
         Content::Number { .. } if reading.word.is_some() => words::hex(&reading.octets),
         #[expect(
@@ -94,6 +102,9 @@ pub fn json(reading: &Reading) -> Value {
         "unit": reading.unit, "raw": reading.raw(), "hex": hex_bytes(&reading.octets),
         "format": reading.format, "writable": reading.writable,
     };
+    if let Some(end) = reading.beyond() {
+        fields.insert("beyond".into(), end.sign().into());
+    }
     if let Some(told) = &reading.word {
         let word = fields! { "hex": words::hex(&reading.octets), "set": told.clone() };
         fields.insert("word".into(), Value::Object(word));
@@ -139,6 +150,15 @@ mod tests {
         );
         let reading = read("NSOLL_A", &[0x00, 0xA3]);
         assert_eq!(value(&reading), "59.678");
+        let fast = read("NIST_A", &[0x7F, 0xFF]);
+        assert_eq!(full(&fast), "> 11996.704 rpm");
+        assert_eq!(json(&fast)["beyond"], ">");
+        assert_eq!(full(&read("NIST_A", &[0x80, 0x00])), "< -11997.07 rpm");
+        assert!(!full(&read("NIST_A", &[0x7F, 0xFE])).contains('>'));
+        assert!(
+            !full(&read("NSOLL_A", &[0x7F, 0xFF])).contains('>'),
+            "a setpoint is what it is"
+        );
         let reading = read("DRV.OPMODE", &[1]);
         assert!(full(&reading).starts_with("1 ("), "{}", full(&reading));
         assert_eq!(json(&reading)["pnu"], 2135);

@@ -9,7 +9,7 @@ mod wide;
 pub(crate) use check::is_another;
 pub use check::{Assignment, CheckedValue, MOST_ROUNDING};
 pub use choice::Given;
-pub use reading::{Content, Interpretation, Reading};
+pub use reading::{Beyond, Content, Interpretation, Reading};
 pub use select::Selection;
 pub(crate) use wide::{halves, join, split};
 

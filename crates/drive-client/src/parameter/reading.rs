@@ -39,6 +39,36 @@ pub struct Reading {
     pub high_half_of: Option<&'static str>,
 }
 
+/// Which end of its numbers a measured signal is at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Beyond {
+    /// The value may be higher than what is told.
+    Above,
+    /// The value may be lower.
+    Below,
+}
+
+impl Beyond {
+    /// The end that a signal of 16 bits is at.
+    #[must_use]
+    pub const fn of(raw: i16) -> Option<Self> {
+        match raw {
+            i16::MAX => Some(Self::Above),
+            i16::MIN => Some(Self::Below),
+            _ => None,
+        }
+    }
+
+    /// `>` or `<`.
+    #[must_use]
+    pub const fn sign(self) -> &'static str {
+        match self {
+            Self::Above => ">",
+            Self::Below => "<",
+        }
+    }
+}
+
 /// Meaning of the octets of a value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
@@ -107,6 +137,22 @@ impl Reading {
     pub const fn raw(&self) -> Option<i64> {
         match self.content {
             Content::Number { raw, .. } => Some(raw),
+            _ => None,
+        }
+    }
+
+    /// The end of the numbers of a measured signal: the value is at least, or at most, what is told. `None` for a value
+    /// that is told as it is.
+    ///
+    /// NIST_A of an AKD ends at 200 % (N2, N4), though the motor may turn faster.
+    #[must_use]
+    pub fn beyond(&self) -> Option<Beyond> {
+        if self.writable != Some(false) || !matches!(self.unit, "rpm" | "A" | "%") {
+            return None;
+        }
+        match (self.octets.len(), self.raw()?) {
+            (2, 0x7FFF) | (4, 0x7FFF_FFFF) => Some(Beyond::Above),
+            (2, -0x8000) | (4, -0x8000_0000) => Some(Beyond::Below),
             _ => None,
         }
     }

@@ -17,7 +17,7 @@ use super::keep::Kept;
 use super::warnings::Warnings;
 use crate::axis::{Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose};
 use crate::client::AxisView;
-use crate::parameter::is_another;
+use crate::parameter::{Beyond, is_another};
 use crate::{Connection, Drive, Error, Link, Wire};
 
 /// How to run an axis.
@@ -72,6 +72,8 @@ pub struct AxisStatus {
     pub speed_set: Option<f64>,
     /// Speed of the motor, in rpm.
     pub speed_actual: Option<f64>,
+    /// The speed signal is at the end of its numbers: the motor may turn faster than it tells.
+    pub speed_beyond: Option<Beyond>,
     /// Where the task under way leads, in turns, as far as it is known here.
     pub target: Option<f64>,
     /// Where the axis is, in turns.
@@ -238,6 +240,7 @@ impl<'s, M: Wire> Axis<'s, M> {
             speed_actual: view
                 .seen
                 .and_then(|seen| Some(speed_rpm(&self.drive, seen.nist_a?))),
+            speed_beyond: view.seen.and_then(|seen| Beyond::of(seen.nist_a?)),
             target: self
                 .target
                 .filter(|_| matches!(view.goal, Goal::Traverse(_) | Goal::Pause)),

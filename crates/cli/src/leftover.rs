@@ -1,0 +1,168 @@
+//! A setting that a command changes for as long as it runs, noted on the disk until it is put back. A program that is
+//! killed in between leaves its note, and the next one that meets the drive knows the old value.
+//!
+//! The notes are in `$XDG_STATE_HOME/profidrive` (`~/.local/state/profidrive`), one file for a drive and a number. A note
+//! counts only while the drive still has the value that was set: whoever changed it since has decided.
+
+use std::path::PathBuf;
+
+use drive_client::{Drive, Error};
+use network::files::StateFile;
+use profidrive::notation::{ParameterReference, Quantity};
+
+use crate::connect::Live;
+
+/// Numbers that a command may leave changed: the jog speeds.
+const NUMBERS: [u16; 2] = [1004, 1005];
+/// First line of a note.
+const MAGIC: &str = "profidrive leftover 1";
+
+/// What a command changed for its time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leftover {
+    /// Number of the parameter.
+    pub pnu: u16,
+    /// Its value before.
+    pub old: Quantity,
+    /// The number on the wire that was set.
+    pub set: i64,
+}
+
+impl Leftover {
+    fn text(&self) -> String {
+        format!("{MAGIC}\nold {}\nset {}\n", self.old, self.set)
+    }
+
+    fn parse(pnu: u16, text: &str) -> Option<Self> {
+        let mut lines = text.lines();
+        if lines.next()? != MAGIC {
+            return None;
+        }
+        Some(Self {
+            pnu,
+            old: lines.next()?.strip_prefix("old ")?.parse().ok()?,
+            set: lines.next()?.strip_prefix("set ")?.parse().ok()?,
+        })
+    }
+
+    /// What to tell a person, and what to do.
+    pub fn told(&self, drive: &str) -> (String, String) {
+        let Self { pnu, old, .. } = self;
+        let old = old.to_string().replace(' ', "");
+        (
+            format!(
+                "PNU {pnu} still has the value of a `profidrive jog` that was killed, before it was {old}"
+            ),
+            format!("`profidrive write {drive} {pnu}={old}` puts it back, the next `jog` does it too"),
+        )
+    }
+}
+
+/// Where a note of one drive and one number is; nothing is noted where there is no folder for it.
+#[derive(Debug, Clone)]
+pub struct Note {
+    pnu: u16,
+    file: Option<StateFile>,
+}
+
+impl Note {
+    pub fn of(drive: &Drive, pnu: u16) -> Self {
+        let name = format!("{}-{}-{pnu}", drive.station.mac, drive.label());
+        let plain = |c: char| {
+            if c.is_ascii_alphanumeric() || matches!(c, '-' | '.') {
+                c
+            } else {
+                '_'
+            }
+        };
+        let name: String = name.chars().map(plain).take(200).collect();
+        Self {
+            pnu,
+            file: folder().map(|folder| StateFile::new(folder.join(name))),
+        }
+    }
+
+    /// What a program that was killed left. A file that is none of ours counts as none.
+    pub fn read(&self) -> Option<Leftover> {
+        let content = self.file.as_ref()?.read().ok()??;
+        Leftover::parse(self.pnu, std::str::from_utf8(&content).ok()?)
+    }
+
+    /// Notes it before it is done; why it could not be noted.
+    pub fn write(&self, leftover: &Leftover) -> Result<(), String> {
+        let file = self.file.as_ref().ok_or("there is no home folder")?;
+        file.replace(leftover.text().as_bytes())
+            .map_err(|error| error.to_string())
+    }
+
+    /// It is put back.
+    pub fn clear(&self) {
+        if let Some(file) = self.file.as_ref().filter(|file| file.path().exists()) {
+            // a note that stays is found out: the drive has another value then
+            let _ = file.remove();
+        }
+    }
+}
+
+/// Everything that killed programs left at a drive, as far as it still has it. A note that is out of date goes.
+///
+/// # Errors
+/// When the drive cannot be reached.
+pub fn at(session: &mut Live, drive: &mut Drive) -> Result<Vec<Leftover>, Error> {
+    let mut found = Vec::new();
+    for pnu in NUMBERS {
+        let note = Note::of(drive, pnu);
+        let Some(leftover) = note.read() else { continue };
+        let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
+        match session.read_one(drive, &selection) {
+            Ok(reading) if reading.raw() == Some(leftover.set) => found.push(leftover),
+            Ok(_) => note.clear(),
+            Err(Error::Refused { .. }) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(found)
+}
+
+fn folder() -> Option<PathBuf> {
+    let variable = |name| {
+        std::env::var_os(name)
+            .map(PathBuf::from)
+            .filter(|path| path.is_absolute())
+    };
+    let state = variable("XDG_STATE_HOME").or_else(|| Some(variable("HOME")?.join(".local/state")));
+    Some(state?.join("profidrive"))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_note_reads_back_and_anything_else_is_none() {
+        let leftover = Leftover {
+            pnu: 1004,
+            old: "60.043931007385254rpm".parse().unwrap(),
+            set: 246,
+        };
+        let text = leftover.text();
+        assert_eq!(Leftover::parse(1004, &text), Some(leftover.clone()));
+        for at in 0..text.trim_end().len() {
+            let cut = Leftover::parse(1004, &text[..at]);
+            assert!(
+                cut.is_none_or(|cut| cut.old == leftover.old && cut.set < 246),
+                "{at}"
+            );
+        }
+        assert_eq!(
+            Leftover::parse(1004, "profidrive leftover 1\nold x\nset 1\n"),
+            None
+        );
+        let (told, next) = leftover.told("akd-1");
+        assert!(
+            told.contains("PNU 1004") && next.contains("`profidrive write akd-1 1004=60.0439"),
+            "{told} {next}"
+        );
+    }
+}
