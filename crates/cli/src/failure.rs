@@ -161,7 +161,7 @@ impl From<drive_client::parameter::ParameterProblem> for Failure {
 
 fn exit_of(error: &drive_client::Error) -> Exit {
     use drive_client::Error;
-    use drive_client::axis::Trouble;
+    use drive_client::axis::{Objection, Trouble};
     use profinet::controller::{DcpError, LostCause, ServiceError};
     match error {
         Error::Axis {
@@ -203,6 +203,14 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::ConnectionLost { .. }
         | Error::Record { .. }
         | Error::Timeout { .. } => Exit::Unreachable,
+        // nothing but numbers that cannot be told: whatever the drive does, they are wrong
+        Error::Objections { objections, .. }
+            if objections
+                .iter()
+                .all(|one| matches!(one, Objection::SpeedStep { .. } | Objection::NoDistance { .. })) =>
+        {
+            Exit::Usage
+        }
         Error::Parameter(_)
         | Error::SpeedStep { .. }
         | Error::Misuse(_)
@@ -217,6 +225,18 @@ fn exit_of(error: &drive_client::Error) -> Exit {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_that_cannot_be_told_are_mistakes_of_the_command_line() {
+        use drive_client::axis::Objection;
+        let exit = |objections: Vec<Objection>| {
+            let drive = "akd-1".into();
+            Failure::from(drive_client::Error::Objections { drive, objections }).exit
+        };
+        let none = Objection::NoDistance { counts: 0.1 };
+        assert_eq!(exit(vec![none]), Exit::Usage);
+        assert_eq!(exit(vec![none, Objection::NotHomed]), Exit::Safety);
+    }
 
     #[test]
     fn advice_names_the_drive_as_the_person_did() {
