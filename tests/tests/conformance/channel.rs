@@ -54,13 +54,13 @@ fn a_standing_request_follows_the_value_in_a_ppo() {
 }
 
 /// A VLT with address 1 at a line.
-struct Line {
+pub struct Line {
     now: Instant,
-    station: SerialStation,
+    pub station: SerialStation,
 }
 
 impl Line {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self {
             now: Instant::from_millis(1000),
             station: SerialStation::new(SerialConfig::new(&model::VLT, SlaveConfig::fc(1, 9600))),
@@ -96,7 +96,7 @@ impl Line {
     }
 
     /// A telegram with a parameter block: the data of its answer.
-    fn channel(&mut self, channel: [u8; 8], control: u16, reference: u16) -> Vec<u8> {
+    pub fn channel(&mut self, channel: [u8; 8], control: u16, reference: u16) -> Vec<u8> {
         let telegram = parameter_telegram(channel, control, reference);
         self.ask(&telegram).unwrap()
     }

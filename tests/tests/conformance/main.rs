@@ -7,12 +7,16 @@
 //! | F: positioning | [`positioning`] | the same with telegram 9 of an AKD |
 //! | G: parameter channel in process data, FC protocol | [`channel`] | PPO 1 of a VLT on a segment; raw telegrams at a serial line |
 //!
+//! Beside the checklist, [`statements`] walks the tables of the makers' manuals: requests, replies and error numbers of
+//! the FC parameter block, headers and addresses of VLT and Vacon.
+//!
 //! [`SAMPLE`] says for whom each line is; a line that is not walked for one of them is an error.
 
 mod bench;
 mod channel;
 mod lines;
 mod positioning;
+mod statements;
 
 use bench::Maker::{self, Akd, Vacon, Vlt};
 use bench::{AKD, Bench, Make, VACON, VLT};

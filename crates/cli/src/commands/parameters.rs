@@ -5,11 +5,12 @@ mod list;
 mod write;
 
 use drive_client::Refusal;
-use drive_client::parameter::{ParameterProblem, Parameters, Reading};
-use profidrive::catalogue::{Access, Catalogue, Parameter, WordKind};
+use drive_client::parameter::{ParameterProblem, Parameters, Reading, Selection};
+use profidrive::catalogue::{Access, Catalogue, Parameter, Part};
 use profidrive::notation::{ParameterReference, Shown};
 use profidrive::parameter::pnu;
 use profidrive::state::Mode;
+use profidrive::telegram::Telegram;
 use serde_json::{Map, Value};
 
 use crate::args::{Interface, Read};
@@ -45,30 +46,41 @@ pub fn read(args: &Read, interface: &Interface, output: &Output) -> Result<(), F
     last_failure(problems, output)
 }
 
-/// Some bits of STW1 and ZSW1 are called by the mode, which only the drive knows.
+/// What the bits of control and status words are called depends on telegram, profile and mode, which only the drive knows.
 fn name_bits(
     session: &mut connect::Live,
     drive: &mut drive_client::Drive,
     readings: &mut [Result<Reading, Refusal>],
 ) -> Result<(), Failure> {
-    let depends = |reading: &Reading| {
-        let parameter = drive.parameters.at(reading.pnu, reading.index.unwrap_or(0));
-        let word = parameter.zip(drive.model.catalogue);
-        let word = word.and_then(|(found, tables)| tables.word_at(found.pnu, found.base));
-        word.is_some_and(|word| word.kind != WordKind::Own)
-    };
+    let depends = |reading: &Reading| drive.parameters.is_word_of_state(reading);
     if !readings.iter().flatten().any(depends) {
         return Ok(());
     }
-    let selection = drive
-        .parameters
-        .select(&ParameterReference::number(pnu::OPERATING_MODE))?;
-    let answers = session.read(drive, &[selection])?;
-    let position = answers.iter().flatten().any(|reading| reading.raw() == Some(2));
-    if position {
-        for reading in readings.iter_mut().flatten() {
-            *reading = drive.parameters.in_mode(reading.clone(), Mode::Position);
-        }
+    let chooser = drive
+        .model
+        .catalogue
+        .and_then(|tables| tables.part(Part::ControlProfile));
+    let chooser = chooser.map(|parameter| parameter.pnu);
+    let asked = [Some(pnu::OPERATING_MODE), Some(pnu::TELEGRAM), chooser];
+    let selections: Vec<_> = asked
+        .into_iter()
+        .flatten()
+        .map(|pnu| Selection::number(pnu, drive.parameters.notation()))
+        .collect();
+    let answers = session.read(drive, &selections)?;
+    let raw = |pnu: u16| {
+        let found = answers.iter().flatten().find(|reading| reading.pnu == pnu);
+        found.and_then(Reading::raw)
+    };
+    let telegram = raw(pnu::TELEGRAM).and_then(|number| u16::try_from(number).ok());
+    let telegram = telegram.and_then(|number| Telegram::find(number, drive.station.vendor_id));
+    let profile = drive.model.words.of(telegram, chooser.and_then(raw));
+    let mode = match raw(pnu::OPERATING_MODE) {
+        Some(2) => Mode::Position,
+        _ => Mode::Velocity,
+    };
+    for reading in readings.iter_mut().flatten() {
+        *reading = drive.parameters.in_words(reading.clone(), Some(profile), mode);
     }
     Ok(())
 }

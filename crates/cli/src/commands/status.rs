@@ -167,7 +167,7 @@ fn bits_of(tables: Option<&Catalogue>, part: Part, word: u16) -> String {
         Some(known) => format!(
             "{} {}",
             hex16(word),
-            words::told(&known.told(word.into(), Mode::default()))
+            words::told(&known.told(word.into(), Profile::default(), Mode::default()))
         ),
         None => hex16(word),
     }

@@ -188,7 +188,7 @@ impl JobDrive {
             let reading = self
                 .parameters
                 .reading(&selection, at, block.format.0, interpretation, octets);
-            self.parameters.in_mode(reading, self.mode())
+            self.parameters.in_words(reading, None, self.mode())
         };
         if matches!(interpretation, Interpretation::Text | Interpretation::Octets) {
             return vec![reading(0, block.data)];
@@ -221,7 +221,7 @@ impl JobDrive {
         let reading = self
             .parameters
             .reading(&selection, 0, format.0, interpretation, octets);
-        self.parameters.in_mode(reading, self.mode())
+        self.parameters.in_words(reading, None, self.mode())
     }
 
     /// Speed in rpm of a number of NSOLL_A or NIST_A, and what that rests on if nobody told. `full` is the number of

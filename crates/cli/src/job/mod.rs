@@ -164,7 +164,9 @@ fn state(drive: &JobDrive, reading: &Reading) -> String {
         .tables()
         .and_then(|tables| tables.word(reading.pnu))
         .map(|word| word.kind);
-    let word = reading.raw().and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
+    // not of a make whose words nobody told
+    let raw = reading.raw().filter(|_| reading.word.is_some());
+    let word = raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
     match (kind, word) {
         (Some(WordKind::Control), Some(word)) => words::stw1_meaning_in(drive.mode(), word).to_owned(),
         (Some(WordKind::Status), Some(word)) => words::state(word, None),

@@ -1,12 +1,13 @@
 //! A value as it came from the drive, with everything known about it.
 
-use profidrive::catalogue::{Access, Parameter};
+use profidrive::catalogue::{Access, Parameter, WordKind};
 use profidrive::notation::{Notation, Shown};
 use profidrive::parameter::{CodeSpace, Format, Kind};
-use profidrive::state::Mode;
+use profidrive::state::{Mode, Profile};
 
 use super::check::sign_extend;
 use super::{Parameters, Selection};
+use crate::Model;
 
 /// One value of a parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,7 +205,7 @@ impl Parameters {
             choice: parameter
                 .zip(raw)
                 .and_then(|(parameter, raw)| parameter.choice(raw)),
-            word: raw.and_then(|_| self.word(selection.pnu, shown.index, octets, Mode::default())),
+            word: raw.and_then(|_| self.word(selection.pnu, shown.index, octets, None, Mode::default())),
             high_half_of: self
                 .catalogue
                 .and_then(|tables| tables.by_high(selection.pnu))
@@ -212,19 +213,43 @@ impl Parameters {
         }
     }
 
-    /// The same reading of a drive in this mode, which decides over some bits of STW1 and ZSW1.
+    /// The same reading of a drive with these control words, `None`: not known, and in this mode, which decides over some
+    /// bits of STW1 and ZSW1.
     #[must_use]
-    pub fn in_mode(&self, mut reading: Reading, mode: Mode) -> Reading {
-        if reading.word.is_some() {
-            reading.word = self.word(reading.pnu, reading.index, &reading.octets, mode);
+    pub fn in_words(&self, mut reading: Reading, profile: Option<Profile>, mode: Mode) -> Reading {
+        if reading.raw().is_some() {
+            reading.word = self.word(reading.pnu, reading.index, &reading.octets, profile, mode);
         }
         reading
     }
 
-    fn word(&self, pnu: u16, index: Option<u16>, octets: &[u8], mode: Mode) -> Option<Vec<String>> {
+    /// True for a control or status word: what its bits are called depends on the drive's telegram and mode.
+    #[must_use]
+    pub fn is_word_of_state(&self, reading: &Reading) -> bool {
+        let parameter = self.at(reading.pnu, reading.index.unwrap_or(0));
+        let word = parameter.zip(self.catalogue);
+        let word = word.and_then(|(found, tables)| tables.word_at(found.pnu, found.base));
+        word.is_some_and(|word| word.kind != WordKind::Own)
+    }
+
+    fn word(
+        &self,
+        pnu: u16,
+        index: Option<u16>,
+        octets: &[u8],
+        profile: Option<Profile>,
+        mode: Mode,
+    ) -> Option<Vec<String>> {
         let tables = self.catalogue?;
         let base = tables.at(pnu, index.unwrap_or(0))?.base;
-        Some(tables.word_at(pnu, base)?.told(whole(octets), mode))
+        let word = tables.word_at(pnu, base)?;
+        let words = Model::by_name(tables.model).map(|model| model.words);
+        // a make with one kind of words has these
+        let profile = profile.or_else(|| {
+            let one = words.map_or(Some(Profile::default()), |words| words.only());
+            one.or_else(|| (word.kind == WordKind::Own).then(Profile::default))
+        });
+        Some(word.told(whole(octets), profile?, mode))
     }
 
     fn content(
@@ -275,7 +300,7 @@ fn whole(octets: &[u8]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::catalogue::{AKD, Scaling, VLT};
 
     fn read(text: &str, interpretation: Interpretation, octets: &[u8]) -> Reading {
         let drive = Parameters {
@@ -325,7 +350,7 @@ mod tests {
             scaling: Scaling::default(),
         };
         let reading = read("STW1", Interpretation::Plain, &[0x04, 0x6F]);
-        let reading = drive.in_mode(reading, Mode::Position);
+        let reading = drive.in_words(reading, None, Mode::Position);
         assert!(
             reading
                 .word
@@ -333,6 +358,27 @@ mod tests {
                 .is_some_and(|told| told.iter().any(|text| text.starts_with("reject"))),
             "{reading:?}"
         );
+        // whose words a VLT has its telegram and 8-10 say
+        let vlt = Parameters {
+            catalogue: Some(&VLT),
+            scaling: VLT.scaling,
+        };
+        let selection = vlt.select(&"16-03".parse().unwrap()).unwrap();
+        let reading = vlt.reading(&selection, 0, 0x23, Interpretation::Unsigned, &[0x0F, 0x07]);
+        assert!(reading.word.is_none() && vlt.is_word_of_state(&reading));
+        for (profile, first) in [
+            (Profile::DanfossFc, "CTRL_READY"),
+            (Profile::DanfossProfidrive, "CTRL_READY"),
+        ] {
+            let word = vlt
+                .in_words(reading.clone(), Some(profile), Mode::Velocity)
+                .word
+                .unwrap();
+            assert_eq!(word[0], first);
+            assert!(word.contains(&"RUNNING".to_owned()), "{word:?}");
+            let stopped = word.iter().any(|text| text.starts_with("OFF 2"));
+            assert_eq!(stopped, profile == Profile::DanfossProfidrive, "{word:?}");
+        }
         let upper = read("2109", Interpretation::Plain, &[0, 0, 0, 1]);
         assert_eq!((upper.name, upper.high_half_of), (None, Some("DRV.ACC")));
         let error = read("PL.ERR", Interpretation::Plain, &[0xFF, 0xFF, 0xFF, 0xFE]);

@@ -6,14 +6,14 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use super::Meaning;
-use crate::state::{Mode, bits};
+use crate::state::{Mode, Profile, bits};
 
 /// Whose bits a word has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum WordKind {
-    /// STW1: the profile's bits, which depend on the mode.
+    /// The control word: bits of STW1, which depend on the mode, or of the profile that a maker has in its place.
     Control,
-    /// ZSW1: the same.
+    /// The status word: the same of ZSW1.
     Status,
     /// The maker's own.
     Own,
@@ -35,12 +35,14 @@ pub struct Field {
 /// What the bits of one parameter say.
 ///
 /// ```
-/// use profidrive::catalogue::AKD;
-/// use profidrive::state::Mode;
+/// use profidrive::catalogue::{AKD, VLT};
+/// use profidrive::state::{Mode, Profile};
 /// let word = AKD.word(2120).unwrap(); // DRV.DISSOURCES
-/// assert_eq!(word.told(0x0003, Mode::Velocity), ["Software disable", "Fault present"]);
+/// assert_eq!(word.told(0x0003, Profile::Profidrive, Mode::Velocity), ["Software disable", "Fault present"]);
 /// let word = AKD.word(2).unwrap(); // ZSW1
-/// assert_eq!(word.told(0x0231, Mode::Velocity), ["READY_ON", "CTRL_REQ"]);
+/// assert_eq!(word.told(0x0231, Profile::Profidrive, Mode::Velocity), ["READY_ON", "CTRL_REQ"]);
+/// let word = VLT.word(1603).unwrap(); // 16-03, while a PPO type carries the FC profile
+/// assert_eq!(word.told(0x0603, Profile::DanfossFc, Mode::Velocity), ["CTRL_READY", "DRIVE_READY", "BUS_CTRL", "FREQ_OK"]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
@@ -84,12 +86,13 @@ impl Field {
 
 impl Word {
     /// What a value says: the bits that are set by their name, an inverse bit by its meaning and only where it stops
-    /// something, a few bits that are a number by its text. Empty when no bit says anything.
+    /// something, a few bits that are a number by its text. Empty when no bit says anything. `profile` is whose words the
+    /// drive has now.
     #[must_use]
-    pub fn told(&self, value: u64, mode: Mode) -> Vec<String> {
+    pub fn told(&self, value: u64, profile: Profile, mode: Mode) -> Vec<String> {
         let table = match self.kind {
-            WordKind::Control => bits::stw1(mode),
-            WordKind::Status => bits::zsw1(mode),
+            WordKind::Control => profile.control_bits(mode),
+            WordKind::Status => profile.status_bits(mode),
             WordKind::Own => return self.own(value),
         };
         let low = u16::try_from(value & 0xFFFF).unwrap_or_default();
@@ -116,7 +119,9 @@ mod tests {
 
     fn told(name: &str, value: u64) -> Vec<String> {
         let pnu = AKD.by_name(name).unwrap().pnu;
-        AKD.word(pnu).unwrap().told(value, Mode::Position)
+        AKD.word(pnu)
+            .unwrap()
+            .told(value, Profile::Profidrive, Mode::Position)
     }
 
     #[test]

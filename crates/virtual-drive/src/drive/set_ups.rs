@@ -21,6 +21,7 @@ const COUNT: usize = 5;
 #[derive(Debug, Clone)]
 pub(super) struct SetUps {
     roles: &'static SetUpRoles,
+    fixed_while_running: [u16; 2],
     /// Places in the catalogue and elements of what each set-up has for itself, ascending.
     places: Box<[(usize, u16)]>,
     /// Their values; those of the active set-up are in the values of the drive.
@@ -31,7 +32,8 @@ pub(super) struct SetUps {
 impl SetUps {
     /// As delivered: all alike, the first one active.
     pub fn new(model: &'static Model, live: &[Live]) -> Option<Self> {
-        let roles = &model.roles.inverter?.set_ups;
+        let inverter = model.roles.inverter?;
+        let roles = &inverter.set_ups;
         let parameters = model.catalogue.parameters;
         let own = parameters
             .iter()
@@ -63,6 +65,7 @@ impl SetUps {
         };
         Some(Self {
             roles,
+            fixed_while_running: inverter.fixed_while_running,
             banks: std::array::from_fn(|_| bank().collect()),
             places,
             active: 1,
@@ -97,7 +100,7 @@ impl SetUps {
 
     /// A motor that runs may change to this set-up: nothing that holds while it runs is different.
     fn is_like(&self, number: usize, values: &Values) -> bool {
-        let [first, last] = self.roles.fixed_while_running;
+        let [first, last] = self.fixed_while_running;
         let parameters = values.catalogue().parameters;
         self.bank(number)
             .filter(|((position, _), _)| {
@@ -156,11 +159,24 @@ impl Drive {
             let bank = self.set_ups.as_mut()?.banks.get_mut(number)?;
             bank.get_mut(place)
         });
-        match other {
-            Some(value) => *value = raw,
-            None => self.values.set_element_at(position, element, raw),
+        if let Some(value) = other {
+            *value = raw;
+        } else if self.is_fixed(position) && self.values.element_at(position, element) != raw {
+            return Err(ErrorNumber::NOT_NOW);
+        } else {
+            self.values.set_element_at(position, element, raw);
         }
         Ok(())
+    }
+
+    /// The motor runs, and this cannot be changed meanwhile.
+    fn is_fixed(&self, position: usize) -> bool {
+        let (Some(roles), true) = (self.model.roles.inverter, self.is_enabled()) else {
+            return false;
+        };
+        let [first, last] = roles.fixed_while_running;
+        let parameter = self.model.catalogue.parameters.get(position);
+        parameter.is_some_and(|parameter| (first..=last).contains(&parameter.pnu))
     }
 
     /// The set-up that settings and control word ask for.

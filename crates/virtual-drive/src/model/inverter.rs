@@ -57,6 +57,8 @@ pub struct InverterRoles {
     pub set_ups: SetUpRoles,
     /// What is counted and kept over power-off; none: nothing is kept.
     pub counters: Option<&'static CounterRoles>,
+    /// First and last number of what cannot be changed while the motor runs.
+    pub fixed_while_running: [u16; 2],
     /// Currents and speeds outside of which the extended status word says so: low and high, A and rpm.
     pub watched: [[u16; 2]; 2],
 }
@@ -100,8 +102,6 @@ pub struct SetUpRoles {
     pub by_bus: (u16, &'static [i64]),
     /// First and last number of what each set-up has for itself.
     pub own: [u16; 2],
-    /// First and last number of what must be the same while a motor runs from one to another.
-    pub fixed_while_running: [u16; 2],
 }
 
 /// What a drive counts and logs.

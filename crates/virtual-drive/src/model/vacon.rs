@@ -113,8 +113,8 @@ const INVERTER: InverterRoles = InverterRoles {
         edit: 0,
         by_bus: (0, &[]),
         own: [0, 0],
-        fixed_while_running: [0, 0],
     },
+    fixed_while_running: [0, 0],
     counters: None,
     watched: [[0, 0], [0, 0]],
 };

@@ -58,6 +58,13 @@ impl ControlWords {
         }
     }
 
+    /// The profile where there is only one.
+    #[must_use]
+    pub fn only(&self) -> Option<Profile> {
+        let one = self.standard == self.own && self.chosen.iter().all(|(_, profile)| *profile == self.own);
+        one.then_some(self.own)
+    }
+
     /// Those of the maker's telegrams.
     #[must_use]
     pub fn makers(&self, choice: Option<i64>) -> Profile {
