@@ -9,7 +9,7 @@ use profidrive::catalogue::{
 };
 use profidrive::notation::{Notation, ParameterReference, Target};
 use profidrive::parameter::{CodeSpace, Format, Octets};
-use profidrive::state::Mode;
+use profidrive::state::{Mode, Profile};
 use profidrive::unit::{ConversionIndex, Variable};
 
 const MODELS: [&Catalogue; 3] = [&AKD, &VLT, &VACON];
@@ -324,7 +324,10 @@ fn alarm_and_warning_words_name_their_faults() {
             continue;
         };
         let pnu = if fault.warning { 1692 } else { 1690 };
-        let told = VLT.word(pnu).unwrap().told(1 << bit, Mode::default());
+        let told = VLT
+            .word(pnu)
+            .unwrap()
+            .told(1 << bit, Profile::default(), Mode::default());
         let number = fault.number.to_string();
         let mut numbers = told
             .iter()
@@ -334,7 +337,10 @@ fn alarm_and_warning_words_name_their_faults() {
     assert_eq!(VLT.word(1603).map(|word| word.bits.len()), Some(0)); // as 8-10 says
     assert!(VACON.word_at(10001, Some(2101)).is_some() && VACON.word_at(10001, Some(103)).is_none());
     assert!(VLT.words.windows(2).all(|pair| pair[0].pnu < pair[1].pnu));
-    let told = VLT.word(1690).unwrap().told(1 << 10, Mode::default());
+    let told = VLT
+        .word(1690)
+        .unwrap()
+        .told(1 << 10, Profile::default(), Mode::default());
     assert_eq!(told, ["DC link under-voltage (8)"]);
 }
 
