@@ -22,7 +22,7 @@ pub use backup::backup;
 pub use captures::{capture, octets, pcap};
 pub use controller::controller;
 pub use descriptions::gsdml;
-pub use drive::{drive, state};
+pub use drive::{converter, drive, state};
 pub use frames::{alarm, blocks, dcp, rt};
 pub use host::host;
 pub use neighbourhood::{lldp, snmp};
@@ -41,6 +41,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("blocks", blocks),
     ("capture", capture),
     ("controller", controller),
+    ("converter", converter),
     ("dcp", dcp),
     ("description", description),
     ("drive", drive),
