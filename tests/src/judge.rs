@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 
+use profinet::MacAddress;
+
 use crate::compare;
 
 /// Severity numbers of the dissector's expert notes. Its filter engine takes numbers only.
@@ -84,6 +86,24 @@ pub fn judge(capture: &Path) -> Verdict {
     let warnings = remaining(&format!("_ws.expert.severity=={WARNING}"));
     verdict.errors = errors;
     verdict.warnings = warnings;
+    verdict
+}
+
+/// The same, but only what this station sent is held against anybody: what is sent to it may be wrong on purpose.
+#[must_use]
+pub fn judge_of(capture: &Path, station: MacAddress) -> Verdict {
+    let mut verdict = judge(capture);
+    let sent: BTreeSet<String> = fields(capture, &format!("eth.src == {station}"), &["frame.number"])
+        .into_iter()
+        .flatten()
+        .collect();
+    let by_it = |note: &String| {
+        note.split(" | ")
+            .next()
+            .is_some_and(|number| sent.contains(number))
+    };
+    verdict.errors.retain(by_it);
+    verdict.warnings.retain(by_it);
     verdict
 }
 

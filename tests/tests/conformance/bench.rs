@@ -1,6 +1,8 @@
 //! One virtual drive of each make and our controller, with raw requests and frames.
 
+use std::cell::RefCell;
 use std::net::Ipv4Addr;
+use std::rc::Rc;
 use std::time::Duration;
 
 use network::host::{Host, StationId};
@@ -12,7 +14,9 @@ use profinet::controller::{
 };
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
-use profinet::{IpSuite, MacAddress, Medium};
+use profinet::{Instant, IpSuite, MacAddress, Medium};
+use system_tests::memory::Traffic;
+use system_tests::{judge, memory};
 use virtual_drive::drive::Injection;
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
@@ -80,6 +84,35 @@ pub struct Bench {
     controller: Controller,
     ar: ArId,
     station: StationId,
+    traffic: Rc<RefCell<Traffic>>,
+}
+
+thread_local! {
+    /// What all benches of this thread have sent.
+    static ALL: RefCell<Traffic> = const { RefCell::new(Vec::new()) };
+}
+
+/// Ethernet address of the drive.
+const DRIVE: MacAddress = MacAddress([2, 0x50, 0x4E, 0, 0, 1]);
+
+/// The frames of one line follow those of the line before.
+impl Drop for Bench {
+    fn drop(&mut self) {
+        ALL.with_borrow_mut(|all| {
+            let before = all.last().map_or(Duration::ZERO, |last| last.0 - Instant::ZERO);
+            let later = |(at, frame): (Instant, Vec<u8>)| (at + before + Duration::from_secs(1), frame);
+            all.extend(self.traffic.take().into_iter().map(later));
+        });
+    }
+}
+
+/// The dissector has nothing against any frame of the drives of this thread. What is sent to them is as wrong as the lines
+/// want it.
+#[track_caller]
+pub fn judged(name: &str) {
+    let file = memory::save(&format!("conformance-{name}.pcapng"), &ALL.take());
+    let verdict = judge::judge_of(&file, DRIVE);
+    verdict.clean().saw("pn_io", 200).saw("pn_rt", 1000);
 }
 
 impl Bench {
@@ -97,7 +130,7 @@ impl Bench {
         };
         let device = &make.model.catalogue.device;
         let mut segment = Segment::new(1);
-        let drive_mac = MacAddress([2, 0x50, 0x4E, 0, 0, 1]);
+        let drive_mac = DRIVE;
         let mut config = StationConfig::new(make.model, drive_mac);
         config.network = Stored {
             name: "drive-1".into(),
@@ -105,6 +138,7 @@ impl Bench {
             ..Stored::default()
         };
         let station = segment.attach(Box::new(Host::new(Station::new(config))));
+        let traffic = memory::listen(&mut segment);
         let medium = SegmentMedium::new(segment, Pace::Virtual);
         let config = ControllerConfig::new(MacAddress([2, 0x50, 0x4E, 0, 0, 0xC0]), ip(1), "controller", 1);
         let mut controller = Controller::new(config);
@@ -126,6 +160,7 @@ impl Bench {
             controller,
             ar,
             station,
+            traffic,
         };
         let (mut ready, mut running) = (false, false);
         bench.until(Duration::from_secs(5), |bench, event| {

@@ -60,7 +60,7 @@ pub static LINES: &[Line] = &[
             (_, answer) => {
                 let answer = answer.unwrap();
                 assert_eq!(answer[..2], [0x0D, 0x81], "{answer:02X?}");
-                assert_eq!(answer[4..], [0x44, 1, 0, 0x68]);
+                assert_eq!(answer[4..], [0x44, 1, 0, 0x68].repeat(40));
             }
         }
     }),
@@ -100,7 +100,7 @@ pub static LINES: &[Line] = &[
         assert_eq!(bench.change(2, block)[..2], [0x19, 2]);
         let [a, b, c, d] = bench.make.writable;
         let (pnu, subindex) = (u16::from_be_bytes([a, b]), u16::from_be_bytes([c, d]));
-        assert_eq!(bench.words(pnu, subindex, 1), [block[3].into()]);
+        assert_eq!(bench.words(pnu, subindex, 1), [u16::from(block[3])]);
     }),
     on(31, &[Akd], |bench| {
         let answer = bench.ask("1F 02 00 01 10 01 08 57 00 00 41 01 02 00");

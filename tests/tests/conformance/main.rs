@@ -112,6 +112,7 @@ fn walk(make: &'static Make) {
     let mine = SAMPLE.iter().filter(|(_, makers)| makers.contains(&make.maker));
     let expected: Vec<u16> = mine.map(|(number, _)| *number).collect();
     assert_eq!(walked, expected, "{model}");
+    bench::judged(model);
 }
 
 #[test]

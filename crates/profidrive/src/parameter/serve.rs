@@ -137,12 +137,12 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// A negative response that answers the request itself: every parameter gets the error, so that there are as many
-    /// answers as the header says. A number of parameters that cannot be is mirrored with one answer.
+    /// answers as the header says. Where a block has no room for so many there is one.
     fn whole(mut self, header: [u8; HEADER], number: ErrorNumber) -> Result<usize, Refusal> {
         self.out.put(&header).ok_or(Refusal::Room)?;
         let [_, _, _, parameters] = header;
         let answers = match parameters {
-            possible if possible <= self.dialect.max_parameters => possible.max(1),
+            count if HEADER + ERROR_BLOCK * usize::from(count) <= self.dialect.max_block => count.max(1),
             _ => 1,
         };
         for left in (0..answers).rev() {

@@ -6,6 +6,7 @@ mod makers;
 mod properties;
 mod vacon;
 
+use alloc::borrow::ToOwned;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -402,7 +403,13 @@ fn impossible_numbers_of_parameters() {
     );
     assert_eq!(
         ask(&Dialect::VACON, &head(40)).unwrap(),
-        hex("01 81 00 28 44 01 00 68")
+        hex(&("01 81 00 28".to_owned() + &" 44 01 00 68".repeat(40))),
+        "as many answers as the header says"
+    );
+    assert_eq!(
+        ask(&Dialect::VACON, &head(60)).unwrap(),
+        hex("01 81 00 3C 44 01 00 68"),
+        "no room for so many"
     );
     assert_eq!(ask(&Dialect::AKD, "01 01 00"), Err(Refusal::Length));
     assert_eq!(
