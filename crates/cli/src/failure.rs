@@ -216,7 +216,10 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::Misuse(_)
         | Error::NotOnLine { .. }
         | Error::OtherWire { .. } => Exit::Usage,
-        Error::SpeedLimit { .. } | Error::Objections { .. } | Error::WrongMode { .. } => Exit::Safety,
+        Error::SpeedLimit { .. }
+        | Error::Objections { .. }
+        | Error::WrongMode { .. }
+        | Error::SpeedOnly { .. } => Exit::Safety,
         Error::NotAtRest { .. } | Error::ScaleChanged { .. } => Exit::Safety,
         _ => Exit::Failed,
     }

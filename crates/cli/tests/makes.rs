@@ -5,6 +5,7 @@ mod bench;
 use std::time::Duration;
 
 use bench::{Bench, bench_of, find, ip, select};
+use drive_client::axis::Purpose;
 use drive_client::backup::{Backup, Choice, Journal, compare};
 use drive_client::parameter::{Assignment, Content};
 use drive_client::status::diagnose;
@@ -12,7 +13,7 @@ use drive_client::{AxisSettings, Drive, Error, Model, WriteMode};
 use network::host::Host;
 use profidrive::catalogue::{Catalogue, Part};
 use profidrive::notation::Notation;
-use profidrive::state::{Profile, State};
+use profidrive::state::{Mode, Profile, State};
 use profinet::MacAddress;
 use profinet::device::Stored;
 use virtual_drive::model;
@@ -425,6 +426,30 @@ fn a_drive_that_tells_nothing_of_itself_goes_by_number() {
     assert_eq!(number(&mut session, &mut drive, "341"), 300.0);
     write(&mut session, &mut drive, "341=750", WriteMode::Write).expect("taken");
     assert_eq!(number(&mut session, &mut drive, "341"), 750.0);
+}
+
+/// Nothing is enabled for what a drive cannot do; where PNU 930 is read-only nobody is told to write it.
+#[test]
+fn speed_drives_refuse_positions_before_anything_is_enabled() {
+    let mut session = makes();
+    for name in &NAMES[1..] {
+        let mut drive = find(&mut session, name).expect("there");
+        for purpose in [Purpose::Home, Purpose::Task, Purpose::Move, Purpose::RealTimeJog] {
+            let settings = AxisSettings::for_purpose(purpose);
+            let error = session.take_axis(&mut drive, settings).map(|_| ());
+            let error = error.expect_err("no positions");
+            assert!(
+                matches!(error, Error::SpeedOnly { .. }),
+                "{name} {purpose:?}: {error}"
+            );
+            assert!(error.hint().is_some_and(|hint| !hint.contains("930")));
+        }
+        let error = session.check_mode(&mut drive, Mode::Position);
+        assert!(matches!(error, Err(Error::SpeedOnly { .. })), "{name}: {error:?}");
+    }
+    let mut drive = find(&mut session, NAMES[0]).expect("there");
+    let error = session.check_mode(&mut drive, Mode::Position);
+    assert!(matches!(error, Err(Error::WrongMode { .. })), "{error:?}");
 }
 
 #[test]

@@ -2,10 +2,11 @@
 
 use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
 use profidrive::parameter::Dialect;
-use profidrive::state::ControlWords;
+use profidrive::state::{ControlWords, Mode};
 use profinet::controller::Station;
 use uss::SlaveId;
 
+use crate::Error;
 use crate::line::Shape;
 use crate::parameter::{ParameterProblem, Parameters, Selection};
 use crate::session::format_of;
@@ -215,6 +216,23 @@ impl Drive {
     #[must_use]
     pub const fn is_on_line(&self) -> bool {
         self.slave.is_some()
+    }
+
+    /// Says whether the drive can do what needs this mode, as far as its telegrams are known.
+    ///
+    /// # Errors
+    /// When it has no positions and this needs them.
+    pub fn check_able(&self, needed: Option<Mode>) -> Result<(), Error> {
+        let known = self.model.catalogue.filter(|_| !self.model.learned);
+        match known {
+            Some(tables) if needed == Some(Mode::Position) && !tables.device.positions() => {
+                Err(Error::SpeedOnly {
+                    drive: self.label(),
+                    model: tables.model,
+                })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// At a serial line the channel tells only how wide a value is; the rest is in the tables.

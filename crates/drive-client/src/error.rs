@@ -178,6 +178,14 @@ pub enum Error {
         /// The mode it is in, in words.
         present: String,
     },
+    /// A drive without positions was to go to one. Nothing was sent.
+    #[error("{drive} controls speed only: the telegrams of a {model} carry no positions, tasks or homing")]
+    SpeedOnly {
+        /// The drive.
+        drive: String,
+        /// Its model.
+        model: &'static str,
+    },
     /// No telegram of the drive carries what is needed.
     #[error("{drive}: {problem}")]
     Telegram {

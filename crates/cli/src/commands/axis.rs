@@ -115,6 +115,7 @@ pub fn in_mode(
     output: &Output,
     work: impl FnOnce(&mut Live, &mut Drive) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
+    drive.check_able(Some(needed))?;
     if wanted.set_mode {
         // an axis that somebody else commands is left alone altogether
         session.check_control(drive)?;

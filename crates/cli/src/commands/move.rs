@@ -63,6 +63,7 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
     axis::checked(&args.cyclic)?;
     let need = if args.dry_run { Need::Records } else { Need::Cyclic };
     let (mut session, mut drive) = connect::drive(interface, need, &args.drive, output)?;
+    drive.check_able(Some(Mode::Position))?;
     if !args.mode.set_mode {
         session.check_mode(&mut drive, Mode::Position)?;
     }

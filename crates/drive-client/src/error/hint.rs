@@ -63,6 +63,7 @@ impl Error {
             Self::NotAtRest { .. } => {
                 "switch it off first (OFF1, or stop its controller); `profidrive status DRIVE` says why it is on".into()
             }
+            Self::SpeedOnly { .. } => "`profidrive run DRIVE --velocity SPEED` turns it at a speed".into(),
             Self::WrongMode { drive, needed, .. } => {
                 let number = match needed {
                     Mode::Velocity => 1,

@@ -95,6 +95,7 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When it is in another one, or cannot be reached.
     pub fn check_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<(), Error> {
+        drive.check_able(Some(needed))?;
         match self.operating_mode(drive)? {
             Some(present) if present != needed => Err(Error::WrongMode {
                 drive: drive.label(),

@@ -1,5 +1,7 @@
 //! What a drive model is on its field bus: numbers that a controller must match and a virtual drive must show.
 
+use crate::telegram::{Telegram, signal};
+
 /// Identity and modules of a drive model.
 /// Source: `data/<model>/device.toml`, which says where each number is from.
 #[derive(Debug, Clone, Copy)]
@@ -141,6 +143,21 @@ impl Device {
     #[must_use]
     pub fn telegram(&self, number: u16) -> Option<&'static TelegramModule> {
         self.telegrams.iter().find(|module| module.telegram == number)
+    }
+
+    /// True when one of its telegrams carries traversing tasks: the drive positions. All others control speed.
+    ///
+    /// ```
+    /// use profidrive::catalogue::{AKD, VACON, VLT};
+    /// assert!(AKD.device.positions() && !VLT.device.positions() && !VACON.device.positions());
+    /// ```
+    #[must_use]
+    pub fn positions(&self) -> bool {
+        let mut known = self.telegrams.iter();
+        known.any(|module| {
+            let telegram = Telegram::find(module.telegram, self.vendor_id);
+            telegram.is_some_and(|telegram| telegram.setpoint.field(signal::SATZANW).is_some())
+        })
     }
 
     /// Subslots and idents of slot 0: access point, interface, ports.

@@ -46,6 +46,7 @@ impl<M: Wire> Session<M> {
                 vendor_id: drive.station.vendor_id,
                 device_id: drive.station.device_id,
             })?;
+        drive.check_able(settings.purpose.mode())?;
         self.read_scaling(drive)?;
         let Prepared {
             mode,

@@ -21,8 +21,20 @@ impl<M: Wire> Axis<'_, M> {
         if self.session.client.connection(self.link) == Connection::Silent {
             self.call_again();
         }
-        let running = self.session.client.connection(self.link) == Connection::Running;
-        let mut result = if running { self.bring_to_rest() } else { Ok(()) };
+        let connection = self.session.client.connection(self.link);
+        let running = connection == Connection::Running;
+        let mut result = match connection {
+            Connection::Running => self.bring_to_rest(),
+            // nobody saw it stand: whatever went before, this is no end of a stop
+            Connection::Lost(cause) => Err(Error::ConnectionLost {
+                drive: self.drive.label(),
+                cause,
+            }),
+            Connection::Silent => Err(Error::LineSilent {
+                drive: self.drive.label(),
+            }),
+            _ => Ok(()),
+        };
         let released = self.session.release(self.link);
         if result.is_ok() {
             result = released;

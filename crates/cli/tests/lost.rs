@@ -1,0 +1,50 @@
+//! A connection that is lost while an axis stops, in virtual time.
+
+mod bench;
+
+use std::cell::Cell;
+use std::rc::Rc;
+use std::time::Duration;
+
+use bench::watched::bench;
+use drive_client::parameter::Assignment;
+use drive_client::{AxisSettings, Error, WriteMode};
+
+/// Steps of the medium from the begin of the stop until the cable is cut: well inside the ramp.
+const STEPS: usize = 40;
+
+/// Nobody saw the axis stand: a release that says so would send people to a machine that may turn.
+#[test]
+fn a_connection_lost_on_the_ramp_is_no_success() {
+    let mut bench = bench();
+    let slow: Assignment = "DRV.DEC=100rpm/s".parse().expect("an assignment");
+    bench
+        .session
+        .write(&mut bench.drive, &[slow], WriteMode::Write)
+        .expect("taken");
+    let stops = Rc::new(Cell::new(None));
+    let since = Rc::clone(&stops);
+    bench.on_each_step(move |step, wire| {
+        if since.get().is_some_and(|begin| step == begin + STEPS) {
+            wire.segment.cut(wire.id);
+        }
+    });
+    let mut axis = bench
+        .session
+        .take_axis(&mut bench.drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(600.0, None).expect("runs");
+    enabled
+        .keep_speed(600.0, Duration::from_millis(100))
+        .expect("keeps it");
+    stops.set(Some(bench.steps.get()));
+    drop(enabled);
+    let last = axis.status().expect("a status");
+    assert!(
+        last.lost && last.speed_actual.is_some_and(|speed| speed > 100.0),
+        "on the ramp: {last:?}"
+    );
+    let error = axis.release().expect_err("nobody saw it stand");
+    assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
+}
