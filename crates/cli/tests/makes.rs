@@ -396,6 +396,11 @@ fn a_drive_nobody_has_tables_of_tells_them_itself() {
         .plan(&mut drive, &read, &Choice::default())
         .expect("a plan");
     assert_eq!(plan.changes.len(), 1);
+    let mut journal = Journal::new(&plan);
+    session
+        .restore(&mut drive, &mut journal, false, &mut |_| Ok(()))
+        .expect("restored");
+    assert!(journal.is_done(), "{journal}");
     let status = session.status(&mut drive).expect("a status");
     assert!(status.status_word.is_some());
     assert!(session.faults(&mut drive).expect("told").is_empty());

@@ -48,15 +48,41 @@ pub struct Channel {
     pub index: u16,
 }
 
-/// A make: tables, dialect, record of the parameter channel, words.
-type Make = (&'static Catalogue, &'static Dialect, u16, ControlWords);
-
 /// Every make there are tables of.
-/// Source of the record: AKD manual 3.5; MG06G102 5.5; OPTEA manual p. 116.
+struct Make {
+    tables: &'static Catalogue,
+    dialect: &'static Dialect,
+    /// Record of the parameter channel.
+    record: u16,
+    words: ControlWords,
+    /// What PNU 964 index 1 tells makes the drive one of this model, whatever its device id is.
+    told_by_unit: bool,
+}
+
+/// Source of the records: AKD manual 3.5; MG06G102 5.5; OPTEA manual p. 116. Source of the type of the drive unit: OPTEA
+/// manual chapter 8, Vacon 100 is 2; the FC 302 has the number in its name, which is ours; that of an AKD is not known.
 const MAKES: [Make; 3] = [
-    (&AKD, &Dialect::AKD, GLOBAL_ACCESS, ControlWords::PROFIDRIVE),
-    (&VLT, &Dialect::VLT, LOCAL_ACCESS, ControlWords::VLT),
-    (&VACON, &Dialect::VACON, LOCAL_ACCESS, ControlWords::VACON),
+    Make {
+        tables: &AKD,
+        dialect: &Dialect::AKD,
+        record: GLOBAL_ACCESS,
+        words: ControlWords::PROFIDRIVE,
+        told_by_unit: false,
+    },
+    Make {
+        tables: &VLT,
+        dialect: &Dialect::VLT,
+        record: LOCAL_ACCESS,
+        words: ControlWords::VLT,
+        told_by_unit: true,
+    },
+    Make {
+        tables: &VACON,
+        dialect: &Dialect::VACON,
+        record: LOCAL_ACCESS,
+        words: ControlWords::VACON,
+        told_by_unit: true,
+    },
 ];
 
 /// A drive nobody described: the profile's own way.
@@ -75,6 +101,24 @@ const STANDARD: Model = Model {
 };
 
 impl Model {
+    /// The model that PNU 964 tells by its maker (index 0) and the type of the drive unit (index 1), where that type is
+    /// known.
+    ///
+    /// ```
+    /// use drive_client::Model;
+    /// assert_eq!(Model::of_unit(0x01BA, 2).map(|model| model.name), Some("VACON"));
+    /// assert!(Model::of_unit(0x01BA, 1).is_none() && Model::of_unit(0x0105, 1).is_none());
+    /// ```
+    #[must_use]
+    pub fn of_unit(vendor_id: u16, unit_type: u16) -> Option<Self> {
+        let mut told = MAKES.iter().filter(|make| make.told_by_unit);
+        let found = told.find(|make| {
+            let device = &make.tables.device;
+            (device.vendor_id, device.drive_unit_type) == (vendor_id, unit_type)
+        });
+        found.map(Self::made)
+    }
+
     /// What a person may call a model: see [`by_name`](Self::by_name).
     pub const NAMES: [&'static str; 4] = ["akd", "vlt", "vacon", "standard"];
 
@@ -95,25 +139,19 @@ impl Model {
             let device = model.catalogue.map(|tables| &tables.device);
             device.is_some_and(|device| (device.vendor_id, device.device_id) == (vendor_id, device_id))
         });
-        let maker = || MAKES.iter().find(|make| make.0.device.vendor_id == vendor_id);
+        let maker = || {
+            MAKES
+                .iter()
+                .find(|make| make.tables.device.vendor_id == vendor_id)
+        };
         let relative = || {
             maker().map(|make| Self {
-                name: make.0.device.vendor,
+                name: make.tables.device.vendor,
                 catalogue: None,
                 ..Self::made(make)
             })
         };
         known.or_else(relative).unwrap_or(STANDARD)
-    }
-
-    /// The model that says this of itself in PNU 964: its vendor and its type of drive unit. At a serial line nothing else
-    /// is known of it.
-    pub(crate) fn of_unit(vendor_id: u16, unit_type: u16) -> Option<Self> {
-        let told = |make: &&Make| {
-            let device = &make.0.device;
-            (device.vendor_id, device.drive_unit_type) == (vendor_id, unit_type)
-        };
-        MAKES.iter().find(told).map(Self::made)
     }
 
     /// The model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the profile alone,
@@ -129,7 +167,9 @@ impl Model {
         if name.eq_ignore_ascii_case("standard") {
             return Some(STANDARD);
         }
-        let make = MAKES.iter().find(|make| make.0.model.eq_ignore_ascii_case(name));
+        let make = MAKES
+            .iter()
+            .find(|make| make.tables.model.eq_ignore_ascii_case(name));
         make.map(Self::made)
     }
 
@@ -141,18 +181,19 @@ impl Model {
         }
     }
 
-    fn made(&(tables, dialect, index, words): &Make) -> Self {
+    fn made(make: &Make) -> Self {
+        let tables = make.tables;
         Self {
             name: tables.model,
             catalogue: Some(tables),
-            dialect,
+            dialect: make.dialect,
             channel: Channel {
                 api: tables.device.api.into(),
                 slot: 1,
                 subslot: tables.device.layout.parameters.subslot,
-                index,
+                index: make.record,
             },
-            words,
+            words: make.words,
             learned: false,
         }
     }

@@ -13,6 +13,8 @@ use profidrive::parameter::{CodeSpace, Description, Dialect, Format, Identifier,
 use profidrive::unit::{ConversionIndex, Variable};
 use profinet::controller::Station;
 
+use crate::Model;
+
 /// Kinds of drives that are kept.
 pub const MOST_KINDS: usize = 16;
 /// Parameters of one kind.
@@ -67,6 +69,8 @@ pub fn space_of(descriptions: &[(u16, Description)]) -> CodeSpace {
 pub struct KindOfDrive {
     pub vendor_id: u16,
     pub device_id: u16,
+    /// PNU 964 index 1, where the drive tells it.
+    pub unit_type: Option<i64>,
     pub unit: Vec<u8>,
 }
 
@@ -102,9 +106,12 @@ pub fn keep(
 
 /// The tables out of descriptions and texts.
 pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
-    let model = match station.station_type.trim() {
-        "" => format!("drive 0x{:04X}/0x{:04X}", station.vendor_id, station.device_id),
-        name => name.to_owned(),
+    let told = station.station_type.trim();
+    // what has the name of a make there are tables of is not to be taken for it
+    let model = if told.is_empty() || Model::by_name(told).is_some() {
+        format!("drive 0x{:04X}/0x{:04X}", station.vendor_id, station.device_id)
+    } else {
+        told.to_owned()
     };
     let device = Device {
         vendor_id: station.vendor_id,
@@ -276,6 +283,7 @@ mod tests {
         let kind = |unit: u8| KindOfDrive {
             vendor_id: 0xFFFE,
             device_id: 1,
+            unit_type: Some(i64::from(unit)),
             unit: vec![unit],
         };
         let make = || tables(&Station::default(), Vec::new());

@@ -24,19 +24,25 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
     // a drive that does not tell its faults so may have one all the same
-    if let Ok(report) = session.fault_report(&mut drive) {
-        let bit = report.zsw1.is_none_or(words::has_fault);
-        if report.present().next().is_none() && !bit {
-            session.close()?;
-            if output.json() {
-                output.event("ack", fields! { "end": true, "faults": Vec::<Value>::new() });
+    match session.fault_report(&mut drive) {
+        Ok(report) => {
+            let bit = report.zsw1.is_none_or(words::has_fault);
+            if report.present().next().is_none() && !bit {
+                session.close()?;
+                if output.json() {
+                    output.event("ack", fields! { "end": true, "faults": Vec::<Value>::new() });
+                }
+                output.say("no fault: nothing to acknowledge");
+                return Ok(());
             }
-            output.say("no fault: nothing to acknowledge");
-            return Ok(());
+            for fault in report.present() {
+                output.say(&told(fault));
+            }
         }
-        for fault in report.present() {
-            output.say(&told(fault));
+        Err(error @ (Error::Refused { .. } | Error::Changing { .. })) => {
+            output.warn(&format!("which fault there is cannot be read: {error}"));
         }
+        Err(error) => return Err(error.into()),
     }
     output.say("acknowledging by an edge of STW1 bit 7");
     let settings = axis::settings(&args.cyclic, Purpose::Control, 0.0);

@@ -44,10 +44,15 @@ impl Header {
         }
     }
 
-    /// What is known about the kind of drive.
+    /// What is known about the kind of drive: by its numbers, else by the name of the model, as a drive may be taken for
+    /// one whatever its numbers are.
     #[must_use]
     pub fn known(&self) -> Model {
-        Model::of(self.vendor_id, self.device_id)
+        let by_numbers = Model::of(self.vendor_id, self.device_id);
+        match by_numbers.catalogue {
+            Some(_) => by_numbers,
+            None => Model::by_name(&self.model).unwrap_or(by_numbers),
+        }
     }
 
     /// Why the settings are of another kind of drive; `None` when they fit.

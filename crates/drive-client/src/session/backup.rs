@@ -1,7 +1,7 @@
 //! Saving the settings of a drive, and bringing them back.
 
 use profidrive::catalogue::{Access, Part, Phase, Role};
-use profidrive::notation::{Elements, Notation, ParameterReference, Target};
+use profidrive::notation::Notation;
 use profidrive::parameter::{ErrorNumber, Format, Identifier, Saving, plan_changes};
 use profidrive::state::Zsw1;
 
@@ -13,12 +13,10 @@ use crate::parameter::{Interpretation, Selection, halves};
 use crate::{Drive, Error, Wire};
 
 /// The lists of all parameters of a drive.
-const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
+pub(super) const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
 /// Status word as the profile numbers it, and its bits for operation and readiness for it.
 const ZSW1: u16 = 968;
 const ENABLED: i64 = 1 << 2 | 1 << 1;
-/// Elements of one list: as many words as fit an answer.
-const LIST: u16 = 116;
 /// Elements read between two looks at the progress: three full requests.
 const PART: usize = 117;
 /// How often what the drive changed by itself is written again.
@@ -35,17 +33,9 @@ impl<M: Wire> Session<M> {
     pub fn numbers(&mut self, drive: &mut Drive) -> Result<Vec<u16>, Error> {
         let mut numbers: Vec<u16> = Vec::new();
         for list in LISTS {
-            let reference = ParameterReference {
-                target: Target::Number(list),
-                elements: Some(Elements {
-                    first: 0,
-                    count: LIST,
-                }),
-                prefix: None,
-            };
-            let selection = drive.parameters.select(&reference)?;
+            let selections = self.whole(drive, &[list])?;
             let found: Vec<u16> = self
-                .read(drive, &[selection])?
+                .read(drive, &selections)?
                 .into_iter()
                 .flatten()
                 .filter_map(|reading| u16::try_from(reading.raw()?).ok())

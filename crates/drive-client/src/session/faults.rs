@@ -2,7 +2,7 @@
 
 use profidrive::catalogue::{Cleared, Fault, Part, Reaction};
 use profidrive::fault::{ConsistentRead, Next, Shape};
-use profidrive::notation::{Elements, ParameterReference, Target};
+use profidrive::notation::{Notation, ParameterReference};
 use profidrive::parameter::pnu;
 
 use super::Session;
@@ -146,33 +146,38 @@ impl<M: Wire> Session<M> {
         Ok(warnings(&drive, &told))
     }
 
-    /// How the buffer is divided: as the tables say, else as the drive says, else eight by eight.
+    /// How the buffer is divided: as the tables say, else as the drive says if that fits its elements, else eight by
+    /// eight, or as many situations of one fault.
     fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
-        let own = drive.model.catalogue.filter(|_| !drive.model.learned);
-        if let Some(tables) = own {
-            let elements = tables
-                .by_pnu(pnu::FAULT_NUMBERS)
-                .map_or(0, |parameter| parameter.elements);
+        let elements = self
+            .extents(drive, &[pnu::FAULT_NUMBERS])?
+            .first()
+            .copied()
+            .unwrap_or(0);
+        if drive.model.learned_or_none().is_none() {
             return Ok(shape_of(elements));
         }
-        let Some(selection) = select(drive, pnu::FAULT_DIVISION, Some(2)) else {
-            return Ok(Shape::EIGHT_BY_EIGHT);
-        };
+        let division = self.whole(drive, &[pnu::FAULT_DIVISION])?;
         let values: Vec<u16> = self
-            .read(drive, &[selection])?
+            .read(drive, &division)?
             .into_iter()
             .flatten()
             .filter_map(|reading| u16::try_from(reading.raw()?).ok())
             .collect();
-        Ok(Shape::from_scaling(&values).unwrap_or(Shape::EIGHT_BY_EIGHT))
+        let told = Shape::from_scaling(&values).filter(|shape| shape.elements() == elements);
+        Ok(told.unwrap_or_else(|| shape_of(elements)))
     }
 
     fn fault_buffer(&mut self, drive: &mut Drive, shape: Shape) -> Result<(u16, Vec<FaultEntry>), Error> {
         let counter = drive
             .parameters
             .select(&ParameterReference::number(pnu::FAULT_COUNTER))?;
-        let parts = [pnu::FAULT_NUMBERS, pnu::FAULT_TIMES, pnu::FAULT_VALUES]
-            .map(|pnu| select(drive, pnu, Some(shape.elements())));
+        let whole = self.whole(drive, &[pnu::FAULT_NUMBERS, pnu::FAULT_TIMES, pnu::FAULT_VALUES])?;
+        let part = |number| whole.iter().find(|selection| selection.pnu == number).copied();
+        // a drive without fault numbers says so itself
+        let numbers =
+            part(pnu::FAULT_NUMBERS).unwrap_or_else(|| Selection::number(pnu::FAULT_NUMBERS, Notation::Name));
+        let parts = [Some(numbers), part(pnu::FAULT_TIMES), part(pnu::FAULT_VALUES)];
         let mut order = ConsistentRead::new(ATTEMPTS);
         let mut count = 0;
         let mut buffers: [Vec<Result<Reading, Refusal>>; 3] = Default::default();
@@ -235,22 +240,7 @@ impl<M: Wire> Session<M> {
     }
 }
 
-/// A parameter of the buffer: where there are tables only if they have it, with as many elements as they say.
-fn select(drive: &Drive, pnu: u16, elements: Option<u16>) -> Option<Selection> {
-    let known = drive.model.catalogue;
-    if known.is_some_and(|tables| tables.by_pnu(pnu).is_none()) {
-        return None;
-    }
-    let elements = elements.filter(|_| known.is_none());
-    let reference = ParameterReference {
-        target: Target::Number(pnu),
-        elements: elements.map(|count| Elements { first: 0, count }),
-        prefix: None,
-    };
-    drive.parameters.select(&reference).ok()
-}
-
-/// The shape of a buffer of the tables: eight by eight, or as many situations of one fault.
+/// The shape of a buffer with so many elements: eight by eight, or as many situations of one fault.
 fn shape_of(elements: u16) -> Shape {
     match u8::try_from(elements) {
         Ok(situations @ 1..64) => Shape {

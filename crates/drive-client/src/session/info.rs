@@ -1,7 +1,6 @@
 //! Who a drive is.
 
 use profidrive::catalogue::Part;
-use profidrive::notation::ParameterReference;
 use profidrive::parameter::pnu;
 use profidrive::telegram::signal;
 use profinet::MacAddress;
@@ -120,8 +119,7 @@ impl<M: Wire> Session<M> {
         }
         info.controller = self.owner(drive)?;
         info.peers = self.peers(drive)?;
-        let page = page(drive);
-        let readings = match self.read(drive, &page) {
+        let readings = match self.page(drive).and_then(|page| self.read(drive, &page)) {
             Ok(readings) => readings,
             // a device without a parameter channel still has its identity
             Err(Error::Record { what, error, .. }) => {
@@ -137,6 +135,19 @@ impl<M: Wire> Session<M> {
             }
         }
         Ok(info)
+    }
+
+    /// What tells who and how a drive is: by its tables, else the numbers of the profile that it has.
+    fn page(&mut self, drive: &Drive) -> Result<Vec<Selection>, Error> {
+        let own: Vec<Selection> = places(drive, Part::Page)
+            .into_iter()
+            .map(|(_, place)| place)
+            .collect();
+        if own.is_empty() {
+            self.whole(drive, &PAGE)
+        } else {
+            Ok(own)
+        }
     }
 
     /// What a drive says about itself in I&M0; `None` when it has no such record.
@@ -200,20 +211,6 @@ impl<M: Wire> Session<M> {
             Err(error) => Err(error),
         }
     }
-}
-
-/// What tells who and how a drive is: by its tables, else the numbers of the profile.
-fn page(drive: &Drive) -> Vec<Selection> {
-    let own: Vec<Selection> = places(drive, Part::Page)
-        .into_iter()
-        .map(|(_, place)| place)
-        .collect();
-    if !own.is_empty() {
-        return own;
-    }
-    PAGE.iter()
-        .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
-        .collect()
 }
 
 fn peers(port: &PortReal<'_>) -> Vec<Peer> {

@@ -7,12 +7,15 @@ use profidrive::parameter::{
 };
 
 use super::Session;
+use super::backup::LISTS;
 use crate::learn::{self, KindOfDrive};
-use crate::parameter::{Parameters, Selection};
+use crate::parameter::{Parameters, Reading, Selection};
 use crate::{Drive, Error, Model, Wire};
 
 /// Elements of it that make a kind: maker, type, version, date.
 const OF_KIND: u16 = 5;
+/// The one that is the type of the drive unit.
+const TYPE: u16 = 1;
 /// Records of the parameter channel.
 const RECORDS: [u16; 2] = [0xB02E, 0xB02F];
 /// Parameters described between two looks at the progress.
@@ -26,7 +29,8 @@ const MAX_REQUEST: usize = 1024;
 const OTHER_AXIS: ErrorNumber = ErrorNumber::DANFOSS_WRONG_AXIS;
 
 impl<M: Wire> Session<M> {
-    /// Learns a drive of which there are no tables from what it says itself: first how it wants to be asked, then its
+    /// Learns a drive of which there are no tables from what it says itself: first how it wants to be asked, and of whose
+    /// make it is: of a known maker PNU 964 tells the drive unit, whatever the device id is. Of a strange one then its
     /// parameters with names, units, limits and texts. Once for each kind of drive as long as the program lives. A drive
     /// that does not tell them stays as it was: numbers and raw values work. Nothing happens for a known model. `progress`
     /// is told how many parameters of how many were described.
@@ -44,11 +48,21 @@ impl<M: Wire> Session<M> {
         let Some(kind) = self.kind(drive)? else {
             return Ok(());
         };
+        let unit_type = kind.unit_type.and_then(|raw| u16::try_from(raw).ok());
+        if let Some(model) = unit_type.and_then(|one| Model::of_unit(kind.vendor_id, one)) {
+            drive.model = model;
+            drive.parameters = Parameters::of(&model);
+            return Ok(());
+        }
         if let Some((tables, dialect)) = learn::known(&kind) {
             adopt(drive, tables, dialect);
             return Ok(());
         }
         let mut numbers = self.numbers(drive)?;
+        // a list may leave itself out
+        numbers.extend(LISTS);
+        numbers.sort_unstable();
+        numbers.dedup();
         numbers.truncate(learn::MOST_PARAMETERS);
         let mut described: Vec<(u16, Description)> = Vec::new();
         for (at, part) in numbers.chunks(PART).enumerate() {
@@ -98,12 +112,14 @@ impl<M: Wire> Session<M> {
         for (dialect, index) in ways {
             drive.model.dialect = dialect;
             drive.model.channel.index = index;
-            let selection = Selection {
-                count: OF_KIND,
+            // one by one: a drive with fewer tells those that it has
+            let elements = (0..OF_KIND).map(|element| Selection {
+                first: element,
                 indexed: true,
                 ..Selection::number(pnu::IDENTIFICATION, Notation::Name)
-            };
-            let answers = match self.read_plain(drive, &[selection]) {
+            });
+            let elements: Vec<Selection> = elements.collect();
+            let answers = match self.read_plain(drive, &elements) {
                 Ok(answers) => answers,
                 Err(Error::Record { .. } | Error::Malformed { .. }) => continue,
                 Err(error) => return Err(error),
@@ -115,11 +131,13 @@ impl<M: Wire> Session<M> {
             {
                 continue;
             }
-            let octets = answers.into_iter().flatten().flat_map(|reading| reading.octets);
+            let readings: Vec<Reading> = answers.into_iter().flatten().collect();
+            let unit_type = readings.iter().find(|reading| reading.index == Some(TYPE));
             return Ok(Some(KindOfDrive {
                 vendor_id: drive.station.vendor_id,
                 device_id: drive.station.device_id,
-                unit: octets.collect(),
+                unit_type: unit_type.and_then(Reading::raw),
+                unit: readings.into_iter().flat_map(|reading| reading.octets).collect(),
             }));
         }
         drive.model = own;

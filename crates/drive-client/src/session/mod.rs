@@ -5,6 +5,7 @@ mod axis;
 mod backup;
 mod enabled;
 mod evidence;
+mod extent;
 mod faults;
 mod find;
 mod info;
