@@ -198,8 +198,11 @@ pub fn drive(
             Reach::Routed(words) => output.warn(&words),
         }
     }
-    if need != Need::Discovery && interface.model.is_none() {
-        learn(&mut session, &mut drive, output)?;
+    match (need, interface.model) {
+        (Need::Discovery, _) => {}
+        (_, None) => learn(&mut session, &mut drive, output)?,
+        // without tables only the drive knows its axis
+        (_, Some(_)) => session.find_channel(&mut drive)?,
     }
     Ok((session, drive))
 }

@@ -5,7 +5,7 @@ mod bench;
 use std::time::Duration;
 
 use bench::{Bench, bench_of, find, ip, select};
-use drive_client::axis::Purpose;
+use drive_client::axis::{Purpose, SpeedUnit};
 use drive_client::backup::{Backup, Choice, Journal, compare};
 use drive_client::parameter::{Assignment, Content};
 use drive_client::status::diagnose;
@@ -529,4 +529,142 @@ fn selections_are_written_by_their_texts_also_where_the_drive_told_them() {
         error.to_string().contains("is none of its texts: 0 FC profile"),
         "{error}"
     );
+}
+
+/// Runs a drive and gives the speed it says it has, what it really has in rpm, and the telegram.
+fn turned(session: &mut Bench, name: &str, settings: AxisSettings, speed: f64) -> Result<(f64, u16), Error> {
+    let mut drive = find(session, name).expect("there");
+    session.recognise(&mut drive, &mut |_, _| {})?;
+    let mut axis = session.take_axis(&mut drive, settings)?;
+    let mut enabled = axis.enable()?;
+    enabled.reach_speed(speed, None)?;
+    enabled.keep_speed(speed, Duration::from_millis(500))?;
+    let actual = enabled.status().and_then(|status| status.speed_actual);
+    enabled.disable()?;
+    let telegram = axis.telegram();
+    axis.release()?;
+    Ok((actual.expect("a speed"), telegram))
+}
+
+#[test]
+fn telegrams_of_the_makers_turn_their_drives_at_the_same_speed() {
+    let mut session = makes();
+    let with = |telegram| AxisSettings {
+        telegram: Some(telegram),
+        ..AxisSettings::default()
+    };
+    for (name, setting, telegrams) in [
+        (
+            "vlt-1",
+            "8-10='FC profile'",
+            &[101, 102, 104, 105, 106, 107, 108, 103, 1][..],
+        ),
+        ("vlt-1", "8-10='PROFIdrive profile'", &[101, 104]),
+        ("vacon-1", "ID101=5Hz", &[148, 149, 150, 1]),
+    ] {
+        let mut drive = find(&mut session, name).expect("there");
+        write(&mut session, &mut drive, setting, WriteMode::Write).expect("taken");
+        for &number in telegrams {
+            let (speed, used) = turned(&mut session, name, with(number), -900.0)
+                .unwrap_or_else(|error| panic!("{name} {number}: {error}"));
+            assert!((speed + 900.0).abs() < 30.0, "{name} {number}: {speed}");
+            assert_eq!(used, number);
+            // what is plugged is used by itself
+            let (speed, used) = turned(&mut session, name, AxisSettings::default(), 600.0)
+                .unwrap_or_else(|error| panic!("{name} {number}: {error}"));
+            assert!((speed - 600.0).abs() < 20.0, "{name} {number}: {speed}");
+            assert_eq!(used, number, "{name}");
+        }
+    }
+    let error = turned(&mut session, "vlt-1", with(999), 60.0).expect_err("no such telegram");
+    assert_eq!(error.to_string(), "vlt-1 has no telegram 999");
+    assert!(error.hint().is_some_and(|hint| hint.contains("104")), "{error}");
+    let error = turned(&mut session, "akd-1", with(9), 60.0).expect_err("no speed in it");
+    assert!(error.to_string().contains("carries what this needs"), "{error}");
+}
+
+#[test]
+fn words_of_a_ppo_type_that_settings_choose_keep_their_parameters() {
+    let mut session = makes();
+    let mut drive = find(&mut session, "vlt-1").expect("there");
+    for setting in [
+        "922=104",
+        "915[2]=341",
+        "915[3]=341",
+        "915[4]=312",
+        "341=7.5s",
+        "312=25%",
+    ] {
+        write(&mut session, &mut drive, setting, WriteMode::Write)
+            .unwrap_or_else(|error| panic!("{setting}: {error}"));
+    }
+    let settings = AxisSettings {
+        telegram: Some(104),
+        ..AxisSettings::default()
+    };
+    turned(&mut session, "vlt-1", settings, 300.0).expect("it turns");
+    assert_eq!(number(&mut session, &mut drive, "3-41"), 7.5);
+    assert_eq!(number(&mut session, &mut drive, "3-12"), 25.0);
+}
+
+#[test]
+fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
+    for (model, id) in [(&model::VLT, 21), (&model::VACON, 22)] {
+        let name = model.catalogue.model;
+        let strange = || bench_of(vec![station_of(model, "strange", 1, Some((0x1234, id)))]).0;
+        let mut session = strange();
+        let error = turned(&mut session, "strange", AxisSettings::default(), 60.0).expect_err("no rpm");
+        assert!(
+            error.to_string().contains("how many rpm that is nobody knows"),
+            "{name}: {error}"
+        );
+        let hint = error.hint().unwrap_or_default();
+        assert!(
+            hint.contains("--velocity 20%") && hint.contains("--reference-speed"),
+            "{hint}"
+        );
+        let percent = AxisSettings {
+            unit: SpeedUnit::Percent,
+            speed_limit: 100.0,
+            ..AxisSettings::default()
+        };
+        let (speed, telegram) =
+            turned(&mut session, "strange", percent, -20.0).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!((speed + 20.0).abs() < 1.5, "{name}: {speed} %");
+        assert_eq!(telegram, 1);
+        let error = turned(&mut session, "strange", percent, 120.0).expect_err("above the limit");
+        assert_eq!(error.to_string(), "120 % is above the limit of 100 %");
+        let known = AxisSettings {
+            reference_speed: Some(1500.0),
+            ..AxisSettings::default()
+        };
+        let (speed, _) =
+            turned(&mut session, "strange", known, 300.0).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!((speed - 300.0).abs() < 25.0, "{name}: {speed} rpm");
+        // and without any tables: only its axis is looked for
+        let mut session = strange();
+        let standard = Model::by_name("standard").expect("the profile");
+        let mut drive = find(&mut session, "strange").expect("there").taken_for(standard);
+        session.find_channel(&mut drive).expect("reached");
+        assert!(drive.model.catalogue.is_none() && number(&mut session, &mut drive, "964[0]") > 0.0);
+        let mut axis = session
+            .take_axis(&mut drive, percent)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut enabled = axis.enable().unwrap_or_else(|error| panic!("{name}: {error}"));
+        enabled
+            .reach_speed(10.0, None)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+    let mut session = makes();
+    let percent = AxisSettings {
+        unit: SpeedUnit::Percent,
+        ..AxisSettings::default()
+    };
+    let error = turned(&mut session, "akd-1", percent, 20.0).expect_err("no reference");
+    assert!(
+        error.to_string().contains("in rpm, there is no reference"),
+        "{error}"
+    );
+    let (speed, _) = turned(&mut session, "vlt-1", percent, 40.0).expect("a VLT has one");
+    assert!((speed - 40.0).abs() < 1.5, "{speed}");
 }

@@ -13,13 +13,13 @@ use profinet::MacAddress;
 use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
 use crate::DriveAddress;
-use crate::axis::{Evidence, NoTelegram, Objection, Trouble};
+use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
 use crate::parameter::ParameterProblem;
 
 pub use refusal::Refusal;
 pub use text::describe;
 pub(crate) use text::mode_words;
-use text::{in_place, join, local_text, objections_text, once, others, rpm_text, telegram_text};
+use text::{in_place, join, local_text, objections_text, once, others, speed_text, telegram_text, unit_text};
 
 /// Why something did not come about.
 #[derive(Debug, thiserror::Error)]
@@ -237,7 +237,7 @@ pub enum Error {
         limit: Duration,
     },
     /// The axis did not come up to its speed; it is being stopped.
-    #[error("{drive}: {} rpm not reached within {:.1} s, the highest speed was {}", figures(*.wanted), .limit.as_secs_f64(), rpm_text(*.highest))]
+    #[error("{drive}: {} {unit} not reached within {:.1} s, the highest speed was {}", figures(*.wanted), .limit.as_secs_f64(), speed_text(*.highest, .unit))]
     SpeedNotReached {
         /// The drive.
         drive: String,
@@ -247,9 +247,11 @@ pub enum Error {
         highest: Option<f64>,
         /// How long.
         limit: Duration,
+        /// Unit of the speeds.
+        unit: &'static str,
     },
     /// The axis had its speed and does not follow any more; it is being stopped.
-    #[error("{drive}: {} rpm was reached and is not kept: {} for {:.1} s", figures(*.wanted), rpm_text(*.actual), .time.as_secs_f64())]
+    #[error("{drive}: {} {unit} was reached and is not kept: {} for {:.1} s", figures(*.wanted), speed_text(*.actual, .unit), .time.as_secs_f64())]
     SpeedLost {
         /// The drive.
         drive: String,
@@ -259,6 +261,8 @@ pub enum Error {
         actual: Option<f64>,
         /// How long it was away from its speed.
         time: Duration,
+        /// Unit of the speeds.
+        unit: &'static str,
     },
     /// Somebody changed what the speed setpoint means while the axis ran; it is being stopped.
     #[error(
@@ -275,7 +279,7 @@ pub enum Error {
     /// A speed that cannot be told to the drive, and what can is too far away
     /// ([`MOST_ROUNDING`](crate::parameter::MOST_ROUNDING)); nothing was sent.
     #[error(
-        "{drive}: {} rpm cannot be told: the nearest speeds are {} rpm and {} rpm",
+        "{drive}: {} {unit} cannot be told: the nearest speeds are {} {unit} and {} {unit}",
         figures(*.wanted),
         figures(.nearest[0]),
         figures(.nearest[1])
@@ -285,8 +289,10 @@ pub enum Error {
         drive: String,
         /// Speed asked for.
         wanted: f64,
-        /// The speeds below and above it that can be told, rpm.
+        /// The speeds below and above it that can be told.
         nearest: [f64; 2],
+        /// Unit of the speeds.
+        unit: &'static str,
     },
     /// The axis is held by something; what the drive said while it was still in operation.
     #[error("{error}; {evidence}")]
@@ -297,12 +303,32 @@ pub enum Error {
         evidence: Evidence,
     },
     /// A speed that the caller did not allow.
-    #[error("{} rpm is above the limit of {} rpm", figures(*.wanted), figures(*.limit))]
+    #[error("{} {unit} is above the limit of {} {unit}", figures(*.wanted), figures(*.limit))]
     SpeedLimit {
         /// Speed wanted.
         wanted: f64,
         /// Speed allowed.
         limit: f64,
+        /// Unit of the speeds.
+        unit: &'static str,
+    },
+    /// Speeds of this drive are not told in that unit.
+    #[error("{drive}: {}", unit_text(*.wanted))]
+    SpeedUnit {
+        /// The drive.
+        drive: String,
+        /// The unit that was wanted.
+        wanted: SpeedUnit,
+    },
+    /// A telegram that the drive has not.
+    #[error("{drive} has no telegram {wanted}")]
+    NoSuchTelegram {
+        /// The drive.
+        drive: String,
+        /// The number wanted.
+        wanted: u16,
+        /// Those that there are.
+        possible: Vec<u16>,
     },
     /// The drive's model is not known well enough for this.
     #[error("{drive}: {what} is not known for vendor 0x{vendor_id:04X} device 0x{device_id:04X}")]

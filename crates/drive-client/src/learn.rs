@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use profidrive::catalogue::{AKD, Scaling};
 use profidrive::catalogue::{
-    Access, Catalogue, Device, Layout, Meaning, Parameter, ParameterPoint, Scale, Size,
+    Access, Catalogue, Device, Layout, Meaning, Parameter, ParameterPoint, Scale, Size, TelegramModule, Words,
 };
 use profidrive::notation::Notation;
 use profidrive::parameter::{CodeSpace, Description, Dialect, Format, Identifier, Kind, Octets};
@@ -14,6 +14,7 @@ use profidrive::unit::{ConversionIndex, Variable};
 use profinet::controller::Station;
 
 use crate::Model;
+use crate::modules::UNKNOWN;
 
 /// Kinds of drives that are kept.
 pub const MOST_KINDS: usize = 16;
@@ -113,13 +114,24 @@ pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
     } else {
         told.to_owned()
     };
-    let device = Device {
+    Catalogue::assemble(
+        model.leak(),
+        Notation::Name,
+        Scaling::DELIVERED,
+        device_of(station),
+        parameters,
+    )
+}
+
+/// What is taken for granted of a drive that nobody described: telegram 1 in a module of slot 1.
+pub fn device_of(station: &Station) -> Device {
+    Device {
         vendor_id: station.vendor_id,
         device_id: station.device_id,
         vendor: "",
         station_type: "",
         order_id: "",
-        telegrams: &[],
+        telegrams: &STANDARD,
         layout: Layout {
             telegram: 1,
             parameters: ParameterPoint {
@@ -129,15 +141,21 @@ pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
             records: &[],
         },
         ..AKD.device
-    };
-    Catalogue::assemble(
-        model.leak(),
-        Notation::Name,
-        Scaling::DELIVERED,
-        device,
-        parameters,
-    )
+    }
 }
+
+/// Telegram 1, whose ident numbers are those of the module that is plugged.
+const STANDARD: [TelegramModule; 1] = [TelegramModule {
+    telegram: 1,
+    module: UNKNOWN,
+    submodule: UNKNOWN,
+    outputs: 4,
+    inputs: 4,
+    words: Words {
+        english: "Standard telegram 1",
+        german: "Standardtelegramm 1",
+    },
+}];
 
 /// A row of the tables: what a drive says of one parameter.
 pub fn parameter(

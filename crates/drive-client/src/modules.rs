@@ -3,6 +3,8 @@
 use profidrive::catalogue::{Device, TelegramModule};
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 
+/// Ident number of a module that nobody knows.
+pub(crate) const UNKNOWN: u32 = 0;
 /// Slot of the telegram and of parameter access, and the subslot that every drive has there.
 pub(crate) const PLACE: (u16, u16) = (1, 1);
 

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Goal, Purpose, Trouble};
+use drive_client::axis::{Goal, Purpose, SpeedUnit, Trouble};
 use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
 use drive_client::{AxisSettings, AxisStatus, Drive, Error, FaultEntry, WarningEntry};
 use profidrive::notation::Quantity;
@@ -85,9 +85,14 @@ pub fn settings(cyclic: &Cyclic, purpose: Purpose, limit: f64) -> AxisSettings {
 }
 
 /// Above the limit nothing is sent at all.
-pub fn within(speed: f64, limit: f64) -> Result<(), Failure> {
+pub fn within(speed: f64, limit: f64, unit: SpeedUnit) -> Result<(), Failure> {
     if speed.abs() > limit {
-        return Err(Error::SpeedLimit { wanted: speed, limit }.into());
+        return Err(Error::SpeedLimit {
+            wanted: speed,
+            limit,
+            unit: unit.symbol(),
+        }
+        .into());
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Jog as JogSetpoint, Purpose};
+use drive_client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
 use drive_client::parameter::{Assignment, Reading};
 use drive_client::{Drive, Error, WriteMode};
 use profidrive::notation::{Number, ParameterReference, Quantity};
@@ -51,7 +51,7 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         .map(|quantity| axis::rpm(quantity, "--velocity"))
         .transpose()?;
     if let Some(speed) = wanted {
-        axis::within(speed, limit)?;
+        axis::within(speed, limit, SpeedUnit::Rpm)?;
     }
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
@@ -131,7 +131,7 @@ fn go(
             speed = inner.read_one(own, &selection)?;
         }
     }
-    axis::within(speed.number().unwrap_or(0.0), limit)?;
+    axis::within(speed.number().unwrap_or(0.0), limit, SpeedUnit::Rpm)?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} for {} s; Ctrl-C stops it",
         drive.label(),

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Move as Order, MovePlan, Purpose};
+use drive_client::axis::{Move as Order, MovePlan, Purpose, SpeedUnit};
 use drive_client::{Drive, Error};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
@@ -59,7 +59,7 @@ pub struct Move {
 pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let order = order(args)?;
     let limit = axis::rpm(&args.limit, "--limit")?.abs();
-    axis::within(order.speed, limit)?;
+    axis::within(order.speed, limit, SpeedUnit::Rpm)?;
     axis::checked(&args.cyclic)?;
     let need = if args.dry_run { Need::Records } else { Need::Cyclic };
     let (mut session, mut drive) = connect::drive(interface, need, &args.drive, output)?;

@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{MotionFacts, Purpose};
-use drive_client::{Drive, Error};
+use drive_client::axis::{MotionFacts, Purpose, SpeedUnit};
+use drive_client::{AxisSettings, Drive, Error};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
+use profidrive::telegram::DANFOSS;
 
 use super::axis::{self, End, SetMode};
 use crate::args::{Cyclic, Interface, duration};
@@ -15,6 +16,8 @@ use crate::failure::Failure;
 use crate::output::Output;
 use crate::render::number;
 
+/// Number of PPO type 0, if there were one: the selections of 9-22.
+const PPO: u16 = 100;
 /// A ramp that takes longer than this is told beforehand.
 const LONG_RAMP: Duration = Duration::from_secs(2);
 
@@ -22,36 +25,119 @@ const LONG_RAMP: Duration = Duration::from_secs(2);
 pub struct Run {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
-    /// Speed: 60rpm, -1rps; a bare number is in rpm
+    /// Speed: 60rpm, -1rps, or 20% of the reference of the drive; a bare number is in rpm
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub velocity: Quantity,
+    /// What 100 % of the reference is, for a drive that does not tell: 1500rpm
+    #[arg(long, value_name = "SPEED")]
+    pub reference_speed: Option<Quantity>,
+    /// Telegram to connect with: its number as in PNU 922, or ppo1 to ppo8 of a VLT; left out it is the one that the drive
+    /// reports if that carries a speed, else telegram 1
+    #[arg(long, value_name = "NUMBER|ppoN", value_parser = telegram)]
+    pub telegram: Option<TelegramName>,
     /// How long to run at the speed, counted from when it is reached; until Ctrl-C when left out
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub time: Option<Duration>,
-    /// Refuse any speed above this
-    #[arg(long, value_name = "SPEED", default_value = "3000rpm")]
-    pub limit: Quantity,
+    /// Refuse any speed above this [default: 3000rpm, or 100% for a speed in percent]
+    #[arg(long, value_name = "SPEED")]
+    pub limit: Option<Quantity>,
     #[command(flatten)]
     pub mode: SetMode,
     #[command(flatten)]
     pub cyclic: Cyclic,
 }
 
+/// A telegram as a user names it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TelegramName {
+    /// As in PNU 922.
+    Number(u16),
+    /// PPO type of a VLT.
+    Ppo(u8),
+}
+
+fn telegram(text: &str) -> Result<TelegramName, &'static str> {
+    let lower = text.to_ascii_lowercase();
+    match lower.strip_prefix("ppo") {
+        Some(number) => {
+            let number = number.parse().ok();
+            let number = number.filter(|number| (1..=8).contains(number));
+            number.map(TelegramName::Ppo).ok_or("PPO types are ppo1 to ppo8")
+        }
+        None => text
+            .parse()
+            .map(TelegramName::Number)
+            .map_err(|_| "a number as in PNU 922, or ppo1 to ppo8"),
+    }
+}
+
+impl TelegramName {
+    /// Its number at this drive.
+    fn number(self, drive: &Drive) -> Result<u16, Failure> {
+        match self {
+            Self::Number(number) => Ok(number),
+            Self::Ppo(number) if drive.station.vendor_id == DANFOSS => Ok(PPO + u16::from(number)),
+            Self::Ppo(_) => {
+                let message = format!("{} has no PPO types: they are telegrams of a VLT", drive.label());
+                Err(Failure::usage(message).hint("--telegram takes the number of a telegram"))
+            }
+        }
+    }
+}
+
+/// What was asked for, in one unit.
+struct Wish {
+    speed: f64,
+    unit: SpeedUnit,
+    limit: f64,
+    reference_speed: Option<f64>,
+}
+
+impl Wish {
+    fn of(args: &Run) -> Result<Self, Failure> {
+        let unit = match args.velocity.unit.as_deref() {
+            Some("%") => SpeedUnit::Percent,
+            _ => SpeedUnit::Rpm,
+        };
+        let symbol = unit.symbol();
+        let speed = axis::in_unit(&args.velocity, symbol, "--velocity")?;
+        let limit = match (&args.limit, unit) {
+            (Some(limit), _) => axis::in_unit(limit, symbol, "--limit")?.abs(),
+            (None, SpeedUnit::Rpm) => 3000.0,
+            (None, SpeedUnit::Percent) => 100.0,
+        };
+        let reference = args.reference_speed.as_ref();
+        let reference = reference.map(|speed| axis::rpm(speed, "--reference-speed"));
+        let reference_speed = reference.transpose()?;
+        if reference_speed.is_some_and(|speed| !speed.is_finite() || speed <= 0.0) {
+            return Err(Failure::usage("--reference-speed: a speed above 0"));
+        }
+        axis::within(speed, limit, unit)?;
+        Ok(Self {
+            speed,
+            unit,
+            limit,
+            reference_speed,
+        })
+    }
+
+    fn told(&self) -> String {
+        format!("{} {}", self.speed, self.unit.symbol())
+    }
+}
+
 pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let speed = axis::rpm(&args.velocity, "--velocity")?;
-    let limit = axis::rpm(&args.limit, "--limit")?.abs();
-    axis::within(speed, limit)?;
+    let wish = Wish::of(args)?;
     axis::checked(&args.cyclic)?;
     let needed = (Mode::Velocity, &args.mode);
     axis::with_drive(interface, &args.drive, needed, output, |session, drive| {
-        go(args, speed, limit, session, drive, output)
+        go(args, &wish, session, drive, output)
     })
 }
 
 fn go(
     args: &Run,
-    speed: f64,
-    limit: f64,
+    wish: &Wish,
     session: &mut Live,
     drive: &mut Drive,
     output: &Output,
@@ -60,18 +146,30 @@ fn go(
         || "until Ctrl-C".into(),
         |time| format!("for {} s", time.as_secs_f64()),
     );
-    session.check_speed(drive, speed)?;
-    let facts = session.motion_facts(drive)?;
-    if let Some(warning) = above(speed, &facts) {
-        output.warn(&warning);
+    let speed = wish.speed;
+    if wish.unit == SpeedUnit::Rpm {
+        // of all others the scale is known with the telegram only
+        let known = drive.model.catalogue.is_some() && !drive.model.learned;
+        if known && args.telegram.is_none() && args.reference_speed.is_none() {
+            session.check_speed(drive, speed)?;
+        }
+        let facts = session.motion_facts(drive)?;
+        if let Some(warning) = above(speed, &facts) {
+            output.warn(&warning);
+        }
     }
     let end = if args.time.is_some() { End::Time } else { End::Open };
-    let settings = axis::settings(&args.cyclic, Purpose::Speed, limit);
+    let settings = AxisSettings {
+        telegram: args.telegram.map(|name| name.number(drive)).transpose()?,
+        unit: wish.unit,
+        reference_speed: wish.reference_speed,
+        ..axis::settings(&args.cyclic, Purpose::Speed, wish.limit)
+    };
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
-        "this moves the axis: {} turns at {} rpm {time}; Ctrl-C stops it",
+        "this moves the axis: {} turns at {} {time}; Ctrl-C stops it",
         drive.label(),
-        number(speed)
+        wish.told()
     ));
     axis::watch(&mut taken, "run", output);
     let result = taken.enable().and_then(|mut enabled| match args.time {
@@ -90,7 +188,7 @@ fn go(
             match enabled.reach_speed(speed, None) {
                 Err(Error::Interrupted) => {
                     let actual = enabled.status().and_then(|status| status.speed_actual);
-                    output.warn(&unreached(speed, actual));
+                    output.warn(&unreached(wish, actual));
                     return Err(Error::Interrupted);
                 }
                 other => other?,
@@ -103,9 +201,10 @@ fn go(
 }
 
 /// A run that ended before it was at its speed.
-fn unreached(speed: f64, actual: Option<f64>) -> String {
-    let actual = actual.map_or_else(String::new, |actual| format!(", it was {actual:.1} rpm"));
-    format!("{} rpm was not reached when the stop came{actual}", number(speed))
+fn unreached(wish: &Wish, actual: Option<f64>) -> String {
+    let unit = wish.unit.symbol();
+    let actual = actual.map_or_else(String::new, |actual| format!(", it was {actual:.1} {unit}"));
+    format!("{} was not reached when the stop came{actual}", wish.told())
 }
 
 /// What the drive will make of a speed that is above its own limit, or that leads into a limit switch.

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use drive_client::AxisStatus;
+use drive_client::axis::SpeedUnit;
 use drive_client::parameter::Beyond;
 use profidrive::state::{Mode, bits};
 use serde_json::Value;
@@ -31,9 +32,11 @@ pub struct AxisView {
     pub answered: u16,
     /// The connection is lost: the drive said all of this before.
     pub lost: bool,
-    /// Speed asked for, rpm.
+    /// What the speeds are in.
+    pub unit: SpeedUnit,
+    /// Speed asked for.
     pub speed_set: Option<f64>,
-    /// Speed of the motor, rpm.
+    /// Speed of the motor.
     pub speed_actual: Option<f64>,
     /// The motor may turn faster than that: its signal has no higher number.
     pub speed_beyond: Option<Beyond>,
@@ -57,6 +60,7 @@ impl AxisView {
             zsw1: status.view.seen.map(|seen| seen.zsw1.0),
             answered: status.view.answered.0,
             lost: status.lost,
+            unit: status.unit,
             speed_set: status.speed_set,
             speed_actual: status.speed_actual,
             speed_beyond: status.speed_beyond,
@@ -150,7 +154,7 @@ impl LiveView {
         let fields = fields! {
             "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.stw1,
             "zsw1": view.zsw1, "connected": !view.lost, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
-            "speed_beyond": view.speed_beyond.map(Beyond::sign),
+            "speed_unit": view.unit.symbol(), "speed_beyond": view.speed_beyond.map(Beyond::sign),
             "position": view.position, "target": view.target, "turns": view.turns,
             "following_error": view.following_error,
             "words": words_json(view.mode, Some(view.stw1), view.zsw1),
@@ -195,14 +199,14 @@ pub fn line(view: &AxisView) -> String {
         hex16(view.stw1),
     );
     for (name, value, unit) in [
-        ("set", view.speed_set, "rpm"),
-        ("actual", view.speed_actual, "rpm"),
+        ("set", view.speed_set, view.unit.symbol()),
+        ("actual", view.speed_actual, view.unit.symbol()),
         ("target", view.target, "rev"),
         ("at", view.turns, "rev"),
         ("error", view.following_error, "rev"),
     ] {
         if let Some(value) = value {
-            let digits = if unit == "rpm" { 2 } else { 3 };
+            let digits = if unit == "rev" { 3 } else { 2 };
             let end = if name == "actual" {
                 beyond(view)
             } else {
@@ -233,7 +237,8 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
     };
     let speed = |name: &str, rpm: f64| {
         let reference = view.speed_set.unwrap_or(0.0);
-        format!("  {name} {rpm:>9.2} rpm  {}", scale(rpm, reference))
+        let unit = view.unit.symbol();
+        format!("  {name} {rpm:>9.2} {unit}  {}", scale(rpm, reference))
     };
     let (stw1_bits, zsw1_bits) = (bits::stw1(view.mode), bits::zsw1(view.mode));
     let mut lines = vec![
@@ -301,6 +306,7 @@ mod tests {
         zsw1: Some(0x0337),
         answered: 0x047F,
         lost: false,
+        unit: SpeedUnit::Rpm,
         speed_set: Some(60.06),
         speed_actual: Some(59.7),
         speed_beyond: None,

@@ -145,6 +145,31 @@ pub fn choose_telegram(
         .ok_or(NoTelegram { reported: trouble })
 }
 
+/// The telegram that a person names, if it carries what the purpose needs.
+///
+/// # Errors
+/// When the drive does not have it, or it carries too little.
+pub fn named_telegram(
+    device: &Device,
+    reported: &ReportedTelegram,
+    purpose: Purpose,
+    number: u16,
+) -> Result<Choice, NoTelegram> {
+    let own = reported.number == Some(number);
+    let found = match own_wiring(device, reported, number).filter(|_| own) {
+        Some((module, wiring)) => wiring.map(|wiring| Choice { module, wiring }).ok(),
+        None => fixed(device, number),
+    };
+    found
+        .filter(|choice| {
+            purpose
+                .signals()
+                .iter()
+                .all(|&signal| choice.wiring.commands(signal))
+        })
+        .ok_or(NoTelegram { reported: None })
+}
+
 /// The process data of a serial line, see [`Telegram::of_line`]; whose bits its words have [`Wiring::with_words`] says.
 ///
 /// # Errors
@@ -164,8 +189,7 @@ fn own_wiring(
     number: u16,
 ) -> Option<(TelegramModule, Result<Wiring, WiringError>)> {
     let module = *device.telegram(number)?;
-    // the maker's own words are not needed where the profile's telegrams are
-    let telegram = Telegram::find(number, device.vendor_id).filter(|telegram| !telegram.own_words)?;
+    let telegram = Telegram::find(number, device.vendor_id)?;
     let mapped = telegram.free && !reported.setpoint.is_empty() && !reported.actual.is_empty();
     let wiring = if mapped {
         let (setpoint, actual) = (&reported.setpoint, &reported.actual);

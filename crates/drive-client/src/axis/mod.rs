@@ -8,14 +8,18 @@ mod goal;
 #[cfg(test)]
 mod model;
 mod order;
+mod scale;
 mod seen;
 mod wiring;
 
-pub use choose::{Choice, NoTelegram, Purpose, ReportedTelegram, choose_telegram, process_words};
+pub use choose::{
+    Choice, NoTelegram, Purpose, ReportedTelegram, choose_telegram, named_telegram, process_words,
+};
 pub use command::{Command, Traverse};
 pub use control::AxisControl;
 pub use evidence::Evidence;
 pub use goal::{Goal, Jog, Limits, Progress, Trouble};
 pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};
+pub use scale::{SpeedScale, SpeedUnit};
 pub use seen::Seen;
 pub use wiring::{Wiring, WiringError};

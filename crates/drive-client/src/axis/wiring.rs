@@ -61,6 +61,9 @@ pub struct Wiring {
     words: Profile,
     /// The control word sent last.
     sent: u16,
+    /// Words of the setpoints with a parameter that settings of the drive choose: index behind the parameter channel
+    /// and first octet.
+    chosen: Vec<(u16, u16)>,
 }
 
 impl Wiring {
@@ -90,6 +93,7 @@ impl Wiring {
             actual,
             words: Profile::default(),
             sent: 0,
+            chosen: Vec::new(),
         })
     }
 
@@ -118,12 +122,43 @@ impl Wiring {
     /// # Errors
     /// When it does not start with STW1 and ZSW1: no telegram of an axis.
     pub fn of(telegram: &Telegram, vendor: u16) -> Result<Self, WiringError> {
+        if telegram.pkw || telegram.parameters {
+            return Ok(Self::of_parameters(telegram));
+        }
         Self::new(
             telegram.number,
             telegram.setpoint.words(),
             telegram.actual.words(),
             vendor,
         )
+    }
+
+    /// A telegram with parameter channel, or with words that settings choose.
+    fn of_parameters(telegram: &Telegram) -> Self {
+        Self {
+            telegram: telegram.number,
+            setpoint: Mapping::of(&telegram.setpoint),
+            actual: Mapping::of(&telegram.actual),
+            image: vec![0; usize::from(telegram.setpoint.octets).min(MOST_OCTETS)],
+            words: Profile::default(),
+            sent: 0,
+            chosen: telegram.parameter_words(&telegram.setpoint).collect(),
+        }
+    }
+
+    /// Words of the setpoints that carry a parameter which settings of the drive choose (VLT 9-15), by their index there.
+    pub fn chosen_words(&self) -> impl Iterator<Item = u16> {
+        self.chosen.iter().map(|(index, _)| *index)
+    }
+
+    /// What stands in such a word as long as the connection lasts.
+    pub fn preset_chosen(&mut self, index: u16, value: u16) {
+        let place = self.chosen.iter().find(|(known, _)| *known == index);
+        let octets =
+            place.and_then(|(_, offset)| self.image.get_mut(usize::from(*offset)..)?.first_chunk_mut());
+        if let Some(octets) = octets {
+            *octets = value.to_be_bytes();
+        }
     }
 
     /// The same in a module of this length: what is behind the signals stays 0.
@@ -244,7 +279,7 @@ mod tests {
     use super::*;
     use crate::axis::Traverse;
     use profidrive::state::{Stw1, Zsw1};
-    use profidrive::telegram::KOLLMORGEN;
+    use profidrive::telegram::{DANFOSS, KOLLMORGEN};
 
     fn akd(number: u16) -> Wiring {
         Wiring::of(Telegram::find(number, KOLLMORGEN).unwrap(), KOLLMORGEN).unwrap()
@@ -315,6 +350,27 @@ mod tests {
                 "{number}"
             );
         }
+    }
+
+    #[test]
+    fn a_telegram_with_parameters_leaves_its_channel_alone_and_keeps_its_words() {
+        let ppo_2 = Telegram::find(102, DANFOSS).unwrap();
+        let mut wiring = Wiring::of(ppo_2, DANFOSS).unwrap().with_words(Profile::DanfossFc);
+        assert_eq!(wiring.chosen_words().collect::<Vec<_>>(), [2, 3, 4, 5]);
+        wiring.preset_chosen(3, 0x0102);
+        wiring.preset_chosen(9, 0xFFFF);
+        let run = Command {
+            stw1: Stw1::RUN,
+            nsoll_a: 0x2000,
+            ..Command::default()
+        };
+        let mut octets = vec![0; 8];
+        octets.extend([0x04, 0x7C, 0x20, 0, 0, 0, 0x01, 0x02, 0, 0, 0, 0]);
+        assert_eq!(wiring.encode(&run), octets);
+        let mut back = vec![0xFF; 8];
+        back.extend([0x0F, 0x07, 0x1F, 0xFF, 0, 0, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(wiring.decode(&back).unwrap().nist_a, Some(0x1FFF));
+        assert_eq!(wiring.decode(&back[..9]), None);
     }
 
     #[test]

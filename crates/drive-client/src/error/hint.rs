@@ -6,7 +6,7 @@ use profinet::controller::{LostCause, ServiceError};
 use profinet::wire::PnioStatus;
 
 use super::Error;
-use crate::axis::{Objection, Trouble};
+use crate::axis::{Objection, SpeedUnit, Trouble};
 
 impl Error {
     /// What to do about it, where that can be said. `DRIVE` in it stands for the drive as the person calls it.
@@ -82,6 +82,14 @@ impl Error {
             }
             Self::ScaleChanged { .. } => {
                 "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
+            }
+            Self::SpeedUnit { wanted: SpeedUnit::Rpm, .. } => {
+                "give the speed in percent (--velocity 20%), or say what 100 % is: --reference-speed 1500rpm".into()
+            }
+            Self::SpeedUnit { .. } => "give the speed in rpm".into(),
+            Self::NoSuchTelegram { possible, .. } => {
+                let numbers: Vec<String> = possible.iter().map(u16::to_string).collect();
+                format!("there are: {}", numbers.join(", "))
             }
             Self::SpeedStep { .. } => "ask for one of them, or make the steps finer (AKD: PN.VELSCALING)".into(),
             Self::SpeedNotReached { .. } => {

@@ -6,7 +6,7 @@ use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
 
 use crate::DriveAddress;
-use crate::axis::Objection;
+use crate::axis::{Objection, SpeedUnit};
 
 /// What was heard instead of an answer.
 pub(super) fn in_place(telegrams: u64, noise: u64) -> String {
@@ -43,8 +43,17 @@ pub(super) fn local_text(enabled: bool) -> &'static str {
     }
 }
 
-pub(super) fn rpm_text(speed: Option<f64>) -> String {
-    speed.map_or_else(|| "not told".into(), |speed| format!("{speed:.1} rpm"))
+pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
+    speed.map_or_else(|| "not told".into(), |speed| format!("{speed:.1} {unit}"))
+}
+
+pub(super) const fn unit_text(wanted: SpeedUnit) -> &'static str {
+    match wanted {
+        SpeedUnit::Rpm => {
+            "its speed setpoint is a share of its reference, and how many rpm that is nobody knows"
+        }
+        SpeedUnit::Percent => "its speed setpoint is in rpm, there is no reference to take percent of",
+    }
 }
 
 pub(super) fn telegram_text(number: Option<u16>) -> String {

@@ -15,7 +15,9 @@ use super::enabled::Enabled;
 use super::faults::WarningEntry;
 use super::keep::Kept;
 use super::warnings::Warnings;
-use crate::axis::{Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose};
+use crate::axis::{
+    Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, SpeedScale, SpeedUnit,
+};
 use crate::client::AxisView;
 use crate::parameter::{Beyond, is_another};
 use crate::{Connection, Drive, Error, Link, Wire};
@@ -29,7 +31,13 @@ pub struct AxisSettings {
     pub cycle: Option<Duration>,
     /// Update times without data until both sides stop.
     pub watchdog: u16,
-    /// Highest speed that may be asked for, in rpm.
+    /// The telegram to use; `None` leaves it to what the drive reports and the purpose needs.
+    pub telegram: Option<u16>,
+    /// What speeds are told in.
+    pub unit: SpeedUnit,
+    /// Speed in rpm that is 100 % of the reference, for a drive that does not tell.
+    pub reference_speed: Option<f64>,
+    /// Highest speed that may be asked for, in that unit.
     pub speed_limit: f64,
     /// How much longer than the ramp of the drive is reckoned to need stopping may take before the quick stop is used.
     pub stop: Duration,
@@ -41,6 +49,9 @@ impl Default for AxisSettings {
             purpose: Purpose::Speed,
             cycle: None,
             watchdog: 3,
+            telegram: None,
+            unit: SpeedUnit::Rpm,
+            reference_speed: None,
             speed_limit: 3000.0,
             stop: Duration::from_secs(10),
         }
@@ -68,9 +79,11 @@ impl AxisSettings {
 pub struct AxisStatus {
     /// Goal, progress, words.
     pub view: AxisView,
-    /// Speed asked for, in rpm.
+    /// What the speeds are in.
+    pub unit: SpeedUnit,
+    /// Speed asked for.
     pub speed_set: Option<f64>,
-    /// Speed of the motor, in rpm.
+    /// Speed of the motor.
     pub speed_actual: Option<f64>,
     /// The speed signal is at the end of its numbers: the motor may turn faster than it tells.
     pub speed_beyond: Option<Beyond>,
@@ -124,10 +137,12 @@ pub struct Axis<'s, M: Wire> {
     telegram: u16,
     /// The telegram that the drive had before (PNU 922).
     telegram_before: Option<u16>,
-    /// Ramps of the drive in rpm/s.
+    /// What the numbers of its speeds mean.
+    pub(super) scale: SpeedScale,
+    /// Ramps of the drive in the unit of the speeds a second.
     pub(super) acceleration: Option<f64>,
     pub(super) deceleration: Option<f64>,
-    /// Highest speed asked for since the axis was taken, rpm.
+    /// Highest speed asked for since the axis was taken.
     pub(super) fastest: f64,
     /// What the drive said about a motion that does not get on.
     pub(super) evidence: Option<Evidence>,
@@ -154,39 +169,32 @@ impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
     }
 }
 
-/// NSOLL_A in the steps of the drive.
-pub(super) fn speed_raw(drive: &Drive, rpm: f64) -> Option<i16> {
-    let raw = drive.parameters.scaling.speed().raw(rpm).checked().ok()?;
-    i16::try_from(raw).ok()
-}
-
-/// NSOLL_A for a speed that a person asked for: the nearest step, if that is the same speed.
-pub(super) fn speed_setpoint(drive: &Drive, rpm: f64) -> Result<i16, Error> {
-    let Some(raw) = speed_raw(drive, rpm) else {
+/// The number of a speed that a person asked for: the nearest step, if that is the same speed.
+pub(super) fn speed_setpoint(drive: &Drive, scale: &SpeedScale, speed: f64) -> Result<i16, Error> {
+    let unit = scale.unit().symbol();
+    let Some(raw) = scale.raw(speed) else {
         return Err(Error::SpeedLimit {
-            wanted: rpm,
-            limit: speed_rpm(drive, i16::MAX),
+            wanted: speed,
+            limit: scale.speed(i16::MAX),
+            unit,
         });
     };
-    let told = speed_rpm(drive, raw);
-    if !is_another(rpm, told) {
+    let told = scale.speed(raw);
+    if !is_another(speed, told) {
         return Ok(raw);
     }
-    let beside = if told > rpm {
+    let beside = if told > speed {
         raw.saturating_sub(1)
     } else {
         raw.saturating_add(1)
     };
-    let other = speed_rpm(drive, beside);
+    let other = scale.speed(beside);
     Err(Error::SpeedStep {
         drive: drive.label(),
-        wanted: rpm,
+        wanted: speed,
         nearest: [told.min(other), told.max(other)],
+        unit,
     })
-}
-
-pub(super) fn speed_rpm(drive: &Drive, raw: i16) -> f64 {
-    drive.parameters.scaling.speed().engineering(raw.into())
 }
 
 impl<'s, M: Wire> Axis<'s, M> {
@@ -236,10 +244,9 @@ impl<'s, M: Wire> Axis<'s, M> {
         let view = self.session.client.axis(self.link)?;
         Some(AxisStatus {
             view,
-            speed_set: (view.mode == Mode::Velocity).then(|| speed_rpm(&self.drive, view.command.nsoll_a)),
-            speed_actual: view
-                .seen
-                .and_then(|seen| Some(speed_rpm(&self.drive, seen.nist_a?))),
+            unit: self.scale.unit(),
+            speed_set: (view.mode == Mode::Velocity).then(|| self.scale.speed(view.command.nsoll_a)),
+            speed_actual: view.seen.and_then(|seen| Some(self.scale.speed(seen.nist_a?))),
             speed_beyond: view.seen.and_then(|seen| Beyond::of(seen.nist_a?)),
             target: self
                 .target

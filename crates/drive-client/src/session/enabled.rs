@@ -9,15 +9,15 @@ use profidrive::state::Mode;
 
 use super::Axis;
 use super::axis::{AxisStatus, speed_setpoint};
-use crate::axis::{Evidence, Goal, Jog, MotionFacts, Move, MovePlan, Progress, Traverse};
+use crate::axis::{Evidence, Goal, Jog, MotionFacts, Move, MovePlan, Progress, SpeedUnit, Traverse};
 use crate::{Connection, Error, Wire};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
 const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
 /// The same for coming up to a speed.
 const SPEED_PATIENCE: (u32, Duration) = (2, Duration::from_secs(5));
-/// How near the speed has to be: as a share of it, and at least in rpm.
-const SPEED_NEAR: (f64, f64) = (0.03, 2.0);
+/// How near the speed has to be, as a share of it.
+const SPEED_NEAR: f64 = 0.03;
 /// How long an axis that had its speed may be away from it.
 const AWAY: Duration = Duration::from_secs(1);
 /// How often the scale of the speeds is read while the axis runs.
@@ -58,7 +58,8 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
         Self { axis }
     }
 
-    /// Follows this speed from now on, in rpm.
+    /// Follows this speed from now on, in the unit of the axis ([`AxisSettings::unit`](crate::AxisSettings::unit)): rpm if
+    /// nothing else was said.
     ///
     /// # Errors
     /// A speed above the limit or one that cannot be told ([`Session::check_speed`](crate::Session::check_speed)), a drive in position mode, and when the axis is not
@@ -66,9 +67,13 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
-            return Err(Error::SpeedLimit { wanted: rpm, limit });
+            return Err(Error::SpeedLimit {
+                wanted: rpm,
+                limit,
+                unit: self.axis.scale.unit().symbol(),
+            });
         }
-        let setpoint = speed_setpoint(&self.axis.drive, rpm)?;
+        let setpoint = speed_setpoint(&self.axis.drive, &self.axis.scale, rpm)?;
         self.axis.fastest = self.axis.fastest.max(rpm.abs());
         self.axis.evidence = None;
         self.reach(Goal::Run { setpoint }, None, "")
@@ -100,6 +105,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
                     wanted: rpm,
                     highest,
                     limit,
+                    unit: self.axis.scale.unit().symbol(),
                 }));
             }
             let soon = self.axis.session.now() + self.axis.cycle();
@@ -129,6 +135,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
                     wanted: rpm,
                     actual: status.speed_actual,
                     time: now - followed,
+                    unit: self.axis.scale.unit().symbol(),
                 }));
             }
             if now >= end {
@@ -193,7 +200,11 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     pub fn jog_at(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
-            return Err(Error::SpeedLimit { wanted: rpm, limit });
+            return Err(Error::SpeedLimit {
+                wanted: rpm,
+                limit,
+                unit: SpeedUnit::Rpm.symbol(),
+            });
         }
         let order = Move::by(Position::Counts(0.0), rpm.abs())
             .with_ramps(self.axis.acceleration, self.axis.deceleration);
@@ -368,7 +379,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
 /// The axis has this speed, by what its telegram tells best.
 fn has_speed(status: &AxisStatus, rpm: f64) -> bool {
     match status.speed_actual {
-        Some(actual) => (actual - rpm).abs() <= (rpm.abs() * SPEED_NEAR.0).max(SPEED_NEAR.1),
+        Some(actual) => (actual - rpm).abs() <= (rpm.abs() * SPEED_NEAR).max(status.unit.near()),
         None => status.view.seen.is_some_and(crate::axis::Seen::reached),
     }
 }

@@ -99,6 +99,18 @@ impl<M: Wire> Session<M> {
         Ok(())
     }
 
+    /// Finds out how a drive of which there are no tables wants to be asked: its axis and the record of its parameter
+    /// channel. Nothing happens for a known model.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached, or the caller wants to stop.
+    pub fn find_channel(&mut self, drive: &mut Drive) -> Result<(), Error> {
+        if drive.model.catalogue.is_none() && !drive.is_on_line() {
+            self.kind(drive)?;
+        }
+        Ok(())
+    }
+
     /// Finds out how a drive wants to be asked, and what kind it is; `None` when it answers nothing.
     fn kind(&mut self, drive: &mut Drive) -> Result<Option<KindOfDrive>, Error> {
         let own = drive.model;

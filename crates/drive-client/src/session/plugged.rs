@@ -8,7 +8,7 @@ use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodu
 
 use super::Session;
 use crate::drive::PROFIDRIVE_API;
-use crate::modules::{PLACE, modules_of, place_of};
+use crate::modules::{PLACE, UNKNOWN, modules_of, place_of};
 use crate::{Drive, Error, Wire};
 
 /// What is plugged, as far as the device tells (RealIdentificationData).
@@ -68,8 +68,17 @@ impl<M: Wire> Session<M> {
 }
 
 impl Plugged {
+    /// The telegram that is plugged, where the tables know its module.
+    pub(super) fn telegram(&self, device: &Device) -> Option<u16> {
+        let module = self.drive.as_ref().filter(|module| is_ours(device, module))?;
+        device
+            .telegram_of_module(module.ident)
+            .map(|known| known.telegram)
+    }
+
     /// The modules to connect with: the tables' where the drive has those, else the ones that are plugged. `None` when
-    /// the telegram wanted is not the one plugged and its ident number is not known.
+    /// the telegram wanted is not the one plugged and its ident number is not known. Of a drive without tables no ident
+    /// number is; where it does not say which telegram is plugged either, telegram 1 is tried.
     pub(super) fn layout(
         &self,
         device: &Device,
@@ -99,6 +108,11 @@ impl Plugged {
                 .map(|submodule| plain(submodule.subslot, submodule.ident))
                 .collect();
         }
+        let known = telegram.module != UNKNOWN;
+        if !known && (self.access_point.is_none() || self.drive.is_none()) {
+            return None;
+        }
+        let reported = reported.or((!known).then_some(telegram.telegram));
         let place = match self.drive.as_ref().filter(|module| !is_ours(device, module)) {
             None => place_of(device),
             Some(_) if reported != Some(telegram.telegram) => return None,

@@ -6,12 +6,12 @@ use profidrive::parameter::pnu;
 use profidrive::state::{Mode, Zsw1};
 use profidrive::telegram::Telegram;
 
-use super::Session;
 use super::plugged::Layout;
 use super::told::Told;
+use super::{AxisSettings, Session};
 use crate::axis::{
-    ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, Wiring, choose_telegram, plan_move,
-    process_words,
+    ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit, Wiring,
+    choose_telegram, named_telegram, plan_move, process_words,
 };
 use crate::error::mode_words;
 use crate::parameter::{Assignment, Reading, Selection};
@@ -48,7 +48,10 @@ const MOTION: [Part; 26] = [
 ];
 
 /// What decides whether and how an axis is taken.
-const CONTROL: [Part; 10] = [
+const CONTROL: [Part; 13] = [
+    Part::Reference,
+    Part::ReferenceUnit,
+    Part::LowestReference,
     Part::ControlWord,
     Part::StatusWord,
     Part::ControlProfile,
@@ -70,9 +73,11 @@ pub(super) struct Prepared {
     pub layout: Option<Layout>,
     /// The telegram the drive has now (PNU 922).
     pub reported: Option<u16>,
-    /// DRV.ACC in rpm/s.
+    /// What the numbers of its speeds mean.
+    pub scale: SpeedScale,
+    /// DRV.ACC in the unit of the speeds a second.
     pub acceleration: Option<f64>,
-    /// DRV.DEC in rpm/s.
+    /// DRV.DEC likewise.
     pub deceleration: Option<f64>,
 }
 
@@ -227,8 +232,9 @@ impl<M: Wire> Session<M> {
         &mut self,
         drive: &mut Drive,
         device: &Device,
-        purpose: Purpose,
+        settings: &AxisSettings,
     ) -> Result<Prepared, Error> {
+        let purpose = settings.purpose;
         let readings = self.read_numbers(
             drive,
             &[
@@ -264,21 +270,45 @@ impl<M: Wire> Session<M> {
                 drive: drive.label(),
                 problem,
             })?;
+            if let Some(wanted) = settings.telegram.filter(|&wanted| wanted != wiring.telegram()) {
+                return Err(Error::NoSuchTelegram {
+                    drive: drive.label(),
+                    wanted,
+                    possible: vec![wiring.telegram()],
+                });
+            }
             let profile = told.profile(drive, Some(wiring.telegram()));
+            let (scale, ramps) = scale_of(drive, &told, wiring.telegram(), settings)?;
             return Ok(Prepared {
                 mode,
                 wiring: wiring.with_words(profile),
                 layout: None,
                 reported: reported.number,
-                acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
-                deceleration: told.ramp(Part::Deceleration, Part::RampDownTime),
+                scale,
+                acceleration: ramps[0],
+                deceleration: ramps[1],
             });
         }
-        let mut choice =
-            choose_telegram(device, &reported, purpose, mode).map_err(|problem| Error::Telegram {
-                drive: drive.label(),
-                problem,
-            })?;
+        let plugged = self.plugged(drive)?;
+        let reported = ReportedTelegram {
+            number: reported.number.or_else(|| plugged.telegram(device)),
+            ..reported
+        };
+        let choice = match settings.telegram {
+            Some(wanted) if device.telegram(wanted).is_none() => {
+                return Err(Error::NoSuchTelegram {
+                    drive: drive.label(),
+                    wanted,
+                    possible: device.telegrams.iter().map(|module| module.telegram).collect(),
+                });
+            }
+            Some(wanted) => named_telegram(device, &reported, purpose, wanted),
+            None => choose_telegram(device, &reported, purpose, mode),
+        };
+        let mut choice = choice.map_err(|problem| Error::Telegram {
+            drive: drive.label(),
+            problem,
+        })?;
         let alone: Vec<u16> = choice.wiring.left_alone().collect();
         for reading in self.read_numbers(drive, &alone)? {
             if let Some(raw) = reading.raw() {
@@ -286,8 +316,7 @@ impl<M: Wire> Session<M> {
                 let _ = choice.wiring.preset(reading.pnu, raw);
             }
         }
-        let layout = self
-            .plugged(drive)?
+        let layout = plugged
             .layout(device, &choice.module, reported.number)
             .ok_or_else(|| Error::ForeignModule {
                 drive: drive.label(),
@@ -296,14 +325,49 @@ impl<M: Wire> Session<M> {
             })?;
         let telegram = Telegram::find(choice.wiring.telegram(), drive.station.vendor_id);
         let profile = drive.model.words.of(telegram, told.raw(Part::ControlProfile));
+        let (scale, ramps) = scale_of(drive, &told, choice.wiring.telegram(), settings)?;
         Ok(Prepared {
             mode,
             wiring: choice.wiring.with_words(profile),
             layout: Some(layout),
             reported: reported.number,
-            acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
-            deceleration: told.ramp(Part::Deceleration, Part::RampDownTime),
+            scale,
+            acceleration: ramps[0],
+            deceleration: ramps[1],
         })
+    }
+
+    /// Puts what the drive has now into the words of the telegram whose parameter settings choose: they are written
+    /// with the first frame, and are to keep their values. To be asked with the telegram in place.
+    pub(super) fn preset_chosen(&mut self, drive: &mut Drive, wiring: &mut Wiring) -> Result<(), Error> {
+        let indices: Vec<u16> = wiring.chosen_words().collect();
+        let told = self.ask(drive, &[Part::ChosenSetpoints])?;
+        let number = |index: u16| -> Option<u16> {
+            let mut all = told.all(Part::ChosenSetpoints);
+            let reading = all.find(|reading| reading.index == Some(index))?;
+            reading
+                .raw()
+                .and_then(|raw| u16::try_from(raw).ok())
+                .filter(|number| *number != 0)
+        };
+        let numbers: Vec<u16> = indices.iter().filter_map(|index| number(*index)).collect();
+        let readings = self.read_numbers(drive, &numbers)?;
+        for &index in &indices {
+            let Some(chosen) = number(index) else { continue };
+            let first = |reading: &&Reading| reading.pnu == chosen && reading.index.unwrap_or(0) == 0;
+            let Some(reading) = readings.iter().find(first) else {
+                continue;
+            };
+            // a double word stands in two words, the high one first; one word alone is the low one
+            let high = reading.octets.len() == 4
+                && number(index + 1) == Some(chosen)
+                && (index == 0 || number(index - 1) != Some(chosen));
+            let end = reading.octets.len() - if high { 2 } else { 0 };
+            let word = reading.octets.get(end.saturating_sub(2)..end).unwrap_or_default();
+            let value = word.iter().fold(0, |value, octet| value << 8 | u16::from(*octet));
+            wiring.preset_chosen(index, value);
+        }
+        Ok(())
     }
 
     /// Says whether somebody at the drive itself commands it: a panel, or its service channel. Reads only.
@@ -373,6 +437,50 @@ pub(super) fn zsw1_of(drive: &Drive, told: &Told, telegram: Option<u16>) -> Opti
     let sent = told.word(Part::ControlWord).unwrap_or_default();
     Some(told.profile(drive, telegram).zsw1(status, sent))
 }
+
+/// What the numbers of the speeds in a telegram mean, and the ramps up and down in that unit a second.
+fn scale_of(
+    drive: &Drive,
+    told: &Told,
+    telegram: u16,
+    settings: &AxisSettings,
+) -> Result<(SpeedScale, [Option<f64>; 2]), Error> {
+    let tables = drive.model.catalogue.filter(|_| !drive.model.learned);
+    let converter = tables.is_none_or(|tables| tables.part(Part::Reference).is_some());
+    let own = Telegram::find(telegram, drive.station.vendor_id).and_then(|telegram| telegram.full_speed);
+    let full = own.unwrap_or(PERCENT_100);
+    let highest = settings.reference_speed.or_else(|| told.reference());
+    let lowest = told
+        .reference_at(Part::LowestReference)
+        .filter(|_| own.is_some())
+        .unwrap_or(0.0);
+    let wrong = || Error::SpeedUnit {
+        drive: drive.label(),
+        wanted: settings.unit,
+    };
+    let ramps = [
+        told.ramp(Part::Acceleration, Part::RampUpTime),
+        told.ramp(Part::Deceleration, Part::RampDownTime),
+    ];
+    match (settings.unit, highest.filter(|_| converter)) {
+        (SpeedUnit::Rpm, Some(highest)) => {
+            Ok((SpeedScale::range(full, [lowest, highest], SpeedUnit::Rpm), ramps))
+        }
+        (SpeedUnit::Rpm, None) if !converter => {
+            Ok((SpeedScale::linear(drive.parameters.scaling.speed()), ramps))
+        }
+        (SpeedUnit::Rpm, None) if settings.purpose == Purpose::Speed => Err(wrong()),
+        (SpeedUnit::Percent, _) if !converter => Err(wrong()),
+        (_, highest) => {
+            let part = highest.map(|highest| 100.0 / highest);
+            let ramps = ramps.map(|ramp| ramp.zip(part).map(|(ramp, part)| ramp * part));
+            Ok((SpeedScale::percent(full), ramps))
+        }
+    }
+}
+
+/// 100 % of a speed in N2.
+const PERCENT_100: u16 = 0x4000;
 
 /// PNU 930: 1 speed control, 2 positioning.
 const fn mode_of(number: i64) -> Option<Mode> {

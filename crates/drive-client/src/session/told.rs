@@ -162,9 +162,14 @@ impl Told {
 
     /// The speed that is 100 % of the reference, in rpm; `None` where the reference is no speed, or not told.
     pub fn reference(&self) -> Option<f64> {
-        let told = self.find(Part::Reference)?;
+        self.reference_at(Part::Reference).filter(|value| *value > 0.0)
+    }
+
+    /// A reference in rpm.
+    pub fn reference_at(&self, part: Part) -> Option<f64> {
+        let told = self.find(part)?;
         let unit = self.find(Part::ReferenceUnit).and_then(|unit| unit.choice);
-        let value = told.number().filter(|value| *value > 0.0)?;
+        let value = told.number()?;
         match unit.unwrap_or(told.unit) {
             unit if unit.eq_ignore_ascii_case("rpm") => Some(value),
             unit if unit.eq_ignore_ascii_case("hz") => Some(value * 60.0 / self.pole_pairs()),

@@ -31,6 +31,8 @@ parts! {
     ControlWord = "control-word";
     /// Status word.
     StatusWord = "status-word";
+    /// Numbers of the parameters in the words behind the speed setpoint, word by word.
+    ChosenSetpoints = "chosen-setpoints";
     /// Speed setpoint of the controller.
     SpeedSetpoint = "speed-setpoint";
     /// Speed as it is sent to the controller.
@@ -125,6 +127,8 @@ parts! {
     SingleturnBits = "singleturn-bits";
     /// Highest reference, which is 100 %: a frequency where [`ReferenceUnit`](Self::ReferenceUnit) or its unit says so, else a speed.
     Reference = "reference";
+    /// The lowest reference, where the speed word of own telegrams counts from it on.
+    LowestReference = "lowest-reference";
     /// Unit of the reference where it can be chosen.
     ReferenceUnit = "reference-unit";
     /// Nominal frequency of the motor.

@@ -6,8 +6,9 @@ use profidrive::state::Zsw1;
 use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
 use profinet::cyclic::Timing;
 
-use super::{Axis, AxisSettings, Session, speed_raw, speed_setpoint};
-use crate::axis::{AxisControl, Limits};
+use super::{Axis, AxisSettings, Session, speed_setpoint};
+use crate::axis::{AxisControl, Limits, SpeedScale};
+use crate::learn::device_of;
 use crate::session::prepare::Prepared;
 use crate::{Drive, Error, Link, Wire};
 
@@ -25,7 +26,8 @@ impl<M: Wire> Session<M> {
     /// drive cannot be reached.
     pub fn check_speed(&mut self, drive: &mut Drive, rpm: f64) -> Result<(), Error> {
         self.read_scaling(drive)?;
-        speed_setpoint(drive, rpm).map(|_| ())
+        let scale = SpeedScale::linear(drive.parameters.scaling.speed());
+        speed_setpoint(drive, &scale, rpm).map(|_| ())
     }
 
     /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
@@ -35,17 +37,8 @@ impl<M: Wire> Session<M> {
     /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, or another
     /// controller owns it.
     pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
-        let device = drive
-            .model
-            .catalogue
-            .filter(|_| !drive.model.learned)
-            .map(|tables| tables.device)
-            .ok_or_else(|| Error::UnknownModel {
-                drive: drive.label(),
-                what: "the telegram module",
-                vendor_id: drive.station.vendor_id,
-                device_id: drive.station.device_id,
-            })?;
+        let tables = drive.model.catalogue;
+        let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
         drive.check_able(settings.purpose.mode())?;
         self.read_scaling(drive)?;
         let Prepared {
@@ -53,9 +46,10 @@ impl<M: Wire> Session<M> {
             wiring,
             layout,
             reported,
+            scale,
             acceleration,
             deceleration,
-        } = self.prepare(drive, &device, settings.purpose)?;
+        } = self.prepare(drive, &device, &settings)?;
         let kept = self.keep(drive, &wiring)?;
         let least = TICK * u32::from(device.min_device_interval);
         let cycle = match self.client.line_config() {
@@ -71,7 +65,7 @@ impl<M: Wire> Session<M> {
         let limits = Limits {
             dwell: (cycle * 4).max(Duration::from_millis(8)),
             stop: settings.stop,
-            standstill: standstill(drive),
+            standstill: standstill(&scale),
             accept: ACCEPT.max(cycle * 16),
             // a bit of the AKD, which is the only model whose telegrams are known
             task_active: Zsw1::TASK_ACTIVE,
@@ -80,7 +74,8 @@ impl<M: Wire> Session<M> {
         let telegram = wiring.telegram();
         let control = AxisControl::in_mode(limits, mode);
         let now = self.now();
-        // once it is attached the object below sees to the end of the connection
+        // from here on the object below sees to the end of the connection
+        let mut waiting = None;
         let link = match (layout.zip(timing), drive.slave) {
             (Some((layout, timing)), _) => {
                 let mut config = ConnectConfig::new(layout.modules, timing);
@@ -96,7 +91,11 @@ impl<M: Wire> Session<M> {
                     .controller()
                     .connect(now, Target::of(&drive.station), config)?;
                 let (slot, subslot) = layout.place;
-                self.client.attach_axis(ar, slot, subslot, wiring, control);
+                if wiring.chosen_words().next().is_some() {
+                    waiting = Some((ar, slot, subslot, wiring, control));
+                } else {
+                    self.client.attach_axis(ar, slot, subslot, wiring, control);
+                }
                 Link::Relation(ar)
             }
             (None, Some(slave)) => {
@@ -112,6 +111,7 @@ impl<M: Wire> Session<M> {
             cycle,
             telegram,
             telegram_before: reported,
+            scale,
             acceleration,
             deceleration,
             fastest: 0.0,
@@ -131,13 +131,23 @@ impl<M: Wire> Session<M> {
         if let Link::Relation(ar) = link {
             axis.session.share(&drive, ar);
         }
+        if let Some((ar, slot, subslot, mut wiring, control)) = waiting {
+            // nothing was sent yet: only now the drive says what is in the words of this telegram
+            axis.session.preset_chosen(&mut axis.drive, &mut wiring)?;
+            axis.session
+                .client
+                .attach_axis(ar, slot, subslot, wiring, control);
+        }
         axis.taken = axis.session.now();
         Ok(axis)
     }
 }
 
-/// 5 rpm as NIST_A: below this the axis stands.
-fn standstill(drive: &Drive) -> u16 {
-    let raw = speed_raw(drive, 5.0).unwrap_or(14);
+/// NIST_A below which the axis stands.
+fn standstill(scale: &SpeedScale) -> u16 {
+    let still = scale.unit().standstill();
+    let steps = scale.speed(1).max(f64::MIN_POSITIVE);
+    // of a scale that begins at a lowest speed every number is above it
+    let raw = scale.raw(still).filter(|_| steps < still).unwrap_or(1);
     raw.unsigned_abs().max(1)
 }

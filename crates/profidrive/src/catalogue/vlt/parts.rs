@@ -6,6 +6,7 @@ use crate::catalogue::{Part, PartRow};
 pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::ControlWord, pnu: 967, base: None },
     PartRow { part: Part::StatusWord, pnu: 968, base: None },
+    PartRow { part: Part::ChosenSetpoints, pnu: 915, base: None },
     PartRow { part: Part::SpeedSetpoint, pnu: 1682, base: None },
     PartRow { part: Part::SpeedActual, pnu: 1605, base: None },
     PartRow { part: Part::Speed, pnu: 1617, base: None },
