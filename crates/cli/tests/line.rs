@@ -8,12 +8,14 @@ use std::time::Duration;
 
 use drive_client::axis::Purpose;
 use drive_client::parameter::Selection;
-use drive_client::{AxisSettings, Client, Drive, DriveAddress, Error, LineConfig, Session, Wire, WriteMode};
+use drive_client::{
+    AxisSettings, Client, Drive, DriveAddress, Error, LineConfig, Model, Session, StopWay, Wire, WriteMode,
+};
 use profidrive::notation::ParameterReference;
 use profidrive::state::State;
 use profinet::Instant;
 use uss::{Protocol, SlaveConfig};
-use virtual_drive::model::{self, Model};
+use virtual_drive::model::{self, Model as Virtual};
 use virtual_drive::serial::{SerialConfig, SerialStation};
 use virtual_drive::station::StationEvent;
 
@@ -137,7 +139,7 @@ fn bench(protocol: Protocol, numbers: &[u8], line: Line) -> (Session<Shared>, Sh
 }
 
 fn bench_of(
-    model: &'static Model,
+    model: &'static Virtual,
     protocol: Protocol,
     numbers: &[u8],
     line: Line,
@@ -464,5 +466,55 @@ fn a_vlt_runs_by_the_words_that_8_10_chooses() {
             Some(0),
             "control was given back"
         );
+    }
+}
+
+/// A master that is gone has left the drive turning; the next one stops it and acknowledges by control word.
+#[test]
+fn converters_at_a_line_are_stopped_and_acknowledged_by_control_word() {
+    for (model, protocol, name) in [
+        (&model::VLT, Protocol::Fc, "fc:/dev/ttyX/1"),
+        (&model::VLT, Protocol::Uss, "uss:/dev/ttyX/1"),
+    ] {
+        let (mut session, bus) = bench_of(model, protocol, &[1], Line::default());
+        let found = find(&mut session, name).unwrap();
+        let mut drive = found.taken_for(Model::by_name(model.catalogue.model).unwrap());
+        let settings = AxisSettings::for_purpose(Purpose::Speed);
+        let mut axis = session.take_axis(&mut drive, settings).unwrap();
+        let mut enabled = axis.enable().unwrap();
+        enabled.run(300.0).unwrap();
+        enabled.hold(SECOND * 6).unwrap();
+        std::mem::forget(enabled);
+        std::mem::forget(axis);
+        assert!(bus.0.borrow().drives[0].drive().is_enabled(), "{name}");
+        let outcome = session
+            .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+            .unwrap();
+        assert!(outcome.sent && outcome.at_rest, "{name}: {outcome:?}");
+        assert!(
+            outcome.speed_before.is_some_and(|speed| speed > 200.0),
+            "{name}: {outcome:?}"
+        );
+        assert_eq!(StopWay::Stop.command(&drive), "OFF1 (control word)");
+        assert!(bus.0.borrow().drives[0].drive().axis().is_at_rest(), "{name}");
+        // nothing is sent to one that stands
+        let outcome = session.stop_drive(&mut drive, StopWay::Stop, SECOND).unwrap();
+        assert!(!outcome.sent && outcome.at_rest, "{name}: {outcome:?}");
+
+        let number = 9;
+        bus.0.borrow_mut().drives[0]
+            .drive_mut()
+            .inject_fault(number, false);
+        let present = |session: &mut Session<Shared>, drive: &mut Drive| -> Vec<u16> {
+            let report = session.fault_report(drive).unwrap();
+            report.present().map(|fault| fault.number).collect()
+        };
+        assert_eq!(present(&mut session, &mut drive), [number], "{name}");
+        let settings = AxisSettings::for_purpose(Purpose::Control);
+        let mut axis = session.take_axis(&mut drive, settings).unwrap();
+        axis.ready_or_fault().unwrap();
+        axis.acknowledge().unwrap();
+        axis.release().unwrap();
+        assert!(present(&mut session, &mut drive).is_empty(), "{name}");
     }
 }

@@ -4,12 +4,12 @@ mod bench;
 
 use std::time::Duration;
 
-use bench::{Bench, bench_of, find, ip, select};
+use bench::{Bench, bench_of, find, ip, select, with_drive};
 use drive_client::axis::{Purpose, SpeedUnit};
 use drive_client::backup::{Backup, Choice, Journal, compare};
 use drive_client::parameter::{Assignment, Content};
 use drive_client::status::diagnose;
-use drive_client::{AxisSettings, Drive, Error, Model, WriteMode};
+use drive_client::{AxisSettings, Drive, Error, Model, StopWay, WriteMode};
 use network::host::Host;
 use profidrive::catalogue::{Catalogue, Part};
 use profidrive::notation::Notation;
@@ -246,7 +246,7 @@ fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
                 waits.cause.id() == "no-controller" && waits.notes.is_empty(),
                 "{name}: {waits:?}"
             );
-            bench::with_drive(&mut session, ids[at], |drive| {
+            with_drive(&mut session, ids[at], |drive| {
                 drive.inject(happening.parse().expect("an injection"));
             });
             session.pass(Duration::from_secs(60)).expect("time passes");
@@ -282,7 +282,7 @@ fn a_warning_of_each_make_is_told_with_its_remedy() {
     let (mut session, ids) = bench_of(stations.collect());
     for ((name, number), id) in NAMES.into_iter().zip([304, 59, 14]).zip(ids) {
         let mut drive = find(&mut session, name).expect("there");
-        bench::with_drive(&mut session, id, |drive| {
+        with_drive(&mut session, id, |drive| {
             drive.inject(format!("warning={number}").parse().expect("an injection"));
         });
         session.pass(Duration::from_secs(1)).expect("time passes");
@@ -565,9 +565,9 @@ fn telegrams_of_the_makers_turn_their_drives_at_the_same_speed() {
         let mut drive = find(&mut session, name).expect("there");
         write(&mut session, &mut drive, setting, WriteMode::Write).expect("taken");
         for &number in telegrams {
-            let (speed, used) = turned(&mut session, name, with(number), -900.0)
+            let (speed, used) = turned(&mut session, name, with(number), 900.0)
                 .unwrap_or_else(|error| panic!("{name} {number}: {error}"));
-            assert!((speed + 900.0).abs() < 30.0, "{name} {number}: {speed}");
+            assert!((speed - 900.0).abs() < 30.0, "{name} {number}: {speed}");
             assert_eq!(used, number);
             // what is plugged is used by itself
             let (speed, used) = turned(&mut session, name, AxisSettings::default(), 600.0)
@@ -629,8 +629,8 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
             ..AxisSettings::default()
         };
         let (speed, telegram) =
-            turned(&mut session, "strange", percent, -20.0).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!((speed + 20.0).abs() < 1.5, "{name}: {speed} %");
+            turned(&mut session, "strange", percent, 20.0).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!((speed - 20.0).abs() < 1.5, "{name}: {speed} %");
         assert_eq!(telegram, 1);
         let error = turned(&mut session, "strange", percent, 120.0).expect_err("above the limit");
         assert_eq!(error.to_string(), "120 % is above the limit of 100 %");
@@ -667,4 +667,102 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
     );
     let (speed, _) = turned(&mut session, "vlt-1", percent, 40.0).expect("a VLT has one");
     assert!((speed - 40.0).abs() < 1.5, "{speed}");
+}
+
+#[test]
+fn a_fault_of_every_make_is_told_with_its_meaning_and_acknowledged() {
+    let stations = model::ALL.iter().zip(NAMES).zip(1..);
+    let stations = stations.map(|((model, name), last)| station_of(model, name, last, None));
+    let (mut session, ids) = bench_of(stations.collect());
+    for (((name, id), model), number) in NAMES.into_iter().zip(ids).zip(model::ALL).zip([439, 9, 1]) {
+        let mut drive = find(&mut session, name).expect("there");
+        for telegram in [None, Some(104), Some(149)] {
+            let has = |number: &u16| model.catalogue.device.telegram(*number).is_some();
+            if telegram.is_some_and(|number| !has(&number)) {
+                continue;
+            }
+            let row = model.catalogue.fault(number, false).expect("a fault");
+            with_drive(&mut session, id, |drive| drive.inject_fault(row.number, false));
+            session.pass(Duration::from_millis(200)).expect("time passes");
+            let report = session.fault_report(&mut drive).expect("told");
+            let present: Vec<_> = report.present().collect();
+            assert_eq!(present.len(), 1, "{name}: {present:?}");
+            let fault = present.first().expect("one");
+            assert_eq!(
+                (fault.number, fault.meaning, fault.remedy),
+                (row.number, Some(row.meaning), Some(row.remedy)),
+                "{name}"
+            );
+            assert!(
+                report.zsw1.is_some_and(|word| word & 8 != 0),
+                "{name}: {:04X?}",
+                report.zsw1
+            );
+            let status = session.status(&mut drive).expect("a status");
+            let diagnosis = diagnose(&status);
+            assert_eq!(diagnosis.cause.id(), "fault", "{name}: {diagnosis:?}");
+            assert!(diagnosis.sentence.contains(row.meaning), "{name}: {diagnosis:?}");
+            let settings = AxisSettings {
+                telegram,
+                ..AxisSettings::for_purpose(Purpose::Control)
+            };
+            let mut axis = session.take_axis(&mut drive, settings).expect("free");
+            axis.ready_or_fault().expect("connected");
+            axis.acknowledge()
+                .unwrap_or_else(|error| panic!("{name} {telegram:?}: {error}"));
+            axis.release().expect("released");
+            let report = session.fault_report(&mut drive).expect("told");
+            assert_eq!(report.present().count(), 0, "{name} {telegram:?}: {report:?}");
+            assert!(
+                report.zsw1.is_some_and(|word| word & 8 == 0),
+                "{name}: {:04X?}",
+                report.zsw1
+            );
+            // what was is still told
+            let before = report.faults.iter().map(|fault| (fault.number, fault.meaning));
+            let mut all = before.chain(report.log.iter().map(|fault| (fault.number, fault.meaning)));
+            assert!(
+                all.any(|one| one == (row.number, Some(row.meaning))),
+                "{name}: {report:?}"
+            );
+            let after = diagnose(&session.status(&mut drive).expect("a status"));
+            assert_ne!(after.cause.id(), "fault", "{name}: {after:?}");
+        }
+    }
+}
+
+#[test]
+fn a_converter_is_not_stopped_beside_its_controller_and_says_so() {
+    let mut session = makes();
+    for name in ["vlt-1", "vacon-1"] {
+        let mut drive = find(&mut session, name).expect("there");
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("free");
+        let mut enabled = axis.enable().expect("it starts");
+        enabled.reach_speed(300.0, None).expect("it runs");
+        let (inner, own) = enabled.session();
+        let error = inner
+            .stop_drive(own, StopWay::Stop, Duration::from_secs(1))
+            .expect_err("owned");
+        assert!(
+            error
+                .to_string()
+                .contains("no parameter that stops it, and controller \"client\""),
+            "{error}"
+        );
+        assert!(
+            error
+                .hint()
+                .is_some_and(|hint| hint.contains("at its controller")),
+            "{error}"
+        );
+        drop(enabled);
+        axis.release().expect("released");
+        let outcome = session.stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(1));
+        assert!(
+            outcome.is_ok_and(|outcome| !outcome.sent && outcome.at_rest),
+            "{name}"
+        );
+    }
 }

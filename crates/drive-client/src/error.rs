@@ -312,6 +312,18 @@ pub enum Error {
         /// Unit of the speeds.
         unit: &'static str,
     },
+    /// A make without a parameter that stops it, while its controller has the control word.
+    #[error(
+        "{drive}: a {make} has no parameter that stops it, and controller \"{controller}\" has its control word"
+    )]
+    NoStopBeside {
+        /// The drive.
+        drive: String,
+        /// The make.
+        make: &'static str,
+        /// Name of the controller.
+        controller: String,
+    },
     /// Speeds of this drive are not told in that unit.
     #[error("{drive}: {}", unit_text(*.wanted))]
     SpeedUnit {

@@ -53,12 +53,15 @@ pub fn in_space(dialect: &'static Dialect, space: CodeSpace) -> &'static Dialect
         .unwrap_or(dialect)
 }
 
+/// Formats that only the decimal numbering has.
+pub const DECIMAL: std::ops::RangeInclusive<u8> = 0x21..=0x2C;
+
 /// The numbering that the formats of descriptions are in: V3 where one is in its range, as no number of V4 is used there.
 pub fn space_of(descriptions: &[(u16, Description)]) -> CodeSpace {
     let codes = || descriptions.iter().map(|(_, one)| one.identifier.format().0);
     if codes().any(|code| (0x71..=0x7C).contains(&code)) {
         CodeSpace::V4
-    } else if codes().any(|code| (0x21..=0x2C).contains(&code)) {
+    } else if codes().any(|code| DECIMAL.contains(&code)) {
         CodeSpace::V3
     } else {
         CodeSpace::V4

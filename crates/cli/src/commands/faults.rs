@@ -199,7 +199,11 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         .catalogue
         .and_then(|tables| tables.with_role(Role::ClearFaults))
         .ok_or_else(|| {
-            let message = format!("{}: no parameter is known that clears its faults", drive.label());
+            let message = format!(
+                "{}: a {} has no parameter that clears its faults",
+                drive.label(),
+                drive.model.name
+            );
             Failure::new(Exit::Failed, message)
                 .hint("without --by-parameter control is taken and STW1 bit 7 does it")
         })?;

@@ -83,6 +83,10 @@ impl Error {
             Self::ScaleChanged { .. } => {
                 "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
             }
+            Self::NoStopBeside { .. } => {
+                "stop it at its controller, at its panel, or by its inputs for coast or stop; this command is no emergency stop"
+                    .into()
+            }
             Self::SpeedUnit { wanted: SpeedUnit::Rpm, .. } => {
                 "give the speed in percent (--velocity 20%), or say what 100 % is: --reference-speed 1500rpm".into()
             }

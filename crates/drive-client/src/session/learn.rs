@@ -2,8 +2,8 @@
 
 use profidrive::notation::Notation;
 use profidrive::parameter::{
-    Answer, Attribute, Description, Dialect, ErrorNumber, Identifier, ParameterAddress, RequestId, Response,
-    encode_read, plan_reads, pnu,
+    Answer, Attribute, CodeSpace, Description, Dialect, ErrorNumber, Identifier, ParameterAddress, RequestId,
+    Response, encode_read, plan_reads, pnu,
 };
 
 use super::Session;
@@ -12,6 +12,8 @@ use crate::learn::{self, KindOfDrive};
 use crate::parameter::{Parameters, Reading, Selection};
 use crate::{Drive, Error, Model, Wire};
 
+/// Control and status word.
+const WORDS: [u16; 2] = [967, 968];
 /// Elements of it that make a kind: maker, type, version, date.
 const OF_KIND: u16 = 5;
 /// The one that is the type of the drive unit.
@@ -105,8 +107,17 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the drive cannot be reached, or the caller wants to stop.
     pub fn find_channel(&mut self, drive: &mut Drive) -> Result<(), Error> {
-        if drive.model.catalogue.is_none() && !drive.is_on_line() {
-            self.kind(drive)?;
+        if drive.model.catalogue.is_some() || drive.is_on_line() {
+            return Ok(());
+        }
+        self.kind(drive)?;
+        // words of bits have a format of their own: it shows which of the two numberings the drive has
+        let words = self.read_numbers(drive, &WORDS)?;
+        if words
+            .iter()
+            .any(|reading| learn::DECIMAL.contains(&reading.format))
+        {
+            drive.model.dialect = learn::in_space(drive.model.dialect, CodeSpace::V3);
         }
         Ok(())
     }

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use profidrive::catalogue::{Parameter, Part};
 
-use super::Session;
+use super::{AxisSettings, Session};
+use crate::axis::Purpose;
 use crate::parameter::Assignment;
 use crate::{Drive, Error, Wire, WriteMode};
 
@@ -32,11 +33,11 @@ impl StopWay {
         }
     }
 
-    /// Name of the command, for a make that has it.
+    /// What is sent: the parameter of a make that has one, else the control word.
     #[must_use]
     pub fn command(self, drive: &Drive) -> &'static str {
         let parameter = drive.model.catalogue.and_then(|tables| tables.part(self.part()));
-        parameter.map_or("", |parameter| parameter.name)
+        parameter.map_or("OFF1 (control word)", |parameter| parameter.name)
     }
 }
 
@@ -60,10 +61,11 @@ impl<M: Wire> Session<M> {
     ///
     /// An axis that turns with its power stage off, because it coasts or a load pulls at it, is only waited for.
     ///
-    /// The controller of the drive is not asked and goes on: what it commands next may move the axis again.
+    /// The controller of the drive is not asked and goes on: what it commands next may move the axis again. A make that
+    /// has no parameter for it (VLT, Vacon) stops by its control word only, which is taken for a moment if nobody has it.
     ///
     /// # Errors
-    /// When the drive has no such command, refuses it, or cannot be reached.
+    /// When the drive has no such command and a controller has it, it refuses, or cannot be reached.
     pub fn stop_drive(
         &mut self,
         drive: &mut Drive,
@@ -72,12 +74,7 @@ impl<M: Wire> Session<M> {
     ) -> Result<StopOutcome, Error> {
         let command = drive.model.catalogue.and_then(|tables| tables.part(way.part()));
         let Some(command) = command else {
-            return Err(Error::UnknownModel {
-                drive: drive.label(),
-                what: "a parameter that stops it beside its controller",
-                vendor_id: drive.station.vendor_id,
-                device_id: drive.station.device_id,
-            });
+            return self.stop_by_word(drive, limit);
         };
         let before = self.look_at(drive, way)?;
         if before.enabled == Some(false) && before.at_rest {
@@ -99,6 +96,33 @@ impl<M: Wire> Session<M> {
             }
             self.pass(LOOK)?;
         }
+    }
+
+    fn stop_by_word(&mut self, drive: &mut Drive, limit: Duration) -> Result<StopOutcome, Error> {
+        let before = self.look_at(drive, StopWay::Disable)?;
+        if before.at_rest {
+            return Ok(before);
+        }
+        if let Some(Some(controller)) = self.owner(drive)? {
+            return Err(Error::NoStopBeside {
+                drive: drive.label(),
+                make: drive.model.name,
+                controller,
+            });
+        }
+        let settings = AxisSettings {
+            stop: limit,
+            ..AxisSettings::for_purpose(Purpose::Control)
+        };
+        let mut axis = self.take_axis(drive, settings)?;
+        axis.stop()?;
+        axis.release()?;
+        let seen = self.look_at(drive, StopWay::Disable)?;
+        Ok(StopOutcome {
+            sent: true,
+            speed_before: before.speed,
+            ..seen
+        })
     }
 
     fn command_stop(&mut self, drive: &mut Drive, command: &Parameter) -> Result<(), Error> {
