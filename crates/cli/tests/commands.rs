@@ -404,3 +404,25 @@ fn an_interface_is_refused_where_no_network_is_used() {
         assert_eq!(stdout(&output), "");
     }
 }
+
+/// A telegram that only one maker has needs no --model.
+#[test]
+fn the_number_of_a_telegram_says_whose_it_is() {
+    for (number, octets, words) in [
+        ("149", "04 7F 13 88 00 00 00 00 00 00 00 00", "MRV 50 %"),
+        ("102", "00 00 00 00 00 00 00 00 04 7C 20 00 00 00 00 00", "50 %"),
+        ("1", "04 7F 06 66", "NSOLL_A"),
+    ] {
+        let output = profidrive(&[
+            "decode",
+            "--hex",
+            octets,
+            "--telegram",
+            number,
+            "--from",
+            "controller",
+        ]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stdout(&output).contains(words), "{}", stdout(&output));
+    }
+}

@@ -4,10 +4,12 @@ use std::time::Duration;
 
 use drive_client::parameter::Parameters;
 use profidrive::catalogue::Scaling;
-use profidrive::telegram::{Direction, Field, Signal, Telegram};
+use profidrive::notation::{Quantity, UnitMismatch};
+use profidrive::telegram::{Direction, Field, Signal, Telegram, signal};
 use profinet::cyclic::Timing;
 use serde::Deserialize;
 use toml::Spanned;
+use virtual_drive::drive::Drive;
 
 use crate::file::{DrivePlan, Located, RawValues, assignments_of_signals, located};
 use crate::text::time;
@@ -134,10 +136,13 @@ impl RawController {
                 format!("more than {MOST_STEPS} steps"),
             ));
         }
+        // what a speed is in a telegram depends on the drive as it is set up; if it cannot be, the plant tells so
+        let unit = plan.build(plan.config(), 0).ok();
+        let made = unit.as_ref().map(|unit| unit.inner().endpoint().drive());
         let mut steps = Vec::new();
         for raw in &self.step {
             let at = located(&raw.get_ref().at, |text| time(text))?;
-            let action = read_action(raw, plan, telegram)?;
+            let action = read_action(raw, plan, made, telegram)?;
             steps.push(Step { at, action });
         }
         steps.sort_by_key(|step| step.at);
@@ -151,10 +156,15 @@ impl RawController {
     }
 }
 
-fn read_action(raw: &Spanned<RawStep>, plan: &DrivePlan, telegram: u16) -> Result<Action, Located> {
+fn read_action(
+    raw: &Spanned<RawStep>,
+    plan: &DrivePlan,
+    drive: Option<&Drive>,
+    telegram: u16,
+) -> Result<Action, Located> {
     let step = raw.get_ref();
     Ok(match (&step.send, &step.words, &step.connection) {
-        (Some(values), None, None) => Action::Send(read_signals(values, plan, telegram)?),
+        (Some(values), None, None) => Action::Send(read_signals(values, plan, drive, telegram)?),
         (None, Some(words), None) => Action::Words(words.get_ref().clone()),
         (None, None, Some(word)) => located(word, |word| {
             Ok(match word.as_str() {
@@ -181,10 +191,13 @@ fn read_action(raw: &Spanned<RawStep>, plan: &DrivePlan, telegram: u16) -> Resul
 fn read_signals(
     values: &RawValues,
     plan: &DrivePlan,
+    drive: Option<&Drive>,
     telegram: u16,
 ) -> Result<Vec<(&'static Field, i64)>, Located> {
     let vendor = plan.model.catalogue.device.vendor_id;
-    let image = Telegram::find(telegram, vendor).map(|telegram| &telegram.setpoint);
+    let known = Telegram::find(telegram, vendor);
+    let image = known.map(|telegram| &telegram.setpoint);
+    let converter = drive.zip(known).filter(|_| plan.model.roles.inverter.is_some());
     let mut fields = Vec::new();
     for (span, name, quantity) in assignments_of_signals(values)? {
         let refuse = |message: String| Located(span.clone(), message);
@@ -214,8 +227,15 @@ fn read_signals(
                     raw.cast_signed()
                 }
             }
+            None if signal.number == signal::NSOLL_A
+                && let Some((drive, telegram)) = converter =>
+            {
+                reference(&quantity, drive, telegram)
+                    .map_err(|problem| refuse(format!("{name}: {problem}")))?
+            }
             None => {
-                let parameter = plan.model.catalogue.by_pnu(signal.number);
+                let parameter = plan.model.process.signals.parameter(signal.number);
+                let parameter = parameter.and_then(|number| plan.model.numbered(number));
                 let unit = parameter.map_or("", |parameter| parameter.unit);
                 let value = quantity
                     .in_unit(unit)
@@ -247,3 +267,19 @@ fn read_signals(
     }
     Ok(fields)
 }
+
+/// The number of a speed or of a part of the highest reference in the speed word of a converter; without a unit it is that
+/// number itself.
+fn reference(quantity: &Quantity, drive: &Drive, telegram: &Telegram) -> Result<i64, UnitMismatch> {
+    Ok(match quantity.unit.as_deref() {
+        None => quantity.number.as_f64().round() as i64,
+        Some("%") => {
+            let full = telegram.full_speed.unwrap_or(N2_FULL);
+            (quantity.number.as_f64() / 100.0 * f64::from(full)).round() as i64
+        }
+        Some(_) => drive.speed_word(telegram, quantity.in_unit("rpm")?),
+    })
+}
+
+/// 100 % of a word of the type N2.
+const N2_FULL: u16 = 0x4000;

@@ -12,6 +12,7 @@ use profidrive::state::Zsw1;
 use profinet::controller::{ArId, ConnectConfig, Controller, ControllerConfig, Event, Resolve, Target};
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
+use profinet::wire::block::ModuleState;
 use profinet::{Instant, IpSuite};
 use virtual_drive::station::{Station, StationConfig};
 
@@ -518,11 +519,13 @@ impl Desk {
         match event {
             Event::Connected { ar, diff } if own == Some(ar) => {
                 self.send(controller);
-                let differs = if diff.is_some() {
-                    ", the modules differ"
-                } else {
-                    ""
-                };
+                // a drive may name a module of which nothing differs
+                let wrong = diff.is_some_and(|diff| {
+                    diff.modules
+                        .iter()
+                        .any(|module| module.state != ModuleState::PROPER)
+                });
+                let differs = if wrong { ", the modules differ" } else { "" };
                 Some(format!("connected{differs}"))
             }
             Event::Running { ar } if own == Some(ar) => Some("exchanges data".into()),

@@ -130,3 +130,45 @@ fn a_first_parameter_that_is_refused_is_told() {
     let error = World::new(&text.parse().unwrap()).unwrap_err().to_string();
     assert!(error.contains("press-1") && error.contains("refused"), "{error}");
 }
+
+/// Speeds of converters in rpm and percent, by the reference that the drive of the plant has; their modules are proper.
+#[test]
+fn a_converter_is_run_at_a_speed() {
+    for (model, telegram, parameters, speed) in [
+        ("vacon", 1, r#"ID103 = "0.5s""#, r#""600rpm""#),
+        ("vacon", 1, r#"ID103 = "0.5s", ID102 = "60Hz""#, r#""600rpm""#),
+        ("vacon", 149, r#"ID103 = "0.5s", ID101 = "10Hz""#, r#""600rpm""#),
+        ("vacon", 148, r#"ID103 = "0.5s""#, r#""40%""#),
+        ("vacon", 148, r#"ID103 = "0.5s""#, "4000"),
+        ("vlt", 1, r#"3-41 = "0.5s""#, r#""600rpm""#),
+        ("vlt", 1, r#"3-41 = "0.5s""#, r#""40%""#),
+    ] {
+        let plant = format!(
+            r#"
+            [[drive]]
+            model = "{model}"
+            name = "fan-1"
+            ip = "10.0.0.1/24"
+            parameters = {{ {parameters} }}
+            [[controller]]
+            drive = "fan-1"
+            telegram = {telegram}
+            step = [
+                {{ at = "0.5s", send = {{ STW1 = "0x047E" }} }},
+                {{ at = "1s", send = {{ STW1 = "0x047F", NSOLL_A = {speed} }} }},
+            ]
+            "#
+        );
+        let scenario = plant.parse().unwrap_or_else(|error| panic!("{plant}: {error}"));
+        let mut world = World::new(&scenario).unwrap();
+        let mut trace = Vec::new();
+        world.run_until(Instant::from_millis(6000), &mut |entry| trace.push(entry));
+        let speed = world.drive(0).unwrap().drive().axis().speed();
+        assert!((speed - 600.0).abs() < 12.0, "{plant}: {speed}");
+        assert!(told(&trace, "controller: connected").is_some(), "{trace:?}");
+        assert!(
+            told(&trace, "the modules differ").is_none(),
+            "nothing differs: {trace:?}"
+        );
+    }
+}

@@ -44,6 +44,19 @@ fn drive(args: &Decode, otherwise: &str) -> JobDrive {
         .map_or_else(JobDrive::default, JobDrive::new)
 }
 
+/// The model that a telegram can only be from; an AKD where it is one of the profile or of several makers.
+fn model_with(telegram: u16) -> &'static str {
+    let has = |name: &&&str| {
+        let model = Model::by_name(name).map(JobDrive::new);
+        model.is_some_and(|model| model.telegram(telegram).is_some())
+    };
+    let mut having = Model::NAMES.iter().filter(has);
+    match (having.next(), having.next()) {
+        (Some(only), None) => only,
+        _ => "akd",
+    }
+}
+
 fn octets(data: &[u8], args: &Decode) -> Result<Decoded, Failure> {
     let request = args.request.as_deref().map(parse_hex).transpose()?;
     let output = args.from.map(|sender| sender == Sender::Controller);
@@ -66,7 +79,10 @@ fn octets(data: &[u8], args: &Decode) -> Result<Decoded, Failure> {
         Some(Octets::Fc) => serial("vlt", Protocol::Fc),
         Some(Octets::Uss) => serial("standard", Protocol::Uss),
         None => match args.telegram {
-            Some(number) => job::telegram::decode(&drive(args, "akd"), number, data, output).map_err(none),
+            Some(number) => {
+                let drive = drive(args, model_with(number));
+                job::telegram::decode(&drive, number, data, output).map_err(none)
+            }
             None => job(match args.from {
                 Some(Sender::Controller) => Some(Side::Request),
                 Some(Sender::Drive) => Some(Side::Response),

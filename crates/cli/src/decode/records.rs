@@ -1,5 +1,6 @@
 //! Records by number.
 
+use profidrive::catalogue::{Parameter, RecordView, Scale, Scaling};
 use profidrive::parameter::ParameterAddress;
 
 use crate::job::JobDrive;
@@ -11,6 +12,7 @@ pub struct ParameterRecord {
     /// Name and number of the parameter, and which view it is.
     pub name: String,
     address: ParameterAddress,
+    view: &'static RecordView,
 }
 
 /// The parameter that a record of a drive is, where the drive has such records.
@@ -22,7 +24,7 @@ pub fn parameter(drive: &JobDrive, slot: u16, subslot: u16, index: u16) -> Optio
     let view = drive.record_view(slot, subslot)?;
     let address = drive.of_record(index)?;
     let name = format!("{}, {}-bit record", drive.label(address), 8 * view.octets);
-    Some(ParameterRecord { name, address })
+    Some(ParameterRecord { name, address, view })
 }
 
 impl ParameterRecord {
@@ -31,8 +33,32 @@ impl ParameterRecord {
         if data.is_empty() || data.len() > 4 {
             return content(data);
         }
-        let reading = drive.number(self.address, data);
-        format!("{}   [{}]", value::full(&reading), hex_bytes(data))
+        let finer = drive
+            .parameter(self.address)
+            .and_then(|parameter| self.finer(parameter, data));
+        let text = finer.unwrap_or_else(|| value::full(&drive.number(self.address, data)));
+        format!("{text}   [{}]", hex_bytes(data))
+    }
+
+    /// What the 32-bit view has and the parameter's own type has not: steps between, or more than its range.
+    fn finer(&self, parameter: &Parameter, data: &[u8]) -> Option<String> {
+        let octets: [u8; 4] = data.try_into().ok().filter(|_| self.view.octets == 4)?;
+        let native = if parameter.signed {
+            i64::from(i32::from_be_bytes(octets))
+        } else {
+            i64::from(u32::from_be_bytes(octets))
+        };
+        let factor = self.view.factor(parameter);
+        let (raw, rest) = (native / factor, native % factor);
+        let plain = factor == 1 && rest == 0 && parameter.range().contains(&raw);
+        if plain || !matches!(parameter.scale, Scale::Raw | Scale::Decimal(_)) {
+            return None;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "32 bits")]
+        let value = parameter.engineering(native, &Scaling::default()) / factor as f64;
+        // no more digits than the steps have
+        let rounded = (value * 1e4).round() / 1e4;
+        Some(format!("{rounded} {}", parameter.unit).trim_end().to_owned())
     }
 }
 
@@ -109,6 +135,21 @@ mod tests {
                 .name
                 .ends_with("32-bit record")
         );
+        for (subslot, index, data, words) in [
+            (1, 102, &[0x13, 0x88][..], "50 Hz   [13 88]"),
+            (2, 102, &[0x00, 0x07, 0xA1, 0x20], "50 Hz   [00 07 A1 20]"),
+            (2, 102, &[0x00, 0x09, 0x27, 0xC0], "60 Hz   [00 09 27 C0]"),
+            (2, 102, &[0x00, 0x09, 0x27, 0xC1], "60.0001 Hz   [00 09 27 C1]"),
+            (2, 102, &[0xFF; 4], "429496.7295 Hz   [FF FF FF FF]"),
+            (2, 103, &[0x00, 0x01, 0x00, 0x00], "6553.6 s   [00 01 00 00]"),
+            (2, 103, &[0x00, 0x00, 0x00, 0x32], "5 s   [00 00 00 32]"),
+            (2, 2, &[0xFF, 0xFF, 0xFA, 0x24], "-1500 rpm   [FF FF FA 24]"),
+        ] {
+            let text = parameter(&drive, 1, subslot, index)
+                .unwrap()
+                .content(&drive, data);
+            assert_eq!(text, words, "{subslot} {index}");
+        }
         assert!(parameter(&drive, 0, 1, 103).is_none() && parameter(&drive, 1, 1, 0xAFF0).is_none());
         assert!(parameter(&JobDrive::default(), 1, 1, 103).is_none());
     }

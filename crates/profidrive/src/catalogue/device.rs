@@ -1,5 +1,6 @@
 //! What a drive model is on its field bus: numbers that a controller must match and a virtual drive must show.
 
+use super::Parameter;
 use crate::telegram::{Telegram, signal};
 
 /// Identity and modules of a drive model.
@@ -83,6 +84,28 @@ pub struct RecordView {
     pub subslot: u16,
     /// Octets of every value: 2 or 4.
     pub octets: u8,
+}
+
+impl RecordView {
+    /// What the 32-bit view multiplies with where it resolves finer: a frequency 0.0001 Hz instead of 0.01 Hz.
+    const FINER: i64 = 100;
+
+    /// What the raw value of a parameter is multiplied with in this view.
+    ///
+    /// Source: Vacon 100 PROFINET manual 5.4.4, OPTEA manual p. 116 (ID 102 is 0x1388 in 16 bits and 0x0007A120 in 32).
+    /// That every frequency of two decimals is like it, and nothing else, is our reading of the one example there is.
+    ///
+    /// ```
+    /// use profidrive::catalogue::VACON;
+    /// let [short, long] = VACON.device.layout.records else { panic!() };
+    /// let (frequency, time) = (VACON.at(10_001, 102).unwrap(), VACON.at(10_001, 103).unwrap());
+    /// assert_eq!((short.factor(frequency), long.factor(frequency), long.factor(time)), (1, 100, 1));
+    /// ```
+    #[must_use]
+    pub fn factor(&self, parameter: &Parameter) -> i64 {
+        let finer = self.octets == 4 && parameter.scale.exponent() == Some(-2) && parameter.unit == "Hz";
+        if finer { Self::FINER } else { 1 }
+    }
 }
 
 /// A text in two languages.

@@ -53,8 +53,10 @@ pub struct Dialect {
     pub change_response: ChangeResponse,
     /// Parameters in one request at most.
     pub max_parameters: u8,
-    /// Values in one request or response at most, all parameters together.
+    /// Values in one request or response at most, all parameters together, that a client asks for.
     pub max_values: u16,
+    /// The same that a drive answers: more where its documents name two numbers.
+    pub served_values: u16,
     /// Octets of one request or response at most.
     pub max_block: usize,
     /// Answers only Byte, Word and Double word.
@@ -78,8 +80,10 @@ pub struct Dialect {
     /// Error number for octets behind the last value of a change, nothing is changed then; `None`: the record write is
     /// refused.
     pub trailing: Option<ErrorNumber>,
-    /// Error number for more values in a change than [`max_values`](Self::max_values).
+    /// Error number for more values in a change than [`served_values`](Self::served_values).
     pub too_many_values: ErrorNumber,
+    /// Tells with an error which subindex it is about.
+    pub error_info: bool,
     /// Error number for the reserved reference 0; `None`: it is mirrored like any other.
     pub bad_reference: Option<ErrorNumber>,
     /// Meanings of manufacturer-specific error numbers.
@@ -98,6 +102,7 @@ impl Dialect {
         change_response: ChangeResponse::Header,
         max_parameters: 39,
         max_values: u16::MAX,
+        served_values: u16::MAX,
         max_block: 240,
         substitution_only: false,
         exact_length: false,
@@ -110,6 +115,7 @@ impl Dialect {
         too_few_addresses: None,
         trailing: None,
         too_many_values: ErrorNumber::VALUE_COUNT,
+        error_info: true,
         bad_reference: None,
         error_names: ErrorNames::Profile,
     };
@@ -151,10 +157,12 @@ impl Dialect {
         ..Self::STANDARD
     };
 
-    /// Vacon OPTEA and OPTE9: axis 1, 39 values in a frame, own error numbers for malformed requests.
+    /// Vacon OPTEA and OPTE9: axis 1, own error numbers for malformed requests, errors without additional information.
     ///
-    /// Interpretation: 0x6D (invalid change request) is the answer to octets behind the values and to more values than a
-    /// frame takes; a wrong axis gets the profile's 0x19, as OPTEA has 0x67 as reserved.
+    /// Interpretation: 0x6D (invalid change request) is the answer to octets behind the values; a wrong axis gets the
+    /// profile's 0x19, as OPTEA has 0x67 as reserved. OPTEA p. 119 allows 1 to 234 elements of an array, p. 120 names 39
+    /// values for a frame: a drive answers what fits a block, a client asks for 39 at a time, which is right for both.
+    /// That errors have no additional information is how the examples of the manual look.
     pub const VACON: Self = Self {
         name: "Vacon",
         saving: Saving::Always,
@@ -170,6 +178,7 @@ impl Dialect {
         too_few_addresses: Some(ErrorNumber::VACON_TOO_SHORT),
         trailing: Some(ErrorNumber::VACON_INVALID_CHANGE),
         too_many_values: ErrorNumber::VACON_INVALID_CHANGE,
+        error_info: false,
         bad_reference: Some(ErrorNumber::VACON_REFERENCE),
         error_names: ErrorNames::Vacon,
         ..Self::STANDARD

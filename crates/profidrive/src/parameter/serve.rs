@@ -136,15 +136,17 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// A negative response that answers the request itself: every parameter gets the error, so that there are as many
-    /// answers as the header says. Where a block has no room for so many there is one.
+    /// A negative response that answers the request itself: every parameter gets the error, and where a block has no room
+    /// for so many there is one answer. The header says how many answers there are.
     fn whole(mut self, header: [u8; HEADER], number: ErrorNumber) -> Result<usize, Refusal> {
-        self.out.put(&header).ok_or(Refusal::Room)?;
-        let [_, _, _, parameters] = header;
+        let [reference, response_id, axis, parameters] = header;
         let answers = match parameters {
             count if HEADER + ERROR_BLOCK * usize::from(count) <= self.dialect.max_block => count.max(1),
             _ => 1,
         };
+        self.out
+            .put(&[reference, response_id, axis, answers])
+            .ok_or(Refusal::Room)?;
         for left in (0..answers).rev() {
             self.error(number.into(), left.into())?;
         }
@@ -154,8 +156,8 @@ impl Job<'_> {
     fn error(&mut self, error: ParameterError, left: usize) -> Result<(), Refusal> {
         self.failed = true;
         let [high, low] = error.number.0.to_be_bytes();
-        let fits = self.room(left) >= 6;
-        match error.info.filter(|_| fits) {
+        let told = self.dialect.error_info && self.room(left) >= 6;
+        match error.info.filter(|_| told) {
             Some(info) => {
                 let [info_high, info_low] = info.to_be_bytes();
                 self.out
@@ -286,7 +288,7 @@ impl Job<'_> {
     /// Counts values against the limit of all parameters together.
     fn count(&mut self, values: u8, number: ErrorNumber) -> Result<(), ErrorNumber> {
         let sum = self.values.saturating_add(values.into());
-        if sum > self.dialect.max_values {
+        if sum > self.dialect.served_values {
             return Err(number);
         }
         self.values = sum;

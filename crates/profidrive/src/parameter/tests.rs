@@ -408,8 +408,8 @@ fn impossible_numbers_of_parameters() {
     );
     assert_eq!(
         ask(&Dialect::VACON, &head(60)).unwrap(),
-        hex("01 81 00 3C 44 01 00 68"),
-        "no room for so many"
+        hex("01 81 00 01 44 01 00 68"),
+        "no room for so many, and the header says so"
     );
     assert_eq!(ask(&Dialect::AKD, "01 01 00"), Err(Refusal::Length));
     assert_eq!(

@@ -4,7 +4,7 @@ use super::{Direction::*, Field, Image, Signal, Telegram};
 
 /// All signals.
 #[rustfmt::skip]
-pub static SIGNALS: [Signal; 60] = [
+pub static SIGNALS: [Signal; 63] = [
     Signal { number: 1, name: "STW1", vendor: None, bits: 16, signed: false, direction: Setpoint, meaning: "Control word 1", source: "AKD PROFINET manual ed. M (10/2017) 5.8" },
     Signal { number: 2, name: "ZSW1", vendor: None, bits: 16, signed: false, direction: Actual, meaning: "Status word 1", source: "AKD PROFINET manual ed. M (10/2017) 5.8" },
     Signal { number: 3, name: "STW2", vendor: None, bits: 16, signed: false, direction: Setpoint, meaning: "Control word 2, bits 12 to 15 the controller's sign of life", source: "Siemens S110 Function Manual 01/2011 p. 532" },
@@ -65,6 +65,9 @@ pub static SIGNALS: [Signal; 60] = [
     Signal { number: 102, name: "MELDW", vendor: Some(0x002a), bits: 16, signed: false, direction: Actual, meaning: "Message word", source: "Siemens S120 Installation and Start-Up 12/04 p. 4-102" },
     Signal { number: 301, name: "FAULT_CODE", vendor: Some(0x002a), bits: 16, signed: false, direction: Actual, meaning: "Fault number", source: "name: Siemens G220 04/2024 p. 334-338" },
     Signal { number: 303, name: "WARN_CODE", vendor: Some(0x002a), bits: 16, signed: false, direction: Actual, meaning: "Warning number", source: "name: Siemens G220 04/2024 p. 334-338" },
+    Signal { number: 137, name: "DW_PDI6", vendor: Some(0x01ba), bits: 32, signed: false, direction: Setpoint, meaning: "32-bit process data in 6", source: "Vacon 100 PROFINET manual p. 30 and table 23" },
+    Signal { number: 138, name: "DW_PDI7", vendor: Some(0x01ba), bits: 32, signed: false, direction: Setpoint, meaning: "32-bit process data in 7", source: "Vacon 100 PROFINET manual p. 30 and table 23" },
+    Signal { number: 139, name: "DW_PDI8", vendor: Some(0x01ba), bits: 32, signed: false, direction: Setpoint, meaning: "32-bit process data in 8", source: "Vacon 100 PROFINET manual p. 30 and table 23" },
 ];
 
 /// All telegrams.
@@ -772,5 +775,14 @@ pub mod signal {
         pub const FAULT_CODE: u16 = 301;
         /// Warning number.
         pub const WARN_CODE: u16 = 303;
+    }
+    /// Signal numbers of this maker.
+    pub mod vacon {
+        /// 32-bit process data in 6.
+        pub const DW_PDI6: u16 = 137;
+        /// 32-bit process data in 7.
+        pub const DW_PDI7: u16 = 138;
+        /// 32-bit process data in 8.
+        pub const DW_PDI8: u16 = 139;
     }
 }

@@ -239,7 +239,11 @@ impl Inverter {
 
     /// Speed in rpm that a number of the maker's own speed word means, `full` of them being all.
     pub fn own_speed(&self, value: i64, full: u16) -> f64 {
-        let part = value as f64 / f64::from(full.max(1));
+        self.speed_of_range(value as f64 / f64::from(full.max(1)))
+    }
+
+    /// The speed that is this part of the way from the lowest to the highest reference, or of the highest one.
+    pub fn speed_of_range(&self, part: f64) -> f64 {
         let [lowest, highest] = self.reference;
         if self.own_speed_of_range {
             part.signum() * lowest + part * (highest - lowest)

@@ -93,7 +93,7 @@ fn every_parameter_of_every_model_is_written() {
             }
             written += 1;
         }
-        assert!(written > 100, "{written}");
+        assert!(written >= 100, "{written}");
     }
 }
 

@@ -69,6 +69,11 @@ impl Drive {
             Live::Fault(number) => i64::from(self.faults.active(usize::from(number))),
             Live::Warning(number) => i64::from(self.faults.warning(usize::from(number))),
             Live::Signal(number) => self.process.signal(number),
+            Live::SpeedReference => {
+                let part = self.settings.inverter.as_ref();
+                let part = part.map_or(0.0, |inverter| inverter.part_of_range(self.process.speed));
+                parameter.raw(100.0 * part, &self.settings.scaling)
+            }
             Live::AlarmWord(first) => self.alarm_word(false, first),
             Live::WarningWord(first) => self.alarm_word(true, first),
             Live::ExtendedStatus => self.extended_status(),
@@ -191,6 +196,9 @@ impl Drive {
             Table::HistoryValues => self.history.at(element).value.into(),
             Table::HistoryTimes => i64::from(self.history.at(element).at.as_millis() as u32),
             Table::SetpointWords | Table::ActualWords => 0,
+            Table::WideWords => self
+                .wide_word(element)
+                .map_or(0, |position| self.element(position, 0).unwrap_or(0) & 0xFFFF),
             Table::Changed(list) => self.changed(usize::from(list) * PER_LIST + element, element),
             Table::Identification => unit.get(element).copied().unwrap_or(0),
             // Type class 1 is an axis; application classes 1 and, with positioning, 3; the axis number that requests carry.

@@ -221,7 +221,8 @@ impl Drive {
         Signal::find(number, self.model.catalogue.device.vendor_id)?;
         let of = self.model.process.signals.parameter(number)?;
         let parameter = self.model.numbered(of)?;
-        (parameter.name != RESERVED).then_some(of)
+        // an application id is a subindex of the number that collects them
+        (parameter.name != RESERVED).then_some(parameter.pnu)
     }
 }
 

@@ -158,3 +158,62 @@ fn a_lost_fieldbus_is_what_id_733_says() {
         assert_eq!(bench.read(37), if trips { 53 } else { 0 });
     }
 }
+
+/// ID 2003 and 875 are percent in steps of 0.01, like ID 2103 and 865: also when the telegram counts in N2.
+#[test]
+fn the_reference_reads_in_percent_whatever_the_telegram_counts_in() {
+    for (telegram, raw) in [(1, 6554), (148, 4000), (149, 4000)] {
+        let mut bench = Bench::new(&VACON, telegram);
+        bench.send(0x047E, 0, 40);
+        bench.send(0x047F, raw, 8000);
+        assert_eq!((bench.read(2003), bench.read(875)), (4000, 4000), "{telegram}");
+        assert!(
+            (bench.read(2103) - 4000).abs() < 60,
+            "{telegram}: {}",
+            bench.read(2103)
+        );
+        bench.send(0x047F, -raw, 8000);
+        assert_eq!(bench.read(2003), -4000, "{telegram}");
+        // the controller's own
+        assert_eq!(bench.write(2003, 1000), Err(ErrorNumber::NOT_NOW));
+    }
+    // written without a controller it is the same number
+    let mut drive = Drive::new(&VACON);
+    drive.write(10_001, 2003, 4000, Keep::Volatile).unwrap();
+    assert_eq!(
+        (drive.parameter(2003), drive.parameter(875)),
+        (Some(4000), Some(4000))
+    );
+}
+
+/// PNU 923 names parameters, and the 32-bit process data in are those that came.
+#[test]
+fn signals_are_parameters_and_wide_process_data_are_what_came() {
+    let mut bench = Bench::new(&VACON, 150);
+    let signal = |bench: &mut Bench, number: u16| bench.drive.read(923, number).unwrap();
+    for (number, pnu) in [(1, 10_001), (2, 10_001), (5, 10_001), (6, 10_001)] {
+        assert_eq!(signal(&mut bench, number), pnu, "{number}");
+    }
+    for number in 137..=139 {
+        assert_eq!(signal(&mut bench, number), 10_122, "{number}");
+    }
+    assert_eq!((signal(&mut bench, 3), signal(&mut bench, 136)), (0, 0));
+    for (place, octet) in bench.outputs[4..20].chunks_exact_mut(2).zip(0x11..) {
+        place.copy_from_slice(&[0, octet]);
+    }
+    bench.send(0x047E, 0, 40);
+    let read = |bench: &mut Bench, at: u16| bench.drive.read(10_122, at).unwrap();
+    let wide: Vec<u64> = (0..8).map(|at| read(&mut bench, at)).collect();
+    assert_eq!(wide, [0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17, 0x18]);
+    // what does not fit a word of the process data is not taken
+    let mut drive = Drive::new(&VACON);
+    drive.write(10_122, 2, 0x1234, Keep::Volatile).unwrap();
+    assert_eq!(
+        (drive.parameter(2006), drive.read(10_122, 2)),
+        (Some(0x1234), Ok(0x1234))
+    );
+    assert_eq!(
+        drive.write(10_122, 2, 0x1_0000, Keep::Volatile),
+        Err(ErrorNumber::LIMIT)
+    );
+}

@@ -33,10 +33,25 @@ impl Drive {
         }
     }
 
-    /// The number of the speed in the speed word of the telegram in use.
+    /// The number of the present speed in the speed word of the telegram in use.
     pub(super) fn speed_number(&self) -> i64 {
-        let speed = self.axis.measured_speed();
-        match (&self.settings.inverter, self.own_full_speed()) {
+        self.number_of_speed(self.axis.measured_speed())
+    }
+
+    /// The number of a speed in the speed word of the telegram in use.
+    pub(super) fn number_of_speed(&self, speed: f64) -> i64 {
+        self.speed_in(self.own_full_speed(), speed)
+    }
+
+    /// What stands in the speed word of a telegram for a speed in rpm: by the reference that the drive has now, in the
+    /// steps of that telegram.
+    #[must_use]
+    pub fn speed_word(&self, telegram: &Telegram, speed: f64) -> i64 {
+        self.speed_in(telegram.full_speed, speed)
+    }
+
+    fn speed_in(&self, full: Option<u16>, speed: f64) -> i64 {
+        match (&self.settings.inverter, full) {
             (Some(inverter), Some(full)) => {
                 let number = inverter.own_number(speed, full).round();
                 number.clamp(f64::from(i16::MIN), f64::from(i16::MAX)) as i64
@@ -202,6 +217,12 @@ impl Drive {
             _ => return self.values.element_at(position, element),
         };
         self.model.process.signals.parameter(fixed).map_or(0, i64::from)
+    }
+
+    /// Where in the catalogue the word of process data in is that an element of the wide ones has.
+    pub(super) fn wide_word(&self, element: usize) -> Option<usize> {
+        let number = self.chosen_number(&self.model.process.setpoints, 0, element);
+        numbered(self.model.catalogue, number).filter(|_| number != 0)
     }
 
     /// The word of process data that is shown as a parameter of its own.

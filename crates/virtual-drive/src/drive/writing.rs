@@ -5,7 +5,7 @@ use std::time::Duration;
 use profidrive::catalogue::{Access, Parameter};
 
 use profidrive::parameter::ErrorNumber;
-use profidrive::telegram::Direction;
+use profidrive::telegram::{Direction, signal};
 
 use super::{Drive, Event, Service};
 use crate::model::{Action, Live, Table, numbered};
@@ -70,6 +70,11 @@ impl Drive {
             Live::Array(Table::SetpointWords | Table::ActualWords) => {
                 self.choose_word(position, element, raw)?;
             }
+            Live::Array(Table::WideWords) => {
+                let word = u16::try_from(raw).map_err(|_| ErrorNumber::LIMIT)?;
+                let place = self.wide_word(element.into()).ok_or(ErrorNumber::NOT_NOW)?;
+                self.set_element(place, 0, word.into())?;
+            }
             Live::ControlWord => return Err(ErrorNumber::NOT_NOW),
             Live::Signal(number) => {
                 if self.is_commanded(number) {
@@ -77,6 +82,16 @@ impl Drive {
                 }
                 self.within_limits(parameter, raw)?;
                 self.take_setpoint(number, None, raw);
+            }
+            Live::SpeedReference => {
+                if self.is_commanded(signal::NSOLL_A) {
+                    return Err(ErrorNumber::NOT_NOW);
+                }
+                self.within_limits(parameter, raw)?;
+                let part = parameter.engineering(raw, &self.settings.scaling) / 100.0;
+                let inverter = self.settings.inverter.as_ref();
+                let speed = inverter.map_or(0.0, |inverter| inverter.speed_of_range(part));
+                self.take_setpoint(signal::NSOLL_A, None, self.number_of_speed(speed));
             }
             Live::FaultSituations => {
                 if raw != 0 {

@@ -17,6 +17,9 @@ pub enum Live {
     Through(u16),
     /// A setpoint signal of another number: the value that came last.
     Signal(u16),
+    /// The speed setpoint that came last, % of the way from the lowest to the highest reference, whatever its steps in the
+    /// telegram are.
+    SpeedReference,
     /// The control word that the controller sent last.
     ControlWord,
     /// The status word that the drive sends.
@@ -219,6 +222,8 @@ pub enum Table {
     SetpointWords,
     /// PNU 916 of such a drive.
     ActualWords,
+    /// The process data in of a telegram, one for each element, in 32 bits (PNU 10122 of a Vacon).
+    WideWords,
     /// Codes of the faults that came last, the newest first.
     LogCodes,
     /// When they came, s since power on.

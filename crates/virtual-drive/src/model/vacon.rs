@@ -65,12 +65,16 @@ const PLANT: Plant = Plant {
     ..Plant::INDUCTION
 };
 
-/// Control word, reference, status word, actual speed (ID 2001, 2003, 2101, 2103).
+/// Control word, reference, status word, actual speed (ID 2001, 2003, 2101, 2103), and the signals that a source names
+/// beside them.
 const SIGNALS: &[(u16, u16)] = &[
     (signal::STW1, 2001),
     (signal::ZSW1, 2101),
     (signal::NSOLL_A, 2003),
     (signal::NIST_A, 2103),
+    (signal::vacon::DW_PDI6, 10_122),
+    (signal::vacon::DW_PDI7, 10_122),
+    (signal::vacon::DW_PDI8, 10_122),
 ];
 
 const INVERTER: InverterRoles = InverterRoles {
@@ -193,7 +197,7 @@ const LIVE: &[(u16, Live)] = &[
     (872, word(true, 6)),
     (873, word(true, 7)),
     (874, Live::ControlWord),
-    (875, Live::Signal(signal::NSOLL_A)),
+    (875, Live::SpeedReference),
     (876, word(false, 0)),
     (877, word(false, 1)),
     (878, word(false, 2)),
@@ -223,7 +227,7 @@ const LIVE: &[(u16, Live)] = &[
     (988, Live::Array(Table::Numbers(8))),
     (989, Live::Array(Table::Numbers(9))),
     (2001, Live::ControlWord),
-    (2003, Live::Signal(signal::NSOLL_A)),
+    (2003, Live::SpeedReference),
     (2101, Live::StatusWord),
     (2103, Live::Measured(Quantity::SpeedOfRange)),
     (2104, word(true, 0)),
@@ -234,4 +238,5 @@ const LIVE: &[(u16, Live)] = &[
     (2109, word(true, 5)),
     (2110, word(true, 6)),
     (2111, word(true, 7)),
+    (10_122, Live::Array(Table::WideWords)),
 ];

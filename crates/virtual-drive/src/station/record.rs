@@ -9,10 +9,6 @@ use profinet::wire::status::record as code1;
 
 use crate::drive::Drive;
 
-/// What the 32-bit view multiplies with: it resolves a hundred times finer what has decimals (frequency 0.0001 Hz). That
-/// it does so with every value that has two decimals, and with no other, is our reading of the one example there is.
-const FINER: i64 = 100;
-
 /// ErrorCode1 for what a parameter does not take.
 fn refusal(number: ErrorNumber) -> u8 {
     match number {
@@ -29,8 +25,7 @@ impl Drive {
         let catalogue = self.model().catalogue;
         let (pnu, base) = catalogue.meant(index, None);
         let parameter = catalogue.by_address(pnu, Some(base?))?;
-        let finer = view.octets == 4 && parameter.scale.exponent() == Some(-2) && parameter.unit == "Hz";
-        Some((pnu, base?, parameter.signed, if finer { FINER } else { 1 }))
+        Some((pnu, base?, parameter.signed, view.factor(parameter)))
     }
 
     /// The value of a record.
@@ -50,7 +45,7 @@ impl Drive {
         Ok(octets.get(from..).unwrap_or_default().to_vec())
     }
 
-    /// Sets the value of a record. A Vacon keeps it.
+    /// Sets the value of a record. A Vacon keeps it. What is finer than the value is kept is refused, not cut; that is ours.
     pub(super) fn write_record(
         &mut self,
         view: RecordView,
@@ -60,19 +55,21 @@ impl Drive {
         let refuse = PnioStatus::write;
         let found = self.of_record(view, index);
         let (pnu, subindex, signed, factor) = found.ok_or(refuse(code1::INVALID_INDEX))?;
-        let raw = match (data, signed) {
+        let native = match (data, signed) {
             _ if data.len() != usize::from(view.octets) => return Err(refuse(code1::LENGTH)),
             ([a, b], true) => i64::from(i16::from_be_bytes([*a, *b])),
             ([a, b], false) => i64::from(u16::from_be_bytes([*a, *b])),
             ([a, b, c, d], true) => i64::from(i32::from_be_bytes([*a, *b, *c, *d])),
             ([a, b, c, d], false) => i64::from(u32::from_be_bytes([*a, *b, *c, *d])),
             _ => return Err(refuse(code1::LENGTH)),
-        } / factor;
-        let fits = if signed {
-            i16::try_from(raw).is_ok()
-        } else {
-            u16::try_from(raw).is_ok()
         };
+        let raw = native / factor;
+        let fits = native % factor == 0
+            && if signed {
+                i16::try_from(raw).is_ok()
+            } else {
+                u16::try_from(raw).is_ok()
+            };
         let writable = self.attributes(pnu, subindex).is_some_and(|facts| facts.writable);
         match (fits, writable) {
             (_, false) => Err(refuse(code1::ACCESS_DENIED)),
@@ -107,6 +104,12 @@ mod tests {
         assert_eq!(drive.write_record(LONG, 102, &[0x00, 0x04, 0x93, 0xE0]), Ok(()));
         assert_eq!(drive.read_record(SHORT, 102), Ok(vec![0x0B, 0xB8])); // 30 Hz
         let refused = |code| Err(PnioStatus::write(code));
+        // 60.0001 Hz cannot be kept, and what cannot be kept is not taken
+        assert_eq!(
+            drive.write_record(LONG, 102, &[0x00, 0x09, 0x27, 0xC1]),
+            refused(code1::INVALID_PARAMETER)
+        );
+        assert_eq!(drive.read_record(SHORT, 102), Ok(vec![0x0B, 0xB8]));
         assert_eq!(drive.write_record(SHORT, 102, &[1]), refused(code1::LENGTH));
         assert_eq!(
             drive.write_record(SHORT, 1, &[0, 1]),

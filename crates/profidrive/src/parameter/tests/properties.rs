@@ -128,6 +128,10 @@ proptest! {
         prop_assert_eq!(response.answers().count(), addresses.len());
         for (answer, &address) in response.answers().zip(&addresses) {
             let Answer::Values(block) = answer else { continue };
+            // a drive may give more at once than a client writes
+            if u16::from(block.count) > dialect.max_values {
+                continue;
+            }
             let value = NewValue { address, format: block.format, count: block.count, data: block.data };
             let length = encode_change_as(change, 10, &dialect, &[value], &mut request).unwrap();
             let mut written = [0; 240];

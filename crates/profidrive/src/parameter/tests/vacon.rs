@@ -1,4 +1,4 @@
-//! What a Vacon does its own way: application ids behind one number, its error numbers, 39 values in a frame.
+//! What a Vacon does its own way: application ids behind one number, its error numbers, how many values in a frame.
 
 use alloc::format;
 
@@ -51,7 +51,7 @@ fn drive_parameters_of_a_vacon() {
     );
     assert_eq!(
         served(VACON, "03 01 01 01 10 03 27 11 06 A5"),
-        hex("03 81 01 01 44 02 00 03 06 A7")
+        hex("03 81 01 01 44 01 00 03")
     );
 }
 
@@ -76,6 +76,11 @@ fn vacon_error_numbers() {
             (answer[1], answer[2]),
             (response, hex(head)[2]),
             "{head}: the axis is mirrored"
+        );
+        assert_eq!(
+            usize::from(answer[3]),
+            answer[4..].len() / 4,
+            "{head}: as many as are there"
         );
         assert_eq!(answer[4..8], [0x44, 1, 0, expected], "{head}");
     }
@@ -103,18 +108,19 @@ fn vacon_error_numbers() {
     }
 }
 
-/// 39 parameters and 39 values in a frame (OPTEA p. 120), both ways and for the client's plan.
+/// 39 parameters; of an array what fits a block (1 to 234 elements, OPTEA p. 119), and a client asks for 39 values at a
+/// time (p. 120).
 #[test]
-fn a_frame_of_a_vacon_has_39_values() {
+fn a_vacon_gives_what_fits_a_block_and_is_asked_for_39_values() {
     let many = |count: u8| format!("01 01 01 {count:02X} ") + &"10 01 27 11 00 67 ".repeat(count.into());
     assert_eq!(served(VACON, &many(39)).len(), 4 + 39 * 4);
     assert_eq!(number(VACON, &many(40)), 0x68);
     let array = |elements: u8| format!("01 01 01 01 10 {elements:02X} 03 B3 00 00");
     assert_eq!(served(VACON, &array(39)).len(), 6 + 78);
-    assert_eq!(number(VACON, &array(40)), 0x15);
+    assert_eq!(served(VACON, &array(40)).len(), 6 + 80);
     assert_eq!(
-        number(VACON, "01 01 01 02 10 26 03 B3 00 00 10 02 03 B3 00 00"),
-        0x15
+        served(VACON, "01 01 01 02 10 26 03 B3 00 00 10 02 03 B3 00 00").len(),
+        4 + 2 + 76 + 2 + 4
     );
     assert_eq!(
         number(VACON, "01 01 01 01 10 EB 03 B3 00 00"),
