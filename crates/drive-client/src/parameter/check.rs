@@ -69,9 +69,9 @@ pub struct CheckedValue {
     pub unit: &'static str,
 }
 
-/// How far the nearest value that a drive can hold may be from the one asked for, as a share of it: one hundredth. What is
-/// further away is refused before anything is sent, and so is a value that would become zero.
-pub const MOST_ROUNDING: f64 = 0.01;
+/// How far the nearest value that a drive can hold may be from the one asked for, as a share of it: a tenth. What is
+/// further away is refused before anything is sent, and so is a value that would become zero; what is nearer is told.
+pub const MOST_ROUNDING: f64 = 0.1;
 /// A value this near to the one asked for is the same for everybody.
 const SAME: f64 = 1e-6;
 
@@ -391,6 +391,8 @@ mod tests {
         let near = check("1004=99rpm").unwrap();
         assert_eq!((near.raw, near.asked, near.is_rounded()), (270, 99.0, true));
         assert!((near.engineering - 98.853).abs() < 1e-3, "{near:?}");
+        let slow = check("1004=5").unwrap();
+        assert_eq!((slow.raw, slow.is_rounded()), (14, true));
         assert!(!check("DRV.ACC=5000rpm/s").unwrap().is_rounded());
         assert!(!check("1004=0rpm").unwrap().is_rounded());
         assert!(!check("1004=0x0001").unwrap().is_rounded(), "raw is as it is");
@@ -403,7 +405,10 @@ mod tests {
                 "1004=-0.01rps",
                 "-0.01 rps cannot be held: the nearest values are -0.7322",
             ),
-            ("1004=5", "5 rpm cannot be held: the nearest values are 4.7595"),
+            (
+                "1004=0.5rpm",
+                "0.5 rpm cannot be held: the nearest values are 0.3661",
+            ),
         ] {
             let problem = check(text).unwrap_err();
             let told = problem.to_string();

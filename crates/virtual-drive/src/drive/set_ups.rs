@@ -20,8 +20,8 @@ const COUNT: usize = 5;
 /// The values of all set-ups.
 #[derive(Debug, Clone)]
 pub(super) struct SetUps {
+    model: &'static Model,
     roles: &'static SetUpRoles,
-    fixed_while_running: [u16; 2],
     /// Places in the catalogue and elements of what each set-up has for itself, ascending.
     places: Box<[(usize, u16)]>,
     /// Their values; those of the active set-up are in the values of the drive.
@@ -64,8 +64,8 @@ impl SetUps {
                 .map(|(position, element)| fresh.element_at(*position, *element))
         };
         Some(Self {
+            model,
             roles,
-            fixed_while_running: inverter.fixed_while_running,
             banks: std::array::from_fn(|_| bank().collect()),
             places,
             active: 1,
@@ -100,13 +100,8 @@ impl SetUps {
 
     /// A motor that runs may change to this set-up: nothing that holds while it runs is different.
     fn is_like(&self, number: usize, values: &Values) -> bool {
-        let [first, last] = self.fixed_while_running;
-        let parameters = values.catalogue().parameters;
         self.bank(number)
-            .filter(|((position, _), _)| {
-                let parameter = parameters.get(*position);
-                parameter.is_some_and(|parameter| (first..=last).contains(&parameter.pnu))
-            })
+            .filter(|((position, _), _)| self.model.is_only_stopped(*position))
             .all(|((position, element), raw)| values.element_at(position, element) == raw)
     }
 }
@@ -171,12 +166,7 @@ impl Drive {
 
     /// The motor runs, and this cannot be changed meanwhile.
     fn is_fixed(&self, position: usize) -> bool {
-        let (Some(roles), true) = (self.model.roles.inverter, self.is_enabled()) else {
-            return false;
-        };
-        let [first, last] = roles.fixed_while_running;
-        let parameter = self.model.catalogue.parameters.get(position);
-        parameter.is_some_and(|parameter| (first..=last).contains(&parameter.pnu))
+        self.is_enabled() && self.model.is_only_stopped(position)
     }
 
     /// The set-up that settings and control word ask for.

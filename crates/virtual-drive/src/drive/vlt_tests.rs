@@ -396,12 +396,12 @@ fn the_motor_and_the_profile_are_changed_at_standstill_only() {
     let mut bench = fc();
     bench.send(0x047C, 0x2000, 6000);
     assert!(bench.drive.is_enabled());
-    for (number, raw) in [(120, 150), (139, 4), (810, 1), (410, 2)] {
+    for (number, raw) in [(120, 150), (139, 6), (810, 1), (410, 1)] {
         assert_eq!(bench.write(number, raw), Err(ErrorNumber::NOT_NOW), "{number}");
     }
     assert_eq!(bench.write(341, 500), Ok(()));
     bench.send(0x043C, 0, 8000);
-    for (number, raw) in [(120, 150), (139, 4), (810, 1), (410, 2)] {
+    for (number, raw) in [(120, 150), (139, 6), (810, 1), (410, 1)] {
         assert_eq!(bench.write(number, raw), Ok(()), "{number}");
     }
 }

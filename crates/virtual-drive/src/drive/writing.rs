@@ -19,10 +19,6 @@ impl Drive {
         if parameter.access == Access::ReadOnly {
             return Err(ErrorNumber::NOT_CHANGEABLE);
         }
-        let is_it = |number: &u16| numbered(self.model.catalogue, *number) == Some(position);
-        if self.is_enabled() && self.model.only_stopped.iter().any(is_it) {
-            return Err(ErrorNumber::NOT_NOW);
-        }
         match self.live.get(position).copied().unwrap_or(Live::Stored) {
             Live::Do(action) => self.execute(action)?,
             Live::Same(other) => self.write_same(parameter, other, raw)?,

@@ -57,8 +57,6 @@ pub struct InverterRoles {
     pub set_ups: SetUpRoles,
     /// What is counted and kept over power-off; none: nothing is kept.
     pub counters: Option<&'static CounterRoles>,
-    /// First and last number of what cannot be changed while the motor runs.
-    pub fixed_while_running: [u16; 2],
     /// Currents and speeds outside of which the extended status word says so: low and high, A and rpm.
     pub watched: [[u16; 2]; 2],
 }

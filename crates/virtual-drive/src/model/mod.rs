@@ -207,6 +207,13 @@ impl Model {
         self.catalogue.parameters.get(numbered(self.catalogue, number)?)
     }
 
+    /// The parameter at this place of the catalogue cannot be changed while the power stage is on.
+    #[must_use]
+    pub fn is_only_stopped(&self, position: usize) -> bool {
+        let mut numbers = self.only_stopped.iter();
+        numbers.any(|number| numbered(self.catalogue, *number) == Some(position))
+    }
+
     /// Where in the catalogue the parameter is that a signal is.
     #[must_use]
     pub fn position_of_signal(&self, signal: u16) -> Option<usize> {

@@ -118,7 +118,6 @@ const INVERTER: InverterRoles = InverterRoles {
         by_bus: (0, &[]),
         own: [0, 0],
     },
-    fixed_while_running: [0, 0],
     counters: None,
     watched: [[0, 0], [0, 0]],
 };

@@ -139,8 +139,6 @@ const INVERTER: InverterRoles = InverterRoles {
         by_bus: (855, &[1, 3]),
         own: [100, 499],
     },
-    // motor data; which others there are no source at hand tells
-    fixed_while_running: [110, 139],
     counters: Some(&COUNTERS),
     watched: [[450, 451], [452, 453]],
 };
