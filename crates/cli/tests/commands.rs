@@ -409,9 +409,13 @@ fn an_interface_is_refused_where_no_network_is_used() {
 #[test]
 fn the_number_of_a_telegram_says_whose_it_is() {
     for (number, octets, words) in [
-        ("149", "04 7F 13 88 00 00 00 00 00 00 00 00", "MRV 50 %"),
-        ("102", "00 00 00 00 00 00 00 00 04 7C 20 00 00 00 00 00", "50 %"),
-        ("1", "04 7F 06 66", "NSOLL_A"),
+        ("149", "04 7F 13 88 00 00 00 00 00 00 00 00", "VACON telegram 149"),
+        (
+            "102",
+            "00 00 00 00 00 00 00 00 04 7C 20 00 00 00 00 00 00 00 00 00",
+            "VLT telegram 102",
+        ),
+        ("1", "04 7F 06 66", "AKD telegram 1 "),
     ] {
         let output = profidrive(&[
             "decode",
