@@ -82,6 +82,8 @@ fn every_command_over_both_protocols() {
         // backup, a change, what differs, and back
         let file = folder.file("line.backup");
         ok(&["backup", &drive, "-o", &file]);
+        let saved = std::fs::read_to_string(&file).expect("a backup");
+        assert!(saved.contains("device: 0x0001"), "{saved}"); // as at a network
         ok(&["diff", &file, &drive]);
         ok(&["write", &drive, "3-41=5s"]);
         let differs = profidrive(&["diff", &file, &drive]);
@@ -101,7 +103,11 @@ fn every_command_over_both_protocols() {
         assert_ne!(refused.status.code(), Some(0));
         assert!(stderr(&refused).contains("3600"), "{}", stderr(&refused));
 
+        // a telegram of the network changes nothing here
+        ok(&["write", &drive, "9-22=1"]);
+        assert_eq!(values(&drive, &["9-22"])[0].as_f64(), Some(1.0));
         let ran = ok(&["run", &drive, "--velocity", "300rpm", "--for", "500ms"]);
+        assert!(!stderr(&ran).contains("telegram"), "{}", stderr(&ran));
         assert!(
             stderr(&ran).contains("axis at rest, control released"),
             "{}",

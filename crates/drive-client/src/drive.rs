@@ -3,6 +3,7 @@
 use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
 use profidrive::parameter::Dialect;
 use profidrive::state::{ControlWords, Mode};
+use profidrive::telegram::Telegram;
 use profinet::controller::Station;
 use uss::SlaveId;
 
@@ -154,6 +155,11 @@ impl Model {
         known.or_else(relative).unwrap_or(STANDARD)
     }
 
+    /// The makers there are tables of.
+    pub(crate) fn vendors() -> impl Iterator<Item = u16> {
+        MAKES.iter().map(|make| make.tables.device.vendor_id)
+    }
+
     /// The model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the profile alone,
     /// without any tables.
     ///
@@ -273,6 +279,15 @@ impl Drive {
                 })
             }
             _ => Ok(()),
+        }
+    }
+
+    /// The telegram of the process data: PNU 922 says it, but not at a serial line, whose telegram is always the same.
+    pub(crate) fn telegram_in_use(&self, reported: Option<u16>) -> Option<u16> {
+        if self.is_on_line() {
+            Telegram::of_line(self.station.vendor_id).map(|telegram| telegram.number)
+        } else {
+            reported
         }
     }
 

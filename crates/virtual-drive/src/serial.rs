@@ -10,7 +10,9 @@ use profidrive::pkw::{PkwDialect, Server};
 use profidrive::state::Stw1;
 use profidrive::telegram::Telegram;
 use profinet::Instant;
-use uss::{Layout, MAX_DATA, Parts, Protocol, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters};
+use uss::{
+    Layout, MAX_DATA, Parts, PkwPart, Protocol, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters,
+};
 
 use crate::axis::Plant;
 use crate::drive::{Disconnect, Drive};
@@ -107,20 +109,24 @@ impl SerialStation {
     #[must_use]
     pub fn new(config: SerialConfig) -> Self {
         let mut drive = Drive::new(config.model);
+        drive.set_aside_telegram();
         let started = config.parameters.as_ref().map(|text| drive.start_with(text));
         if let Some(plant) = config.plant {
             drive.set_plant(plant);
         }
-        let dialect = match config.slave.protocol {
+        let vendor = config.model.catalogue.device.vendor_id;
+        let layout = config.slave.layout;
+        // without one of the maker it is that of whose protocol it is
+        let dialect = PkwDialect::of_line(vendor, layout.pkw == PkwPart::Variable);
+        let dialect = dialect.unwrap_or(match config.slave.protocol {
             Protocol::Fc => PkwDialect::DANFOSS_FC,
             Protocol::Uss => PkwDialect::SIEMENS_USS,
-        };
-        let telegram =
-            Telegram::of_line(config.model.catalogue.device.vendor_id).map_or(1, |telegram| telegram.number);
+        });
+        let telegram = Telegram::of_line(vendor).map_or(1, |telegram| telegram.number);
         let mut station = Self {
             drive,
             telegram,
-            layout: config.slave.layout,
+            layout,
             slave: Slave::new(config.slave),
             server: Server::new(dialect),
             master: Master::None,

@@ -49,6 +49,8 @@ pub struct AxisControl {
     /// Since when the present control word stands.
     word_since: Instant,
     command: Command,
+    /// Since when the drive is controlled.
+    taken: Instant,
     was_in_operation: bool,
     quick: bool,
     /// ON was sent and the drive has not said since that the pulses are off.
@@ -86,6 +88,7 @@ impl AxisControl {
             since: Instant::ZERO,
             word_since: Instant::ZERO,
             command: Command::default(),
+            taken: Instant::ZERO,
             was_in_operation: false,
             quick: false,
             may_turn: false,
@@ -209,6 +212,9 @@ impl AxisControl {
         }
         if next.stw1 != self.command.stw1 {
             self.word_since = now;
+        }
+        if self.command.stw1 == RELEASED {
+            self.taken = now;
         }
         self.may_turn |= next.stw1.has(Stw1::ON);
         self.command = next;
@@ -343,6 +349,9 @@ impl AxisControl {
     fn switch_on(&mut self, now: Instant, seen: Seen, on: Stw1) -> Option<Command> {
         let state = self.state(seen);
         let operation = state == Some(State::S4);
+        if seen.fault() && !self.has_answered(now) {
+            return Some(word(Stw1::READY));
+        }
         let trouble = if seen.fault() {
             Some(Trouble::Fault)
         } else if self.was_in_operation && !operation {
@@ -460,6 +469,12 @@ impl AxisControl {
             }
             Mode::Position => !seen.stopped(),
         }
+    }
+
+    /// What the drive says is an answer to a control word: before that it may tell a word of another connection, with
+    /// other bits.
+    fn has_answered(&self, now: Instant) -> bool {
+        self.command.stw1 != RELEASED && now - self.taken >= self.limits.dwell
     }
 
     fn took(&self, now: Instant) -> Duration {

@@ -8,7 +8,8 @@ use profidrive::parameter::DecodeError;
 use profidrive::pkw::{Client as Channel, ClientTiming, JobError, PkwDialect};
 use profinet::Instant;
 use uss::{
-    Address, Event, Layout, MAX_DATA, Master, MasterConfig, Parts, Protocol, ReceiverStatistics, SlaveId,
+    Address, Event, Layout, MAX_DATA, Master, MasterConfig, Parts, PkwPart, Protocol, ReceiverStatistics,
+    SlaveId,
 };
 
 pub use bridge::{Bridge, Shape};
@@ -62,11 +63,19 @@ impl LineConfig {
         }
     }
 
-    pub(crate) const fn dialect(self) -> PkwDialect {
-        match self.protocol {
+    /// What a drive of this maker speaks in its parameter channel; without one of the maker, or of a maker that is not
+    /// known, it is that of whose protocol it is.
+    pub(crate) fn dialect(self, vendor: Option<u16>) -> PkwDialect {
+        let texts = self.layout().pkw == PkwPart::Variable;
+        let makers = vendor.and_then(|vendor| PkwDialect::of_line(vendor, texts));
+        makers.unwrap_or(match self.protocol {
             Protocol::Fc => PkwDialect::DANFOSS_FC,
             Protocol::Uss => PkwDialect::SIEMENS_USS,
-        }
+        })
+    }
+
+    fn layout(self) -> Layout {
+        self.master().layout
     }
 
     /// Time of a telegram with parameter and process part and of the reply to it, when nobody waits.
@@ -149,7 +158,7 @@ impl Line {
         self.slaves.push(Slave {
             number,
             id,
-            channel: Channel::new(self.config.dialect(), ClientTiming::SERIAL),
+            channel: Channel::new(self.config.dialect(None), ClientTiming::SERIAL),
             job: None,
             done: None,
             asked: false,
@@ -180,6 +189,21 @@ impl Line {
     /// Whether the drive answers, once that is known.
     pub fn answers(&self, id: SlaveId) -> Option<bool> {
         self.get(id)?.answers
+    }
+
+    /// Says what a drive speaks in its parameter channel. Not while a job is under way.
+    pub fn speak(&mut self, id: SlaveId, dialect: PkwDialect) {
+        if let Some(slave) = self.get_mut(id)
+            && slave.job.is_none()
+            && *slave.channel.dialect() != dialect
+        {
+            slave.channel = Channel::new(dialect, ClientTiming::SERIAL);
+        }
+    }
+
+    /// What a drive is taken to speak.
+    pub fn spoken(&self, id: SlaveId) -> Option<&PkwDialect> {
+        self.get(id).map(|slave| slave.channel.dialect())
     }
 
     /// Begins a parameter job.

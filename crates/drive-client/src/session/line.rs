@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use profidrive::notation::Notation;
 use profidrive::parameter::pnu;
-use profidrive::pkw::JobError;
+use profidrive::pkw::{JobError, PkwDialect};
 use profinet::controller::Station;
 use uss::{Protocol, SlaveId};
 
@@ -64,16 +64,28 @@ impl<M: Wire> Session<M> {
             parameter: None,
             notation: Notation::Name,
         };
-        let words: Vec<u16> = self
-            .read(&mut nobody, &[identification])?
-            .into_iter()
-            .flatten()
-            .filter_map(|reading| u16::try_from(reading.raw()?).ok())
-            .collect();
-        let (vendor, unit) = match words.as_slice() {
-            [vendor, unit, ..] => (*vendor, *unit),
-            _ => (0, 0),
-        };
+        let (mut vendor, mut unit) = (0, 0);
+        let dialects = self.dialects();
+        for dialect in &dialects {
+            self.speak(slave, *dialect);
+            let told = match self.read(&mut nobody, &[identification]) {
+                // it does not understand
+                Err(Error::Channel { .. }) => continue,
+                told => told?,
+            };
+            let words: Vec<u16> = told
+                .into_iter()
+                .flatten()
+                .filter_map(|reading| u16::try_from(reading.raw()?).ok())
+                .collect();
+            if let [maker, kind, ..] = words.as_slice() {
+                (vendor, unit) = (*maker, *kind);
+                break;
+            }
+        }
+        if let (0, Some(first)) = (vendor, dialects.first()) {
+            self.speak(slave, *first);
+        }
         let maker = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
         // another VLT speaks like the one with tables; older ones do not name their maker
         let speaks_fc =
@@ -92,6 +104,27 @@ impl<M: Wire> Session<M> {
         Ok(drive)
     }
 
+    /// What a drive that is not known yet may speak, that of the protocol first.
+    fn dialects(&self) -> Vec<PkwDialect> {
+        let Some(line) = self.client.line_config() else {
+            return Vec::new();
+        };
+        let mut dialects = vec![line.dialect(None)];
+        for vendor in Model::vendors() {
+            let dialect = line.dialect(Some(vendor));
+            if !dialects.contains(&dialect) {
+                dialects.push(dialect);
+            }
+        }
+        dialects
+    }
+
+    fn speak(&mut self, slave: SlaveId, dialect: PkwDialect) {
+        if let Some(line) = self.client.line() {
+            line.speak(slave, dialect);
+        }
+    }
+
     /// One parameter job through the parameter channel of a drive at the line.
     pub(super) fn line_job(
         &mut self,
@@ -99,7 +132,17 @@ impl<M: Wire> Session<M> {
         slave: SlaveId,
         request: &[u8],
     ) -> Result<Vec<u8>, Error> {
-        let names = self.client.line_config().map(|line| line.dialect().error_names);
+        // of a drive without tables what it was found to speak stays
+        let vendor = drive
+            .model
+            .catalogue
+            .filter(|_| !drive.model.learned)
+            .map(|tables| tables.device.vendor_id);
+        if let (Some(vendor), Some(line)) = (vendor, self.client.line_config()) {
+            self.speak(slave, line.dialect(Some(vendor)));
+        }
+        let spoken = self.client.line().and_then(|line| line.spoken(slave));
+        let names = spoken.map(|dialect| dialect.error_names);
         let bridge = Bridge::new(request, drive.model.dialect, names.unwrap_or_default(), |pnu| {
             drive.shape(pnu)
         });

@@ -51,7 +51,7 @@ impl<M: Wire> Session<M> {
         };
         let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
         Ok(Snapshot {
-            profile: told.profile(drive, word(pnu::TELEGRAM)),
+            profile: told.profile(drive, drive.telegram_in_use(word(pnu::TELEGRAM))),
             stw1: control,
             zsw1: status,
             speed_set: told.speed(Part::SpeedSetpoint),

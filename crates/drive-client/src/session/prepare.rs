@@ -258,11 +258,7 @@ impl<M: Wire> Session<M> {
             setpoint: trimmed(words(pnu::SETPOINT_SIGNALS)),
             actual: trimmed(words(pnu::ACTUAL_SIGNALS)),
         };
-        let telegram = if drive.is_on_line() {
-            Telegram::of_line(device.vendor_id).map(|telegram| telegram.number)
-        } else {
-            reported.number
-        };
+        let telegram = drive.telegram_in_use(reported.number);
         self.not_local(drive, zsw1_of(drive, &told, telegram))?;
         let mode = self.mode_for(drive, words(pnu::OPERATING_MODE).first().copied(), purpose)?;
         if drive.is_on_line() {
@@ -283,7 +279,7 @@ impl<M: Wire> Session<M> {
                 mode,
                 wiring: wiring.with_words(profile),
                 layout: None,
-                reported: reported.number,
+                reported: telegram,
                 scale,
                 acceleration: ramps[0],
                 deceleration: ramps[1],
@@ -383,11 +379,12 @@ impl<M: Wire> Session<M> {
         self.not_local(drive, zsw1_of(drive, &told, telegram))
     }
 
-    /// The telegram that a drive has now (PNU 922).
+    /// The telegram of a drive's process data: what PNU 922 says, or that of its line.
     pub(super) fn telegram_now(&mut self, drive: &mut Drive) -> Result<Option<u16>, Error> {
         let readings = self.read_numbers(drive, &[pnu::TELEGRAM])?;
         let raw = readings.first().and_then(Reading::raw);
-        Ok(raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok()))
+        let reported = raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
+        Ok(drive.telegram_in_use(reported))
     }
 
     fn not_local(&mut self, drive: &Drive, word: Option<Zsw1>) -> Result<(), Error> {

@@ -2,7 +2,7 @@
 
 use profidrive::catalogue::Part;
 use profidrive::parameter::pnu;
-use profidrive::state::{State, Zsw1};
+use profidrive::state::{State, Stw1, Zsw1};
 use profidrive::telegram::{Telegram, signal};
 
 use super::Session;
@@ -58,10 +58,17 @@ impl<M: Wire> Session<M> {
             let raw = found.and_then(Reading::raw);
             raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
         };
-        let telegram = word(pnu::TELEGRAM);
+        let telegram = drive.telegram_in_use(word(pnu::TELEGRAM));
         let profile = told.profile(drive, telegram);
         let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
         let zsw1 = status.map(|status| profile.zsw1(status, control.unwrap_or_default()));
+        // at a serial line this reading brought the word, and there is one master
+        let commanded =
+            control.is_some_and(|word| profile.orders(word, State::S2).stw1.has(Stw1::CONTROL_BY_PLC));
+        let controller = match controller {
+            None if drive.is_on_line() && !commanded => Some(None),
+            told => told,
+        };
         let runs = zsw1.is_some_and(|zsw1| zsw1.has(Zsw1::READY_TO_OPERATE));
         let state = if runs { State::S4 } else { State::S2 };
         let (faults, warnings) = match self.fault_report(drive) {

@@ -136,16 +136,33 @@ pub(super) fn advice(cause: Cause, make: &str) -> Option<&'static str> {
     row.map(|(_, _, advice)| *advice)
 }
 
-/// Advice about bits of STW1 for a controller whose control word has others: the word for operation.
+/// Advice about bits of STW1 for a controller whose control word has others: its own words for OFF and operation, its
+/// own bit that acknowledges, else the word for operation.
 pub(super) fn in_words_of(status: &DriveStatus, advice: &str) -> Option<String> {
     let profile = status.profile;
-    (profile != Profile::Profidrive && advice.contains("STW1")).then(|| {
-        format!(
-            "in the controller: control word 0x{:04X} asks for operation ({})",
-            profile.control(OPERATION),
+    if profile == Profile::Profidrive || !advice.contains("STW1") {
+        return None;
+    }
+    let word = |stw1| format!("0x{:04X}", profile.control(stw1));
+    let acknowledges = profile.control(Stw1::ACKNOWLEDGE) & !profile.control(Stw1::READY);
+    let told = advice
+        .replace("STW1 0x047E", &format!("control word {}", word(Stw1::READY)))
+        .replace(
+            "STW1 bit 7",
+            &format!("control word bit {}", acknowledges.trailing_zeros()),
+        );
+    if told.contains("STW1") {
+        let operation = word(OPERATION);
+        return Some(format!(
+            "in the controller: control word {operation} asks for operation ({})",
             profile.name()
-        )
-    })
+        ));
+    }
+    Some(format!(
+        "{} ({})",
+        told.replace("0x047F", &word(OPERATION)),
+        profile.name()
+    ))
 }
 
 /// The parameter that switches a drive of this make off beside its controller, and who may write it.

@@ -191,6 +191,11 @@ impl DriveStatus {
         }
     }
 
+    /// ` (STW1 bit 0 is 1)`, likewise.
+    fn bit_is_1(&self, bit: u8) -> String {
+        self.bit_is_0(bit).replace(" is 0)", " is 1)")
+    }
+
     fn has(&self, bit: Zsw1) -> bool {
         self.zsw1.is_some_and(|word| word.has(bit))
     }

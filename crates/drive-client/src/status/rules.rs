@@ -1,6 +1,6 @@
 //! The causes, the most important first: a table that is walked.
 
-use profidrive::state::{State, Stw1, Zsw1};
+use profidrive::state::{Start, State, Stw1, Zsw1};
 
 use super::{Diagnosis, DriveStatus, Verdict, makes, notes};
 
@@ -171,16 +171,20 @@ causes! {
         "";
     /// S1 with ON still set.
     Inhibited = "inhibited", Held,
-        |s| s.state() == Some(State::S1) && s.sent(Stw1::ON),
+        |s| s.state() == Some(State::S1) && s.sent(Stw1::ON) && s.profile.start() == Start::AfterOff,
         |s| format!(
-            "switching on is inhibited (S1) because {} still sends ON from before",
-            s.owner()
+            "switching on is inhibited (S1) because {} still sends ON from before {}",
+            s.owner(),
+            s.bit_is_1(0),
         ),
         "in the controller: OFF first (STW1 0x047E), then ON (0x047F)";
     /// S1 otherwise.
     NotReady = "not-ready", Held,
         |s| s.state() == Some(State::S1),
-        |_| "switching on is inhibited (S1) though OFF is sent: the drive is not ready for it".into(),
+        |s| format!(
+            "switching on is inhibited (S1) though {}: the drive is not ready for it",
+            if s.sent(Stw1::ON) { "start is commanded" } else { "OFF is sent" },
+        ),
         "look at its enable inputs";
     /// A status word without a state.
     SelfTest = "self-test", Waits,

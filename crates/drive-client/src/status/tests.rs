@@ -525,6 +525,55 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     assert!(found.next.unwrap().contains("`profidrive stop akd-1`"));
 }
 
+/// Followed to the letter, what is told about a VLT that does not start must not start it: 0x047E is a start there.
+#[test]
+fn no_word_of_another_profile_is_told() {
+    let with = |profile: Profile, stw1: u16, zsw1: u16| DriveStatus {
+        drive: "vlt-1".into(),
+        make: "VLT",
+        profile,
+        control_word: Some(profile.control(Stw1(stw1))),
+        controller: Some(Some("plc".into())),
+        stw1: Some(Stw1(stw1)),
+        zsw1: Some(Zsw1(zsw1)),
+        ..DriveStatus::default()
+    };
+    // a level starts: an old start stands in nobody's way
+    let found = diagnose(&with(Profile::DanfossFc, 0x047F, 0x0270));
+    assert_eq!(found.cause, Cause::NotReady);
+    assert!(
+        found.sentence.contains("though start is commanded"),
+        "{}",
+        found.sentence
+    );
+    assert!(found.next.unwrap().contains("terminal 27"));
+    let found = diagnose(&with(Profile::DanfossProfidrive, 0x047F, 0x0270));
+    assert_eq!(found.cause, Cause::Inhibited);
+    assert_eq!(
+        found.next.unwrap(),
+        "in the controller: OFF first (control word 0x047E), then ON (0x047F) (Danfoss PROFIdrive)"
+    );
+    let fault = diagnose(&with(Profile::DanfossFc, 0x047F, 0x0278));
+    assert_eq!(fault.cause, Cause::Fault);
+    let next = fault.next.unwrap();
+    assert!(
+        next.contains("control word bit 7") && !next.contains("operation"),
+        "{next}"
+    );
+    for profile in [Profile::DanfossFc, Profile::VaconPpo] {
+        for zsw1 in (0..0x4000_u16).map(|bits| (bits >> 11 << 12) | (bits & 0x7FF)) {
+            for stw1 in [0, 0x047C, 0x047E, 0x047F, 0x0477, 0x043F] {
+                let told = diagnose(&with(profile, stw1, zsw1));
+                let next = told.next.unwrap_or_default();
+                for word in ["STW1", "0x047E", "0x047F"] {
+                    let own = [Stw1::READY, Stw1::RUN].map(|stw1| format!("0x{:04X}", profile.control(stw1)));
+                    assert!(!next.contains(word) || own.contains(&word.to_owned()), "{next}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn other_makes_are_told_in_their_own_words() {
     let base = DriveStatus {

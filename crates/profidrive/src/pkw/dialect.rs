@@ -2,6 +2,7 @@
 
 use super::code::{ReplyCode, RequestCode};
 use super::error::{PkwErrorNames, PkwErrorNumber};
+use crate::telegram::DANFOSS;
 
 /// What the two octets of IND mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -107,6 +108,13 @@ const EEPROM_REQUESTS: u16 = 0x7800;
 /// Replies 0 to 12.
 const PROFILE_REPLIES: u16 = 0x1FFF;
 
+/// AK 15 among requests or replies.
+const TEXT: u16 = 1 << 15;
+
+/// Makers with a channel of their own at serial lines: with texts, and without.
+static MAKERS: [(u16, PkwDialect, PkwDialect); 1] =
+    [(DANFOSS, PkwDialect::DANFOSS_FC, PkwDialect::DANFOSS_WORDS)];
+
 impl PkwDialect {
     /// PROFIdrive V2 in PPO words, for a drive of which nothing else is known: everything but text.
     pub const STANDARD: Self = Self {
@@ -164,6 +172,31 @@ impl PkwDialect {
         ind: IndLayout::PageSubindex,
         ..Self::SIEMENS_PPO
     };
+
+    /// As [`DANFOSS_FC`](Self::DANFOSS_FC) in parameter parts of four words, as USS has them: no room for texts. No
+    /// document tells of a VLT at a USS line, this is ours.
+    pub const DANFOSS_WORDS: Self = Self {
+        name: "Danfoss FC in four words",
+        requests: Self::DANFOSS_FC.requests & !TEXT,
+        replies: Self::DANFOSS_FC.replies & !TEXT,
+        ..Self::DANFOSS_FC
+    };
+
+    /// What the drives of a maker speak at a serial line, whatever protocol carries it; `None` for a maker without a
+    /// channel of its own. `texts` says whether the parameter part has room for them.
+    ///
+    /// ```
+    /// use profidrive::pkw::PkwDialect;
+    /// use profidrive::telegram::{DANFOSS, KOLLMORGEN};
+    /// assert_eq!(PkwDialect::of_line(DANFOSS, true), Some(PkwDialect::DANFOSS_FC));
+    /// assert!(PkwDialect::of_line(DANFOSS, false).is_some_and(|dialect| !dialect.has_text()));
+    /// assert_eq!(PkwDialect::of_line(KOLLMORGEN, false), None);
+    /// ```
+    #[must_use]
+    pub fn of_line(vendor: u16, texts: bool) -> Option<Self> {
+        let (_, with, without) = MAKERS.iter().find(|(maker, ..)| *maker == vendor)?;
+        Some(if texts { *with } else { *without })
+    }
 
     /// True when the request exists.
     #[must_use]

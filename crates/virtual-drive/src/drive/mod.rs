@@ -201,6 +201,8 @@ pub struct Drive {
     held_current: f64,
     process: Process,
     free: Vec<FreeTelegram>,
+    /// At a serial line, whose process data have one form: what PNU 922 says then, which is a setting of the network.
+    aside: Option<u16>,
     link: Link,
     service: Service,
     clear_requested: bool,
@@ -246,6 +248,7 @@ impl Drive {
             held_current: 0.0,
             process: Process::new(model),
             free: FreeTelegram::of(model),
+            aside: None,
             link: Link::None,
             service: Service::Off,
             clear_requested: false,

@@ -57,7 +57,7 @@ impl Drive {
             Live::Through(other) => self.through(parameter, other),
             Live::ControlWord => i64::from(self.process.control.0),
             Live::StatusWord => i64::from(self.process.status),
-            Live::Telegram => i64::from(self.process.telegram()),
+            Live::Telegram => i64::from(self.telegram_setting()),
             Live::OperatingMode => match self.settings.mode {
                 Mode::Current => MODE_CURRENT,
                 Mode::Speed => 1,

@@ -126,9 +126,42 @@ impl Drive {
         }
     }
 
+    /// It is at a serial line: PNU 922 does not choose its process data any more.
+    pub(crate) fn set_aside_telegram(&mut self) {
+        self.aside = Some(self.process.telegram());
+    }
+
+    /// What PNU 922 says.
+    pub(super) fn telegram_setting(&self) -> u16 {
+        self.aside.unwrap_or_else(|| self.process.telegram())
+    }
+
+    /// Changes PNU 922, which chooses the process data of the network.
+    ///
+    /// # Errors
+    /// 0x11 while they are exchanged, 0x14 for a telegram that the drive does not have.
+    pub(super) fn set_telegram(&mut self, number: u16) -> Result<(), ErrorNumber> {
+        if self.aside.is_some() {
+            let device = &self.model.catalogue.device;
+            device.telegram(number).ok_or(ErrorNumber::VALUE)?;
+            self.aside = Some(number);
+            return Ok(());
+        }
+        if self.link.is_cyclic() {
+            return Err(ErrorNumber::NOT_NOW);
+        }
+        if self.choose_telegram(number) {
+            Ok(())
+        } else {
+            Err(ErrorNumber::VALUE)
+        }
+    }
+
     /// As delivered; not while a controller uses the present one.
     pub(super) fn reset_telegrams(&mut self) {
-        if !self.link.is_cyclic() {
+        if self.aside.is_some() {
+            self.aside = Some(FIRST_TELEGRAM);
+        } else if !self.link.is_cyclic() {
             self.free = FreeTelegram::of(self.model);
             self.choose_telegram(FIRST_TELEGRAM);
         }
@@ -144,10 +177,10 @@ impl Drive {
             return;
         }
         let kept = u16::try_from(self.values.at(position)).unwrap_or_default();
-        if kept == self.process.telegram() || self.choose_telegram(kept) {
+        if kept == self.telegram_setting() || self.set_telegram(kept).is_ok() {
             return;
         }
-        self.values.set_at(position, self.process.telegram().into());
+        self.values.set_at(position, self.telegram_setting().into());
     }
 
     /// The telegram sets DRV.CMDSOURCE.

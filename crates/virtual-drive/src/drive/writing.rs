@@ -36,13 +36,8 @@ impl Drive {
                 self.set_mode(position.ok_or(ErrorNumber::NOT_NOW)?, mode)?;
             }
             Live::Telegram => {
-                if self.link.is_cyclic() {
-                    return Err(ErrorNumber::NOT_NOW);
-                }
                 let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
-                if !self.choose_telegram(number) {
-                    return Err(ErrorNumber::VALUE);
-                }
+                self.set_telegram(number)?;
                 self.values.set_at(position, raw);
             }
             // What a controller sends, nobody else sets.

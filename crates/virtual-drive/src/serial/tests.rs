@@ -277,3 +277,75 @@ fn a_vlt_watches_its_control_word_as_eight_three_and_eight_four_say() {
         assert_ne!(drive.warning_number(0), 34, "{row}");
     }
 }
+
+/// 9-22 is of the network: at a line it is kept, and the line keeps its words.
+#[test]
+fn a_telegram_chosen_at_the_line_does_not_change_its_words() {
+    let mut bench = Bench::fc(&[1]);
+    let config = SerialConfig::new(&model::VLT, SlaveConfig::fc(1, 9600));
+    bench.drives = vec![SerialStation::new(config.clone())];
+    let drive = bench.master.add(Address::fc(1).unwrap(), &[0; 4]).unwrap();
+    let mut client = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::SERIAL);
+    let read = Job::Read {
+        pnu: 922,
+        element: None,
+    };
+    let before = bench.job(drive, &mut client, read).unwrap();
+    assert_eq!(before, Answer::Value(PkwValue::Word(1)));
+    let write = |number| Job::Change {
+        pnu: 922,
+        element: None,
+        value: PkwValue::Word(number),
+        memory: Memory::Eeprom,
+    };
+    for number in [101, 1, 108] {
+        bench.job(drive, &mut client, write(number)).unwrap();
+        let told = bench.job(drive, &mut client, read).unwrap();
+        assert_eq!(told, Answer::Value(PkwValue::Word(number)));
+        bench.words(drive, 0x043C, 0);
+        bench.run(SECOND);
+        bench.words(drive, 0x047C, 0x2000);
+        bench.run(SECOND * 4);
+        let station = &bench.drives[0];
+        assert_eq!(station.drive().state(), State::S4, "{number}");
+        assert!((station.drive().axis().speed() - 750.0).abs() < 40.0, "{number}");
+        let reply = bench.master.reply(drive);
+        let status = u16::from_be_bytes([reply[reply.len() - 4], reply[reply.len() - 3]]);
+        assert_eq!(status, 0x0F07, "{number}");
+    }
+    assert!(bench.job(drive, &mut client, write(999)).is_err());
+    bench.words(drive, 0x043C, 0);
+    bench.run(SECOND * 4);
+    // it survives the power, and the line is the same
+    let station = &mut bench.drives[0];
+    station.switch_off();
+    let saved = std::iter::from_fn(|| station.poll_event()).filter_map(|event| match event {
+        StationEvent::PersistParameters { text, .. } => Some(text),
+        _ => None,
+    });
+    let saved = saved.last().map(String::into_bytes);
+    bench.drives = vec![SerialStation::new(SerialConfig {
+        parameters: saved,
+        ..config
+    })];
+    let mut client = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::SERIAL);
+    let told = bench.job(drive, &mut client, read).unwrap();
+    assert_eq!(told, Answer::Value(PkwValue::Word(108)));
+    bench.words(drive, 0x047C, 0x2000);
+    bench.run(SECOND * 4);
+    assert_eq!(bench.drives[0].drive().state(), State::S4);
+}
+
+/// Whose channel it is does not depend on the protocol that carries it.
+#[test]
+fn the_parameter_channel_is_the_makers() {
+    let station = |model, slave| SerialStation::new(SerialConfig::new(model, slave));
+    for (model, slave, name) in [
+        (&model::VLT, SlaveConfig::fc(1, 9600), "Danfoss FC protocol"),
+        (&model::VLT, SlaveConfig::uss(1, 9600), "Danfoss FC in four words"),
+        (&model::AKD, SlaveConfig::uss(1, 9600), "Siemens USS"),
+        (&model::VACON, SlaveConfig::fc(1, 9600), "Danfoss FC protocol"),
+    ] {
+        assert_eq!(station(model, slave).server.dialect().name, name);
+    }
+}

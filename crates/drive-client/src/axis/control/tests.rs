@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::axis::model::Bench;
+use profidrive::state::Zsw1;
 
 mod positioning;
 
@@ -221,4 +222,34 @@ fn release_gives_control_back() {
     bench.pursue(Goal::Released);
     bench.cycles(1);
     assert_eq!(bench.command(), Command::default());
+}
+
+/// The first status word may be one of an earlier connection, with other bits: a VLT that had its PROFIdrive words tells
+/// ones in which a fault seems to be.
+#[test]
+fn a_fault_is_believed_after_the_control_word_had_its_time_only() {
+    let mut axis = AxisControl::new(Limits::default());
+    axis.pursue(Instant::ZERO, Goal::Run { setpoint: 100 });
+    let stale = Seen {
+        zsw1: Zsw1(0x0268),
+        ..Seen::default()
+    };
+    for millisecond in [0, 4, 8] {
+        assert_eq!(
+            axis.step(Instant::from_millis(millisecond), stale).stw1,
+            Stw1::READY
+        );
+        assert_eq!(axis.progress(), Progress::Pursuing);
+    }
+    let ready = Seen {
+        zsw1: Zsw1(0x0231),
+        ..Seen::default()
+    };
+    assert_eq!(axis.step(Instant::from_millis(16), ready).stw1, Stw1::RUN);
+    // one that stays is one
+    let mut axis = AxisControl::new(Limits::default());
+    axis.pursue(Instant::ZERO, Goal::Run { setpoint: 100 });
+    axis.step(Instant::ZERO, stale);
+    axis.step(Instant::ZERO + Limits::default().dwell, stale);
+    assert_eq!(axis.progress(), Progress::Failed(Trouble::Fault));
 }
