@@ -74,7 +74,7 @@ fn roundings_are_told_and_other_values_refused() {
         ],
     )
     .ok();
-    assert!(jog.err.contains("PNU 1004 is 98.853 rpm again"), "{jog:?}");
+    assert!(jog.err.contains("(p1004) is 98.853 rpm again"), "{jog:?}");
 }
 
 #[test]

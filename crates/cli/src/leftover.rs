@@ -8,12 +8,13 @@ use std::path::PathBuf;
 
 use drive_client::{Drive, Error};
 use network::files::StateFile;
+use profidrive::catalogue::Part;
 use profidrive::notation::{ParameterReference, Quantity};
 
 use crate::connect::Live;
 
-/// Numbers that a command may leave changed: the jog speeds.
-const NUMBERS: [u16; 2] = [1004, 1005];
+/// What a command may leave changed: the jog speeds.
+const PARTS: [Part; 3] = [Part::Jog1, Part::Jog2, Part::JogOnly];
 /// First line of a note.
 const MAGIC: &str = "profidrive leftover 1";
 
@@ -110,7 +111,11 @@ impl Note {
 /// When the drive cannot be reached.
 pub fn at(session: &mut Live, drive: &mut Drive) -> Result<Vec<Leftover>, Error> {
     let mut found = Vec::new();
-    for pnu in NUMBERS {
+    let tables = drive.model.catalogue;
+    let settings = PARTS.iter().filter_map(|&part| tables?.part(part));
+    let mut numbers: Vec<u16> = settings.map(|one| one.base.unwrap_or(one.pnu)).collect();
+    numbers.dedup();
+    for pnu in numbers {
         let note = Note::of(drive, pnu);
         let Some(leftover) = note.read() else { continue };
         let selection = drive.parameters.select(&ParameterReference::number(pnu))?;

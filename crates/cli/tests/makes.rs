@@ -5,7 +5,7 @@ mod bench;
 use std::time::Duration;
 
 use bench::{Bench, bench_of, find, ip, select, with_drive};
-use drive_client::axis::{Purpose, SpeedUnit};
+use drive_client::axis::{Jog, Purpose, SpeedUnit};
 use drive_client::backup::{Backup, Choice, Journal, compare};
 use drive_client::parameter::{Assignment, Content};
 use drive_client::status::diagnose;
@@ -764,5 +764,83 @@ fn a_converter_is_not_stopped_beside_its_controller_and_says_so() {
             outcome.is_ok_and(|outcome| !outcome.sent && outcome.at_rest),
             "{name}"
         );
+    }
+}
+
+/// What only an AKD has is in no text about another make.
+#[test]
+fn facts_of_a_make_come_from_its_own_parameters() {
+    let mut session = makes();
+    let limits = [
+        (
+            "vlt-1",
+            Some(Part::Reference),
+            Some((0.0, Some(Part::ReferenceRange))),
+        ),
+        (
+            "vacon-1",
+            Some(Part::Reference),
+            Some((1500.0, Some(Part::Reference))),
+        ),
+    ];
+    for (name, forward, backward) in limits {
+        let mut drive = find(&mut session, name).expect("there");
+        let facts = session.motion_facts(&mut drive).expect("facts");
+        assert_eq!(
+            (facts.forward_limit.map(f64::round), facts.forward_by),
+            (Some(1500.0), forward),
+            "{name}"
+        );
+        let found = facts
+            .backward_limit
+            .map(|limit| (limit.round(), facts.backward_by));
+        assert_eq!(found, backward, "{name}");
+        let backup = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        assert_eq!(backup.lacks(&drive.model), 0, "{name}");
+        let text = backup.to_string();
+        for foreign in ["scaling:", "units:", "MOTOR.TYPE"] {
+            assert!(!text.contains(foreign), "{name}: {foreign}");
+        }
+        let error = Error::SpeedNotReached {
+            drive: name.into(),
+            wanted: 1.0,
+            unit: "rpm",
+            highest: None,
+            limit: Duration::ZERO,
+        };
+        let hint = error.hint_for(&drive).expect("a hint");
+        assert!(!hint.contains("DRV.") && !hint.contains("VL."), "{hint}");
+        assert!(
+            hint.contains(if name == "vlt-1" { "3-03" } else { "ID102" }),
+            "{hint}"
+        );
+    }
+}
+
+/// Each make jogs at the speed of its own setting, and that one is told.
+#[test]
+fn every_make_jogs_at_its_own_setting() {
+    let mut session = makes();
+    for (name, label) in NAMES.into_iter().zip(["(p1004)", "(8-90)", "(ID 124)"]) {
+        let mut drive = find(&mut session, name).expect("there");
+        let setting = session.jog_speed(&mut drive, Jog::One).expect("known");
+        assert!(
+            setting.selection.label().ends_with(label),
+            "{}",
+            setting.selection.label()
+        );
+        let reading = session.read_one(&mut drive, &setting.selection).expect("told");
+        let speed = setting.rpm(&reading).expect("a speed");
+        assert!(speed > 10.0, "{name}: {speed}");
+        let settings = AxisSettings::for_purpose(Purpose::Jog);
+        let mut axis = session.take_axis(&mut drive, settings).expect("connected");
+        let mut enabled = axis.enable().expect("enabled");
+        enabled.jog(Jog::One).expect("jogs");
+        enabled.hold(Duration::from_secs(4)).expect("goes on");
+        let actual = enabled.status().and_then(|status| status.speed_actual);
+        let near = actual.is_some_and(|actual| (actual - speed).abs() < speed * 0.06 + 2.0);
+        assert!(near, "{name}: {actual:?} of {speed}");
+        drop(enabled);
+        axis.release().expect("at rest");
     }
 }

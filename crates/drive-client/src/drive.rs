@@ -1,6 +1,7 @@
 //! What kind of drive answers, and how it wants to be spoken to.
 
-use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
+use profidrive::catalogue::{AKD, Catalogue, Parameter, Part, Scaling, VACON, VLT};
+use profidrive::notation::Notation;
 use profidrive::parameter::Dialect;
 use profidrive::state::{ControlWords, Mode};
 use profidrive::telegram::Telegram;
@@ -263,6 +264,20 @@ impl Drive {
     #[must_use]
     pub const fn is_on_line(&self) -> bool {
         self.slave.is_some()
+    }
+
+    /// What this drive calls the parameters that have these parts, as a person writes them; what its make has not is left
+    /// out.
+    #[must_use]
+    pub fn named(&self, parts: &[Part]) -> Vec<String> {
+        let tables = self.model.catalogue;
+        let known = parts.iter().filter_map(|&part| tables?.part(part));
+        let notation = self.parameters.notation();
+        let name = |parameter: &'static Parameter| match notation {
+            Notation::Name => parameter.name.to_owned(),
+            _ => Selection::of(parameter, notation).shown(0).to_string(),
+        };
+        known.map(name).collect()
     }
 
     /// Says whether the drive can do what needs this mode, as far as its telegrams are known.

@@ -38,7 +38,7 @@ pub use mapper::Registered;
 pub use modules::modules_of;
 pub use session::{
     Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, Identity, Info,
-    LoggedFault, Peer, PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WarningWatcher,
-    Watcher, WriteMode,
+    JogSpeed, LoggedFault, Peer, PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry,
+    WarningWatcher, Watcher, WriteMode,
 };
 pub use wire::Wire;

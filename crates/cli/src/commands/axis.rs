@@ -334,7 +334,9 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
             ..
         }
     );
+    let hint = error.hint_for(drive);
     let mut failure = Failure::from(error);
+    failure.hint = hint;
     if !asked {
         return failure;
     }

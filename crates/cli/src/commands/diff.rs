@@ -225,13 +225,7 @@ fn like(file: &Backup, text: &str, interface: &Interface, output: &Output) -> Re
     spinner.finish_and_clear();
     let backup = backup?;
     session.close()?;
-    let more = drive_client::backup::everything(&drive.model)
-        .iter()
-        .filter(|selection| {
-            file.reading(selection.pnu, selection.indexed.then_some(0))
-                .is_none()
-        })
-        .count();
+    let more = file.lacks(&drive.model);
     if more > 0 {
         output.say(&format!(
             "{more} settings of {} are not in the file and are not compared",

@@ -5,7 +5,7 @@ use std::time::Duration;
 use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Note, diagnose};
 use drive_client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
-use profidrive::catalogue::Role;
+use profidrive::catalogue::{Cleared, Role};
 use serde_json::{Map, Value};
 
 use crate::args::Interface;
@@ -49,13 +49,27 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     if before > 0 && !args.history {
         output.say(&format!("{before} acknowledged before, --history shows them"));
     }
-    if report.present().next().is_some() {
-        output.say(&format!(
-            "`profidrive ack {}` acknowledges once the cause is gone",
-            drive.label()
-        ));
+    if let Some(advice) = advice(&report, &drive.label()) {
+        output.say(&advice);
     }
     Ok(())
+}
+
+/// What ends the faults that are present: what only a restart clears is not to be acknowledged.
+fn advice(report: &FaultReport, drive: &str) -> Option<String> {
+    let mut restart = report
+        .present()
+        .map(|fault| fault.cleared == Some(Cleared::Restart));
+    let first = restart.next()?;
+    Some(match (first, restart.all(|one| one == first)) {
+        (true, true) => format!(
+            "{drive} has to be switched off and on again once the cause is gone: no command clears it"
+        ),
+        (false, true) => format!("`profidrive ack {drive}` acknowledges once the cause is gone"),
+        (_, false) => format!(
+            "`profidrive ack {drive}` acknowledges once the cause is gone; what only a restart clears takes a power cycle"
+        ),
+    })
 }
 
 #[derive(Debug, PartialEq, Eq)]
@@ -279,6 +293,32 @@ mod tests {
             zsw1: Some(zsw1),
             log: Vec::new(),
         }
+    }
+
+    #[test]
+    fn what_only_a_restart_clears_is_not_to_be_acknowledged() {
+        let report = |cleared: &[Cleared]| FaultReport {
+            counter: 1,
+            shape: Shape::EIGHT_BY_EIGHT,
+            faults: cleared
+                .iter()
+                .map(|&cleared| FaultEntry {
+                    number: 8,
+                    cleared: Some(cleared),
+                    ..FaultEntry::default()
+                })
+                .collect(),
+            warnings: None,
+            zsw1: None,
+            log: Vec::new(),
+        };
+        let told = |cleared: &[Cleared]| advice(&report(cleared), "d").unwrap_or_default();
+        assert_eq!(told(&[]), "");
+        assert!(
+            told(&[Cleared::Restart]).contains("off and on") && !told(&[Cleared::Restart]).contains(" ack ")
+        );
+        assert!(told(&[Cleared::Acknowledge]).starts_with("`profidrive ack d`"));
+        assert!(told(&[Cleared::Restart, Cleared::Acknowledge]).contains("power cycle"));
     }
 
     #[test]

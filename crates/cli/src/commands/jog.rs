@@ -5,7 +5,7 @@ use std::time::Duration;
 use clap::Args;
 use drive_client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
 use drive_client::parameter::{Assignment, Reading};
-use drive_client::{Drive, Error, WriteMode};
+use drive_client::{Drive, Error, JogSpeed, WriteMode};
 use profidrive::notation::{Number, ParameterReference, Quantity};
 
 use super::axis::{self, End};
@@ -16,14 +16,11 @@ use crate::leftover::{Leftover, Note};
 use crate::output::Output;
 use crate::render::{number, value};
 
-/// PNUs of the two jog speeds.
-const JOG_SPEED: [u16; 2] = [1004, 1005];
-
 #[derive(Debug, Args)]
 pub struct Jog {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
-    /// Which jog setpoint of the drive: 1 (STW1 bit 8, PNU 1004) or 2 (bit 9, PNU 1005)
+    /// Which jog setpoint of the drive: 1 (STW1 bit 8) or 2 (bit 9)
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub jog: u8,
     /// Set the jog speed for this command; the drive's own value when left out
@@ -55,19 +52,22 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
     }
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
-    let (jog, pnu) = match args.jog {
-        2 => (JogSetpoint::Two, JOG_SPEED[1]),
-        _ => (JogSetpoint::One, JOG_SPEED[0]),
+    let jog = match args.jog {
+        2 => JogSetpoint::Two,
+        _ => JogSetpoint::One,
     };
     if let Some(speed) = wanted.filter(|_| args.real_time) {
         real_time(args, speed, limit, &mut session, &mut drive, output)?;
         return Ok(session.close()?);
     }
+    let setting = session.jog_speed(&mut drive, jog)?;
+    let pnu = setting.number;
+    let called = setting.selection.label();
     let mut before: Option<Reading> = None;
     let result = go(
         args,
         limit,
-        (jog, pnu),
+        (jog, &setting),
         &mut before,
         &mut session,
         &mut drive,
@@ -78,10 +78,10 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         match back {
             Ok(()) => {
                 Note::of(&drive, pnu).clear();
-                output.say(&format!("PNU {pnu} is {} again", value::full(&speed)));
+                output.say(&format!("{called} is {} again", value::full(&speed)));
             }
             Err(error) => output.warn(&format!(
-                "PNU {pnu} was not put back to {}: {error}",
+                "{called} was not put back to {}: {error}",
                 value::full(&speed)
             )),
         }
@@ -93,7 +93,7 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
 fn go(
     args: &Jog,
     limit: f64,
-    (jog, pnu): (JogSetpoint, u16),
+    (jog, setting): (JogSetpoint, &JogSpeed),
     before: &mut Option<Reading>,
     session: &mut Live,
     drive: &mut Drive,
@@ -102,7 +102,12 @@ fn go(
     let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     let (inner, own) = taken.session();
-    let selection = own.parameters.select(&ParameterReference::number(pnu))?;
+    let JogSpeed {
+        selection,
+        number: pnu,
+        ..
+    } = *setting;
+    let called = selection.label();
     let mut speed = inner.read_one(own, &selection)?;
     let note = Note::of(own, pnu);
     let left = note.read().filter(|left| speed.raw() == Some(left.set));
@@ -110,19 +115,20 @@ fn go(
         output.warn(&left.told(&own.label()).0);
         set_speed(inner, own, pnu, &left.old)?;
         note.clear();
-        output.say(&format!("PNU {pnu} is {} again", left.old));
+        output.say(&format!("{called} is {} again", left.old));
         speed = inner.read_one(own, &selection)?;
     }
     if let Some(wanted) = &args.velocity {
+        let wanted = &setting.quantity(wanted);
         let set = own.parameters.check(&selection, &wanted.clone().into())?.raw;
         // what the drive has already is neither written nor put back
         let old = speed.number().filter(|_| speed.raw() != Some(set));
-        if let Some(old) = old.and_then(|number| format!("{number}rpm").parse::<Quantity>().ok()) {
+        if let Some(old) = old.and_then(|number| format!("{number}{}", speed.unit).parse::<Quantity>().ok()) {
             let told = value::full(&speed);
             let leftover = Leftover { pnu, old, set };
             if let Err(why) = note.write(&leftover) {
                 output.warn(&format!(
-                    "if this program is killed, PNU {pnu} stays changed and nobody knows that it was {told}: {why}"
+                    "if this program is killed, {called} stays changed and nobody knows that it was {told}: {why}"
                 ));
             }
             // put back at the end, whatever happens
@@ -131,7 +137,7 @@ fn go(
             speed = inner.read_one(own, &selection)?;
         }
     }
-    axis::within(speed.number().unwrap_or(0.0), limit, SpeedUnit::Rpm)?;
+    axis::within(setting.rpm(&speed).unwrap_or(0.0), limit, SpeedUnit::Rpm)?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} for {} s; Ctrl-C stops it",
         drive.label(),

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use drive_client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
-use drive_client::{Drive, Error, describe};
+use drive_client::{Drive, Error, Model, describe};
 use network::files::StateFile;
+use profidrive::catalogue::Role;
 use profidrive::parameter::Saving;
 use serde_json::{Map, Value};
 
@@ -309,6 +310,21 @@ fn results(journal: &Journal, output: &Output) {
     }
 }
 
+/// What becomes of written values that nobody asked to save.
+fn unsaved(model: &Model, drive: &str) -> String {
+    let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
+    match (model.dialect.saving, command) {
+        (Saving::Always, _) => "the drive keeps them over power-off: it saves every write".into(),
+        (Saving::Command, Some(command)) => format!(
+            "not saved: `profidrive write {drive} {}=1` lets the drive keep them over power-off",
+            command.name
+        ),
+        (Saving::Command | Saving::Request, _) => {
+            "not saved: until the next power cycle; with --save the drive keeps them".into()
+        }
+    }
+}
+
 fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
     if journal.total() > 0 {
         output.say(&journal.summary());
@@ -324,15 +340,7 @@ fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, outp
         Saved::Yes => output.say("saved: the drive keeps them over power-off"),
         Saved::No if args.save => output.say("not saved, because not every value is as planned"),
         Saved::No if journal.count(|step| *step == Step::ReadBack) > 0 => {
-            output.say(&match drive.model.dialect.saving {
-                Saving::Command => format!(
-                    "not saved: `profidrive write {} DRV.NVSAVE=1` lets the drive keep them over power-off",
-                    drive.label()
-                ),
-                Saving::Request | Saving::Always => {
-                    "not saved: until the next power cycle; with --save the drive keeps them".into()
-                }
-            });
+            output.say(&unsaved(&drive.model, &drive.label()));
         }
         Saved::No => {}
         Saved::InDoubt => output.warn("it is not known whether the drive saved: asked for, not answered"),
@@ -481,6 +489,14 @@ const fn word(step: Step) -> &'static str {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_parameters_of_the_make_are_named_for_saving() {
+        let told = |name| unsaved(&Model::by_name(name).unwrap(), "d");
+        assert!(told("akd").contains("`profidrive write d DRV.NVSAVE=1`"));
+        assert!(told("vlt").contains("--save") && !told("vlt").contains("NVSAVE"));
+        assert!(told("vacon").starts_with("the drive keeps them"));
+    }
 
     fn backup(lines: &str) -> Backup {
         let head = "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n";

@@ -5,6 +5,7 @@ use std::time::Duration;
 use clap::Args;
 use drive_client::axis::{MotionFacts, Purpose, SpeedUnit};
 use drive_client::{AxisSettings, Drive, Error};
+use profidrive::catalogue::Part;
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 use profidrive::telegram::DANFOSS;
@@ -12,12 +13,14 @@ use profidrive::telegram::DANFOSS;
 use super::axis::{self, End, SetMode};
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::Live;
-use crate::failure::Failure;
+use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::number;
 
 /// Number of PPO type 0, if there were one: the selections of 9-22.
 const PPO: u16 = 100;
+/// A limit may have been reckoned from a frequency: so much above it is the limit itself.
+const ROUNDING: f64 = 1.001;
 /// A ramp that takes longer than this is told beforehand.
 const LONG_RAMP: Duration = Duration::from_secs(2);
 
@@ -154,8 +157,13 @@ fn go(
             session.check_speed(drive, speed)?;
         }
         let facts = session.motion_facts(drive)?;
-        if let Some(warning) = above(speed, &facts) {
-            output.warn(&warning);
+        if hits(speed, &facts) {
+            output.warn("the limit switch in this direction is hit: the drive may not turn");
+        }
+        // who says what 100 % is knows better than the drive
+        let told = |part: &Option<Part>| *part != Some(Part::Reference) || args.reference_speed.is_none();
+        if let Some((limit, part)) = above(speed, &facts).filter(|(_, part)| told(part)) {
+            return Err(too_fast(speed, limit, part, drive));
         }
     }
     let end = if args.time.is_some() { End::Time } else { End::Open };
@@ -176,8 +184,12 @@ fn go(
         Some(time) => {
             let ramp = enabled.speed_time(speed);
             if ramp > LONG_RAMP {
+                let named = enabled.drive().named(&[Part::Acceleration, Part::RampUpTime]);
+                let by = named
+                    .first()
+                    .map_or_else(String::new, |name| format!(" ({name})"));
                 output.say(&format!(
-                    "the ramp up takes about {:.0} s (DRV.ACC), the time counts from its end",
+                    "the ramp up takes about {:.0} s{by}, the time counts from its end",
                     ramp.as_secs_f64()
                 ));
             }
@@ -207,21 +219,46 @@ fn unreached(wish: &Wish, actual: Option<f64>) -> String {
     format!("{} was not reached when the stop came{actual}", wish.told())
 }
 
-/// What the drive will make of a speed that is above its own limit, or that leads into a limit switch.
-fn above(speed: f64, facts: &MotionFacts) -> Option<String> {
-    let (limit, name, hit) = if speed < 0.0 {
-        (facts.backward_limit, "VL.LIMITN", facts.negative_switch)
+/// The limit switch in the direction of a speed is hit.
+fn hits(speed: f64, facts: &MotionFacts) -> bool {
+    let hit = if speed < 0.0 {
+        facts.negative_switch
     } else {
-        (facts.forward_limit, "VL.LIMITP", facts.positive_switch)
+        facts.positive_switch
     };
-    if hit == Some(true) && speed != 0.0 {
-        return Some("the limit switch in this direction is hit: the drive may not turn".into());
+    hit == Some(true) && speed != 0.0
+}
+
+/// The limit of the drive that a speed is above, and what sets it: it would never be reached.
+fn above(speed: f64, facts: &MotionFacts) -> Option<(f64, Option<Part>)> {
+    let (limit, part) = if speed < 0.0 {
+        (facts.backward_limit, facts.backward_by)
+    } else {
+        (facts.forward_limit, facts.forward_by)
+    };
+    let limit = limit.filter(|&limit| speed.abs() > limit * ROUNDING)?;
+    Some((limit, part))
+}
+
+fn too_fast(speed: f64, limit: f64, part: Option<Part>, drive: &Drive) -> Failure {
+    let named = part.map_or_else(Vec::new, |part| drive.named(&[part]));
+    let by = named
+        .first()
+        .map_or_else(String::new, |name| format!(" ({name})"));
+    let (speed, limit) = (number(speed), number(limit));
+    let message = format!(
+        "{}: {speed} rpm is above the limit of the drive, {limit} rpm{by}",
+        drive.label()
+    );
+    let failure = Failure::new(Exit::Safety, message);
+    match named.first() {
+        Some(name) => failure.hint(format!(
+            "`profidrive describe {} {}` shows it; ask for a speed within it",
+            drive.label(),
+            name.replace(' ', "")
+        )),
+        None => failure,
     }
-    let limit = limit.filter(|&limit| speed.abs() > limit)?;
-    Some(format!(
-        "the drive limits itself to {} rpm ({name})",
-        number(limit)
-    ))
 }
 
 #[cfg(test)]
@@ -233,17 +270,15 @@ mod tests {
         let facts = MotionFacts {
             forward_limit: Some(1000.0),
             backward_limit: Some(500.0),
+            backward_by: Some(Part::BackwardLimit),
             ..MotionFacts::default()
         };
         assert_eq!(above(1000.0, &facts), None);
-        assert_eq!(
-            above(-600.0, &facts).as_deref(),
-            Some("the drive limits itself to 500 rpm (VL.LIMITN)")
-        );
+        assert_eq!(above(-600.0, &facts), Some((500.0, Some(Part::BackwardLimit))));
         let hit = MotionFacts {
             positive_switch: Some(true),
             ..facts
         };
-        assert!(above(10.0, &hit).is_some() && above(-10.0, &hit).is_none());
+        assert!(hits(10.0, &hit) && !hits(-10.0, &hit));
     }
 }

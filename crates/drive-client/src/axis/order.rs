@@ -3,7 +3,7 @@
 mod modulo;
 mod objection;
 
-use profidrive::catalogue::{Catalogue, Scaling};
+use profidrive::catalogue::{Catalogue, Part, Scaling};
 use profidrive::notation::Position;
 use profidrive::telegram::signal;
 
@@ -89,6 +89,10 @@ pub struct MotionFacts {
     pub forward_limit: Option<f64>,
     /// Highest speed in negative direction as a positive number, rpm.
     pub backward_limit: Option<f64>,
+    /// What sets the highest speed in positive direction.
+    pub forward_by: Option<Part>,
+    /// What sets the highest speed in negative direction.
+    pub backward_by: Option<Part>,
     /// The limit switch at the negative end is hit.
     pub negative_switch: Option<bool>,
     /// The limit switch at the positive end is hit.

@@ -1,6 +1,6 @@
 //! Whose settings a backup holds.
 
-use profidrive::catalogue::Scaling;
+use profidrive::catalogue::{Part, Scaling};
 use profidrive::unit::UnitChoice;
 
 use super::TasksTold;
@@ -106,7 +106,12 @@ impl Header {
                 lines.push(format!("{key}: {}", line(value)));
             }
         }
-        if let Some(scaling) = scaling {
+        let has = |part| {
+            self.known()
+                .catalogue
+                .is_some_and(|tables| tables.part(part).is_some())
+        };
+        if let Some(scaling) = scaling.filter(|_| has(Part::VelocityScaling)) {
             lines.push(format!(
                 "scaling: velocity {}, acceleration {}, position {}, singleturn {}, peak current {}",
                 scaling.velocity,
@@ -116,7 +121,7 @@ impl Header {
                 scaling.peak_current
             ));
         }
-        if let Some(scaling) = scaling {
+        if let Some(scaling) = scaling.filter(|_| has(Part::UnitRotary)) {
             let unit = scaling.unit.unit();
             let values = unit_values(scaling.unit).map(|(name, value)| format!("{name} {value}"));
             lines.push(format!(

@@ -193,6 +193,19 @@ pub fn rule(parameters: &Parameters, pnu: u16, index: Option<u16>) -> BackupRule
     }
 }
 
+impl Backup {
+    /// How many settings of a model are not in it.
+    #[must_use]
+    pub fn lacks(&self, model: &Model) -> usize {
+        let all = everything(model);
+        let missing = all.iter().filter(|selection| {
+            let index = selection.indexed.then_some(selection.first);
+            self.reading(selection.pnu, index).is_none()
+        });
+        missing.count()
+    }
+}
+
 /// Every parameter of a model that belongs into a backup; nothing for a drive without tables.
 #[must_use]
 pub fn everything(model: &Model) -> Vec<Selection> {

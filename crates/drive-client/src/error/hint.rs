@@ -1,14 +1,51 @@
 //! What to do about an error.
 
+use profidrive::catalogue::Part;
 use profidrive::pkw::PkwErrorNames;
 use profidrive::state::Mode;
 use profinet::controller::{LostCause, ServiceError};
 use profinet::wire::PnioStatus;
 
 use super::Error;
+use crate::Drive;
 use crate::axis::{Objection, SpeedUnit, Trouble};
 
 impl Error {
+    /// What to do about it, with the parameters that a drive of this make has for it.
+    #[must_use]
+    pub fn hint_for(&self, drive: &Drive) -> Option<String> {
+        let hint = self.hint()?;
+        let parts: &[Part] = match self {
+            Self::SpeedNotReached { .. } => &[
+                Part::Acceleration,
+                Part::RampUpTime,
+                Part::ForwardLimit,
+                Part::BackwardLimit,
+                Part::Reference,
+                Part::PositiveCurrentLimit,
+            ],
+            Self::SpeedLost { .. } => &[Part::ForwardLimit, Part::BackwardLimit, Part::Reference],
+            Self::Axis {
+                trouble: Trouble::StuckIn { .. },
+                ..
+            } => &[Part::DisableSources],
+            Self::Axis {
+                trouble: Trouble::StillTurns,
+                ..
+            } => &[Part::Brake],
+            _ => &[],
+        };
+        let named = drive.named(parts);
+        if named.is_empty() {
+            return Some(hint);
+        }
+        let named: Vec<String> = named.iter().map(|name| name.replace(' ', "")).collect();
+        Some(format!(
+            "{hint}; `profidrive read DRIVE {}` shows more",
+            named.join(" ")
+        ))
+    }
+
     /// What to do about it, where that can be said. `DRIVE` in it stands for the drive as the person calls it.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
@@ -38,10 +75,10 @@ impl Error {
                 Trouble::FaultStays => "remove the cause, then acknowledge again",
                 Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
                 Trouble::StuckIn { .. } => {
-                    "check enable inputs, STO and DC bus: `profidrive read DRIVE DRV.DISSOURCES`"
+                    "check enable inputs, STO and DC bus: `profidrive status DRIVE`"
                 }
                 Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
-                Trouble::StillTurns => "keep clear of it; apply a brake (MOTOR.BRAKE) or take the load away",
+                Trouble::StillTurns => "keep clear of it; apply a brake or take the load away",
                 Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
                 Trouble::NoInputs => "the telegram module is not usable in this drive: `profidrive info DRIVE`",
                 Trouble::OtherMode { .. } => "`profidrive read DRIVE p930` shows the mode",
@@ -78,7 +115,7 @@ impl Error {
                 "switch it off there (service channel: `profidrive stop {drive} --disable`) and hand control over to the field bus"
             ),
             Self::SpeedLost { .. } => {
-                "something else stopped or limits it (`profidrive stop`, VL.LIMITP, a limit switch) or the load holds it".into()
+                "something else stopped or limits it (`profidrive stop`, a limit of the drive, a limit switch) or the load holds it".into()
             }
             Self::ScaleChanged { .. } => {
                 "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
@@ -97,7 +134,7 @@ impl Error {
             }
             Self::SpeedStep { .. } => "ask for one of them, or make the steps finer (AKD: PN.VELSCALING)".into(),
             Self::SpeedNotReached { .. } => {
-                "the ramp (DRV.ACC), a limit of the drive (VL.LIMITP, VL.LIMITN, IL.LIMITP) or the load holds it".into()
+                "the ramp, a limit of the drive or the load holds it".into()
             }
             Self::Held { error, evidence } => evidence.hint().map_or_else(|| error.hint(), |hint| Some(hint.into()))?,
             Self::NotEnabled { .. } => "enable it again".into(),
@@ -119,7 +156,7 @@ impl Error {
                 "fc:PORT/ADDRESS and uss:PORT/ADDRESS are at a serial line, all others on a network".into()
             }
             Self::ConnectionLost { .. } => {
-                "the drive stops by itself (AKD: F702); `profidrive ack DRIVE` once it is reachable again".into()
+                "the drive stops by itself, as it is set for a lost connection; `profidrive ack DRIVE` once it is reachable again".into()
             }
             _ => return None,
         })

@@ -101,6 +101,12 @@ pub enum ParameterProblem {
         /// The name as given.
         name: String,
     },
+    /// A number that collects parameters, without saying which of them.
+    #[error("p{pnu:04} collects parameters by their ids: say which, for example ID 103 or {pnu}[103]")]
+    NoId {
+        /// The number.
+        pnu: u16,
+    },
     /// Element beyond the array, or of a parameter that is none.
     #[error("{parameter} has {}, element {index} does not exist", elements_text(*.elements))]
     Element {

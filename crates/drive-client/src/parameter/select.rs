@@ -120,6 +120,9 @@ impl Parameters {
         let elements = reference.elements.unwrap_or_default();
         let several = parameter.is_none() || elements.count > 1;
         if several && self.catalogue.is_some_and(|tables| tables.is_collecting(pnu)) {
+            if reference.elements.is_none() {
+                return Err(ParameterProblem::NoId { pnu });
+            }
             return Ok(Selection {
                 first: elements.first,
                 count: elements.count.max(1),
@@ -303,6 +306,11 @@ mod tests {
         assert_eq!(vacon("p103").unwrap().0, 103);
         assert_eq!(vacon("ID 3333"), Ok((10001, 3333, "ID 3333".into())));
         assert_eq!(vacon("947[2]"), Ok((947, 2, "Fault numbers (r0947[2])".into())));
+        let error = vacon("p10001").unwrap_err();
+        assert!(
+            error.contains("say which") && error.contains("10001[103]"),
+            "{error}"
+        );
         let several = vacon("10001[101..103]").unwrap();
         assert_eq!((several.0, several.1), (10001, 101));
         assert!(vlt("1-20[1]").unwrap_err().contains("has no elements"));

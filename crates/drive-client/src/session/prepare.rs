@@ -18,7 +18,11 @@ use crate::parameter::{Assignment, Reading, Selection};
 use crate::{Drive, Error, Wire, WriteMode};
 
 /// What matters for a move, and what a converter's ramps follow from.
-const MOTION: [Part; 26] = [
+const MOTION: [Part; 30] = [
+    Part::Reference,
+    Part::ReferenceUnit,
+    Part::ReferenceRange,
+    Part::Direction,
     Part::ControlWord,
     Part::StatusWord,
     Part::ControlProfile,
@@ -187,14 +191,16 @@ impl<M: Wire> Session<M> {
         let on = raw(Part::SoftwareLimitsOn).unwrap_or(0);
         // the signal wraps at 32 bits and has a sign, the table of the manual calls it unsigned
         let position = raw(Part::Position).map(|raw| f64::from(raw as i32) / drive.counts_per_turn());
-        let forward = told.rpm(Part::ForwardLimit).map(f64::abs);
+        let [forward, backward] = speed_limits(&told);
         let mut facts = MotionFacts {
             position,
             homed: zsw1.map(|word| word.has(Zsw1::HOMED)),
             fault: zsw1.map(|word| word.has(Zsw1::FAULT)),
             modulo: told.flag(Part::Modulo) == Some(true),
-            forward_limit: forward,
-            backward_limit: told.rpm(Part::BackwardLimit).map(f64::abs).or(forward),
+            forward_limit: forward.map(|(limit, _)| limit),
+            backward_limit: backward.map(|(limit, _)| limit),
+            forward_by: forward.map(|(_, part)| part),
+            backward_by: backward.map(|(_, part)| part),
             negative_switch: told.flag(Part::NegativeSwitch),
             positive_switch: told.flag(Part::PositiveSwitch),
             acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
@@ -478,6 +484,27 @@ fn scale_of(
 
 /// 100 % of a speed in N2.
 const PERCENT_100: u16 = 0x4000;
+
+/// The lowest of the limits of the speed in each direction, and what sets it.
+fn speed_limits(told: &Told) -> [Option<(f64, Part)>; 2] {
+    let of = |part| told.rpm(part).map(|limit| (limit.abs(), part));
+    let forward = of(Part::ForwardLimit);
+    let reference = told.reference().map(|limit| (limit, Part::Reference));
+    let only = |part, at| (told.raw(part) == Some(at)).then_some((0.0, part));
+    let lowest = |limits: [Option<(f64, Part)>; 4]| {
+        let limits = limits.into_iter().flatten();
+        limits.min_by(|(one, _), (other, _)| one.total_cmp(other))
+    };
+    [
+        lowest([forward, reference, only(Part::Direction, 1), None]),
+        lowest([
+            of(Part::BackwardLimit).or(forward),
+            reference,
+            only(Part::Direction, 0),
+            only(Part::ReferenceRange, 0),
+        ]),
+    ]
+}
 
 /// PNU 930: 1 speed control, 2 positioning.
 const fn mode_of(number: i64) -> Option<Mode> {

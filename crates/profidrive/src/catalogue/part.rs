@@ -87,6 +87,16 @@ parts! {
     ForwardLimit = "forward-limit";
     /// Highest speed backward.
     BackwardLimit = "backward-limit";
+    /// Which direction the motor may turn in: 0 forward, 1 backward, 2 both.
+    Direction = "direction";
+    /// 0: no references backward.
+    ReferenceRange = "reference-range";
+    /// Speed of jog 1.
+    Jog1 = "jog-1";
+    /// Speed of jog 2.
+    Jog2 = "jog-2";
+    /// Speed of jog with control words of the maker that have one only.
+    JogOnly = "jog-only";
     /// Not 0: the axis is a modulo axis.
     Modulo = "modulo";
     /// One end of the modulo range.

@@ -30,6 +30,8 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::Deceleration, pnu: 2115, base: None },
     PartRow { part: Part::ForwardLimit, pnu: 2439, base: None },
     PartRow { part: Part::BackwardLimit, pnu: 2438, base: None },
+    PartRow { part: Part::Jog1, pnu: 1004, base: None },
+    PartRow { part: Part::Jog2, pnu: 1005, base: None },
     PartRow { part: Part::Modulo, pnu: 2308, base: None },
     PartRow { part: Part::ModuloEnd1, pnu: 2303, base: None },
     PartRow { part: Part::ModuloEnd2, pnu: 2305, base: None },

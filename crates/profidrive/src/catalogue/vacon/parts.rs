@@ -15,6 +15,8 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::RampUpTime, pnu: 10001, base: Some(103) },
     PartRow { part: Part::RampDownTime, pnu: 10001, base: Some(104) },
     PartRow { part: Part::LowestReference, pnu: 10001, base: Some(101) },
+    PartRow { part: Part::Jog1, pnu: 10001, base: Some(124) },
+    PartRow { part: Part::Jog2, pnu: 10001, base: Some(124) },
     PartRow { part: Part::Reference, pnu: 10001, base: Some(102) },
     PartRow { part: Part::MotorFrequency, pnu: 10001, base: Some(111) },
     PartRow { part: Part::MotorSpeed, pnu: 10001, base: Some(112) },
