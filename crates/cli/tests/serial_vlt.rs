@@ -4,8 +4,11 @@
 mod binary;
 mod cable;
 
+use std::io::{BufRead, BufReader, Read};
 use std::path::PathBuf;
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
 
 use binary::{profidrive, stderr, stdout};
 use cable::{Cable, Simulated};
@@ -118,6 +121,67 @@ fn every_command_over_both_protocols() {
         assert!(stdout(&faults).contains("no fault") || stderr(&faults).contains("no fault"));
         let status = stdout(&profidrive(&["status", &drive]));
         assert!(status.contains("Danfoss FC"), "{status}");
+    }
+}
+
+/// What becomes of a drive whose `run` is killed is its own setting, and the one that lets it go on is told beforehand.
+#[test]
+fn a_run_that_is_killed_leaves_the_drive_as_eight_four_says() {
+    let cable = Cable::lay();
+    let _drives = Simulated::start_model(&cable, "vlt", &["--baud", "115200"]);
+    let drive = format!("{},baud=115200", cable.drive("fc", 1));
+    let speed = || values(&drive, &["16-17"])[0].as_f64().expect("a speed");
+    for (function, warned, left) in [("5", false, 0.0), ("0", true, 300.0)] {
+        ok(&["write", &drive, &format!("8-04={function}"), "8-03=1s"]);
+        let mut run = Command::new(env!("CARGO_BIN_EXE_profidrive"))
+            .args(["run", "--json", &drive, "--velocity", "300rpm"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the binary runs");
+        let mut told = BufReader::new(run.stdout.take().expect("piped")).lines();
+        let mut events = Vec::new();
+        let at_speed = told.by_ref().map_while(Result::ok).find(|line| {
+            let event: serde_json::Value = serde_json::from_str(line).expect("an event");
+            events.push(event.clone());
+            event["speed_actual"].as_f64().is_some_and(|speed| speed > 290.0)
+        });
+        assert!(at_speed.is_some(), "{events:?}");
+        run.kill().expect("it runs");
+        let mut said = String::new();
+        let mut errors = run.stderr.take().expect("piped");
+        errors.read_to_string(&mut said).expect("text");
+        run.wait().expect("it ends");
+        let advice = format!("`profidrive write {drive} 8-04=5`");
+        assert_eq!(
+            said.contains("8-04 is Off: should this program be killed"),
+            warned,
+            "{said}"
+        );
+        assert_eq!(said.contains(&advice), warned, "{said}");
+        let first = &events[0]["goes_on_alone"];
+        assert_eq!(
+            first["parameter"].as_str(),
+            warned.then_some("8-04"),
+            "{events:?}"
+        );
+        // its time-out and the ramp
+        sleep(Duration::from_secs(3));
+        assert!((speed() - left).abs() < 10.0, "8-04={function}: {} rpm", speed());
+        let status = profidrive(&["status", &drive]);
+        if warned {
+            let status = stdout(&status);
+            assert!(
+                status.contains("the last control word, 0x047C, is still in force"),
+                "{status}"
+            );
+            ok(&["stop", &drive]);
+            assert_eq!(speed(), 0.0);
+        } else {
+            assert_eq!(status.status.code(), Some(5));
+            assert!(stdout(&status).contains("F17"), "{}", stdout(&status));
+            ok(&["ack", &drive]);
+        }
     }
 }
 

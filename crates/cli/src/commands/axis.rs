@@ -7,7 +7,7 @@ use std::time::Duration;
 use clap::Args;
 use drive_client::axis::{Goal, Purpose, SpeedUnit, Trouble};
 use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
-use drive_client::{AxisSettings, AxisStatus, Drive, Error, FaultEntry, WarningEntry};
+use drive_client::{AxisSettings, AxisStatus, Drive, Error, FaultEntry, GoesOn, WarningEntry};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 use profinet::cyclic::Timing;
@@ -178,6 +178,37 @@ const fn mode_number(mode: Mode) -> u8 {
         Mode::Velocity => 1,
         Mode::Position => 2,
     }
+}
+
+/// Says beforehand that the drive will not stop by itself when this program is gone.
+pub fn tell_alone(
+    session: &mut Live,
+    drive: &mut Drive,
+    command: &str,
+    output: &Output,
+) -> Result<(), Failure> {
+    let Some(goes_on) = session.goes_on_alone(drive)? else {
+        return Ok(());
+    };
+    let GoesOn {
+        parameter,
+        setting,
+        stops,
+        stops_text,
+    } = goes_on;
+    let does = stops_text.map_or_else(
+        || "makes it stop".to_owned(),
+        |text| format!("makes it stop ({text})"),
+    );
+    let advice = format!("profidrive write {} {parameter}={stops}", drive.label());
+    if output.json() {
+        let alone = fields! { "parameter": parameter.as_str(), "setting": setting.as_str(), "advice": advice.as_str() };
+        output.event(command, fields! { "goes_on_alone": alone });
+    }
+    output.warn(&format!(
+        "{parameter} is {setting}: should this program be killed or the line break, the drive goes on; `{advice}` {does}"
+    ));
+    Ok(())
 }
 
 /// Shows the axis from now on, and says what taking it has changed at the drive.

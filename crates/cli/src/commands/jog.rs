@@ -99,6 +99,7 @@ fn go(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
+    axis::tell_alone(session, drive, "jog", output)?;
     let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     let (inner, own) = taken.session();
@@ -163,6 +164,7 @@ fn real_time(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
+    axis::tell_alone(session, drive, "jog", output)?;
     let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(

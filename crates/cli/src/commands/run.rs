@@ -166,6 +166,7 @@ fn go(
             return Err(too_fast(speed, limit, part, drive));
         }
     }
+    axis::tell_alone(session, drive, "run", output)?;
     let end = if args.time.is_some() { End::Time } else { End::Open };
     let settings = AxisSettings {
         telegram: args.telegram.map(|name| name.number(drive)).transpose()?,

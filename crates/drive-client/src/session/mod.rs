@@ -1,6 +1,7 @@
 //! The blocking facade: one call per wish, over any medium.
 
 mod access;
+mod alone;
 mod axis;
 mod backup;
 mod enabled;
@@ -31,6 +32,7 @@ use profinet::controller::ControllerConfig;
 
 use crate::{Client, Drive, Error, LineConfig, Wire};
 
+pub use alone::GoesOn;
 pub use axis::{Axis, AxisSettings, AxisStatus, WarningWatcher, Watcher};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};

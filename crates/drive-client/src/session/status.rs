@@ -2,7 +2,7 @@
 
 use profidrive::catalogue::Part;
 use profidrive::parameter::pnu;
-use profidrive::state::{State, Stw1, Zsw1};
+use profidrive::state::{State, Zsw1};
 use profidrive::telegram::{Telegram, signal};
 
 use super::Session;
@@ -62,13 +62,8 @@ impl<M: Wire> Session<M> {
         let profile = told.profile(drive, telegram);
         let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
         let zsw1 = status.map(|status| profile.zsw1(status, control.unwrap_or_default()));
-        // at a serial line this reading brought the word, and there is one master
-        let commanded =
-            control.is_some_and(|word| profile.orders(word, State::S2).stw1.has(Stw1::CONTROL_BY_PLC));
-        let controller = match controller {
-            None if drive.is_on_line() && !commanded => Some(None),
-            told => told,
-        };
+        // a serial line has one master, and this one commands nothing
+        let controller = controller.or(drive.is_on_line().then_some(None));
         let runs = zsw1.is_some_and(|zsw1| zsw1.has(Zsw1::READY_TO_OPERATE));
         let state = if runs { State::S4 } else { State::S2 };
         let (faults, warnings) = match self.fault_report(drive) {

@@ -73,6 +73,11 @@ const ADVICE: &[(&str, Cause, &str)] = &[
         Cause::DoesNotTurn,
         "`profidrive read DRIVE IL.FB IL.LIMITP VL.LIMITP VL.LIMITN`",
     ),
+    (
+        "VLT",
+        Cause::TurnsAlone,
+        "`profidrive stop DRIVE` stops it; `profidrive write DRIVE 8-04=5` makes it trip when its controller is gone",
+    ),
     ("VLT", Cause::Sto, "close the safety circuit: 24 V at terminal 37"),
     (
         "VLT",

@@ -145,8 +145,14 @@ causes! {
     TurnsAlone = "turns-alone", Held,
         |s| s.controller == Some(None),
         |s| format!(
-            "it turns at {:.1} rpm though no controller is connected: it is commanded at the drive itself",
-            s.speed_actual.unwrap_or_default()
+            "it turns at {:.1} rpm though no controller is connected: {}",
+            s.speed_actual.unwrap_or_default(),
+            match s.control_word {
+                Some(word) if s.sent(Stw1::CONTROL_BY_PLC | Stw1::ON) => format!(
+                    "the last control word, 0x{word:04X}, is still in force, or it is commanded at the drive itself"
+                ),
+                _ => "it is commanded at the drive itself".to_owned(),
+            }
         ),
         "stop it where it is commanded: panel, inputs or service software";
     /// STW1 bit 10.

@@ -149,6 +149,9 @@ parts! {
     MotorPoles = "motor-poles";
     /// Which bits the control word of the maker's own telegrams has.
     ControlProfile = "control-profile";
+    /// What becomes of a drive whose controller or master is gone. The values of the row make it stop; with another one it
+    /// goes on.
+    LostController = "lost-controller";
     /// Writing it stops all motion on the ramp.
     Stop = "stop";
     /// Writing it switches the power stage off.
@@ -178,6 +181,8 @@ pub struct PartRow {
     pub pnu: u16,
     /// Its subindex where it is an element of a collecting number.
     pub base: Option<u16>,
+    /// Values that the part is about; which ones is told there.
+    pub values: &'static [i64],
 }
 
 impl Catalogue {
@@ -198,6 +203,18 @@ impl Catalogue {
     pub fn parts_of(&self, part: Part) -> impl Iterator<Item = &'static Parameter> {
         let rows = self.parts.iter().filter(move |row| row.part == part);
         rows.filter_map(|row| self.by_address(row.pnu, row.base))
+    }
+
+    /// The values that the row of a part names.
+    ///
+    /// ```
+    /// use profidrive::catalogue::{Part, VLT};
+    /// assert_eq!(VLT.part_values(Part::LostController), [2, 5]); // 8-04: stop, stop and trip
+    /// ```
+    #[must_use]
+    pub fn part_values(&self, part: Part) -> &'static [i64] {
+        let row = self.parts.iter().find(|row| row.part == part);
+        row.map_or(&[], |row| row.values)
     }
 
     /// The parts that a parameter has.
@@ -233,6 +250,19 @@ mod tests {
             AKD.parts_at(3064, None).collect::<Vec<_>>(),
             [Part::VelocityScaling]
         );
+    }
+
+    #[test]
+    fn values_of_a_part_are_choices_of_its_parameter() {
+        for tables in [&AKD, &VLT, &VACON] {
+            for row in tables.parts.iter().filter(|row| !row.values.is_empty()) {
+                let parameter = tables.by_address(row.pnu, row.base).unwrap();
+                for value in row.values {
+                    assert!(parameter.choice(*value).is_some(), "{row:?} {value}");
+                }
+            }
+        }
+        assert_eq!(VLT.part(Part::LostController).unwrap().pnu, 804);
     }
 
     #[test]

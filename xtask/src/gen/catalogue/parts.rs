@@ -6,7 +6,7 @@ use super::backup::{Known, names};
 use crate::Outcome;
 use crate::table::Table;
 
-/// The rows as Rust, in their order. Each names one parameter.
+/// The rows as Rust, in their order. Each names one parameter, and after `=` the values that the part is about.
 pub fn render(parts: &Table, known: &[Known]) -> Outcome<String> {
     let mut text = String::from(
         "use crate::catalogue::{Part, PartRow};\n\n\
@@ -14,14 +14,17 @@ pub fn render(parts: &Table, known: &[Known]) -> Outcome<String> {
     );
     for row in parts.rows() {
         let place = row.place();
-        let (part, pattern) = (row.text("part")?, row.text("parameter")?);
+        let (part, cell) = (row.text("part")?, row.text("parameter")?);
+        let (pattern, values) = cell.split_once('=').unwrap_or((cell, ""));
+        let values: Result<Vec<i64>, _> = values.split_whitespace().map(str::parse).collect();
+        let values = values.map_err(|_| format!("{place}: {cell:?} has a value that is no number"))?;
         let mut found = known.iter().filter(|one| names(pattern, one));
         let (Some(parameter), None) = (found.next(), found.next()) else {
             return Err(format!("{place}: {pattern:?} is not the name of one parameter").into());
         };
         writeln!(
             text,
-            "    PartRow {{ part: Part::{}, pnu: {}, base: {:?} }},",
+            "    PartRow {{ part: Part::{}, pnu: {}, base: {:?}, values: &{values:?} }},",
             variant(part),
             parameter.pnu,
             parameter.base
@@ -58,14 +61,19 @@ mod tests {
         };
         let text = parts("status-word,A\nramp-up-time,id103").unwrap();
         assert!(
-            text.contains("PartRow { part: Part::StatusWord, pnu: 2, base: None },"),
+            text.contains("PartRow { part: Part::StatusWord, pnu: 2, base: None, values: &[] },"),
             "{text}"
         );
         assert!(
             text.contains("Part::RampUpTime, pnu: 10001, base: Some(103)"),
             "{text}"
         );
-        for wrong in ["speed,C", "speed,B"] {
+        assert!(
+            parts("speed,A=2 5")
+                .unwrap()
+                .contains("base: None, values: &[2, 5] }")
+        );
+        for wrong in ["speed,C", "speed,B", "speed,A=x"] {
             assert!(parts(wrong).is_err(), "{wrong}");
         }
     }
