@@ -92,6 +92,16 @@ pub enum HappeningError {
         /// The numbers next to it that there are.
         near: Vec<u16>,
     },
+    /// The drive has no digital input of this number.
+    #[error("`{text}`: {drive} has {}", inputs(*.most))]
+    NoInput {
+        /// The text.
+        text: String,
+        /// Name of the model.
+        drive: &'static str,
+        /// How many it has that can be given a level.
+        most: usize,
+    },
     /// The drive's own part of the notation.
     #[error(transparent)]
     Drive(#[from] InjectionError),
@@ -151,16 +161,35 @@ fn nearest(near: &[u16]) -> String {
     format!("; next to it there are {}", near.join(" and "))
 }
 
+fn inputs(most: usize) -> String {
+    match most {
+        0 => "no digital inputs here".into(),
+        most => format!("the digital inputs 1 to {most}"),
+    }
+}
+
 impl Happening {
-    /// Whether it can happen to a drive of this model: it must have the fault or warning that is named.
+    /// Whether it can happen to a drive of this model: it must have the fault, warning or digital input that is
+    /// named.
     ///
     /// # Errors
-    /// [`HappeningError::UnknownNumber`] with the numbers next to it.
+    /// [`HappeningError::UnknownNumber`] with the numbers next to it, [`HappeningError::NoInput`].
     pub fn fits(&self, model: &Model) -> Result<(), HappeningError> {
         let (kind, number, meant): (_, _, &[bool]) = match *self {
             Self::Drive(Injection::Fault { number, .. }) => ("fault", number, &[false]),
             Self::Drive(Injection::Warning { number }) => ("warning", number, &[true]),
             Self::Drive(Injection::ClearCause { number }) => ("fault or warning", number, &[false, true]),
+            Self::Drive(Injection::Input { number, .. }) => {
+                let most = model.roles.terminals.len();
+                if usize::from(number) <= most {
+                    return Ok(());
+                }
+                return Err(HappeningError::NoInput {
+                    text: self.to_string(),
+                    drive: model.catalogue.device.station_type,
+                    most,
+                });
+            }
             _ => return Ok(()),
         };
         let catalogue = model.catalogue;
@@ -250,6 +279,7 @@ fn undo(injection: Injection) -> Option<Injection> {
         I::PowerTemperature(_) => I::PowerTemperature(None),
         I::HardwareDisable(on) => I::HardwareDisable(!on),
         I::ControlledStop(on) => I::ControlledStop(!on),
+        I::Input { number, on } => I::Input { number, on: !on },
         I::Local(on) => I::Local(!on),
         I::LocalSpeed(_) => I::Local(false),
         _ => return None,
@@ -355,6 +385,7 @@ mod tests {
             "clear=439",
             "clear=107",
             "sto=on",
+            "input=7:on",
         ] {
             assert_eq!(text.parse::<Happening>().unwrap().fits(akd), Ok(()), "{text}");
         }
@@ -363,6 +394,7 @@ mod tests {
             ("fault=65535!", "has no fault 65535; next to it there are "),
             ("warning=1", "has no warning 1; next to it there are "),
             ("clear=999", "has no fault or warning 999"),
+            ("input=8:on", "has the digital inputs 1 to 7"),
         ] {
             let error = text
                 .parse::<Happening>()

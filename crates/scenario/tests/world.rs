@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use profinet::Instant;
-use scenario::{Entry, Scenario, World};
+use scenario::{Entry, Scenario, What, World};
 
 /// A run at 60 rpm under telegram 1, with these events of the drive.
 fn plant(seed: u64, events: &str) -> Scenario {
@@ -104,6 +104,46 @@ fn physical_causes_have_their_effects() {
     let (trace, _) = play(&plant(1, r#"{ at = "3s", do = "load=0.5Nm", for = "1s" }"#));
     assert!(told(&trace, "! load=0Nm").is_some());
     assert!(told(&trace, "fault").is_none(), "a small load is held");
+}
+
+/// A relative task that follows itself at each event (MT.CNTL: relative, followed, event): a turn for each edge at DIN1.
+#[test]
+fn edges_at_a_digital_input_lead_a_chain_of_tasks_on() {
+    let text = r#"
+        sample = "100ms"
+        [[drive]]
+        name = "feeder-1"
+        ip = "10.0.0.1/24"
+        parameters = { 930 = 2, "HOME.MODE" = 0, "HOME.AUTOMOVE" = 1, "DIN1.MODE" = 2, "MT.NUM" = 1, "MT.P" = 65536, "MT.V_32" = "600rpm", "MT.ACC" = "6000rpm/s", "MT.DEC" = "6000rpm/s", "MT.CNTL" = 0x53, "MT.MTNEXT" = 1, "MT.SET" = 1 }
+        event = [
+            { at = "4s", do = "input=1:on", for = "200ms" },
+            { at = "6s", do = "input=1:on" },
+            { at = "8s", do = "input=1:off" },
+        ]
+        [[controller]]
+        drive = "feeder-1"
+        telegram = 7
+        step = [
+            { at = "0.5s", send = { STW1 = "0x043E" } },
+            { at = "1s", send = { STW1 = "0x043F" } },
+            { at = "2s", send = { STW1 = "0x047F", SATZANW = 1 } },
+        ]
+    "#;
+    let (trace, _) = play(&text.parse().unwrap());
+    let place = |seconds: f64| {
+        let at = Instant::ZERO + Duration::from_secs_f64(seconds);
+        let values = trace.iter().rev().find_map(|entry| match &entry.what {
+            What::Values { position, .. } if entry.at <= at => Some(*position),
+            _ => None,
+        });
+        values.unwrap()
+    };
+    for (seconds, turns) in [(1.9, 0.0), (3.9, 1.0), (5.9, 2.0), (7.9, 3.0), (9.9, 3.0)] {
+        let place = place(seconds);
+        assert!((place - turns).abs() < 0.005, "{seconds} s: {place}");
+    }
+    assert!(told(&trace, "! input=1:on for 0.2 s").is_some());
+    assert!(told(&trace, "! input=1:off").is_some());
 }
 
 #[test]

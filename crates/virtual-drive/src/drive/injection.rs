@@ -73,6 +73,13 @@ pub enum Injection {
     HardwareDisable(bool),
     /// `controlled-stop=on`, `off`: the input that stops and disables.
     ControlledStop(bool),
+    /// `input=1:on`, `off`: the level at a digital input; what it does is the business of its DINx.MODE.
+    Input {
+        /// Its number, from 1.
+        number: u8,
+        /// High.
+        on: bool,
+    },
     /// `local=on`: the panel takes the drive and stops it (VLT `[Off]`, Vacon keypad); `off`: the bus has it again.
     Local(bool),
     /// `local-speed=300rpm`: the panel takes the drive and runs it (VLT `[Hand on]`); `auto`: it stops it. A drive in
@@ -222,6 +229,7 @@ mod tests {
             ("load=-500mNm", Injection::Load(-0.5)),
             ("bus=auto", Injection::BusVoltage(None)),
             ("feedback=ok", Injection::FeedbackLoss(false)),
+            ("input = DIN7 : off", Injection::Input { number: 7, on: false }),
             ("motor-temperature=160", Injection::MotorTemperature(Some(160.0))),
         ] {
             assert_eq!(parse(text), Ok(injection), "{text}");
@@ -246,6 +254,10 @@ mod tests {
             ("load=auto", "load=auto"),
             ("load=2V", "load=2V"),
             ("bus=inf", "bus=inf"),
+            ("input=on", "write NUMBER:on or NUMBER:off"),
+            ("input=0:on", "write NUMBER:on or NUMBER:off"),
+            ("input=1:auto", "write NUMBER:on or NUMBER:off"),
+            ("input=256:on", "write NUMBER:on or NUMBER:off"),
         ] {
             let error = parse(text).unwrap_err();
             assert!(error.contains(words), "{text}: {error}");
@@ -259,6 +271,7 @@ mod tests {
                 Injection::Fault { number, lasting },
                 Injection::ClearCause { number },
                 Injection::Load(value),
+                Injection::Input { number: number.to_be_bytes()[1].max(1), on: lasting },
                 Injection::BusVoltage(Some(value.abs() / 5.0)),
                 Injection::PowerTemperature(Some(value / 50.0)),
             ] {

@@ -18,6 +18,7 @@ mod set_ups;
 mod settings;
 mod signals;
 mod telegrams;
+mod terminals;
 mod velocity;
 mod words;
 mod writing;
@@ -48,6 +49,7 @@ use set_ups::SetUps;
 use settings::Settings;
 use signals::Process;
 use telegrams::FreeTelegram;
+use terminals::Terminals;
 
 /// How often a drive that moves without a connection has to be looked after.
 const ALONE: Duration = Duration::from_millis(4);
@@ -193,6 +195,7 @@ pub struct Drive {
     alone: Option<Alone>,
     faults: Faults,
     outside: Outside,
+    terminals: Terminals,
     axis: Axis,
     positioning: Positioning,
     /// Speed that the axis has when the ramp is done, rpm.
@@ -242,6 +245,7 @@ impl Drive {
             alone: None,
             faults: Faults::new(model.fault_buffer),
             outside: Outside::default(),
+            terminals: Terminals::default(),
             axis: Axis::new(model.plant),
             positioning: Positioning::new(),
             target: 0.0,
@@ -445,6 +449,7 @@ impl Drive {
         self.settings = Settings::new(self.model, &self.values);
         self.fit_motor();
         self.choose_words();
+        self.follow_levels();
     }
 }
 
@@ -473,6 +478,8 @@ mod set_up_tests;
 mod table_tests;
 #[cfg(test)]
 mod telegram_tests;
+#[cfg(test)]
+mod terminal_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -23,7 +23,7 @@ impl Drive {
             fault: self.reaction.take(),
             cause_present: self.a_cause_lasts(),
             coast_stop: self.outside.hardware_disable,
-            quick_stop: self.outside.controlled_stop,
+            quick_stop: self.is_stopped_by_input(),
             acknowledge: core::mem::take(&mut self.clear_requested),
             ..Inputs::default()
         };

@@ -45,6 +45,7 @@ impl Drive {
             Injection::PowerTemperature(temperature) => axis.set_power_stage_temperature(temperature),
             Injection::HardwareDisable(active) => self.outside.hardware_disable = active,
             Injection::ControlledStop(active) => self.outside.controlled_stop = active,
+            Injection::Input { number, on } => self.set_terminal(number, on),
             Injection::Local(on) => self.press_local(on),
             Injection::LocalSpeed(speed) => self.press_speed(speed),
         }
@@ -72,6 +73,6 @@ impl Drive {
         bit(!self.is_enabled(), SOFTWARE)
             | bit(self.has_fault(), FAULT)
             | bit(self.outside.hardware_disable, HARDWARE)
-            | bit(self.outside.controlled_stop, CONTROLLED_STOP)
+            | bit(self.is_stopped_by_input(), CONTROLLED_STOP)
     }
 }

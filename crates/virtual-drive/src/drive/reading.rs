@@ -84,6 +84,7 @@ impl Drive {
             Live::Active => i64::from(self.is_enabled()),
             Live::DisableSources => self.disable_sources(),
             Live::TorqueAllowed => i64::from(!self.axis.inputs().sto),
+            Live::Input { number } => i64::from(self.terminals.is_high(number)),
             Live::MotionStatus => self.motion_status(),
             Live::RunningTask => i64::from(self.positioning.running_task()),
             Live::SoftwareLimits => self.software_limits(),

@@ -10,7 +10,8 @@ use profidrive::state::ControlWords;
 use super::akd_conditions::{ACTIONS, CONDITIONS};
 use super::live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 use super::{
-    Chosen, HomeRoles, Lost, Model, PositionRoles, ProcessFacts, Roles, Signals, TaskRoles, UnitRoles, Wire,
+    Chosen, HomeRoles, InputFunction, Lost, Model, PositionRoles, ProcessFacts, Roles, Signals, TaskRoles,
+    Terminal, UnitRoles, Wire,
 };
 use crate::axis::Plant;
 
@@ -70,8 +71,38 @@ const ROLES: Roles = Roles {
     brake: [Some(2241), Some(2242)], // MOTOR.BRAKE, MOTOR.BRAKERLS
     edit: None,
     positioning: POSITIONING,
+    terminals: &[
+        din(2060),
+        din(2065),
+        din(2070),
+        din(2075),
+        din(2080),
+        din(2085),
+        din(2090),
+    ],
+    input_functions: INPUT_FUNCTIONS,
     inverter: None,
 };
+
+/// DINx.INV, DINx.MODE and DINx.PARAM from the first of them on.
+const fn din(first: u16) -> Terminal {
+    Terminal {
+        inverted: first,
+        mode: first + 1,
+        argument: first + 2,
+    }
+}
+
+/// DINx.MODE, as far as a source tells what it does. That mode 2 is the event of a chain (MT.CNTL bits 5 to 9) is ours.
+/// Source: AKD Parameter Guide 12/2009.
+const INPUT_FUNCTIONS: &[(i64, InputFunction)] = &[
+    (1, InputFunction::ClearFaults),
+    (2, InputFunction::StartTask),
+    (5, InputFunction::Home),
+    (10, InputFunction::Fault(245)),
+    (13, InputFunction::ControlledStop),
+    (15, InputFunction::Stop),
+];
 
 const POSITIONING: PositionRoles = PositionRoles {
     task: TaskRoles {
@@ -176,6 +207,13 @@ const LIVE: &[(u16, Live)] = &[
     (1008, Live::Same(3065)),
     (1009, Live::Same(3064)),
     (2008, Live::Do(Action::Nothing)),
+    (2064, Live::Input { number: 1 }),
+    (2069, Live::Input { number: 2 }),
+    (2074, Live::Input { number: 3 }),
+    (2079, Live::Input { number: 4 }),
+    (2084, Live::Input { number: 5 }),
+    (2089, Live::Input { number: 6 }),
+    (2094, Live::Input { number: 7 }),
     (2110, Live::Active),
     (2111, Live::Do(Action::ClearFaults)),
     (2112, Live::Do(Action::ClearFaults)),
@@ -306,6 +344,31 @@ mod tests {
         {
             assert!(LIVE.iter().any(|(pnu, _)| *pnu == parameter.pnu), "{parameter:?}");
         }
+    }
+
+    #[test]
+    fn every_digital_input_has_its_own_parameters_and_functions_of_the_table() {
+        let name = |pnu: u16| AKD.catalogue.by_pnu(pnu).unwrap().name;
+        for (number, terminal) in (1_u8..).zip(ROLES.terminals) {
+            assert_eq!(name(terminal.mode), format!("DIN{number}.MODE"));
+            assert_eq!(name(terminal.inverted), format!("DIN{number}.INV"));
+            assert_eq!(name(terminal.argument), format!("DIN{number}.PARAM"));
+            let state = LIVE.iter().find(|(_, live)| *live == Live::Input { number });
+            assert_eq!(name(state.unwrap().0), format!("DIN{number}.STATE"));
+            for (mode, function) in ROLES.input_functions {
+                assert!(
+                    AKD.catalogue
+                        .by_pnu(terminal.mode)
+                        .unwrap()
+                        .choice(*mode)
+                        .is_some()
+                );
+                if let InputFunction::Fault(fault) = function {
+                    assert!(AKD.catalogue.fault(*fault, false).is_some());
+                }
+            }
+        }
+        assert_eq!(ROLES.terminals.len(), 7);
     }
 
     #[test]

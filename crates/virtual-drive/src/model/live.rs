@@ -70,6 +70,11 @@ pub enum Live {
         /// Of the positive direction.
         positive: bool,
     },
+    /// 1 while the level at a digital input is high.
+    Input {
+        /// Its number, from 1.
+        number: u8,
+    },
     /// Bit field of motion.
     MotionStatus,
     /// Number of the motion task that runs: 0 none, bit 15 MDI.

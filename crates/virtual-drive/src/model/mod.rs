@@ -11,6 +11,7 @@ mod inverter;
 mod live;
 mod positioning;
 mod process;
+mod terminal;
 mod vacon;
 mod vlt;
 
@@ -20,6 +21,7 @@ pub use inverter::{CounterRoles, InverterRoles, PanelRoles, PlateRoles, RampTo, 
 pub use live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 pub use positioning::{HomeRoles, PositionRoles, TaskRoles, UnitRoles};
 pub use process::{Chosen, ControlTimeout, Deserted, Lost, ProcessFacts, Signals, Wire};
+pub use terminal::{InputFunction, Terminal};
 pub use vacon::VACON;
 pub use vlt::VLT;
 
@@ -150,6 +152,10 @@ pub struct Roles {
     pub edit: Option<u16>,
     /// What positioning obeys.
     pub positioning: PositionRoles,
+    /// Digital inputs, from number 1 on.
+    pub terminals: &'static [Terminal],
+    /// What they do by their modes; a mode that is not here does nothing.
+    pub input_functions: &'static [(i64, InputFunction)],
     /// What a frequency converter obeys; none for a servo drive.
     pub inverter: Option<&'static InverterRoles>,
 }
@@ -187,6 +193,8 @@ impl Roles {
         bus_options: None,
         edit: None,
         positioning: PositionRoles::NONE,
+        terminals: &[],
+        input_functions: &[],
         inverter: None,
     };
 }

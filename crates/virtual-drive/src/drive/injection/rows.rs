@@ -23,6 +23,8 @@ pub(super) enum Form {
         fn(Option<bool>) -> Injection,
         fn(&Injection) -> Option<Option<bool>>,
     ),
+    /// The number of one of several, from 1, and `on` or `off` behind a colon.
+    Numbered(fn(u8, bool) -> Injection, fn(&Injection) -> Option<(u8, bool)>),
     /// A value with a unit, or `auto` where the drive can go on by itself.
     Value {
         unit: &'static str,
@@ -264,6 +266,18 @@ pub(super) static ROWS: &[Row] = &[
         }),
     },
     Row {
+        key: "input",
+        example: "input=1:on",
+        meaning: "the level at that digital input; what it does, its DINx.MODE says",
+        form: Form::Numbered(
+            |number, on| Injection::Input { number, on },
+            |injection| match *injection {
+                Injection::Input { number, on } => Some((number, on)),
+                _ => None,
+            },
+        ),
+    },
+    Row {
         key: "local",
         example: "local=on",
         meaning: "the panel takes the drive and stops it; off: the bus has it again",
@@ -316,6 +330,20 @@ impl Form {
                 "auto" => Ok(make(None)),
                 _ => Err("write on, off or auto".to_owned()),
             },
+            Self::Numbered(make, _) => {
+                let read = || {
+                    let (number, word) = text.split_once(':')?;
+                    let number = number.trim();
+                    let number = number.strip_prefix("DIN").unwrap_or(number);
+                    let number = number.parse().ok().filter(|number| *number != 0)?;
+                    match word.trim() {
+                        "on" => Some(make(number, true)),
+                        "off" => Some(make(number, false)),
+                        _ => None,
+                    }
+                };
+                read().ok_or_else(|| "write NUMBER:on or NUMBER:off, numbers from 1".to_owned())
+            }
             Self::Value {
                 unit,
                 range: [low, high],
@@ -348,6 +376,10 @@ impl Form {
                 format!("{number}{}", if lasting { "!" } else { "" })
             }
             Self::Switch([yes, no], _, take) => (if take(injection)? { yes } else { no }).to_owned(),
+            Self::Numbered(_, take) => {
+                let (number, on) = take(injection)?;
+                format!("{number}:{}", word(on))
+            }
             Self::Forced(_, take) => take(injection)?.map_or("auto", word).to_owned(),
             Self::Value { unit, take, .. } => {
                 take(injection)?.map_or_else(|| "auto".to_owned(), |value| format!("{value}{unit}"))

@@ -100,6 +100,68 @@ fn at_once_with_a_dwell_and_with_an_event() {
     }
 }
 
+/// Lets the level at a digital input rise and fall.
+fn press(bench: &mut Bench, input: u8) {
+    for on in [true, false] {
+        bench
+            .drive
+            .inject(crate::drive::Injection::Input { number: input, on });
+    }
+}
+
+#[test]
+fn a_chain_waits_for_the_edge_of_an_input() {
+    let mut bench = chain(2, 0);
+    bench.write("DIN5.MODE", 2);
+    // While task 1 moves there is nothing to go on with.
+    bench.send(START, 20);
+    press(&mut bench, 5);
+    while bench.pace() > 0.0 || bench.turns() < 1.0 {
+        bench.send(START, 1);
+    }
+    bench.send(START, 1000);
+    assert!((bench.turns() - 2.0).abs() < 0.002, "waits: {}", bench.turns());
+    assert_eq!(
+        bench.status() & 0x4400,
+        0x4000,
+        "the chain runs, no target reached"
+    );
+    // An input that does something else is no event.
+    press(&mut bench, 1);
+    bench.send(START, 100);
+    assert_eq!(bench.pace(), 0.0);
+    press(&mut bench, 5);
+    bench.send(START, 3);
+    assert_eq!(bench.get(signal::AKTSATZ), 2);
+    assert!(bench.pace() > 0.0);
+    to_the_end(&mut bench, 5.0);
+}
+
+#[test]
+fn an_input_starts_its_task_and_homing() {
+    let mut bench = Bench::homed(7);
+    bench.task(7, 1.5, 600.0, 20_000.0, 0);
+    bench.write("DIN2.MODE", 2);
+    press(&mut bench, 2);
+    bench.send(READY, 50);
+    assert_eq!(bench.status() & 0x5000, 0, "DIN2.PARAM names no task");
+    bench.write("DIN2.PARAM", 7000);
+    press(&mut bench, 2);
+    bench.until(READY, 0x0400, 0x0400);
+    bench.send(READY, 30);
+    assert!((bench.turns() - 1.5).abs() < 0.002, "{}", bench.turns());
+    // A task that is not there is told, as by MT.MOVE.
+    bench.write("DIN2.PARAM", 9000);
+    press(&mut bench, 2);
+    bench.send(READY, 2);
+    assert!(bench.warned(164));
+    bench.write("HOME.P", 65_536 * 3);
+    bench.write("DIN6.MODE", 5);
+    press(&mut bench, 6);
+    bench.send(READY, 5);
+    assert!((bench.turns() - 3.0).abs() < 0.002, "{}", bench.turns());
+}
+
 #[test]
 fn change_on_the_fly_passes_the_target_at_the_one_or_the_other_speed() {
     // At the present speed: 600 rpm at the target, then down to 300.

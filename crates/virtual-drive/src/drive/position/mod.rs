@@ -194,6 +194,12 @@ impl Positioning {
         }
     }
 
+    /// The chain of tasks stands between two of them and waits for an event.
+    pub fn waits_for_event(&self) -> bool {
+        let wait = self.run.as_ref().and_then(|run| run.wait.as_ref());
+        self.active && wait.is_some_and(Wait::needs_event)
+    }
+
     /// The limits in force.
     const fn limits(&self, setup: &Setup) -> Limits {
         if self.homed { setup.limits } else { Limits::NONE }

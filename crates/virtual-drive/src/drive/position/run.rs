@@ -116,6 +116,14 @@ impl Wait {
         }
     }
 
+    /// It is over by an event, or not without one.
+    pub const fn needs_event(&self) -> bool {
+        matches!(
+            self.follow,
+            Follow::Event | Follow::DwellAndEvent | Follow::DwellOrEvent
+        )
+    }
+
     /// Time goes on; true when the wait is over.
     pub fn step(&mut self, seconds: f64, event: bool) -> bool {
         self.left -= seconds;

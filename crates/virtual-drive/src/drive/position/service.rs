@@ -171,7 +171,8 @@ impl Drive {
         Ok(())
     }
 
-    /// The event that chains of motion tasks can wait for (MT.CNTL bits 5 to 9): a rising edge at a digital input.
+    /// The event that chains of motion tasks can wait for (MT.CNTL bits 5 to 9). A digital input in mode 2
+    /// makes it ([`Injection::Input`](crate::drive::Injection::Input)).
     pub fn motion_event(&mut self) {
         self.positioning.event = self.settings.mode == Mode::Position;
     }
