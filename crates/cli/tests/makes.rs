@@ -9,7 +9,7 @@ use drive_client::axis::{Jog, Purpose, SpeedUnit};
 use drive_client::backup::{Backup, Choice, Journal, compare};
 use drive_client::parameter::{Assignment, Content};
 use drive_client::status::diagnose;
-use drive_client::{AxisSettings, Drive, Error, Model, StopWay, WriteMode};
+use drive_client::{AxisSettings, Described, DescribedLimits, Drive, Error, Model, StopWay, WriteMode};
 use network::host::Host;
 use profidrive::catalogue::{Catalogue, Part};
 use profidrive::notation::Notation;
@@ -842,5 +842,73 @@ fn every_make_jogs_at_its_own_setting() {
         assert!(near, "{name}: {actual:?} of {speed}");
         drop(enabled);
         axis.release().expect("at rest");
+    }
+}
+
+/// What a drive says of one of its parameters, asked as `describe` does.
+fn described(session: &mut Bench, drive: &Drive, text: &str) -> Option<Described> {
+    session.described(drive, &select(drive, text)).expect("asked")
+}
+
+/// Name, type, unit and limits come from the drive itself; what only fits the type is not taken for limits; texts follow.
+#[test]
+fn a_drive_describes_its_own_parameters_when_asked() {
+    let mut session = makes();
+    let vlt = find(&mut session, "vlt-1").expect("there");
+    let ramp = described(&mut session, &vlt, "3-41").expect("told");
+    assert_eq!(
+        (ramp.name.as_str(), ramp.data_type, ramp.unit, ramp.elements),
+        ("Ramp 1 Ramp up T", Some("Unsigned32"), "s", 1)
+    );
+    assert_eq!(ramp.limits, DescribedLimits::Own(0.01, 3600.0));
+    assert!(!ramp.read_only && !ramp.changed && ramp.texts.is_empty());
+    let profile = described(&mut session, &vlt, "8-10").expect("told");
+    let texts: Vec<_> = profile
+        .texts
+        .iter()
+        .map(|(value, text)| (*value, text.as_str()))
+        .collect();
+    assert_eq!(texts[..2], [(0, "FC profile"), (1, "PROFIdrive profi")]);
+    // numbers without a text lie between them
+    assert_eq!(texts[2..], [(5, "ODVA"), (7, "CANopen DSP 402")]);
+    let counter = described(&mut session, &vlt, "16-90").expect("told");
+    assert!(counter.read_only, "{counter:?}");
+    assert!(
+        matches!(counter.limits, DescribedLimits::OfType(low, high) if (low, high) == (0.0, 4_294_967_295.0)),
+        "{counter:?}"
+    );
+    let kind = described(&mut session, &vlt, "15-40").expect("told");
+    assert_eq!(kind.limits, DescribedLimits::None, "a text has none");
+
+    let vacon = find(&mut session, "vacon-1").expect("there");
+    let telegram = described(&mut session, &vacon, "922").expect("told");
+    assert_eq!(telegram.limits, DescribedLimits::OfType(0.0, 65_535.0));
+    assert!(telegram.read_only && telegram.data_type == Some("Unsigned16"));
+    let signals = described(&mut session, &vacon, "915").expect("told");
+    assert_eq!(signals.elements, 16);
+    // the description of the collecting number is not that of one of its ids
+    assert_eq!(described(&mut session, &vacon, "ID 103"), None);
+
+    // without tables: the same, by what the drive says alone; also of a number that nothing is known of
+    for (model, id) in [("strange", 31), ("standard", 32)] {
+        let station = station_of(&model::VLT, "strange", 1, Some((0x1234, id)));
+        let (mut session, _) = bench_of(vec![station]);
+        let mut drive = find(&mut session, "strange").expect("there");
+        if model == "strange" {
+            session.recognise(&mut drive, &mut |_, _| {}).expect("learned");
+            assert!(drive.model.learned);
+        } else {
+            session.find_channel(&mut drive).expect("reached");
+            assert!(drive.model.catalogue.is_none());
+        }
+        let ramp = described(&mut session, &drive, "341").expect("told");
+        assert_eq!(
+            (ramp.unit, ramp.limits),
+            ("s", DescribedLimits::Own(0.01, 3600.0)),
+            "{model}"
+        );
+        let profile = described(&mut session, &drive, "810").expect("told");
+        assert_eq!(profile.texts.len(), 4, "{model}: {profile:?}");
+        assert_eq!(described(&mut session, &drive, "4711"), None, "{model}");
     }
 }

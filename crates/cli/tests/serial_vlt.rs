@@ -80,7 +80,16 @@ fn every_command_over_both_protocols() {
         let listed = stdout(&ok(&["list", &drive]));
         assert!(listed.contains("Ramp 1 Ramp up Time"), "{listed}");
         let described = stdout(&ok(&["describe", &drive, "3-41"]));
-        assert!(described.contains("0.01 s to 3600 s"), "{described}");
+        assert!(
+            described.contains("limits     0.01 s to 3600 s, as the drive tells\n"),
+            "{described}"
+        );
+        let described = stdout(&ok(&["describe", &drive, "8-10"]));
+        assert!(
+            described.contains("limits     none known; limits of the type: 0 to 255\n")
+                && described.contains("choice     1 PROFIdrive profile\n"),
+            "{described}"
+        );
 
         // backup, a change, what differs, and back
         let file = folder.file("line.backup");
@@ -116,7 +125,27 @@ fn every_command_over_both_protocols() {
             "{}",
             stderr(&ran)
         );
+        // what is changed for a jog is as before afterwards; it is at rest already when somebody stops it
+        let before = values(&drive, &["3-19"]);
+        let jogged = ok(&["jog", &drive, "--velocity", "200rpm", "--for", "500ms"]);
+        let told = format!("{}{}", stdout(&jogged), stderr(&jogged));
+        assert!(told.contains("STW1 0x050F"), "jog 1 is bit 8: {told}");
+        assert!(told.contains("axis at rest, control released"), "{told}");
+        assert_eq!(values(&drive, &["3-19"]), before, "{told}");
+        let stopped = stdout(&ok(&["stop", &drive]));
+        assert!(
+            stopped.contains("is at rest, the power stage is off"),
+            "{stopped}"
+        );
         ok(&["ack", &drive]);
+        let refused = profidrive(&["ack", &drive, "--by-parameter"]);
+        assert_eq!(refused.status.code(), Some(1));
+        assert!(
+            stderr(&refused).contains("a VLT has no parameter that clears its faults")
+                && stderr(&refused).contains("without --by-parameter"),
+            "{}",
+            stderr(&refused)
+        );
         let faults = ok(&["faults", &drive]);
         assert!(stdout(&faults).contains("no fault") || stderr(&faults).contains("no fault"));
         let status = stdout(&profidrive(&["status", &drive]));

@@ -160,6 +160,62 @@ const STANDARD: [TelegramModule; 1] = [TelegramModule {
     },
 }];
 
+/// What the values of a described parameter are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Values {
+    /// As a V4 code.
+    pub format: Format,
+    pub kind: Kind,
+    /// Of one value; 0 where the format does not say.
+    pub octets: usize,
+    pub scale: Scale,
+    pub unit: &'static str,
+}
+
+impl Values {
+    /// By type, physical size and conversion index.
+    pub fn of(description: &Description, space: CodeSpace) -> Self {
+        let wire = description.identifier.format();
+        let info = wire.info(space);
+        let kind = info.map_or(Kind::Unsigned, |info| info.kind);
+        let format = Format::of_code(wire.0, space);
+        let (unit, exponent) = if description.identifier.has(Identifier::NO_SCALE) {
+            ("", 0)
+        } else {
+            variable(description).unit()
+        };
+        let scale = match format {
+            Format::N2 => Scale::Percent,
+            _ if kind == Kind::Float => Scale::Raw,
+            _ => Scale::decimal(exponent),
+        };
+        Self {
+            format,
+            kind,
+            octets: match info.map(|info| info.octets) {
+                Some(Octets::Fixed(octets)) => octets.into(),
+                _ => 0,
+            },
+            scale,
+            unit: if scale == Scale::Percent { "%" } else { unit },
+        }
+    }
+
+    /// Lowest and highest value that the drive tells; none for texts and octets.
+    pub fn limits(&self, description: &Description) -> Option<(f64, f64)> {
+        if !matches!(self.octets, 1 | 2 | 4) || matches!(self.kind, Kind::Text | Kind::Octets) {
+            return None;
+        }
+        let (low, high) = description.limits(self.octets, self.kind == Kind::Signed)?;
+        if self.kind == Kind::Float {
+            let float = |octets| f64::from(f32::from_be_bytes(octets));
+            return Some((float(description.minimum), float(description.maximum)));
+        }
+        let rule = Scaling::DELIVERED.linear(self.scale);
+        Some((rule.engineering(low), rule.engineering(high)))
+    }
+}
+
 /// A row of the tables: what a drive says of one parameter.
 pub fn parameter(
     pnu: u16,
@@ -168,38 +224,17 @@ pub fn parameter(
     texts: Vec<(i32, String)>,
 ) -> Parameter {
     let identifier = description.identifier;
-    let wire = identifier.format();
-    let info = wire.info(space);
-    let kind = info.map_or(Kind::Unsigned, |info| info.kind);
-    let octets = match info.map(|info| info.octets) {
-        Some(Octets::Fixed(octets)) => octets,
-        _ => 0,
-    };
+    let values = Values::of(description, space);
+    let Values {
+        format,
+        kind,
+        octets,
+        scale,
+        unit,
+    } = values;
     let counted = matches!(kind, Kind::Text | Kind::Octets) || !matches!(octets, 1 | 2 | 4);
     let array = identifier.has(Identifier::ARRAY);
-    let format = Format::of_code(wire.0, space);
-    let (unit, exponent) = if identifier.has(Identifier::NO_SCALE) {
-        ("", 0)
-    } else {
-        variable(description).unit()
-    };
-    let scale = match format {
-        Format::N2 => Scale::Percent,
-        _ if kind == Kind::Float => Scale::Raw,
-        _ => Scale::decimal(exponent),
-    };
-    let limits = (description.minimum, description.maximum);
-    let limit = |octets: [u8; 4]| -> Option<f64> {
-        if limits == ([0; 4], [0; 4]) || counted {
-            return None;
-        }
-        let raw = match kind {
-            Kind::Float => return Some(f64::from(f32::from_be_bytes(octets))),
-            Kind::Signed => i64::from(i32::from_be_bytes(octets)),
-            _ => i64::from(u32::from_be_bytes(octets)),
-        };
-        Some(Scaling::DELIVERED.linear(scale).engineering(raw))
-    };
+    let limits = values.limits(description);
     let leaked = |text: String| -> &'static str { text.leak() };
     let choices: Vec<Meaning> = texts
         .into_iter()
@@ -232,12 +267,12 @@ pub fn parameter(
         },
         saved: !identifier.has(Identifier::READ_ONLY),
         wide: false,
-        unit: if scale == Scale::Percent { "%" } else { unit },
+        unit,
         user_unit: false,
         scale,
         variable: variable(description),
-        minimum: limit(description.minimum),
-        maximum: limit(description.maximum),
+        minimum: limits.map(|(low, _)| low),
+        maximum: limits.map(|(_, high)| high),
         default: None,
         text: "",
         choices: choices.leak(),

@@ -37,8 +37,8 @@ pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::modules_of;
 pub use session::{
-    Axis, AxisSettings, AxisStatus, ChangeOutcome, Enabled, FaultEntry, FaultReport, GoesOn, Identity, Info,
-    JogSpeed, LoggedFault, Peer, PlannedChange, Session, Snapshot, StopOutcome, StopWay, WarningEntry,
-    WarningWatcher, Watcher, WriteMode,
+    Axis, AxisSettings, AxisStatus, ChangeOutcome, Described, DescribedLimits, Enabled, FaultEntry,
+    FaultReport, GoesOn, Identity, Info, JogSpeed, LoggedFault, Peer, PlannedChange, Session, Snapshot,
+    StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher, WriteMode,
 };
 pub use wire::Wire;

@@ -1,6 +1,7 @@
 //! `profidrive read`, and what it shares with `profidrive write`, `list` and `describe`
 
 mod describe;
+mod limits;
 mod list;
 mod write;
 
@@ -182,7 +183,7 @@ fn number_of(tables: &Catalogue, parameter: &Parameter) -> String {
     .to_string()
 }
 
-/// Limits as `describe` shows them; null where only the size limits.
+/// Limits as the tables have them; null where only the size limits.
 fn parameter_json(tables: &Catalogue, parameter: &Parameter, drive: &Parameters) -> Map<String, Value> {
     let limits = drive.limits(parameter);
     let meanings = |list: &[profidrive::catalogue::Meaning]| -> Vec<Value> {

@@ -168,7 +168,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// The texts of an enumeration (attribute 0x30) from value 0 on, until there are no more.
-    fn texts(&mut self, drive: &Drive, pnu: u16) -> Result<Vec<(i32, String)>, Error> {
+    pub(super) fn texts(&mut self, drive: &Drive, pnu: u16) -> Result<Vec<(i32, String)>, Error> {
         let mut texts = Vec::new();
         for first in (0..MOST_TEXTS).step_by(TEXTS.into()) {
             let values: Vec<u16> = (first..first + TEXTS).collect();

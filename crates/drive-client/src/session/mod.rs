@@ -4,6 +4,7 @@ mod access;
 mod alone;
 mod axis;
 mod backup;
+mod describe;
 mod enabled;
 mod evidence;
 mod extent;
@@ -34,6 +35,7 @@ use crate::{Client, Drive, Error, LineConfig, Wire};
 
 pub use alone::GoesOn;
 pub use axis::{Axis, AxisSettings, AxisStatus, WarningWatcher, Watcher};
+pub use describe::{Described, DescribedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
 pub use info::{Identity, Info, Peer};

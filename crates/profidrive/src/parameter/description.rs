@@ -137,6 +137,32 @@ impl Description {
         })
     }
 
+    /// Lowest and highest number of a value with so many octets, whatever stands in front of them; `None` where the drive
+    /// tells none: both are 0.
+    ///
+    /// ```
+    /// use profidrive::parameter::Description;
+    /// let bare = Description { minimum: [0, 0, 0xFF, 0x9C], maximum: [0, 0, 0, 100], ..Description::default() };
+    /// assert_eq!(bare.limits(2, true), Some((-100, 100)));
+    /// assert_eq!(Description::default().limits(2, true), None);
+    /// ```
+    #[must_use]
+    pub fn limits(&self, octets: usize, signed: bool) -> Option<(i64, i64)> {
+        if (self.minimum, self.maximum) == ([0; 4], [0; 4]) {
+            return None;
+        }
+        let unused = 8 * 4_usize.saturating_sub(octets) as u32;
+        let number = |limit: [u8; 4]| {
+            let high = u32::from_be_bytes(limit).checked_shl(unused).unwrap_or(0);
+            if signed {
+                i64::from(high.cast_signed() >> unused.min(31))
+            } else {
+                i64::from(high.checked_shr(unused).unwrap_or(0))
+            }
+        };
+        Some((number(self.minimum), number(self.maximum)))
+    }
+
     /// The 46 octets.
     #[must_use]
     pub fn encode(&self) -> [u8; 46] {

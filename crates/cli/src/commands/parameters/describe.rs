@@ -1,12 +1,13 @@
 //! `profidrive describe`
 
-use drive_client::Refusal;
-use drive_client::parameter::Reading;
+use drive_client::parameter::{Reading, Selection};
+use drive_client::{Described, Drive, Refusal};
 use profidrive::catalogue::{Access, Parameter, Role, Scaling, Word};
 use profidrive::notation::{Notation, Shown};
 use profidrive::parameter::Saving;
 use serde_json::Value;
 
+use super::limits::{self, Limits};
 use super::{access_word, name_bits, number_of, parameter_json, parse_all, reading_json};
 use crate::args::{Describe, Interface};
 use crate::connect::{self, Need};
@@ -29,12 +30,9 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
             let hint = format!("`profidrive describe {} {}`", drive.label(), whole.name);
             return Err(Failure::new(Exit::Failed, message).hint(hint));
         }
-        return Err(Failure::new(
-            Exit::Failed,
-            format!("{} is in no table of the {}", selection.label(), drive.model.name),
-        )
-        .hint("`profidrive read` may read it all the same"));
+        return in_no_table(&mut session, &drive, &selection, output);
     };
+    let told = session.described(&drive, &selection)?;
     let mut readings = session.read(&mut drive, &[selection])?;
     name_bits(&mut session, &mut drive, &mut readings)?;
     session.close()?;
@@ -42,12 +40,13 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
         fields.extend(parameter_json(tables, parameter, &drive.parameters));
         fields.insert("scaling".into(), parameter.rule(&drive.parameters.scaling).into());
+        fields.extend(limits::json(told.as_ref()));
         let values: Vec<Value> = readings.iter().map(reading_json).collect();
         fields.insert("values".into(), values.into());
         output.document("describe", fields);
         return Ok(());
     }
-    let limits = drive.parameters.limits(parameter);
+    let limits = Limits::of(&drive.parameters, parameter, told.as_ref());
     output.line(&output.paint(
         Colour::Strong,
         &format!("{} ({})", parameter.name, number_of(tables, parameter)),
@@ -55,16 +54,67 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     let scaling = &drive.parameters.scaling;
     let word = tables.word_at(parameter.pnu, parameter.base);
     let saved = saved_words(&drive.model, parameter);
-    for line in description_lines(parameter, scaling, limits, &readings, (word, &saved)) {
+    for line in description_lines(parameter, scaling, &limits, &readings, (word, &saved)) {
         output.line(&line);
     }
     Ok(())
 }
 
+/// What only the drive knows, if it tells it.
+fn in_no_table(
+    session: &mut connect::Live,
+    drive: &Drive,
+    selection: &Selection,
+    output: &Output,
+) -> Result<(), Failure> {
+    let told = session.described(drive, selection)?;
+    session.close()?;
+    let Some(told) = told else {
+        let message = format!("{} is in no table of the {}", selection.label(), drive.model.name);
+        return Err(Failure::new(Exit::Failed, message)
+            .hint("the drive does not describe it; `profidrive read` may read it all the same"));
+    };
+    if output.json() {
+        let mut fields = fields! {
+            "drive": drive.label(), "model": drive.model.name, "pnu": selection.pnu, "name": told.name.as_str(),
+            "unit": told.unit, "access": if told.read_only { "read" } else { "read, write" }, "elements": told.elements,
+        };
+        fields.extend(limits::json(Some(&told)));
+        output.document("describe", fields);
+        return Ok(());
+    }
+    let title = format!("{} ({})", told.name, selection.label());
+    output.line(&output.paint(Colour::Strong, title.trim_start()));
+    for line in told_lines(&told) {
+        output.line(&line);
+    }
+    Ok(())
+}
+
+fn told_lines(told: &Described) -> Vec<String> {
+    let line = |name: &str, text: &str| format!("  {name:<10} {text}");
+    let unit = if told.unit.is_empty() { "none" } else { told.unit };
+    let access = if told.read_only { "read" } else { "read, write" };
+    let size = match told.elements {
+        1 => told.data_type.unwrap_or("unknown").to_owned(),
+        count => format!("{}, {count} elements", told.data_type.unwrap_or("unknown")),
+    };
+    let mut lines = vec![
+        line("unit", unit),
+        line("limits", &Limits::told(told).words(told.unit)),
+        line("access", access),
+        line("size", &size),
+    ];
+    let texts = told.texts.iter();
+    lines.extend(texts.map(|(value, text)| line("choice", &format!("{value} {text}"))));
+    lines.push(line("source", "description that the drive gives of itself"));
+    lines
+}
+
 fn description_lines(
     parameter: &Parameter,
     scaling: &Scaling,
-    (low, high): (f64, f64),
+    limits: &Limits<'_>,
     readings: &[Result<Reading, Refusal>],
     (word, saved): (Option<&Word>, &str),
 ) -> Vec<String> {
@@ -95,8 +145,7 @@ fn description_lines(
         },
     );
     if parameter.length == 0 {
-        let limits = format!("{} to {}{}", with_unit(low), with_unit(high), known(parameter));
-        line("limits", limits);
+        line("limits", limits.words(unit));
     }
     let default = match parameter.text {
         "" => parameter
@@ -113,6 +162,9 @@ fn description_lines(
     line("saved", saved.to_owned());
     for choice in parameter.choices {
         line("choice", format!("{} {}", choice.value, choice.text));
+    }
+    for (value, text) in limits.other_texts(parameter) {
+        line("choice", format!("{value} {text} (told by the drive)"));
     }
     for bit in parameter.bits {
         line("bit", format!("{} {}", bit.value, bit.text));
@@ -141,14 +193,6 @@ fn saved_words(model: &drive_client::Model, parameter: &Parameter) -> String {
         (true, Saving::Command) => {
             command.map_or_else(|| "yes".into(), |command| format!("by {}", command.name))
         }
-    }
-}
-
-const fn known(parameter: &Parameter) -> &'static str {
-    match (parameter.minimum, parameter.maximum) {
-        (Some(_), Some(_)) => "",
-        (None, None) => " (what fits the size; the drive may take less)",
-        _ => " (one of them is only what fits the size)",
     }
 }
 
@@ -197,7 +241,8 @@ mod tests {
             scaling: Scaling::default(),
         };
         let describe = |scaling: &Scaling| {
-            description_lines(parameter, scaling, drive.limits(parameter), &[], (None, "")).join("\n")
+            let limits = Limits::of(&drive, parameter, None);
+            description_lines(parameter, scaling, &limits, &[], (None, "")).join("\n")
         };
         let text = describe(&Scaling::default());
         assert!(text.contains("limits     1.86 rpm/s to 50000000 rpm/s"), "{text}");
@@ -211,7 +256,12 @@ mod tests {
     fn a_description_names_bits_and_fields() {
         let parameter = AKD.by_name("MT.CNTL").unwrap();
         let word = AKD.word(parameter.pnu);
-        let text = description_lines(parameter, &Scaling::default(), (0.0, 1.0), &[], (word, "")).join("\n");
+        let drive = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let limits = Limits::of(&drive, parameter, None);
+        let text = description_lines(parameter, &drive.scaling, &limits, &[], (word, "")).join("\n");
         assert!(
             text.contains("bit        4 A following task is executed"),
             "{text}"

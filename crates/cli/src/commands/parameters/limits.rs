@@ -1,0 +1,137 @@
+//! Limits of a parameter in words, and whose they are: of the drive, of the tables, or only of the data type.
+
+use drive_client::parameter::Parameters;
+use drive_client::{Described, DescribedLimits};
+use profidrive::catalogue::Parameter;
+use serde_json::{Map, Value};
+
+use crate::fields;
+use crate::render::number;
+
+/// What is known of the limits of one parameter.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits<'a> {
+    /// Where the tables or what the drive told have them.
+    tables: (Option<f64>, Option<f64>),
+    /// What fits the data type.
+    size: Option<(f64, f64)>,
+    told: Option<&'a Described>,
+}
+
+impl<'a> Limits<'a> {
+    /// Of a parameter in the tables, and what the drive told of it.
+    pub fn of(drive: &Parameters, parameter: &Parameter, told: Option<&'a Described>) -> Self {
+        let (low, high) = drive.limits(parameter);
+        let range = parameter.range();
+        let shown = |raw: i64| parameter.engineering(raw, &drive.scaling);
+        let size = (shown(*range.start()), shown(*range.end()));
+        let known = (parameter.minimum.map(|_| low), parameter.maximum.map(|_| high));
+        Self {
+            // a drive without tables was asked before, and may have told nothing but the type
+            tables: if known == (Some(size.0), Some(size.1)) && !parameter.wide {
+                (None, None)
+            } else {
+                known
+            },
+            size: Some(size),
+            told,
+        }
+    }
+
+    /// Of a parameter that only the drive knows.
+    pub const fn told(told: &'a Described) -> Self {
+        Self {
+            tables: (None, None),
+            size: match told.limits {
+                DescribedLimits::OfType(low, high) => Some((low, high)),
+                _ => None,
+            },
+            told: Some(told),
+        }
+    }
+
+    /// The limits with their unit, and whose they are.
+    pub fn words(&self, unit: &str) -> String {
+        let shown = |value: f64| format!("{} {unit}", number(value)).trim_end().to_owned();
+        let span = |low: f64, high: f64| format!("{} to {}", shown(low), shown(high));
+        let of_type = self
+            .size
+            .map(|(low, high)| format!("limits of the type: {}", span(low, high)));
+        if let Some(DescribedLimits::Own(low, high)) = self.told.map(|told| told.limits) {
+            let own = span(low, high);
+            return match self.tables {
+                (Some(first), Some(last)) if span(first, last) != own => {
+                    format!("{own}, as the drive tells (tables: {})", span(first, last))
+                }
+                _ => format!("{own}, as the drive tells"),
+            };
+        }
+        let of_type = of_type.unwrap_or_else(|| "the type has none".to_owned());
+        match self.tables {
+            (Some(low), Some(high)) => span(low, high),
+            (Some(low), None) => format!("at least {}; {of_type}", shown(low)),
+            (None, Some(high)) => format!("at most {}; {of_type}", shown(high)),
+            (None, None) => format!("none known; {of_type}"),
+        }
+    }
+
+    /// Texts that the drive tells of values that the tables have none of.
+    pub fn other_texts(&self, parameter: &'a Parameter) -> impl Iterator<Item = (i32, &'a str)> {
+        let texts = self.told.into_iter().flat_map(|told| &told.texts);
+        texts
+            .filter(|(value, _)| parameter.choices.iter().all(|choice| choice.value != *value))
+            .map(|(value, text)| (*value, text.as_str()))
+    }
+}
+
+/// What the drive told: its limits, null where it has none of its own, and its texts.
+pub fn json(told: Option<&Described>) -> Map<String, Value> {
+    let Some(told) = told else {
+        return fields! { "told": Value::Null };
+    };
+    let (low, high) = match told.limits {
+        DescribedLimits::Own(low, high) => (Some(low), Some(high)),
+        _ => (None, None),
+    };
+    let texts = told.texts.iter();
+    let texts: Vec<Value> = texts
+        .map(|(value, text)| Value::Object(fields! { "value": *value, "text": text.as_str() }))
+        .collect();
+    let told = fields! {
+        "minimum": low, "maximum": high, "unit": told.unit, "changed": told.changed, "texts": texts,
+    };
+    fields! { "told": told }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use drive_client::Model;
+
+    fn drive() -> Parameters {
+        Parameters::of(&Model::by_name("vlt").unwrap())
+    }
+
+    #[test]
+    fn limits_of_the_type_are_not_shown_as_limits() {
+        let drive = drive();
+        let tables = drive.catalogue.unwrap();
+        let row = *tables.by_pnu(341).unwrap();
+        let words = |minimum, maximum| {
+            let row = Parameter {
+                minimum,
+                maximum,
+                ..row
+            };
+            Limits::of(&drive, &row, None).words("s")
+        };
+        let size = "limits of the type: 0 s to 42949672.95 s";
+        assert_eq!(words(Some(0.01), Some(3600.0)), "0.01 s to 3600 s");
+        let none = format!("none known; {size}");
+        assert_eq!(words(None, None), none);
+        assert_eq!(words(Some(0.01), None), format!("at least 0.01 s; {size}"));
+        assert_eq!(words(None, Some(60.0)), format!("at most 60 s; {size}"));
+        // learned from a drive that told what fits
+        assert_eq!(words(Some(0.0), Some(42_949_672.95)), none);
+    }
+}
