@@ -6,6 +6,7 @@
 // A benchmark reports by panicking when what it measures does not work.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod core;
 mod cycles;
 mod drives;
 mod parameters;
@@ -18,6 +19,7 @@ use std::process::ExitCode;
 type Section = (&'static str, fn() -> Vec<table::Row>);
 
 const SECTIONS: &[Section] = &[
+    ("core", core::compare),
     ("round-trip", round_trip::compare),
     ("cpu", cycles::cpu),
     ("start", cycles::start),

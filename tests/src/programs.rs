@@ -96,7 +96,10 @@ pub fn undisturbed(mut measure: impl FnMut() -> Result<(), String>) {
     for _ in 0..3 {
         match measure() {
             Ok(()) => return,
-            Err(what) => disturbed.push(what),
+            Err(what) => {
+                eprintln!("disturbed, measured again: {what}");
+                disturbed.push(what);
+            }
         }
     }
     panic!("disturbed three times: {}", disturbed.join("; "));

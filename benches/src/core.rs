@@ -1,0 +1,103 @@
+//! What one request and one cycle cost without a kernel: the engines alone, each beside its limit.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use profidrive::parameter::{
+    Attributes, Dialect, ErrorNumber, Format, Keep, ParameterAccess, Request, serve,
+};
+
+use crate::table::Row;
+
+#[path = "../../crates/virtual-drive/tests/pair/mod.rs"]
+mod pair;
+
+/// Rounds of a measurement, of which the least counts: what else a machine does only adds.
+const ROUNDS: u32 = 20;
+const REPETITIONS: u32 = 20_000;
+
+struct OneWord(u16);
+
+impl ParameterAccess for OneWord {
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
+        let word = Attributes::simple(Format::UNSIGNED16, 2, true);
+        (pnu == 930).then_some(word)
+    }
+    fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
+        Ok(self.0.into())
+    }
+    fn write(&mut self, _: u16, _: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
+        self.0 = raw as u16;
+        Ok(())
+    }
+}
+
+/// The least time of one `work`.
+fn least(mut work: impl FnMut()) -> Duration {
+    let mut round = || {
+        let start = Instant::now();
+        (0..REPETITIONS).for_each(|_| work());
+        start.elapsed() / REPETITIONS
+    };
+    (0..ROUNDS).map(|_| round()).min().unwrap_or_default()
+}
+
+/// Parses a request, answers it, and takes a frame, steps the drive and gives a frame.
+pub fn compare() -> Vec<Row> {
+    let read = [5, 1, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0];
+    let change = [5, 2, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, 0x42, 1, 0, 2];
+    let parse = least(|| {
+        let request = Request::parse(black_box(&change), Dialect::AKD.code_space).unwrap();
+        let value = request.values().next().unwrap().unwrap().raw(0);
+        black_box((request.id(), request.addresses().next(), value));
+    });
+    let (mut drive, mut out) = (OneWord(1), [0; 240]);
+    let answer = least(|| {
+        let _ = black_box(serve(black_box(&read), &Dialect::AKD, &mut drive, &mut out));
+    });
+    let written = least(|| {
+        let _ = black_box(serve(black_box(&change), &Dialect::AKD, &mut drive, &mut out));
+    });
+    let row = |what: &str, time: Duration, limit: Duration| {
+        Row::new(what, format!("{} ns", time.as_nanos()))
+            .limit(format!("{} ns", limit.as_nanos()), time < limit)
+    };
+    vec![
+        row("parse a change of one parameter", parse, Duration::from_nanos(20)),
+        row(
+            "parse a read and build its answer",
+            answer,
+            Duration::from_nanos(50),
+        ),
+        row(
+            "parse a change, write, build its answer",
+            written,
+            Duration::from_nanos(50),
+        ),
+        row(
+            "frame in, step of 1 ms, frame out",
+            cycle(),
+            Duration::from_micros(1),
+        ),
+    ]
+}
+
+/// A virtual drive at speed with telegram 1, without the kernel.
+fn cycle() -> Duration {
+    let mut pair = pair::Pair::new(Duration::from_millis(1));
+    pair.send([0x04, 0x7E, 0, 0]);
+    (0..20).for_each(|_| pair.cycle(|_, work| work()));
+    pair.send([0x04, 0x7F, 6, 0x66]);
+    let mut round = || {
+        let mut spent = Duration::ZERO;
+        for _ in 0..REPETITIONS / 10 {
+            pair.cycle(|_, work| {
+                let start = Instant::now();
+                work();
+                spent += start.elapsed();
+            });
+        }
+        spent / (REPETITIONS / 10)
+    };
+    (0..ROUNDS).map(|_| round()).min().unwrap_or_default()
+}
