@@ -95,14 +95,14 @@ fn explain(text: &str, kind: What, model: Option<Model>) -> Result<Explained, Fa
         What::Pnio => pnio(text)?,
         What::Error => {
             let mut lines = Vec::new();
-            let fields = job::explain_error(word(text)?, &mut lines);
+            let fields = job::explain_error(word(text)?, model, &mut lines);
             (lines, fields)
         }
         What::Format => {
             let code = u8::try_from(word(text)?)
                 .map_err(|_| Failure::usage(format!("`{text}`: format codes have one octet")))?;
             let mut lines = Vec::new();
-            let fields = job::explain_format(code, &mut lines);
+            let fields = job::explain_format(code, model, &mut lines);
             (lines, fields)
         }
     })
@@ -274,6 +274,26 @@ mod tests {
         let told = explain("13", What::Fault, Model::by_name("vlt")).unwrap();
         assert!(told.0[0].starts_with("VLT F13: "), "{:?}", told.0);
         assert_ne!(told.0[0], lines("13", What::Fault).lines().next().unwrap());
+    }
+
+    #[test]
+    fn numbers_and_formats_of_the_make_that_is_named() {
+        let told = |text, kind, make: &str| explain(text, kind, Model::by_name(make)).unwrap().0.join("\n");
+        let refused = told("130", What::Error, "vlt");
+        assert!(
+            refused.contains("in a parameter channel (PKW) of Danfoss: "),
+            "{refused}"
+        );
+        let own = told("0x66", What::Error, "vlt");
+        assert!(own.starts_with("parameter error 0x66 unknown service"), "{own}");
+        assert!(
+            !own.contains("Vacon") && lines("0x66", What::Error).contains("Vacon"),
+            "{own}"
+        );
+        assert!(
+            told("33", What::Format, "vlt").starts_with("format 0x21: N2\n  in PROFIdrive V4: OctetString8")
+        );
+        assert!(lines("33", What::Format).starts_with("format 0x21: OctetString8"));
     }
 
     #[test]

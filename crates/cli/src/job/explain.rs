@@ -1,44 +1,80 @@
 //! Error numbers and formats of parameter jobs in words.
 
+use drive_client::Model;
 use profidrive::parameter::{CodeSpace, ErrorNames, ErrorNumber, Format};
+use profidrive::pkw::PkwErrorNames;
 use serde_json::{Map, Value};
 
 use crate::fields;
 
-/// An error number of the parameter manager in words.
-pub fn explain_error(number: u16, output: &mut Vec<String>) -> Map<String, Value> {
+/// Makers with error numbers of their own, in parameter jobs and in a parameter channel.
+const MAKERS: [(&str, ErrorNames, PkwErrorNames); 2] = [
+    ("Danfoss", ErrorNames::Danfoss, PkwErrorNames::Danfoss),
+    ("Vacon", ErrorNames::Vacon, PkwErrorNames::Profile),
+];
+
+/// An error number of the parameter manager in words: those of the model's make, or of all. What the same number says in
+/// a parameter channel (PKW) comes with it where it is another thing.
+pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>) -> Map<String, Value> {
     let error = ErrorNumber(number);
-    output.push(format!("parameter error {error}"));
-    let mut fields = fields! { "as": "error", "raw": number, "meaning": error.to_string() };
-    if let Some(info) = error.info(ErrorNames::Profile) {
+    let own = model.map(|model| model.dialect.error_names);
+    let makers = || {
+        MAKERS
+            .iter()
+            .filter(move |(_, names, _)| own.is_none_or(|own| own == *names))
+    };
+    // of one make its own word comes first
+    let told = own.filter(|_| number >= OWN).and_then(|names| error.info(names));
+    let meaning = told.map_or_else(
+        || error.to_string(),
+        |info| format!("0x{number:02X} {}", info.meaning),
+    );
+    output.push(format!("parameter error {meaning}"));
+    let mut fields = fields! { "as": "error", "raw": number, "meaning": meaning };
+    if let Some(info) = told.or_else(|| error.info(ErrorNames::Profile)) {
         output.push(format!("  do     {}", info.remedy));
         fields.insert("remedy".into(), info.remedy.into());
     }
-    let makers: Vec<(&str, &str)> = [("Danfoss", ErrorNames::Danfoss), ("Vacon", ErrorNames::Vacon)]
-        .into_iter()
-        .filter(|_| number >= 0x65)
-        .filter_map(|(maker, names)| Some((maker, error.info(names)?.meaning)))
-        .collect();
-    for (maker, meaning) in makers {
-        output.push(format!("  {maker:<6} {meaning}"));
-        fields.insert(maker.to_lowercase(), meaning.into());
+    for (maker, names, _) in makers().filter(|_| number >= OWN && told.is_none()) {
+        if let Some(info) = error.info(*names) {
+            output.push(format!("  {maker:<6} {}", info.meaning));
+            fields.insert(maker.to_lowercase(), info.meaning.into());
+        }
+    }
+    for (maker, _, names) in makers() {
+        let channel = names.rows().iter().find(|row| row.number == number);
+        if let Some(row) = channel {
+            output.push(format!(
+                "  in a parameter channel (PKW) of {maker}: {}; {}",
+                row.meaning, row.remedy
+            ));
+            fields.insert("channel".into(), row.meaning.into());
+        }
     }
     fields
 }
 
-/// A format code in words.
-pub fn explain_format(code: u8, output: &mut Vec<String>) -> Map<String, Value> {
+/// From this number on error numbers are the maker's.
+const OWN: u16 = 0x65;
+
+/// A format code in words: as the model's make has it, or the profile of today.
+pub fn explain_format(code: u8, model: Option<Model>, output: &mut Vec<String>) -> Map<String, Value> {
     let name = |space| Format(code).info(space).map(|row| row.name);
     let (v4, v3) = (name(CodeSpace::V4), name(CodeSpace::V3));
+    let today = ("PROFIdrive V4", v4);
+    let older = ("PROFIdrive V2/V3 and Danfoss drives", v3);
+    let older_first = model.is_some_and(|model| model.dialect.code_space == CodeSpace::V3);
+    let (first, second) = if older_first {
+        (older, today)
+    } else {
+        (today, older)
+    };
     output.push(format!(
         "format 0x{code:02X}: {}",
-        v4.unwrap_or("reserved or unknown")
+        first.1.unwrap_or("reserved or unknown")
     ));
     if v3 != v4 {
-        output.push(format!(
-            "  in PROFIdrive V2/V3 and Danfoss drives: {}",
-            v3.unwrap_or("unknown")
-        ));
+        output.push(format!("  in {}: {}", second.0, second.1.unwrap_or("unknown")));
     }
     fields! { "as": "format", "raw": code, "v4": v4, "v3": v3 }
 }

@@ -165,13 +165,19 @@ impl FromStr for ParameterReference {
         if whole.is_empty() {
             return Err(ReferenceError::Empty);
         }
-        let (head, bracket) = match whole.split_once('[') {
+        let (head, bracket) = match whole.rsplit_once('[') {
             None => (whole, None),
             Some((head, rest)) => {
-                let inner = rest.strip_suffix(']').ok_or_else(|| ReferenceError::Elements {
+                let form = || ReferenceError::Elements {
                     text: whole.to_string(),
-                })?;
-                (head.trim_end(), Some(parse_elements(inner, whole)?))
+                };
+                let inner = rest.strip_suffix(']').ok_or_else(form);
+                match inner.and_then(|inner| parse_elements(inner, whole)) {
+                    Ok(elements) => (head.trim_end(), Some(elements)),
+                    // `Motor Power [kW]`
+                    Err(_) if is_title(head) => (whole, None),
+                    Err(error) => return Err(error),
+                }
             }
         };
         let (target, dotted, prefix) = parse_head(head, whole)?;
@@ -195,6 +201,14 @@ impl FromStr for ParameterReference {
         })
     }
 }
+
+/// A name in words, as Danfoss and Vacon have them.
+fn is_title(text: &str) -> bool {
+    text.contains(' ') && text.starts_with(|first: char| first.is_ascii_alphabetic())
+}
+
+/// What stands in such names beside letters, digits and dashes.
+const TITLE_CHARACTERS: &str = " ,:/&#%()[]'";
 
 type Head = (Target, Option<Elements>, Option<Prefix>);
 
@@ -234,10 +248,11 @@ fn parse_head(head: &str, whole: &str) -> Result<Head, ReferenceError> {
     if head.is_empty() {
         return Err(ReferenceError::Empty);
     }
-    match head
-        .chars()
-        .find(|c| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-')))
-    {
+    let title = is_title(head);
+    let in_name = |c: char| {
+        c.is_ascii_alphanumeric() || matches!(c, '.' | '_' | '-') || (title && TITLE_CHARACTERS.contains(c))
+    };
+    match head.chars().find(|&c| !in_name(c)) {
         Some(character) => Err(ReferenceError::Character {
             text: whole.to_string(),
             character,
@@ -273,13 +288,20 @@ fn parse_numeric(text: &str, whole: &str) -> Result<(u16, Option<Elements>), Ref
             let plain = matches!(text.len(), 1..=5) && text.bytes().all(|byte| byte.is_ascii_digit());
             plain.then(|| text.parse::<u16>().ok()).flatten()
         };
+        let (index, element) = match index.split_once('.') {
+            Some((index, element)) => (index, Some(element)),
+            None => (index, None),
+        };
         let (group, place) = digits(group).zip(digits(index)).ok_or_else(form)?;
         let pnu = group
             .checked_mul(100)
             .and_then(|n| n.checked_add(place))
             .filter(|pnu| *pnu > 0 && index.len() <= 2)
             .ok_or_else(form)?;
-        return Ok((pnu, None));
+        let elements = element
+            .map(|element| parse_elements(element, whole))
+            .transpose()?;
+        return Ok((pnu, elements));
     }
     let (pnu, index) = match text.split_once('.') {
         Some((pnu, index)) => (pnu, Some(index)),
@@ -442,6 +464,7 @@ mod tests {
         }
         assert_eq!(number("0-1"), (1, None));
         assert_eq!(number("15-30[1]"), (1530, Some((1, 1))));
+        assert_eq!(number("1-20.0"), (120, Some((0, 1))));
         assert_eq!(number("9-15[0..9]"), (915, Some((0, 10))));
         for text in ["ID103", "id103", "ID 103", "10001[103]"] {
             assert_eq!(number(text), (10001, Some((103, 1))), "{text}");
@@ -471,6 +494,28 @@ mod tests {
     }
 
     #[test]
+    fn names_in_words_are_taken_as_their_maker_writes_them() {
+        use crate::catalogue::{VACON, VLT};
+        let mut seen = 0;
+        for tables in [&VLT, &VACON] {
+            for parameter in tables.parameters {
+                let name = parameter.name;
+                if !name.starts_with(|first: char| first.is_ascii_alphabetic()) {
+                    continue;
+                }
+                let reference: ParameterReference =
+                    name.parse().unwrap_or_else(|error| panic!("{name}: {error}"));
+                assert_eq!(reference.target, Target::Name(name.into()));
+                assert_eq!(reference.elements, None);
+                seen += 1;
+            }
+        }
+        assert!(seen > 400, "{seen}");
+        let element: ParameterReference = "Fault Log: Error Code[3]".parse().unwrap();
+        assert_eq!(element.elements, Some(Elements { first: 3, count: 1 }));
+    }
+
+    #[test]
     fn mistakes_are_explained() {
         for (text, words) in [
             ("", "no parameter given"),
@@ -494,7 +539,8 @@ mod tests {
             ("ID 103[0]", "ID 103"),
             ("id103x", "ID 103"),
             ("93O", "`O`"),
-            ("DRV ACC", "` `"),
+            ("DRV ACC!", "`!`"),
+            ("1-20.x", "947[0]"),
             ("DRV.ACC=5", "`=`"),
             ("[0]", "no parameter given"),
         ] {
