@@ -1,6 +1,7 @@
 //! One virtual drive and one controller on a segment in memory: virtual time, the whole wire path, every frame kept.
 
 use std::cell::RefCell;
+use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -14,7 +15,7 @@ use profinet::cyclic::Timing;
 use profinet::device::Stored;
 use profinet::wire::block::ModuleDiff;
 use profinet::{Instant, IpSuite, MacAddress, Medium};
-use virtual_drive::model::AKD;
+use virtual_drive::model::{AKD, Model};
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::{judge, memory};
@@ -47,6 +48,7 @@ pub fn modules(telegram: u16) -> Vec<ModuleConfig> {
 pub struct Bus {
     medium: SegmentMedium,
     controller: Controller,
+    model: &'static Model,
     drive: StationId,
     ar: Option<ArId>,
     events: Vec<Event>,
@@ -68,7 +70,13 @@ impl Bus {
     /// A drive as delivered with name and address, and a controller that has not connected yet.
     #[must_use]
     pub fn new() -> Self {
-        let mut config = StationConfig::new(&AKD, DRIVE);
+        Self::of(&AKD)
+    }
+
+    /// The same with a drive of another make.
+    #[must_use]
+    pub fn of(model: &'static Model) -> Self {
+        let mut config = StationConfig::new(model, DRIVE);
         config.network = Stored {
             name: NAME.into(),
             ip: address(1),
@@ -82,6 +90,7 @@ impl Bus {
         let mut bus = Self {
             medium: SegmentMedium::new(segment, Pace::Virtual),
             controller: Controller::new(plc),
+            model,
             drive,
             ar: None,
             events: Vec::new(),
@@ -132,7 +141,7 @@ impl Bus {
     /// # Panics
     /// When the drive refuses or does not become ready.
     pub fn connect_as(&mut self, modules: Vec<ModuleConfig>) -> (Option<ModuleDiff>, bool) {
-        let device = &AKD.catalogue.device;
+        let device = &self.model.catalogue.device;
         let target = Target {
             name: NAME.into(),
             mac: Some(DRIVE),
@@ -141,7 +150,8 @@ impl Bus {
             device_id: device.device_id,
             instance: 1,
         };
-        let timing = Timing::for_interval(CYCLE).expect("an interval of PROFINET");
+        let fastest = Duration::from_nanos(31_250) * u32::from(device.min_device_interval);
+        let timing = Timing::for_interval(fastest).expect("an interval of PROFINET");
         let mut config = ConnectConfig::new(modules, timing);
         config.resolve = Resolve::Trust;
         self.events.clear();
@@ -255,9 +265,10 @@ impl Bus {
 
     /// Ends it, and lets the dissector judge every frame: `target/system/<name>`.
     #[track_caller]
-    pub fn judged(self, name: &str) {
+    pub fn judged(self, name: &str) -> PathBuf {
         let file = memory::save(&format!("{name}.pcapng"), &self.frames.borrow());
         judge::judge(&file).clean().saw("pn_io", 10).saw("pn_rt", 10);
+        file
     }
 
     /// Every frame since the last call, as it was on the wire.

@@ -233,6 +233,47 @@ fn the_eeprom_survives_a_restart() {
     assert_eq!((told[0].as_f64(), told[1].as_f64()), (Some(3.0), Some(7.0)));
 }
 
+/// What the drive counts comes to the folder when it is switched off in order, and nothing else that nobody saved.
+#[test]
+fn an_orderly_end_keeps_what_the_drive_counted() {
+    let cable = Cable::lay();
+    let folder = Folder::new("vlt-counted");
+    let state = folder.file("state");
+    let drive = cable.drive("fc", 1);
+    let line = ["--state", state.as_str()];
+    let counted = |name: &str| -> u32 {
+        let files = std::fs::read_dir(&state).expect("the folder");
+        let texts = files.filter_map(|file| std::fs::read_to_string(file.expect("a file").path()).ok());
+        let text: String = texts.collect();
+        let mut lines = text.lines();
+        let value = lines.find_map(|line| line.strip_prefix(&format!("{name} = ")).map(str::to_owned));
+        let value = value.unwrap_or_else(|| panic!("{name}: {text}"));
+        value.trim_end_matches('s').parse().expect("a number")
+    };
+
+    let drives = Simulated::start_model(&cable, "vlt", &line);
+    assert_eq!(values(&drive, &["15-03"])[0].as_f64(), Some(1.0));
+    ok(&["write", &drive, "3-42=7s"]);
+    ok(&["run", &drive, "--velocity", "200rpm", "--for", "2s"]);
+    drives.end_in_order();
+    let running = counted("counter running");
+    assert!((2..60).contains(&running), "{running}");
+    assert!(counted("counter power on") >= running);
+
+    let drives = Simulated::start_model(&cable, "vlt", &line);
+    let told = values(&drive, &["15-03", "3-42"]);
+    assert_eq!(
+        (told[0].as_f64(), told[1].as_f64()),
+        (Some(2.0), Some(3.0)),
+        "{told:?}"
+    );
+    drives.end_in_order();
+    assert_eq!(
+        (counted("counter running"), counted("counter power-ups")),
+        (running, 2)
+    );
+}
+
 #[test]
 fn noise_wrong_checks_halves_and_echo_are_borne() {
     for (protocol, echo) in [("fc", true), ("uss", false)] {

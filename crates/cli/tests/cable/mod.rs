@@ -173,6 +173,19 @@ impl Simulated {
         Self { process, lines }
     }
 
+    /// Ends it as Ctrl-C does, and waits until it has put its things away.
+    pub fn end_in_order(mut self) {
+        let number = self.process.id().to_string();
+        let sent = Command::new("kill").args(["-INT", &number]).status();
+        assert!(sent.expect("kill runs").success());
+        let (mut left, limit) = (None, Instant::now() + Duration::from_secs(30));
+        while left.is_none() && Instant::now() < limit {
+            sleep(Duration::from_millis(20));
+            left = self.process.try_wait().expect("its state");
+        }
+        assert!(left.is_some_and(|status| status.success()), "{left:?}");
+    }
+
     /// What it prints until a line has these words.
     pub fn told_until(&mut self, words: &str) -> String {
         let (mut all, limit) = (String::new(), Instant::now() + Duration::from_secs(30));

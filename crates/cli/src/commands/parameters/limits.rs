@@ -125,7 +125,7 @@ mod tests {
             };
             Limits::of(&drive, &row, None).words("s")
         };
-        let size = "limits of the type: 0 s to 42949672.95 s";
+        let size = "limits of the type: 0 s to 42949673 s";
         assert_eq!(words(Some(0.01), Some(3600.0)), "0.01 s to 3600 s");
         let none = format!("none known; {size}");
         assert_eq!(words(None, None), none);
