@@ -405,6 +405,15 @@ impl Axis {
         self.shift_position(position.wrapping_sub(self.position()));
     }
 
+    /// Takes the reference to where the axis is, at its speed: nothing of a following error or of the current against it
+    /// is left for the next command.
+    pub fn release(&mut self) {
+        self.loops.follow(Feedback {
+            position: self.position(),
+            ..self.seen
+        });
+    }
+
     /// Adds to the number of every place, as [`set_position`](Self::set_position) does. To give the place of a latch a
     /// number, shift by the number minus [`Latch::position`].
     pub const fn shift_position(&mut self, by: i64) {

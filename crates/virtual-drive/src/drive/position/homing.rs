@@ -137,6 +137,8 @@ pub(in crate::drive) struct Homing {
     before: Inputs,
     /// Where the phases that end at a place end.
     target: i64,
+    /// The axis presses against a hard stop; taken by the owner, who lets it go.
+    pressed: bool,
     /// The place that is the reference; taken by the owner, who gives it its number.
     found: Option<i64>,
     /// All movements are done.
@@ -161,6 +163,7 @@ impl Homing {
             begin: seen.command,
             before: seen.inputs,
             target: seen.command,
+            pressed: false,
             found: None,
             finished: false,
             failure: None,
@@ -223,6 +226,12 @@ impl Homing {
         self.found.take()
     }
 
+    /// True once when a hard stop has been met. The command went on behind it and is to come back to the axis: else that
+    /// would press, with all the current it may once homing is over. No source tells what holds after homing.
+    pub const fn take_pressed(&mut self) -> bool {
+        core::mem::replace(&mut self.pressed, false)
+    }
+
     /// One step of the axis: what it has to do.
     pub fn step(&mut self, setup: &HomeSetup, seen: &Seen) -> Command {
         if !self.finished && self.failure.is_none() {
@@ -268,6 +277,7 @@ impl Homing {
         let blocked = stops && seen.following.saturating_mul(self.way) > setup.stop_error;
         let limited = seen.is_limited(self.way);
         let turns = limited || blocked;
+        self.pressed = blocked && self.is_gentle();
         let (home, before) = (seen.inputs.home_switch, self.before);
         // A latch knows the place of an edge better than the position now does.
         let edge = |now: Latch, before: Latch| {

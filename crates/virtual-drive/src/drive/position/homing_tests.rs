@@ -176,6 +176,56 @@ fn to_a_hard_stop_with_little_current() {
         bench.send(HOME, 20);
         let found = bench.drive.axis().feedback() as f64 / REVOLUTION;
         assert!((found - reference).abs() < 0.03, "{mode} {found}");
+        does_not_press(&mut bench, HOME);
+        assert_eq!(bench.status() & 0x2F00, 0x2F00, "homed, in range");
+    }
+}
+
+/// For 15 s the axis lies at the stop without the current of homing.
+#[track_caller]
+fn does_not_press(bench: &mut Bench, control: u16) {
+    let before = bench.turns();
+    for cycle in 0..15_000 / 4 {
+        let word = bench.send(control, 1);
+        let current = bench.drive.axis().current().abs();
+        assert!(current < 0.9, "{current} A after {cycle} cycles");
+        assert_eq!(word & 0x0008, 0, "fault after {cycle} cycles");
+    }
+    assert!((bench.turns() - before).abs() < 0.01);
+}
+
+#[test]
+fn homing_that_ends_at_a_hard_stop_before_its_time_does_not_press_either() {
+    let mut stops = plant().travel.unwrap();
+    stops.negative_switch = i64::MIN;
+    stops.positive_switch = i64::MAX;
+    stops.home_switch = None;
+    let plant = Plant {
+        travel: Some(stops),
+        ..plant()
+    };
+    for positive in [true, false] {
+        // no switch between the stops
+        let mut bench = with(plant, 12, positive);
+        bench.until(HOME, 0x2080, 0x2080);
+        assert!(bench.warned(158));
+        does_not_press(&mut bench, HOME);
+        // aborted while it presses
+        let mut bench = with(plant, 8, positive);
+        bench.write("HOME.PERRTHRESH", 65_536 / 2);
+        bench.send(HOME, 2);
+        while bench.drive.axis().following_error().abs() < TURN / 10 {
+            bench.send(HOME, 1);
+        }
+        assert!(bench.drive.axis().current().abs() > 0.8, "it presses");
+        bench.until(READY, 0x2000, 0x2000);
+        does_not_press(&mut bench, READY);
+        // farther than it may: brakes into the stop
+        let mut bench = with(plant, 8, positive);
+        bench.write("HOME.MAXDIST", 65_536 * 5 - 65_536 / 20);
+        bench.until(HOME, 0x2080, 0x2080);
+        assert!(bench.warned(161));
+        does_not_press(&mut bench, HOME);
     }
 }
 

@@ -133,8 +133,13 @@ pub(super) struct Positioning {
     /// S4 in position mode.
     active: bool,
     tasks: Tasks,
+    /// Task 0 is what MDI asked for last, nobody has put it there.
+    mdi_in_table: bool,
     run: Option<Run>,
     homing: Option<Homing>,
+    /// Homing that may have met a hard stop ended before its time: its current holds until the axis stands, then the
+    /// command comes to it.
+    presses: bool,
     /// Home position set.
     homed: bool,
     /// Target that was reached last; none since the axis left it for something else than a task.
@@ -168,8 +173,10 @@ impl Positioning {
             machine: PositionMachine::new(),
             active: false,
             tasks: Tasks::new(),
+            mdi_in_table: false,
             run: None,
             homing: None,
+            presses: false,
             homed: false,
             target: None,
             finished: false,
@@ -207,7 +214,7 @@ impl Positioning {
 
     /// The current is to be limited to that of homing.
     pub fn is_gentle(&self) -> bool {
-        self.homing.as_ref().is_some_and(Homing::is_gentle)
+        self.presses || self.homing.as_ref().is_some_and(Homing::is_gentle)
     }
 
     /// S4 in position mode begins. An axis that still turns brakes along DRV.DEC, or as steep as it takes to stay inside
@@ -227,6 +234,7 @@ impl Positioning {
     fn leave(&mut self, word: Stw1) {
         self.machine.reset(word);
         self.active = false;
+        self.presses = false;
         self.run = None;
         if self.homing.take().is_some() {
             self.flags.homing_failed = true;
@@ -325,6 +333,7 @@ impl Positioning {
         let room = leg.target.wrapping_sub(seen.command).saturating_abs();
         self.flags.crossed = toward && brake_way(seen.command_speed, leg.task.deceleration) > room;
         self.run = Some(Run::new(leg, seen.command, &self.tasks, seen, setup, &limits));
+        self.presses = false;
         self.finished = false;
         self.failed = false;
         self.target = None;
@@ -352,6 +361,7 @@ impl Positioning {
             }
             PositionEffect::StartHoming => {
                 self.homed = false;
+                self.presses = false;
                 self.target = None;
                 self.finished = false;
                 self.failed = false;
@@ -360,6 +370,7 @@ impl Positioning {
                 self.homing = Homing::new(&rules.position.home, seen);
             }
             PositionEffect::AbortHoming => {
+                self.presses |= self.homing.as_ref().is_some_and(Homing::is_gentle);
                 let failure = self.homing.take().and_then(|homing| homing.failure);
                 self.flags.homing_ends(failure);
                 self.failed = false;
@@ -376,6 +387,11 @@ impl Positioning {
     /// What the axis has to do in the next step of `seconds`.
     fn direct(&mut self, axis: &mut Axis, seconds: f64, feedrate: f64, rules: &Settings) -> Command {
         let state = self.machine.state();
+        let searches = state == PositionState::Homing && !self.failed;
+        if self.presses && !searches && axis.is_standing(rules.standstill) {
+            self.presses = false;
+            axis.release();
+        }
         if matches!(state, PositionState::Basic) {
             return stop(self.brakes);
         }
@@ -398,6 +414,9 @@ impl Positioning {
             return stop(self.brakes);
         };
         let mut command = homing.step(setup, seen);
+        if homing.take_pressed() {
+            axis.release();
+        }
         if let Some(place) = homing.take_reference(setup.position) {
             axis.shift_position(setup.position.wrapping_sub(place));
             self.flags.found = true;
@@ -405,7 +424,9 @@ impl Positioning {
             command = homing.command(setup);
         }
         self.finished = homing.finished;
-        self.failed = homing.failure.is_some();
+        let fails = homing.failure.is_some();
+        self.presses |= fails && !self.failed && homing.is_gentle();
+        self.failed = fails;
         command
     }
 

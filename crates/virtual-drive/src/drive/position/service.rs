@@ -60,6 +60,7 @@ impl Drive {
             profile: raw(roles.profile) as u8,
         };
         let number = usize::try_from(raw(roles.number)).unwrap_or(MOST_TASKS);
+        self.positioning.mdi_in_table &= number != 0;
         if self.positioning.tasks.set(number, task) {
             Ok(())
         } else {
@@ -94,6 +95,7 @@ impl Drive {
             -1 => None,
             _ => Some(usize::try_from(raw).map_err(|_| ErrorNumber::LIMIT)?),
         };
+        self.positioning.mdi_in_table &= number.is_some_and(|number| number != 0);
         if self.positioning.tasks.clear(number) {
             Ok(())
         } else {

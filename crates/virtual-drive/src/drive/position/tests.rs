@@ -201,6 +201,30 @@ fn program_mode_of_manual_5_10_1() {
 }
 
 #[test]
+fn task_0_is_selected_when_it_was_set_and_not_as_mdi_left_it() {
+    let mut bench = Bench::new(9);
+    bench.enable();
+    bench.task(0, 1.0, 600.0, 6000.0, 0);
+    bench.set(signal::SATZANW, 0);
+    bench.send(START, 2);
+    assert!(bench.warned(160) && !bench.warned(163), "not homed");
+    bench.send(READY, 2);
+    bench.until(HOME, 0x0800, 0x0800);
+    bench.send(READY, 2);
+    assert_eq!(bench.send(START, 1) & 0x5000, 0x5000);
+    bench.until(START, 0x0400, 0x0400);
+    bench.send(READY, 50);
+    assert!((bench.turns() - 1.0).abs() < 0.002, "{}", bench.turns());
+    bench.mdi(0.5, 300.0, 8, false);
+    bench.send(START, 1);
+    bench.until(READY, 0x0400, 0x0400);
+    bench.send(READY, 50);
+    bench.set(signal::SATZANW, 0);
+    assert_eq!(bench.send(START, 50) & 0x5000, 0, "not once more");
+    assert!(bench.warned(164) && (bench.turns() - 1.5).abs() < 0.01);
+}
+
+#[test]
 fn mdi_handshake_of_manual_5_10_2() {
     let mut bench = Bench::homed(9);
     bench.mdi(2.0, 300.0, 8, true);

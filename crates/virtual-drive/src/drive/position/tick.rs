@@ -53,10 +53,15 @@ impl Drive {
     /// Finds out if the task with this number, as SATZANW and MT.MOVE tell it, can run.
     pub(super) fn permit(&mut self, number: u16, seen: &Seen) -> Result<Leg, Refusal> {
         let task = if number & MDI == 0 {
-            self.positioning.tasks.task(usize::from(number))?
+            let task = self.positioning.tasks.task(usize::from(number));
+            if !self.positioning.homed && task != Err(Refusal::Number) {
+                return Err(Refusal::NotHomed);
+            }
+            task?
         } else {
             let task = self.mdi();
             self.positioning.tasks.set(0, task);
+            self.positioning.mdi_in_table = true;
             task
         };
         self.positioning
@@ -87,8 +92,11 @@ impl Drive {
             _ => None,
         };
         let task = number.map(|number| match number {
-            // Task 0 is not to be selected: it is what MDI makes of it.
-            0 if edge => (0, Err(Refusal::Number)),
+            // What MDI has left in task 0 is not to be selected: it would go once more with SATZANW 0.
+            0 if edge && self.positioning.mdi_in_table => {
+                let homed = self.positioning.homed;
+                (0, Err(if homed { Refusal::Empty } else { Refusal::NotHomed }))
+            }
             number => (number, self.permit(number, &seen)),
         });
         if word.0 & (Stw1::JOG_1 | Stw1::JOG_2 | Stw1::REAL_TIME_JOG).0 != 0 {
