@@ -274,6 +274,26 @@ fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
     }
 }
 
+/// A situation of the buffer has eight places, and a drive may have more faults than that.
+#[test]
+fn faults_that_the_buffer_has_no_place_for_are_told_too() {
+    let (mut session, ids) = bench_of(vec![station_of(&model::AKD, "akd-1", 1, None)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let numbers = [439, 301, 302, 501, 502, 535, 307, 408, 130, 131];
+    for number in numbers {
+        with_drive(&mut session, ids[0], |drive| drive.inject_fault(number, false));
+        session.pass(Duration::from_millis(50)).expect("time passes");
+    }
+    let report = session.fault_report(&mut drive).expect("told");
+    let told: Vec<u16> = report.present().map(|fault| fault.number).collect();
+    assert_eq!(told, numbers);
+    assert!(
+        report
+            .present()
+            .all(|fault| fault.meaning.is_some() && fault.situation == 0)
+    );
+}
+
 /// Warnings come with their remedy, beside the sentence.
 #[test]
 fn a_warning_of_each_make_is_told_with_its_remedy() {

@@ -12,10 +12,11 @@ use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
 
 /// What is asked beside the buffer.
-const PARTS: [Part; 9] = [
+const PARTS: [Part; 10] = [
     Part::ControlWord,
     Part::StatusWord,
     Part::ControlProfile,
+    Part::Fault,
     Part::Warning,
     Part::WarningWord,
     Part::AlarmWord,
@@ -69,7 +70,8 @@ pub struct FaultReport {
     pub counter: u16,
     /// How the buffer is divided.
     pub shape: Shape,
-    /// The buffer, newest situation first, of one moment: the counter did not change while it was read.
+    /// The buffer, newest situation first, of one moment: the counter did not change while it was read. With it faults
+    /// that are present and have no place in it, where the drive has their numbers elsewhere.
     pub faults: Vec<FaultEntry>,
     /// The warnings that are present; `None` where the drive has no numbers for them.
     pub warnings: Option<Vec<WarningEntry>>,
@@ -124,6 +126,23 @@ impl<M: Wire> Session<M> {
             let known = |fault: &FaultEntry| fault.situation == 0 && fault.number == number;
             if !faults.iter().any(known) {
                 faults.insert(0, entry(number, Some(row)));
+            }
+        }
+        // a situation of the buffer may have fewer places than there are faults
+        for number in numbers(&told, Part::Fault).filter_map(|number| u16::try_from(number).ok()) {
+            let place = faults.iter().take_while(|fault| fault.situation == 0).count();
+            let present = faults.get(..place).unwrap_or_default();
+            if !present.iter().any(|fault| fault.number == number) {
+                let row = drive
+                    .model
+                    .catalogue
+                    .and_then(|tables| tables.fault(number, false));
+                let position = u8::try_from(place).unwrap_or(u8::MAX);
+                let more = FaultEntry {
+                    position,
+                    ..entry(number, row)
+                };
+                faults.insert(place, more);
             }
         }
         Ok(FaultReport {
@@ -286,14 +305,19 @@ fn by_bits(drive: &Drive, told: &Told, warning: bool) -> Vec<(u16, &'static Faul
     set
 }
 
+/// The numbers that are told one by one.
+fn numbers(told: &Told, part: Part) -> impl Iterator<Item = u32> {
+    let numbers = told.all(part);
+    let numbers = numbers.filter_map(|reading| u32::try_from(reading.raw()?).ok());
+    numbers.filter(|number| *number != 0)
+}
+
 /// Warnings by number and by bit; `None` where the drive has neither.
 fn warnings(drive: &Drive, told: &Told) -> Option<Vec<WarningEntry>> {
     let words = told.find(Part::Warning).or(told.find(Part::WarningWord));
     words?;
     let tables = drive.model.catalogue;
-    let numbers = told.all(Part::Warning);
-    let numbers = numbers.filter_map(|reading| u32::try_from(reading.raw()?).ok());
-    let by_number = numbers.filter(|number| *number != 0).map(|number| {
+    let by_number = numbers(told, Part::Warning).map(|number| {
         let short = u16::try_from(number).ok();
         (number, short.and_then(|number| tables?.fault(number, true)))
     });

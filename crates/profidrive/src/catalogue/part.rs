@@ -156,6 +156,8 @@ parts! {
     Stop = "stop";
     /// Writing it switches the power stage off.
     Disable = "disable";
+    /// Number of a fault that is present, 0 for none.
+    Fault = "fault";
     /// Number of a warning that is present, 0 for none.
     Warning = "warning";
     /// Faults that are present, bit by bit; the second row has bits 32 to 63.

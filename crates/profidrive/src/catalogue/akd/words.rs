@@ -19,8 +19,22 @@ pub static WORDS: &[Word] = &[
 
 #[rustfmt::skip]
 pub static NOT_NOW: &[(u16, &str)] = &[
+    (5, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (32, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (34, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (35, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (36, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (37, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (38, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (100, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (101, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (102, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (103, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (108, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (109, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
     (915, "the telegram in use has a fixed mapping: select telegram 0 or 400 with PNU 922 first, while no controller exchanges data"),
     (916, "the telegram in use has a fixed mapping: select telegram 0 or 400 with PNU 922 first, while no controller exchanges data"),
+    (922, "the telegram changes only while no controller exchanges data: stop it first (`status` tells who it is)"),
     (2127, "the drive enables itself only without a fault and a hardware disable, and only while no controller commands it (DRV.CMDSOURCE 0); `status` tells what keeps it, `run` takes it as its controller"),
     (2272, "a task starts only in position mode while the drive is enabled (S4); `task` does all of it"),
 ];
