@@ -13,10 +13,12 @@ use serde::Deserialize;
 use toml::Spanned;
 use virtual_drive::axis::{Plant, Travel};
 use virtual_drive::model::{self, Model};
+use virtual_drive::station::{Station, StationConfig};
 
 use crate::happening::Happening;
 use crate::program::{ControllerPlan, RawController};
 use crate::text::{derived_mac, place, suite, time};
+use crate::world::set;
 
 /// Longest file, in octets.
 const LONGEST_FILE: usize = 1 << 20;
@@ -343,6 +345,12 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
             let hint = problem.hint().map_or(String::new(), |hint| format!(" ({hint})"));
             return Err(Located(span.clone(), format!("{problem}{hint}")));
         }
+    }
+    // what the drive itself refuses is told with its place, too
+    let mut station = Station::new(StationConfig::new(model, mac));
+    for (span, assignment) in &parameters {
+        set(&mut station, model, &name, assignment)
+            .map_err(|error| Located(span.clone(), error.to_string()))?;
     }
     if raw.event.len() > MOST_CUES {
         return Err(Located(raw.name.span(), format!("more than {MOST_CUES} events")));

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use drive_client::modules_of;
-use drive_client::parameter::{ParameterProblem, Parameters};
+use drive_client::parameter::{Assignment, ParameterProblem, Parameters};
 use network::host::Host;
 use network::segment::{Segment, StationId, Tap};
 use profidrive::catalogue::Catalogue;
@@ -14,6 +14,7 @@ use profinet::cyclic::Timing;
 use profinet::device::Stored;
 use profinet::wire::block::ModuleState;
 use profinet::{Instant, IpSuite};
+use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationConfig};
 
 use crate::file::{DrivePlan, Scenario};
@@ -78,33 +79,39 @@ impl DrivePlan {
     pub fn build(&self, config: StationConfig, seed: u64) -> Result<Unit, WorldError> {
         let mut station = Station::new(config);
         for assignment in &self.parameters {
-            let drive = station.drive_mut();
-            let table = Parameters {
-                catalogue: Some(self.model.catalogue),
-                scaling: drive.scaling(),
-            };
-            let problem = |problem| WorldError::Parameter {
-                drive: self.name.clone(),
-                problem,
-            };
-            let selection = table.select(&assignment.reference).map_err(problem)?;
-            let value = table.check(&selection, &assignment.value).map_err(problem)?;
-            drive
-                .write(
-                    selection.pnu,
-                    selection.first,
-                    value.raw.cast_unsigned(),
-                    Keep::Volatile,
-                )
-                .map_err(|error| WorldError::Refused {
-                    drive: self.name.clone(),
-                    parameter: selection.label(),
-                    error,
-                })?;
+            set(&mut station, self.model, &self.name, assignment)?;
         }
         station.drive_mut().set_load(self.load);
         Ok(Unit::new(Host::new(station), seed))
     }
+}
+
+/// Gives the drive of a station one of its first parameters.
+pub(crate) fn set(
+    station: &mut Station,
+    model: &Model,
+    name: &str,
+    assignment: &Assignment,
+) -> Result<(), WorldError> {
+    let drive = station.drive_mut();
+    let table = Parameters {
+        catalogue: Some(model.catalogue),
+        scaling: drive.scaling(),
+    };
+    let problem = |problem| WorldError::Parameter {
+        drive: name.to_owned(),
+        problem,
+    };
+    let selection = table.select(&assignment.reference).map_err(problem)?;
+    let value = table.check(&selection, &assignment.value).map_err(problem)?;
+    let raw = value.raw.cast_unsigned();
+    drive
+        .write(selection.pnu, selection.first, raw, Keep::Volatile)
+        .map_err(|error| WorldError::Refused {
+            drive: name.to_owned(),
+            parameter: selection.label(),
+            error,
+        })
 }
 
 /// A scenario in virtual time: an in-memory segment with its drives and controllers.

@@ -204,6 +204,14 @@ fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
     if path.is_dir() {
         return Err(Failure::usage(format!("{} is a folder", path.display())));
     }
+    if path.exists() && !path.is_file() {
+        let message = format!("{} is no file that can be replaced", path.display());
+        return Err(Failure::usage(message).hint("without -o the settings go to stdout"));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(Failure::usage(format!("there is no folder {}", folder.display())));
+    }
     let old = match StateFile::new(path).read() {
         Ok(old) => old,
         Err(_) if force => return Ok(None),
@@ -224,4 +232,29 @@ fn replace(path: &Path, text: &str) -> Result<(), Failure> {
     StateFile::new(path)
         .replace(text.as_bytes())
         .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_file_and_what_has_no_folder_is_refused_before_anything_is_read() {
+        for (path, words) in [
+            ("/dev/full", "no file that can be replaced"),
+            (
+                "/no-such-folder/sub/a.b",
+                "there is no folder /no-such-folder/sub",
+            ),
+            ("/tmp", "is a folder"),
+        ] {
+            for force in [false, true] {
+                let failure = replaceable(Path::new(path), force).unwrap_err();
+                assert_eq!(failure.exit, Exit::Usage);
+                assert!(failure.message.contains(words), "{}", failure.message);
+            }
+        }
+        assert_eq!(replaceable(Path::new("no-such.backup"), false), Ok(None));
+    }
 }

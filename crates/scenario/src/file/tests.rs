@@ -140,6 +140,7 @@ fn mistakes_are_told_with_their_line() {
             13,
             "unit of current",
         ),
+        (r#""DRV.ACC" = "5000rpm/s""#, r#""930" = 7"#, 13, "is refused"),
         (
             r#""DRV.ACC" = "5000rpm/s""#,
             r#""DRV.ACC" = [1]"#,
