@@ -9,6 +9,7 @@ mod simulate;
 mod stations;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -210,6 +211,9 @@ pub struct Cyclic {
     /// Update times without data after which both sides stop
     #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=255))]
     pub watchdog: u16,
+    /// Take the ident numbers of modules that are not in the tables from this device description of the maker
+    #[arg(long, value_name = "FILE")]
+    pub gsdml: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -217,7 +221,7 @@ pub struct Ack {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
-    #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
+    #[arg(long, conflicts_with_all = ["cycle", "watchdog", "gsdml"])]
     pub by_parameter: bool,
     #[command(flatten)]
     pub cyclic: Cyclic,

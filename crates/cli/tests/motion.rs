@@ -10,10 +10,12 @@ use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_dri
 use drive_client::axis::{Move, Objection, Purpose, Trouble};
 use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
-use drive_client::{AxisSettings, Drive, Error, StopWay, WriteMode};
+use drive_client::{AxisSettings, Drive, Error, MakerModule, StopWay, WriteMode};
 use profidrive::notation::Position;
 use profidrive::parameter::{Keep, ParameterAccess};
 use profidrive::state::{Mode, State};
+use profinet::controller::{ModuleConfig, SubmoduleConfig};
+use virtual_drive::description::TelegramModule;
 
 fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
     let assignments: Vec<Assignment> = assignments
@@ -263,6 +265,29 @@ fn a_move_is_planned_with_what_the_drive_says_and_reads_only() {
     assert!(is_at_rest(&session, ids[0]));
 }
 
+/// A module of a device description as a controller expects it.
+fn maker_module(telegram: &TelegramModule) -> MakerModule {
+    let submodules = telegram.module.submodules.iter();
+    let module = ModuleConfig {
+        api: 0x3A00,
+        slot: telegram.slot,
+        ident: telegram.module.ident,
+        submodules: submodules
+            .map(|submodule| SubmoduleConfig {
+                subslot: submodule.subslot,
+                ident: submodule.ident,
+                input_length: submodule.input_length,
+                output_length: submodule.output_length,
+            })
+            .collect(),
+    };
+    MakerModule {
+        telegram: telegram.telegram,
+        place: (telegram.slot, telegram.subslot),
+        modules: vec![module],
+    }
+}
+
 #[test]
 fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
     let (mut session, ids) = bench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
@@ -295,6 +320,26 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
         matches!(error, Error::ForeignModule { plugged, wanted, .. } if (plugged, wanted) == expected),
         "{error}"
     );
+    // nothing is advised that ends nowhere
+    let hint = error.hint().expect("advice");
+    assert!(
+        hint.contains("--gsdml FILE") && hint.contains("only telegram 1 works"),
+        "{hint}"
+    );
+    // but in the maker's file
+    drive.maker_modules = bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
+        .telegrams
+        .iter()
+        .map(maker_module)
+        .collect();
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Home))
+        .expect("connected with the module of the file");
+    assert_eq!(axis.telegram(), 9);
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.home(Some(Duration::from_secs(5))).expect("homed");
+    drop(enabled);
+    axis.release().expect("released");
 }
 
 /// A load that pulls, no brake: when the power stage is off the axis turns, and nobody says it rests.

@@ -10,6 +10,7 @@ use uss::SlaveId;
 
 use crate::Error;
 use crate::line::Shape;
+use crate::modules::MakerModule;
 use crate::parameter::{ParameterProblem, Parameters, Selection};
 use crate::session::format_of;
 
@@ -223,6 +224,8 @@ pub struct Drive {
     pub parameters: Parameters,
     /// True once the values that scale others were read from it.
     pub(crate) scaled: bool,
+    /// The modules that a device description of its maker has for it; those of the tables where there are none.
+    pub maker_modules: Vec<MakerModule>,
     /// Where it is at a serial line.
     pub(crate) slave: Option<SlaveId>,
 }
@@ -245,6 +248,7 @@ impl Drive {
             parameters: Parameters::of(&model),
             model,
             scaled: false,
+            maker_modules: Vec::new(),
             slave: None,
         }
     }

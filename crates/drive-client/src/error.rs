@@ -195,10 +195,12 @@ pub enum Error {
         problem: NoTelegram,
     },
     /// The module plugged is of a maker's file that nobody here knows, and it is not the telegram that is needed.
-    #[error("{drive} has {} plugged in a module that is not in the tables; the ident number of the module of telegram {wanted} is not known", telegram_text(*.plugged))]
+    #[error("{drive} has {} plugged, module 0x{ident:08X}, which is not in the tables; the ident number of the module of telegram {wanted} is not known", telegram_text(*.plugged))]
     ForeignModule {
         /// The drive.
         drive: String,
+        /// Ident number of the module plugged.
+        ident: u32,
         /// The telegram plugged (PNU 922).
         plugged: Option<u16>,
         /// The telegram needed.

@@ -35,7 +35,7 @@ pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
 pub use error::{Error, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;
-pub use modules::modules_of;
+pub use modules::{MakerModule, modules_of};
 pub use session::{
     Axis, AxisSettings, AxisStatus, ChangeOutcome, Described, DescribedLimits, Enabled, FaultEntry,
     FaultReport, GoesOn, Identity, Info, JogSpeed, LoggedFault, Peer, PlannedChange, Session, Snapshot,

@@ -13,6 +13,29 @@ pub(crate) const fn place_of(device: &Device) -> (u16, u16) {
     (PLACE.0, device.layout.telegram)
 }
 
+/// The modules of a telegram as the maker's device description of one drive has them, where no table is sure to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MakerModule {
+    /// Number of the telegram, as in PNU 922.
+    pub telegram: u16,
+    /// Slot and subslot of its data.
+    pub place: (u16, u16),
+    /// What is in that slot, one for each application process.
+    pub modules: Vec<ModuleConfig>,
+}
+
+impl MakerModule {
+    /// Octets to the drive and from it.
+    #[must_use]
+    pub fn lengths(&self) -> (u16, u16) {
+        let here = self.modules.iter().filter(|module| module.slot == self.place.0);
+        let mut submodules = here.flat_map(|module| &module.submodules);
+        submodules
+            .find(|submodule| submodule.subslot == self.place.1)
+            .map_or((0, 0), |data| (data.output_length, data.input_length))
+    }
+}
+
 /// Slot 0 with its interface and ports, slot 1 with the module of a telegram, as the tables of a model have them.
 ///
 /// ```

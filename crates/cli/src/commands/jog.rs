@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 use drive_client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
-use drive_client::parameter::{Assignment, Reading};
+use drive_client::parameter::{Assignment, Parameters, Reading, Selection};
 use drive_client::{Drive, Error, JogSpeed, WriteMode};
 use profidrive::notation::{Number, ParameterReference, Quantity};
 
@@ -100,7 +100,7 @@ fn go(
     output: &Output,
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
-    let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
+    let settings = axis::settings(&args.cyclic, drive, Purpose::Jog, limit)?;
     let mut taken = session.take_axis(drive, settings)?;
     let (inner, own) = taken.session();
     let JogSpeed {
@@ -123,8 +123,8 @@ fn go(
         let wanted = &setting.quantity(wanted);
         let set = own.parameters.check(&selection, &wanted.clone().into())?.raw;
         // what the drive has already is neither written nor put back
-        let old = speed.number().filter(|_| speed.raw() != Some(set));
-        if let Some(old) = old.and_then(|number| format!("{number}{}", speed.unit).parse::<Quantity>().ok()) {
+        let old = (speed.raw() != Some(set)).then(|| briefly(&own.parameters, &selection, &speed));
+        if let Some(old) = old.flatten() {
             let told = value::full(&speed);
             let leftover = Leftover { pnu, old, set };
             if let Err(why) = note.write(&leftover) {
@@ -156,6 +156,27 @@ fn go(
         .map_err(|error| axis::explained(error, End::Time, session, drive))
 }
 
+/// The value of a reading with as few digits as the drive needs to have it again.
+fn briefly(parameters: &Parameters, selection: &Selection, reading: &Reading) -> Option<Quantity> {
+    let (number, raw) = (reading.number()?, reading.raw()?);
+    brief(parameters, selection, (number, reading.unit), raw)
+}
+
+fn brief(
+    parameters: &Parameters,
+    selection: &Selection,
+    (number, unit): (f64, &str),
+    raw: i64,
+) -> Option<Quantity> {
+    let same = |text: String| {
+        let value: Quantity = text.parse().ok()?;
+        let checked = parameters.check(selection, &value.clone().into()).ok()?;
+        (checked.raw == raw).then_some(value)
+    };
+    let rounded = (0..9).find_map(|digits| same(format!("{number:.digits$}{unit}")));
+    rounded.or_else(|| format!("{number}{unit}").parse().ok())
+}
+
 fn real_time(
     args: &Jog,
     speed: f64,
@@ -165,7 +186,7 @@ fn real_time(
     output: &Output,
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
-    let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
+    let settings = axis::settings(&args.cyclic, drive, Purpose::RealTimeJog, limit)?;
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",
@@ -216,5 +237,26 @@ fn set_speed(session: &mut Live, drive: &mut Drive, pnu: u16, speed: &Quantity) 
             refusal,
         }),
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use profidrive::catalogue::{AKD, Scaling};
+
+    #[test]
+    fn a_speed_is_noted_with_the_digits_that_the_drive_needs() {
+        let parameters = Parameters {
+            catalogue: Some(&AKD),
+            scaling: Scaling::default(),
+        };
+        let selection = parameters.select(&ParameterReference::number(1004)).unwrap();
+        let whole: Quantity = "60.043931007385254rpm".parse().unwrap();
+        let raw = parameters.check(&selection, &whole.into()).unwrap().raw;
+        let brief = brief(&parameters, &selection, (60.043_931_007_385_254, "rpm"), raw).unwrap();
+        assert!(brief.to_string().len() <= "60.044 rpm".len(), "{brief}");
+        assert_eq!(parameters.check(&selection, &brief.into()).unwrap().raw, raw);
     }
 }

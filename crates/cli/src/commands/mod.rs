@@ -14,6 +14,7 @@ mod home;
 mod info;
 mod inject;
 mod jog;
+mod maker;
 mod motion;
 mod r#move;
 mod parameters;

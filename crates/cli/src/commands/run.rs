@@ -172,7 +172,7 @@ fn go(
         telegram: args.telegram.map(|name| name.number(drive)).transpose()?,
         unit: wish.unit,
         reference_speed: wish.reference_speed,
-        ..axis::settings(&args.cyclic, Purpose::Speed, wish.limit)
+        ..axis::settings(&args.cyclic, drive, Purpose::Speed, wish.limit)?
     };
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(

@@ -40,7 +40,7 @@ pub fn run(args: &Task, interface: &Interface, output: &Output) -> Result<(), Fa
 
 fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
     const END: End = End::Target("the task was not finished");
-    let settings = axis::settings(&args.cyclic, Purpose::Task, f64::INFINITY);
+    let settings = axis::settings(&args.cyclic, drive, Purpose::Task, f64::INFINITY)?;
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
         "this moves the axis: {} carries out its motion task {}, telegram {}; Ctrl-C stops it",

@@ -49,14 +49,19 @@ pub fn bench(drives: &[(&str, u8)]) -> (Bench, Vec<StationId>) {
     bench_of(drives.iter().map(|&(name, last)| station(name, last)).collect())
 }
 
-/// A drive with identity and modules of a maker's file.
-pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
+/// What a maker's file says of an AKD.
+pub fn description(file: &str) -> Description {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
     let text = std::fs::read(folder.join(file)).expect("the file");
     let gsdml = gsdml::parse(&text).expect("a description");
     let import = Description::from_gsdml(&gsdml, &model::AKD, None).expect("an AKD");
+    import.description
+}
+
+/// A drive with identity and modules of a maker's file.
+pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
     let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
-    config.description = import.description;
+    config.description = description(file);
     config.network = Stored {
         name: "akd-1".into(),
         ip: ip(1),

@@ -108,8 +108,15 @@ impl Error {
                 };
                 format!("`profidrive write {drive} 930={number}` changes it, --set-mode does for this one command")
             }
-            Self::ForeignModule { drive, wanted, .. } => {
-                format!("`profidrive write {drive} 922={wanted}` selects it where the drive allows that")
+            Self::ForeignModule { wanted, plugged, .. } => {
+                let file = format!("--gsdml FILE takes the ident number of telegram {wanted} from the device description of the maker");
+                match plugged {
+                    Some(plugged) => format!("{file}; without it only telegram {plugged} works, which is plugged"),
+                    None => file,
+                }
+            }
+            Self::UnknownModel { .. } => {
+                "if it is one of the known drives under another number, --model akd|vlt|vacon takes it for that".into()
             }
             Self::LocalOperation { drive, .. } => format!(
                 "switch it off there (service channel: `profidrive stop {drive} --disable`) and hand control over to the field bus"

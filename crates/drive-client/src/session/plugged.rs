@@ -8,7 +8,7 @@ use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodu
 
 use super::Session;
 use crate::drive::PROFIDRIVE_API;
-use crate::modules::{PLACE, UNKNOWN, modules_of, place_of};
+use crate::modules::{MakerModule, PLACE, UNKNOWN, modules_of, place_of};
 use crate::{Drive, Error, Wire};
 
 /// What is plugged, as far as the device tells (RealIdentificationData).
@@ -85,12 +85,6 @@ impl Plugged {
         telegram: &TelegramModule,
         reported: Option<u16>,
     ) -> Option<Layout> {
-        let plain = |subslot, ident| SubmoduleConfig {
-            subslot,
-            ident,
-            input_length: 0,
-            output_length: 0,
-        };
         let data = |subslot, ident| SubmoduleConfig {
             subslot,
             ident,
@@ -101,13 +95,7 @@ impl Plugged {
         let [access_point, drive] = modules.as_mut_slice() else {
             return None;
         };
-        if let Some(module) = &self.access_point {
-            access_point.ident = module.ident;
-            let submodules = module.submodules.iter();
-            access_point.submodules = submodules
-                .map(|submodule| plain(submodule.subslot, submodule.ident))
-                .collect();
-        }
+        self.take_access_point(access_point);
         let known = telegram.module != UNKNOWN;
         if !known && (self.access_point.is_none() || self.drive.is_none()) {
             return None;
@@ -136,6 +124,49 @@ impl Plugged {
             }
         };
         Some(Layout { modules, place })
+    }
+
+    /// The modules of a telegram by the device description of the maker, if that has one as long.
+    pub(super) fn layout_of(
+        &self,
+        makers: &[MakerModule],
+        device: &Device,
+        telegram: &TelegramModule,
+    ) -> Option<Layout> {
+        let lengths = (telegram.outputs, telegram.inputs);
+        let module = makers
+            .iter()
+            .find(|module| module.telegram == telegram.telegram && module.lengths() == lengths)?;
+        let mut access_point = modules_of(device, telegram).into_iter().next()?;
+        self.take_access_point(&mut access_point);
+        Some(Layout {
+            modules: [access_point]
+                .into_iter()
+                .chain(module.modules.iter().cloned())
+                .collect(),
+            place: module.place,
+        })
+    }
+
+    /// Slot 0 is what is plugged there.
+    fn take_access_point(&self, access_point: &mut ModuleConfig) {
+        if let Some(module) = &self.access_point {
+            access_point.ident = module.ident;
+            let submodules = module.submodules.iter();
+            access_point.submodules = submodules
+                .map(|submodule| plain(submodule.subslot, submodule.ident))
+                .collect();
+        }
+    }
+}
+
+/// A submodule without cyclic data.
+const fn plain(subslot: u16, ident: u32) -> SubmoduleConfig {
+    SubmoduleConfig {
+        subslot,
+        ident,
+        input_length: 0,
+        output_length: 0,
     }
 }
 

@@ -320,8 +320,10 @@ impl<M: Wire> Session<M> {
         }
         let layout = plugged
             .layout(device, &choice.module, reported.number)
+            .or_else(|| plugged.layout_of(&drive.maker_modules, device, &choice.module))
             .ok_or_else(|| Error::ForeignModule {
                 drive: drive.label(),
+                ident: plugged.drive.as_ref().map_or(0, |module| module.ident),
                 plugged: reported.number,
                 wanted: choice.module.telegram,
             })?;

@@ -1,0 +1,94 @@
+//! What a client takes from a maker's device description: the ident numbers of its modules.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use drive_client::{Drive, MakerModule};
+use profinet::controller::{ModuleConfig, SubmoduleConfig};
+use virtual_drive::description::{Description, TelegramModule};
+use virtual_drive::model;
+
+use crate::failure::{Exit, Failure};
+use crate::render::table::clean;
+
+/// The modules of the telegrams of a drive by a device description.
+pub fn modules(path: &Path, drive: &Drive) -> Result<Vec<MakerModule>, Failure> {
+    let file = super::gsdml::read(path)?;
+    let (name, vendor) = (path.display(), file.identity.vendor_id);
+    if vendor != drive.station.vendor_id {
+        return Err(Failure::usage(format!(
+            "{name} is of vendor 0x{vendor:04X}, {} is of vendor 0x{:04X}",
+            drive.label(),
+            drive.station.vendor_id
+        )));
+    }
+    let catalogue = drive.model.catalogue;
+    let model = model::ALL
+        .into_iter()
+        .find(|model| catalogue.is_some_and(|own| own.model == model.catalogue.model))
+        .ok_or_else(|| {
+            Failure::usage(format!("which telegrams {} has is not known", drive.label()))
+                .hint("--model akd|vlt|vacon takes it for one of the known drives")
+        })?;
+    let import = Description::under_the_name_of(&file, model, None).map_err(|error| {
+        let message = format!("{name}: {}", clean(&error.to_string()));
+        Failure::new(Exit::Failed, message).hint(format!(
+            "`profidrive gsdml show {name}` shows access points and modules"
+        ))
+    })?;
+    Ok(import.description.telegrams.iter().map(of).collect())
+}
+
+/// One telegram of a description as a controller expects it.
+fn of(telegram: &TelegramModule) -> MakerModule {
+    let mut by_api: BTreeMap<u32, Vec<SubmoduleConfig>> = BTreeMap::new();
+    for submodule in &telegram.module.submodules {
+        by_api.entry(submodule.api).or_default().push(SubmoduleConfig {
+            subslot: submodule.subslot,
+            ident: submodule.ident,
+            input_length: submodule.input_length,
+            output_length: submodule.output_length,
+        });
+    }
+    let (slot, ident) = (telegram.slot, telegram.module.ident);
+    let modules = by_api.into_iter().map(|(api, submodules)| ModuleConfig {
+        api,
+        slot,
+        ident,
+        submodules,
+    });
+    MakerModule {
+        telegram: telegram.telegram,
+        place: (slot, telegram.subslot),
+        modules: modules.collect(),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use profinet::controller::Station;
+
+    #[test]
+    fn the_telegrams_of_a_maker_file() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
+        let file = folder.join("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
+        let station = Station {
+            vendor_id: 0x0105,
+            device_id: 1,
+            ..Station::default()
+        };
+        let drive = Drive::new(station);
+        let modules = modules(&file, &drive).unwrap();
+        let nine = modules.iter().find(|module| module.telegram == 9).unwrap();
+        assert_eq!(nine.lengths(), (20, 10));
+        let other = Station {
+            vendor_id: 0x1234,
+            ..drive.station.clone()
+        };
+        let failure = super::modules(&file, &Drive::new(other)).unwrap_err();
+        assert_eq!(failure.exit, Exit::Usage);
+        assert!(failure.message.contains("0x0105"), "{}", failure.message);
+    }
+}
