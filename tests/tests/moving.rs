@@ -274,7 +274,7 @@ fn a_second_signal_during_a_long_ramp_is_a_quick_stop() {
         run.wait_for("still stopping along the ramp", SHORT);
         run.signal(signal);
         let ended = run.finish(Duration::from_secs(5));
-        assert_eq!(ended.code, Some(0), "{signal}: {ended:?}");
+        assert_eq!(ended.code, Some(1), "{signal}: not finished: {ended:?}");
         assert!(
             ended.err.contains("second signal: quick stop (OFF3)"),
             "{signal}: {ended:?}"
@@ -283,6 +283,27 @@ fn a_second_signal_during_a_long_ramp_is_a_quick_stop() {
         assert_eq!(number(&lab, "r947[0]"), 0.0, "{signal}: no F702");
         at_rest(&lab);
     }
+}
+
+/// Programs see that a run has not had its time, and what taking the axis has changed.
+#[test]
+fn a_run_that_a_signal_ends_early_is_no_success_for_programs() {
+    let lab = Lab::new("early");
+    let _drive = simulate(&lab);
+    client(&lab, &["write", "akd-1", "922=9"]).ok();
+    let call = ["run", "akd-1", "--velocity", "60rpm", "--for", "30s", "--json"];
+    let mut run = start(&lab, &call);
+    run.wait_for("\"state\":\"S4\"", SHORT);
+    let ended = run.interrupt(SHORT);
+    assert_eq!(ended.code, Some(1), "{ended:?}");
+    assert!(ended.out.contains("\"interrupted\":true"), "{ended:?}");
+    assert!(
+        ended
+            .out
+            .contains("\"telegram_changed\":{\"before\":9,\"kept\":true,\"now\":1}"),
+        "{ended:?}"
+    );
+    at_rest(&lab);
 }
 
 /// `timeout` of the coreutils sends its signal to the program and to its whole group.

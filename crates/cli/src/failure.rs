@@ -196,6 +196,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::Channel { .. }
         | Error::NotFound { .. }
         | Error::Ambiguous { .. }
+        | Error::SharedAddress { .. }
         | Error::NeedsDiscovery { .. }
         | Error::NoIpAddress { .. }
         | Error::Dcp { .. }

@@ -722,3 +722,78 @@ fn a_speed_that_is_lost_is_told() {
     axis.release().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }
+
+/// The panel takes a running drive: that is the reason told, and its stop is no state of switching on.
+#[test]
+fn local_operation_during_a_run_is_named() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let shown = Rc::new(RefCell::new(Vec::new()));
+    let list = Rc::clone(&shown);
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    axis.watch(move |status| list.borrow_mut().push(status.view.state()));
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(600.0, None).expect("runs");
+    shown.borrow_mut().clear();
+    with_drive(enabled.session().0, ids[0], |drive| {
+        drive.inject("local=on".parse().expect("an injection"));
+    });
+    let error = enabled
+        .keep_speed(600.0, Duration::from_secs(3))
+        .expect_err("the panel stops it");
+    assert!(
+        matches!(
+            error,
+            Error::Axis {
+                trouble: Trouble::LocalOperation,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    drop(enabled);
+    let _ = axis.release();
+    let states = shown.borrow();
+    assert!(!states.contains(&Some(State::S3)), "{states:?}");
+    assert!(states.contains(&Some(State::S5Ramp)), "{states:?}");
+    let status = session.status(&mut drive).expect("a status");
+    assert_eq!(switched_off_beside(&status), None);
+    assert_eq!(diagnose(&status).cause, Cause::LocalOperation);
+}
+
+/// Who is refused is told who has the drive.
+#[test]
+fn a_refusal_names_the_controller_that_has_the_drive() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    session.medium_mut().segment_mut().attach(other_controller().0);
+    session.pass(Duration::from_secs(3)).expect("time passes");
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let error = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Control))
+        .map(|_| ())
+        .expect_err("refused");
+    let told = error.to_string();
+    assert!(told.contains("controller \"plc\" owns it"), "{told}");
+}
+
+/// A speed between two steps of the setpoint is told as the one that is sent.
+#[test]
+fn the_step_that_a_speed_becomes_is_known() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let rounded = axis.rounded_speed(61.7).expect("another speed");
+    assert!((rounded - 61.87).abs() < 0.01, "{rounded}");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.run(61.7).expect("runs");
+    let status = enabled.status().expect("a status");
+    assert_eq!(status.speed_set, Some(rounded));
+    assert_eq!(enabled.rounded_speed(rounded), None, "a step itself");
+    assert_eq!(enabled.rounded_speed(1e9), None, "refused instead");
+    drop(enabled);
+    axis.release().expect("released");
+}

@@ -126,6 +126,10 @@ impl AxisLink {
         if self.answered != word && (status != self.since.1 || received >= self.since.0 + ANSWER) {
             self.answered = word;
         }
+        // in local operation it follows no ON of ours: pulses without operation are those of its stop
+        if self.seen.is_some_and(|seen| !seen.control_requested()) {
+            self.answered = self.answered.without(Stw1::ON);
+        }
     }
 }
 

@@ -4,6 +4,7 @@ mod hint;
 mod refusal;
 mod text;
 
+use std::net::Ipv4Addr;
 use std::time::Duration;
 
 use profidrive::notation::figures;
@@ -19,7 +20,10 @@ use crate::parameter::ParameterProblem;
 pub use refusal::Refusal;
 pub use text::describe;
 pub(crate) use text::mode_words;
-use text::{in_place, join, local_text, objections_text, once, others, speed_text, telegram_text, unit_text};
+use text::{
+    holders_text, in_place, join, local_text, objections_text, once, others, owner_text, speed_text,
+    telegram_text, unit_text,
+};
 
 /// Why something did not come about.
 #[derive(Debug, thiserror::Error)]
@@ -115,11 +119,23 @@ pub enum Error {
         /// Why.
         cause: LostCause,
     },
+    /// Another device answered at the address of the drive.
+    #[error("{drive}: another device answers at {ip}{}", holders_text(.macs))]
+    SharedAddress {
+        /// The drive.
+        drive: String,
+        /// The address.
+        ip: Ipv4Addr,
+        /// Everybody who says to have it.
+        macs: Vec<MacAddress>,
+    },
     /// Another controller owns what was asked for.
-    #[error("{drive} refuses control: another controller owns it ({cause})")]
+    #[error("{drive} refuses control: {} owns it ({cause})", owner_text(.controller.as_deref()))]
     OwnedByController {
         /// The drive.
         drive: String,
+        /// Its station name, where the drive tells it.
+        controller: Option<String>,
         /// What the drive said.
         cause: String,
     },

@@ -20,6 +20,7 @@ use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
 use crate::render::live::{AxisView, LiveView};
+use crate::render::number;
 
 pub type Axis<'s> = drive_client::Axis<'s, Carrier>;
 
@@ -56,6 +57,16 @@ pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
         ))
         .hint("use 1, 2, 4, 8 .. 512 ms; left out it is the fastest the drive is known for")),
         _ => Ok(()),
+    }
+}
+
+/// Says that a speed travels or is held as another one; steps too fine for the figures shown are not told.
+pub fn tell_rounded(asked: f64, told: f64, unit: &str, output: &Output) {
+    let (asked, told) = (number(asked), number(told));
+    if asked != told {
+        output.say(&format!(
+            "{asked} {unit} -> {told} {unit}, the nearest the drive can be told"
+        ));
     }
 }
 
@@ -227,6 +238,10 @@ pub fn watch(axis: &mut Axis<'_>, command: &'static str, output: &Output) {
             "telegram {before} -> {} (PNU 922) for this; the drive keeps it",
             axis.telegram()
         ));
+        if output.json() {
+            let change = fields! { "before": before, "now": axis.telegram(), "kept": true };
+            output.event(command, fields! { "telegram_changed": change });
+        }
     }
     let view = Rc::new(RefCell::new(LiveView::new(output.clone(), command)));
     let mut stop = LongStop::default();
@@ -298,7 +313,7 @@ impl LongStop {
 pub enum End {
     /// With Ctrl-C: that is how it was meant.
     Open,
-    /// When its time is over.
+    /// When its time is over: Ctrl-C before is a failure.
     Time,
     /// At its target: Ctrl-C before is a failure.
     Target(&'static str),
@@ -318,11 +333,9 @@ pub fn finish(
     let interrupted = matches!(result, Err(Error::Interrupted));
     if interrupted && output.is_closed() {
         output.say("nobody reads the output any more: stopped");
-    } else if interrupted && end != End::Open {
-        output.say("stopped before the end by Ctrl-C or a signal");
     }
     let result = match (result, end) {
-        (Err(Error::Interrupted), End::Open | End::Time) => Ok(()),
+        (Err(Error::Interrupted), End::Open) => Ok(()),
         (other, _) => other,
     };
     let stopped = released.is_ok() && (result.is_ok() || interrupted);
@@ -341,21 +354,31 @@ pub fn finish(
         let counts = statistics.map_or_else(Default::default, |counts| {
             fields! { "received": counts.received, "missed": counts.missed }
         });
-        let mut document = fields! { "end": true, "released": true, "frames": counts };
+        let unfinished = interrupted && end != End::Open;
+        let mut document =
+            fields! { "end": true, "released": true, "interrupted": unfinished, "frames": counts };
         document.extend(more);
         output.event(command, document);
     }
     result.and(released)
 }
 
+/// How a motion ended that was not to end so.
+fn unfinished(end: End) -> Option<String> {
+    match end {
+        End::Open => None,
+        End::Time => Some("stopped before the end by Ctrl-C or a signal".to_owned()),
+        End::Target(what) => Some(format!("stopped by Ctrl-C or a signal, {what}")),
+    }
+}
+
 /// A failed motion is told with what the drive says about itself: fault by number and text, warnings, and the reason
 /// why it does not run.
 pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) -> Failure {
-    if let (Error::Interrupted, End::Target(what)) = (&error, end) {
-        return Failure::new(
-            Exit::Failed,
-            format!("{}: stopped by Ctrl-C or a signal, {what}", drive.label()),
-        );
+    if matches!(error, Error::Interrupted)
+        && let Some(how) = unfinished(end)
+    {
+        return Failure::new(Exit::Failed, format!("{}: {how}", drive.label()));
     }
     // what the drive said while it was still in operation is told already
     let asked = matches!(
@@ -422,4 +445,19 @@ pub fn warned(warning: &WarningEntry) -> String {
         warning.number,
         warning.meaning.unwrap_or("not in the tables")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_has_no_end_of_its_own_ends_well_by_a_signal() {
+        assert_eq!(unfinished(End::Open), None);
+        assert!(unfinished(End::Time).is_some_and(|how| how.contains("before the end")));
+        assert!(
+            unfinished(End::Target("the target was not reached"))
+                .is_some_and(|how| how.contains("not reached"))
+        );
+    }
 }

@@ -121,7 +121,11 @@ fn go(
     }
     if let Some(wanted) = &args.velocity {
         let wanted = &setting.quantity(wanted);
-        let set = own.parameters.check(&selection, &wanted.clone().into())?.raw;
+        let checked = own.parameters.check(&selection, &wanted.clone().into())?;
+        let set = checked.raw;
+        if checked.is_rounded() {
+            axis::tell_rounded(checked.asked, checked.engineering, checked.unit, output);
+        }
         // what the drive has already is neither written nor put back
         let old = (speed.raw() != Some(set)).then(|| briefly(&own.parameters, &selection, &speed));
         if let Some(old) = old.flatten() {

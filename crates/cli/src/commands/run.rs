@@ -175,6 +175,9 @@ fn go(
         ..axis::settings(&args.cyclic, drive, Purpose::Speed, wish.limit)?
     };
     let mut taken = session.take_axis(drive, settings)?;
+    if let Some(nearest) = taken.rounded_speed(speed) {
+        axis::tell_rounded(speed, nearest, wish.unit.symbol(), output);
+    }
     output.say(&format!(
         "this moves the axis: {} turns at {} {time}; Ctrl-C stops it",
         drive.label(),

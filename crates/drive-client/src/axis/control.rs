@@ -355,7 +355,11 @@ impl AxisControl {
         let trouble = if seen.fault() {
             Some(Trouble::Fault)
         } else if self.was_in_operation && !operation {
-            Some(Trouble::LeftOperation { state })
+            Some(if seen.control_requested() {
+                Trouble::LeftOperation { state }
+            } else {
+                Trouble::LocalOperation
+            })
         } else if !operation && self.took(now) > self.limits.step {
             let local = !seen.control_requested();
             Some(if local {

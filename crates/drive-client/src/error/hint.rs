@@ -58,6 +58,10 @@ impl Error {
                 "use the MAC address; `profidrive blink MAC` shows which is which, `profidrive name MAC NAME` renames one"
                     .into()
             }
+            Self::SharedAddress { .. } => {
+                "give one of them another address: `profidrive ip MAC A.B.C.D/NN`; `profidrive blink MAC` shows which is which"
+                    .into()
+            }
             Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
             Self::OwnedByController { .. } => {
                 "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
@@ -67,6 +71,13 @@ impl Error {
                 ..
             } if faulty_timing(*status) => {
                 "the drive does not offer this update time; without --cycle the fastest it is known for is used".into()
+            }
+            Self::Connect {
+                cause: LostCause::Service(ServiceError::Timeout { .. }),
+                ..
+            } => {
+                "check cable and power, and that its IP address has not gone to another device; `profidrive scan` lists who answers"
+                    .into()
             }
             Self::Refused { refusal, .. } => refusal.remedy()?.into(),
             Self::Parameter(problem) => problem.hint()?,
@@ -208,6 +219,19 @@ mod tests {
             "{hint}"
         );
         assert_eq!(hint.matches("SWLS.LIMIT1").count(), 1, "{hint}");
+    }
+
+    #[test]
+    fn a_drive_that_is_gone_while_connecting_has_advice() {
+        let error = Error::Connect {
+            drive: "akd-1".into(),
+            cause: LostCause::Service(ServiceError::Timeout { what: "connect" }),
+        };
+        let hint = error.hint().unwrap();
+        assert!(
+            hint.contains("cable and power") && hint.contains("profidrive scan"),
+            "{hint}"
+        );
     }
 
     #[test]

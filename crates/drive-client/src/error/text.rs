@@ -17,6 +17,22 @@ pub(super) fn in_place(telegrams: u64, noise: u64) -> String {
     }
 }
 
+/// Who has the drive.
+pub(super) fn owner_text(controller: Option<&str>) -> String {
+    match controller {
+        Some(name) if !name.is_empty() => format!("controller \"{}\"", name.escape_debug()),
+        _ => "another controller".into(),
+    }
+}
+
+/// Several devices with one address.
+pub(super) fn holders_text(macs: &[MacAddress]) -> String {
+    match macs {
+        [] | [_] => String::new(),
+        several => format!(": {} have this IP address", join(several)),
+    }
+}
+
 /// PNU 930 in words.
 pub(crate) const fn mode_words(mode: Mode) -> &'static str {
     match mode {

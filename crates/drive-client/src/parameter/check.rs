@@ -80,11 +80,16 @@ pub(crate) fn is_another(asked: f64, held: f64) -> bool {
     (held - asked).abs() > asked.abs() * MOST_ROUNDING * (1.0 + 1e-9)
 }
 
+/// True when `held` is what a drive makes of `asked` because it has steps.
+pub(crate) fn is_rounding(asked: f64, held: f64) -> bool {
+    (held - asked).abs() > asked.abs() * SAME
+}
+
 impl CheckedValue {
     /// True when the drive cannot hold the value asked for and gets one beside it.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
-        (self.engineering - self.asked).abs() > self.asked.abs() * SAME
+        is_rounding(self.asked, self.engineering)
     }
 }
 

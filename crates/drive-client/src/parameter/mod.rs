@@ -6,8 +6,8 @@ mod reading;
 mod select;
 mod wide;
 
-pub(crate) use check::is_another;
 pub use check::{Assignment, CheckedValue, MOST_ROUNDING};
+pub(crate) use check::{is_another, is_rounding};
 pub use choice::Given;
 pub use reading::{Beyond, Content, Interpretation, Reading};
 pub use select::Selection;

@@ -17,6 +17,9 @@ const RECORD_LIMIT: Duration = Duration::from_secs(90);
 /// How long a release may take.
 const RELEASE_LIMIT: Duration = Duration::from_secs(10);
 
+/// The field of the answer to a connect that says whose it is.
+const RESPONDER: &str = "CMResponderMacAdd";
+
 /// Largest record asked for.
 const MAX_RECORD: u32 = 4096;
 
@@ -110,7 +113,7 @@ impl<M: Wire> Session<M> {
         match end {
             Some(Connection::Lost(cause)) => {
                 self.drop_access(ar);
-                Err(connect_error(drive, cause))
+                Err(self.connect_error(drive, cause, None))
             }
             Some(_) => Ok(()),
             None => {
@@ -269,7 +272,13 @@ impl<M: Wire> Session<M> {
             Some(Connection::Running) => Ok(()),
             Some(Connection::Lost(cause)) => {
                 self.client.forget(link);
-                Err(connect_error(drive, cause))
+                // records may be read beside the controller that has it
+                let owner = if is_owned(&cause) {
+                    self.owner(drive)
+                } else {
+                    Ok(None)
+                };
+                Err(self.connect_error(drive, cause, owner.ok().flatten().flatten()))
             }
             Some(Connection::Silent) => {
                 self.client.forget(link);
@@ -287,26 +296,82 @@ impl<M: Wire> Session<M> {
     }
 }
 
-/// A refusal because somebody else is connected has its own kind: the user can do something about it.
-pub(super) fn connect_error(drive: &Drive, cause: LostCause) -> Error {
-    let status = match &cause {
-        LostCause::Service(ServiceError::Refused { status, .. }) => Some(*status),
-        LostCause::AbortedByPeer(status) => Some(*status),
-        _ => None,
-    };
-    if status.is_some_and(out_of_relations) {
-        return Error::OwnedByController {
+impl<M: Wire> Session<M> {
+    /// Why a connection did not come about: a refusal because somebody else, `owner`, is connected, or an answer of somebody
+    /// else, has its own kind, as the user can do something about it.
+    fn connect_error(&mut self, drive: &Drive, cause: LostCause, owner: Option<String>) -> Error {
+        if is_owned(&cause) {
+            return Error::OwnedByController {
+                drive: drive.label(),
+                controller: owner,
+                cause: cause.to_string(),
+            };
+        }
+        if is_of_another(&cause) {
+            return Error::SharedAddress {
+                drive: drive.label(),
+                ip: drive.station.ip.address,
+                macs: self.holders(drive).unwrap_or_default(),
+            };
+        }
+        Error::Connect {
             drive: drive.label(),
-            cause: cause.to_string(),
-        };
+            cause,
+        }
     }
-    Error::Connect {
-        drive: drive.label(),
-        cause,
+}
+
+/// Somebody has the one cyclic connection.
+fn is_owned(cause: &LostCause) -> bool {
+    match cause {
+        LostCause::Service(ServiceError::Refused { status, .. }) => out_of_relations(*status),
+        LostCause::AbortedByPeer(status) => out_of_relations(*status),
+        _ => false,
     }
+}
+
+/// The answer to a connect came from another device than the one meant.
+fn is_of_another(cause: &LostCause) -> bool {
+    let LostCause::Service(ServiceError::Mismatch { field, .. }) = cause else {
+        return false;
+    };
+    *field == RESPONDER
 }
 
 /// RPC "out of AR resources" or "out of provider, consumer or alarm resources": somebody has the one cyclic connection.
 const fn out_of_relations(status: PnioStatus) -> bool {
     status.code1 == 0x40 && matches!(status.code2, 0x04 | 0x07)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two drives with one IP address: the answer of the other one is known for what it is.
+    #[test]
+    fn an_answer_of_another_device_is_a_shared_address() {
+        let mismatch = |field| {
+            LostCause::Service(ServiceError::Mismatch {
+                what: "connect",
+                field,
+            })
+        };
+        assert!(is_of_another(&mismatch(RESPONDER)));
+        assert!(!is_of_another(&mismatch("ARUUID")));
+        let mac = |last| MacAddress([2, 0, 0, 0, 0, last]);
+        let error = Error::SharedAddress {
+            drive: "b-1".into(),
+            ip: Ipv4Addr::new(10, 0, 0, 11),
+            macs: vec![mac(1), mac(2)],
+        };
+        assert_eq!(
+            error.to_string(),
+            "b-1: another device answers at 10.0.0.11: 02:00:00:00:00:01 and 02:00:00:00:00:02 have this IP address"
+        );
+        assert!(
+            error
+                .hint()
+                .is_some_and(|hint| hint.contains("`profidrive ip MAC"))
+        );
+    }
 }

@@ -19,7 +19,7 @@ use crate::axis::{
     Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, SpeedScale, SpeedUnit,
 };
 use crate::client::AxisView;
-use crate::parameter::{Beyond, is_another};
+use crate::parameter::{Beyond, is_another, is_rounding};
 use crate::{Connection, Drive, Error, Link, Wire};
 
 /// How to run an axis.
@@ -207,6 +207,14 @@ impl<'s, M: Wire> Axis<'s, M> {
     /// warning gives an empty list.
     pub fn watch_warnings(&mut self, watcher: impl FnMut(&AxisStatus, &[WarningEntry]) + 's) {
         self.warnings.watch(Box::new(watcher));
+    }
+
+    /// The speed that the drive is told for this one, if that is another: the setpoint travels in steps. `None` too where
+    /// it cannot be told at all, which [`run`](Enabled::run) refuses.
+    #[must_use]
+    pub fn rounded_speed(&self, speed: f64) -> Option<f64> {
+        let told = self.scale.speed(self.scale.raw(speed)?);
+        is_rounding(speed, told).then_some(told)
     }
 
     /// The drive.

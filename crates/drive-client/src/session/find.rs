@@ -113,6 +113,18 @@ impl<M: Wire> Session<M> {
         }
     }
 
+    /// Everybody who has the IP address of a drive; nobody where discovery does not tell.
+    pub(super) fn holders(&mut self, drive: &Drive) -> Result<Vec<MacAddress>, Error> {
+        if !self.discovery {
+            return Ok(Vec::new());
+        }
+        let answers = self.identify(Filter::all(), IdentifyOptions::MANY)?;
+        let same = answers
+            .iter()
+            .filter(|station| station.ip.address == drive.station.ip.address);
+        Ok(same.map(|station| station.mac).collect())
+    }
+
     /// Without discovery only an address leads anywhere; who is there is learned from the endpoint mapper.
     fn find_by_trust(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
         let DriveAddress::Ip(address) = drive else {

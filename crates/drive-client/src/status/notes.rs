@@ -89,7 +89,9 @@ pub(super) fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
     let inputs = status
         .disable_sources
         .is_some_and(|sources| sources & rules::AT_INPUTS != 0);
+    let local = status.zsw1.is_some() && !status.has(Zsw1::CONTROL_REQUESTED);
     let known = inputs
+        || local
         || !status.faults.is_empty()
         || !status.warnings.is_empty()
         || status.has(Zsw1::FAULT)

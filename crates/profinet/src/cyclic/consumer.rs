@@ -65,7 +65,7 @@ pub struct CyclicStatistics {
     pub out_of_order: u64,
     /// Frames ignored for any other reason.
     pub rejected: u64,
-    /// Longest time between two frames taken.
+    /// Longest time between two frames taken, or from the last one until the peer was given up.
     pub longest_gap: Duration,
 }
 
@@ -214,6 +214,9 @@ impl Consumer {
         let over = self.deadline().is_some_and(|deadline| now >= deadline);
         if over {
             self.state = ConsumerState::Expired;
+            // nothing ended this gap: it is at least as long as the hold time
+            let gap = now.saturating_since(self.last);
+            self.statistics.longest_gap = self.statistics.longest_gap.max(gap);
         }
         over
     }
@@ -435,6 +438,18 @@ mod tests {
         let mut padded = good.clone();
         padded.extend_from_slice(&[0; 30]);
         assert!(c.handle(now, &frame(&padded)).is_ok());
+    }
+
+    /// The time without data that ended the connection is a gap too.
+    #[test]
+    fn the_silence_that_ends_it_is_its_longest_gap() {
+        let mut c = consumer();
+        feed(&mut c, 0, 0, 0x35).unwrap();
+        feed(&mut c, 16, 512, 0x35).unwrap();
+        let end = c.deadline().unwrap();
+        assert!(c.expire(end));
+        assert_eq!(c.statistics().longest_gap, end - Instant::from_millis(16));
+        assert!(c.statistics().longest_gap > Duration::from_millis(16));
     }
 
     #[test]
