@@ -326,7 +326,8 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
         hint.contains("--gsdml FILE") && hint.contains("only telegram 1 works"),
         "{hint}"
     );
-    // but in the maker's file
+    // but in the maker's file, whatever telegram PNU 922 has meanwhile
+    write(&mut session, &mut drive, &["922=9"]);
     drive.maker_modules = bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
         .telegrams
         .iter()

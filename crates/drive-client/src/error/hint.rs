@@ -91,7 +91,7 @@ impl Error {
                 Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
                 Trouble::StillTurns => "keep clear of it; apply a brake or take the load away",
                 Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
-                Trouble::NoInputs => "the telegram module is not usable in this drive: `profidrive info DRIVE`",
+                Trouble::NoInputs => "the module plugged may be that of another telegram than PNU 922 says: --gsdml FILE takes the right one from the device description of the maker; `profidrive info DRIVE` shows what is plugged",
                 Trouble::OtherMode { .. } => "`profidrive read DRIVE p930` shows the mode",
                 Trouble::NotAccepted { homed: false } => "`profidrive home DRIVE` sets the home position",
                 Trouble::NotAccepted { homed: true } | Trouble::AcceptanceStays | Trouble::TargetNotReached => {

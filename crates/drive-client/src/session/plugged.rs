@@ -126,13 +126,17 @@ impl Plugged {
         Some(Layout { modules, place })
     }
 
-    /// The modules of a telegram by the device description of the maker, if that has one as long.
+    /// The modules of a telegram by the device description of the maker, if that has one as long and the drive has not
+    /// those of the tables.
     pub(super) fn layout_of(
         &self,
         makers: &[MakerModule],
         device: &Device,
         telegram: &TelegramModule,
     ) -> Option<Layout> {
+        if self.drive.as_ref().is_some_and(|module| is_ours(device, module)) {
+            return None;
+        }
         let lengths = (telegram.outputs, telegram.inputs);
         let module = makers
             .iter()

@@ -318,9 +318,10 @@ impl<M: Wire> Session<M> {
                 let _ = choice.wiring.preset(reading.pnu, raw);
             }
         }
+        // what a maker's file says is surer than that the module plugged is the one of PNU 922
         let layout = plugged
-            .layout(device, &choice.module, reported.number)
-            .or_else(|| plugged.layout_of(&drive.maker_modules, device, &choice.module))
+            .layout_of(&drive.maker_modules, device, &choice.module)
+            .or_else(|| plugged.layout(device, &choice.module, reported.number))
             .ok_or_else(|| Error::ForeignModule {
                 drive: drive.label(),
                 ident: plugged.drive.as_ref().map_or(0, |module| module.ident),
