@@ -7,7 +7,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use bench::{bench, find, is_at_rest, with_drive};
-use drive_client::axis::{Move, Objection};
+use drive_client::axis::{Move, Objection, Purpose};
 use drive_client::parameter::{Assignment, ParameterProblem};
 use drive_client::{AxisSettings, Error, WriteMode};
 use profidrive::notation::Position;
@@ -41,6 +41,42 @@ fn warnings_are_told_when_they_come() {
     drop(enabled);
     axis.release().expect("released");
     assert_eq!(told.borrow().len(), 1, "not again: {told:?}");
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+/// A dry run finds what a run would: telegram, the speed that is told, a controller that has the drive. It changes nothing.
+#[test]
+fn taking_an_axis_can_be_planned() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let assignment: Assignment = "922=9".parse().expect("an assignment");
+    session
+        .write(&mut drive, &[assignment], WriteMode::Write)
+        .expect("telegram 9");
+    let plan = session
+        .plan_axis(&mut drive, &AxisSettings::default())
+        .expect("possible");
+    assert_eq!((plan.telegram, plan.telegram_before), (1, Some(9)));
+    let told = plan.speed_told(&drive, 61.7).expect("near enough");
+    assert!((told - 61.88).abs() < 0.01, "{told}");
+    let again = session.plan_axis(&mut drive, &AxisSettings::default());
+    let before = again.expect("still possible").telegram_before;
+    assert_eq!(before, Some(9), "as it was");
+    let error = session
+        .plan_axis(&mut drive, &AxisSettings::for_purpose(Purpose::Move))
+        .expect_err("velocity mode");
+    assert!(matches!(error, Error::WrongMode { .. }), "{error}");
+    let long = AxisSettings {
+        watchdog: 255,
+        ..AxisSettings::default()
+    };
+    let error = session.plan_axis(&mut drive, &long).expect_err("4 s");
+    assert!(error.to_string().contains("outside 1 to 120"), "{error}");
+    let axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert_eq!(axis.speed_told(61.7), Some(told));
+    axis.release().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }
 

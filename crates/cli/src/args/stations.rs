@@ -26,6 +26,9 @@ pub struct Name {
     /// Also when a controller is running the drive: its axis then loses the controller
     #[arg(long)]
     pub force: bool,
+    /// Check and show, but change nothing
+    #[arg(long)]
+    pub dry_run: bool,
 }
 
 #[derive(Debug, Args)]
@@ -43,6 +46,9 @@ pub struct Ip {
     /// Also when a controller is running the drive: its axis then loses the controller
     #[arg(long)]
     pub force: bool,
+    /// Check and show, but change nothing
+    #[arg(long)]
+    pub dry_run: bool,
 }
 
 #[derive(Debug, Args)]

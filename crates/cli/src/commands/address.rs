@@ -26,17 +26,21 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
     let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     other_of_that_name(&mut session, &drive, &args.name)?;
     not_at_work(&mut session, &drive, args.force, "named")?;
-    session.set_name(&drive, &args.name, !args.temporary)?;
     let kept = kept(args.temporary, "has no name at all");
-    output.say(&format!(
-        "{} is {} now ({kept})",
-        describe(&drive.station),
-        shown(&args.name)
-    ));
+    let (station, name) = (describe(&drive.station), shown(&args.name));
+    if args.dry_run {
+        output.say(&format!(
+            "dry run: {station} would be {name} ({kept}); nothing was changed"
+        ));
+    } else {
+        session.set_name(&drive, &args.name, !args.temporary)?;
+        output.say(&format!("{station} is {name} now ({kept})"));
+    }
     if output.json() {
         let mac = drive.station.mac.to_string();
         let fields = fields! {
             "mac": mac, "old": drive.station.name.as_str(), "name": args.name.as_str(), "permanent": !args.temporary,
+            "dry_run": args.dry_run,
         };
         output.document("name", fields);
     }
@@ -138,23 +142,35 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
         Err(error) => return Err(error.into()),
     }
     not_at_work(&mut session, &drive, args.force, "addressed")?;
-    session.set_ip(&drive, ip, !args.temporary)?;
     let kept = kept(args.temporary, "has no address at all");
-    output.say(&format!(
-        "{} has {}/{} now ({kept})",
-        drive.label(),
-        ip.address,
-        args.address.prefix
-    ));
+    let suite = suite(ip, args.address.prefix);
+    let label = drive.label();
+    if args.dry_run {
+        output.say(&format!(
+            "dry run: {label} would have {suite} ({kept}); nothing was changed"
+        ));
+    } else {
+        session.set_ip(&drive, ip, !args.temporary)?;
+        output.say(&format!("{label} has {suite} now ({kept})"));
+    }
     if output.json() {
         let fields = fields! {
             "mac": drive.station.mac.to_string(), "name": drive.station.name.as_str(),
             "ip": ip.address.to_string(), "mask": ip.mask.to_string(), "gateway": ip.gateway.to_string(),
-            "permanent": !args.temporary,
+            "permanent": !args.temporary, "dry_run": args.dry_run,
         };
         output.document("ip", fields);
     }
     Ok(())
+}
+
+/// `10.0.0.2/24, gateway 10.0.0.254`
+fn suite(ip: IpSuite, prefix: u8) -> String {
+    if ip.gateway.is_unspecified() {
+        format!("{}/{prefix}", ip.address)
+    } else {
+        format!("{}/{prefix}, gateway {}", ip.address, ip.gateway)
+    }
 }
 
 /// An address of this machine would make both unreachable.
@@ -288,6 +304,18 @@ mod tests {
             failure.message,
             "akd-1 is not named: controller \"plc\" is running it"
         );
+    }
+
+    #[test]
+    fn the_gateway_is_confirmed() {
+        let mut ip = IpSuite {
+            address: Ipv4Addr::new(10, 0, 0, 2),
+            mask: Ipv4Addr::new(255, 255, 255, 0),
+            gateway: Ipv4Addr::UNSPECIFIED,
+        };
+        assert_eq!(suite(ip, 24), "10.0.0.2/24");
+        ip.gateway = Ipv4Addr::new(10, 0, 0, 254);
+        assert_eq!(suite(ip, 24), "10.0.0.2/24, gateway 10.0.0.254");
     }
 
     #[test]

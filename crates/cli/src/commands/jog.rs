@@ -4,14 +4,16 @@ use std::time::Duration;
 
 use clap::Args;
 use drive_client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
-use drive_client::parameter::{Assignment, Parameters, Reading, Selection};
+use drive_client::parameter::{Assignment, Content, Parameters, Reading, Selection};
 use drive_client::{Drive, Error, JogSpeed, WriteMode};
 use profidrive::notation::{Number, ParameterReference, Quantity};
 
 use super::axis::{self, End};
+use super::rehearse;
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
+use crate::fields;
 use crate::leftover::{Leftover, Note};
 use crate::output::Output;
 use crate::render::{number, value};
@@ -36,6 +38,9 @@ pub struct Jog {
     /// Refuse any speed above this
     #[arg(long, value_name = "SPEED", default_value = "3000rpm")]
     pub limit: Quantity,
+    /// Check and show, but take no control and move nothing
+    #[arg(long)]
+    pub dry_run: bool,
     #[command(flatten)]
     pub cyclic: Cyclic,
 }
@@ -51,11 +56,16 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         axis::within(speed, limit, SpeedUnit::Rpm)?;
     }
     axis::checked(&args.cyclic)?;
-    let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
+    let need = if args.dry_run { Need::Records } else { Need::Cyclic };
+    let (mut session, mut drive) = connect::drive(interface, need, &args.drive, output)?;
     let jog = match args.jog {
         2 => JogSetpoint::Two,
         _ => JogSetpoint::One,
     };
+    if args.dry_run {
+        try_out(args, limit, wanted, jog, &mut session, &mut drive, output)?;
+        return Ok(session.close()?);
+    }
     if let Some(speed) = wanted.filter(|_| args.real_time) {
         real_time(args, speed, limit, &mut session, &mut drive, output)?;
         return Ok(session.close()?);
@@ -88,6 +98,76 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
     }
     result?;
     Ok(session.close()?)
+}
+
+/// Everything that `jog` reads and checks; nothing is sent that changes anything.
+fn try_out(
+    args: &Jog,
+    limit: f64,
+    wanted: Option<f64>,
+    jog: JogSetpoint,
+    session: &mut Live,
+    drive: &mut Drive,
+    output: &Output,
+) -> Result<(), Failure> {
+    axis::tell_alone(session, drive, "jog", output)?;
+    let purpose = if args.real_time {
+        Purpose::RealTimeJog
+    } else {
+        Purpose::Jog
+    };
+    let settings = axis::settings(&args.cyclic, drive, purpose, limit)?;
+    let tried = rehearse::axis(session, drive, &settings, None, output)?;
+    let speed = match wanted.filter(|_| args.real_time) {
+        Some(speed) => speed,
+        None => {
+            let setting = session.jog_speed(drive, jog)?;
+            let called = setting.selection.label();
+            let mut speed = session.read_one(drive, &setting.selection)?;
+            let left = Note::of(drive, setting.number).read();
+            if let Some(left) = left.filter(|left| speed.raw() == Some(left.set)) {
+                output.warn(&left.told(&drive.label()).0);
+            }
+            let present = setting.rpm(&speed).unwrap_or(0.0);
+            let mut rpm = present;
+            if let (Some(asked), Some(wanted)) = (&args.velocity, wanted) {
+                let asked = setting.quantity(asked);
+                let value = drive.parameters.check(&setting.selection, &asked.into())?;
+                let before = value::full(&speed);
+                speed.content = Content::Number {
+                    raw: value.raw,
+                    engineering: value.engineering,
+                };
+                rpm = setting.rpm(&speed).unwrap_or(wanted);
+                if let Some(line) = rehearse::rounded(wanted, rpm, "rpm") {
+                    output.say(&line);
+                }
+                if before != value::full(&speed) {
+                    output.say(&format!(
+                        "{called} would be {before} -> {} for this and back afterwards",
+                        value::full(&speed)
+                    ));
+                }
+            }
+            axis::within(rpm, limit, SpeedUnit::Rpm)?;
+            rpm
+        }
+    };
+    let label = drive.label();
+    let seconds = args.time.as_secs_f64();
+    output.say(&format!(
+        "dry run: {label} would jog at {} rpm for {seconds} s{}; nothing was sent",
+        number(speed),
+        tried.told()
+    ));
+    if output.json() {
+        let mut fields = tried.json();
+        fields.extend(
+            fields! { "drive": label, "dry_run": true, "speed": speed, "speed_unit": "rpm", "time": seconds },
+        );
+        output.document("jog", fields);
+    }
+    Ok(())
 }
 
 fn go(
@@ -140,6 +220,11 @@ fn go(
             *before = Some(speed);
             set_speed(inner, own, pnu, wanted)?;
             speed = inner.read_one(own, &selection)?;
+        }
+        let asked = args.velocity.as_ref().and_then(|asked| asked.in_unit("rpm").ok());
+        let told = asked.zip(setting.rpm(&speed));
+        if let Some(line) = told.and_then(|(asked, told)| rehearse::rounded(asked, told, "rpm")) {
+            output.say(&line);
         }
     }
     axis::within(setting.rpm(&speed).unwrap_or(0.0), limit, SpeedUnit::Rpm)?;

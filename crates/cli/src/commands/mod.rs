@@ -18,6 +18,7 @@ mod maker;
 mod motion;
 mod r#move;
 mod parameters;
+mod rehearse;
 mod restore;
 mod run;
 mod scan;

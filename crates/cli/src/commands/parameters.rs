@@ -194,7 +194,7 @@ fn parameter_json(tables: &Catalogue, parameter: &Parameter, drive: &Parameters)
     fields! {
         "pnu": parameter.pnu, "index": parameter.base, "number": number_of(tables, parameter), "name": parameter.name, "description": parameter.description, "unit": parameter.unit_in(&drive.scaling),
         "access": access_word(parameter.access), "elements": parameter.elements, "octets": parameter.size.octets(),
-        "signed": parameter.signed, "high": parameter.high(), "saved": parameter.saved, "minimum": parameter.minimum.map(|_| limits.0),
+        "signed": parameter.signed, "high": parameter.high(), "saved": tables.is_kept(parameter), "minimum": parameter.minimum.map(|_| limits.0),
         "maximum": parameter.maximum.map(|_| limits.1), "default": parameter.default_in(&drive.scaling), "choices": meanings(parameter.choices),
         "bits": meanings(parameter.bits), "source": parameter.source,
     }

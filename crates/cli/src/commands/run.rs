@@ -11,9 +11,11 @@ use profidrive::state::Mode;
 use profidrive::telegram::DANFOSS;
 
 use super::axis::{self, End, SetMode};
+use super::rehearse;
 use crate::args::{Cyclic, Interface, duration};
-use crate::connect::Live;
+use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
+use crate::fields;
 use crate::output::Output;
 use crate::render::number;
 
@@ -44,6 +46,9 @@ pub struct Run {
     /// Refuse any speed above this [default: 3000rpm, or 100% for a speed in percent]
     #[arg(long, value_name = "SPEED")]
     pub limit: Option<Quantity>,
+    /// Check and show, but take no control and move nothing
+    #[arg(long)]
+    pub dry_run: bool,
     #[command(flatten)]
     pub mode: SetMode,
     #[command(flatten)]
@@ -132,23 +137,69 @@ impl Wish {
 pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let wish = Wish::of(args)?;
     axis::checked(&args.cyclic)?;
+    if args.dry_run {
+        return try_out(args, &wish, interface, output);
+    }
     let needed = (Mode::Velocity, &args.mode);
     axis::with_drive(interface, &args.drive, needed, output, |session, drive| {
         go(args, &wish, session, drive, output)
     })
 }
 
-fn go(
+/// Everything that `run` reads and checks; nothing is sent that changes anything.
+fn try_out(args: &Run, wish: &Wish, interface: &Interface, output: &Output) -> Result<(), Failure> {
+    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    permitted(args, wish, &mut session, &mut drive, output)?;
+    let settings = settings(args, wish, &drive)?;
+    let needed = Some((Mode::Velocity, &args.mode));
+    let tried = rehearse::axis(&mut session, &mut drive, &settings, needed, output)?;
+    session.close()?;
+    let plan = tried.plan.as_ref();
+    let told = plan.map(|plan| plan.speed_told(&drive, wish.speed)).transpose()?;
+    if let Some(line) = told.and_then(|told| rehearse::rounded(wish.speed, told, wish.unit.symbol())) {
+        output.say(&line);
+    }
+    let (label, speed) = (drive.label(), wish.told());
+    output.say(&format!(
+        "dry run: {label} would turn at {speed} {}{}; nothing was sent",
+        time_told(args),
+        tried.told()
+    ));
+    if output.json() {
+        let mut fields = tried.json();
+        fields.extend(
+            fields! { "drive": label, "dry_run": true, "speed": wish.speed, "speed_told": told,
+            "speed_unit": wish.unit.symbol(), "time": args.time.map(|time| time.as_secs_f64()) },
+        );
+        output.document("run", fields);
+    }
+    Ok(())
+}
+
+fn time_told(args: &Run) -> String {
+    args.time.map_or_else(
+        || "until Ctrl-C".into(),
+        |time| format!("for {} s", time.as_secs_f64()),
+    )
+}
+
+fn settings(args: &Run, wish: &Wish, drive: &Drive) -> Result<AxisSettings, Failure> {
+    Ok(AxisSettings {
+        telegram: args.telegram.map(|name| name.number(drive)).transpose()?,
+        unit: wish.unit,
+        reference_speed: wish.reference_speed,
+        ..axis::settings(&args.cyclic, drive, Purpose::Speed, wish.limit)?
+    })
+}
+
+/// What the drive itself says against a speed, before anything is sent.
+fn permitted(
     args: &Run,
     wish: &Wish,
     session: &mut Live,
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    let time = args.time.map_or_else(
-        || "until Ctrl-C".into(),
-        |time| format!("for {} s", time.as_secs_f64()),
-    );
     let speed = wish.speed;
     if wish.unit == SpeedUnit::Rpm {
         // of all others the scale is known with the telegram only
@@ -166,23 +217,34 @@ fn go(
             return Err(too_fast(speed, limit, part, drive));
         }
     }
-    axis::tell_alone(session, drive, "run", output)?;
+    axis::tell_alone(session, drive, "run", output)
+}
+
+fn go(
+    args: &Run,
+    wish: &Wish,
+    session: &mut Live,
+    drive: &mut Drive,
+    output: &Output,
+) -> Result<(), Failure> {
+    let speed = wish.speed;
+    permitted(args, wish, session, drive, output)?;
     let end = if args.time.is_some() { End::Time } else { End::Open };
-    let settings = AxisSettings {
-        telegram: args.telegram.map(|name| name.number(drive)).transpose()?,
-        unit: wish.unit,
-        reference_speed: wish.reference_speed,
-        ..axis::settings(&args.cyclic, drive, Purpose::Speed, wish.limit)?
-    };
+    let settings = settings(args, wish, drive)?;
     let mut taken = session.take_axis(drive, settings)?;
     if let Some(nearest) = taken.rounded_speed(speed) {
         axis::tell_rounded(speed, nearest, wish.unit.symbol(), output);
     }
     output.say(&format!(
-        "this moves the axis: {} turns at {} {time}; Ctrl-C stops it",
+        "this moves the axis: {} turns at {} {}; Ctrl-C stops it",
         drive.label(),
-        wish.told()
+        wish.told(),
+        time_told(args)
     ));
+    let told = taken.speed_told(speed);
+    if let Some(line) = told.and_then(|told| rehearse::rounded(speed, told, wish.unit.symbol())) {
+        output.say(&line);
+    }
     axis::watch(&mut taken, "run", output);
     let result = taken.enable().and_then(|mut enabled| match args.time {
         Some(time) => {

@@ -42,7 +42,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
         output.document(
             "stop",
             fields! {
-                "drive": label.as_str(), "command": outcome.sent.then_some(command),
+                "drive": label.as_str(), "sent": outcome.sent.then_some(command),
                 "speed_before": outcome.speed_before, "speed": outcome.speed, "enabled": outcome.enabled,
                 "at_rest": outcome.at_rest, "controller": owner.clone().flatten(),
             },

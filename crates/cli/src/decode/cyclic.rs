@@ -69,6 +69,18 @@ struct Sent {
     pkw: Pkw,
 }
 
+/// A speed that so many frames have said stays.
+const SETTLED: u32 = 3;
+
+/// What a frame is to a speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum SpeedStep {
+    /// The first with another one than that which stayed.
+    Left,
+    /// It has been the same for a while.
+    Settled,
+}
+
 /// The speed as it was told last, and for how many frames it is what it is now.
 #[derive(Debug, Default)]
 struct Speed {
@@ -249,9 +261,10 @@ impl DriveData {
 
     fn tell_word(&mut self, half: Half<'_>, data: &[u8], sent: Sent, sink: &mut Sink<'_>) {
         let speed = half.speed(data);
-        let settled = speed.is_some_and(|speed| self.speed.look(speed));
+        let step = speed.and_then(|speed| self.speed.look(speed));
         let Some(word) = half.word(data) else { return };
-        // a new speed is told with the next word, a setpoint also once it stays
+        // a new speed is told with the next word; a setpoint also when it leaves one that stayed, and, after a ramp of
+        // many, once it stays again
         let tell_speed = speed.filter(|speed| self.speed.told.unwrap_or(0) != *speed);
         let words = tell_speed.map(|speed| format!("{} {}", half.speed_name(), half.speed_text(speed)));
         if self.word != Some(word) {
@@ -267,23 +280,32 @@ impl DriveData {
             }
             sink.note(weight, "drive", text);
             self.word = Some(word);
-        } else if let Some(words) = words.filter(|_| settled && half.output) {
-            sink.note(Weight::Normal, "drive", words);
+        } else if let (Some(words), Some(step)) = (words.filter(|_| half.output), step) {
+            let text = match step {
+                SpeedStep::Left => words,
+                SpeedStep::Settled => format!("{words}, the same for {SETTLED} frames"),
+            };
+            sink.note(Weight::Normal, "drive", text);
             self.speed.told = speed;
         }
     }
 }
 
 impl Speed {
-    /// True in the frame in which the speed has been the same for a while.
-    const fn look(&mut self, speed: i64) -> bool {
-        const SETTLED: u32 = 3;
+    /// What this frame is to the speed, where it is worth a line.
+    const fn look(&mut self, speed: i64) -> Option<SpeedStep> {
+        let stayed = self.frames >= SETTLED;
         if speed != self.now {
             self.now = speed;
-            self.frames = 0;
+            self.frames = 1;
+            return if stayed { Some(SpeedStep::Left) } else { None };
         }
         self.frames = self.frames.saturating_add(1);
-        self.frames == SETTLED
+        if self.frames == SETTLED {
+            Some(SpeedStep::Settled)
+        } else {
+            None
+        }
     }
 }
 
@@ -346,6 +368,19 @@ mod tests {
             ar: Uuid([7; 16]),
             closed: false,
         }
+    }
+
+    #[test]
+    fn a_setpoint_is_told_in_the_frame_that_changes_it() {
+        let mut speed = Speed::default();
+        let steps: Vec<_> = [0, 0, 0, 164, 164, 164, 164, 170, 180, 190, 190, 190]
+            .into_iter()
+            .map(|now| speed.look(now))
+            .collect();
+        let (left, settled) = (Some(SpeedStep::Left), Some(SpeedStep::Settled));
+        let ramp = [left, None, None, None, settled];
+        assert_eq!(steps[..7], [None, None, settled, left, None, settled, None]);
+        assert_eq!(steps[7..], ramp);
     }
 
     #[test]

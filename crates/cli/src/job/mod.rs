@@ -83,6 +83,8 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
         }
         // too short for its addresses and no value block: a request that was cut off
         1 | 2 if data.len() < addresses && !looks_like_values(data) => Side::Request,
+        // values behind an address, cut off: an answer to a change has none where all of it was written
+        2 if data.len() > addresses && has_attribute(data) => Side::Request,
         3..0x80 => Side::Request,
         _ => Side::Response,
     }
@@ -91,6 +93,11 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
 /// True where a response would have its first format code: no attribute is one.
 fn looks_like_values(data: &[u8]) -> bool {
     !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30 | 0x80..))
+}
+
+/// True where a request would have the attribute of its first address.
+fn has_attribute(data: &[u8]) -> bool {
+    matches!(data.get(HEADER), Some(0x10 | 0x20 | 0x30))
 }
 
 fn values_fit(job: &Request<'_>) -> bool {

@@ -204,6 +204,16 @@ fn a_request_cut_off_is_called_a_request() {
         let failure = decode(&mut JobDrive::default(), &hex, None, None).err().unwrap();
         assert!(failure.message.contains("no parameter request"), "{failure}");
     }
+    // a change with its value cut off, at each octet behind its addresses
+    let whole = [5, 2, 0, 1, 0x10, 1, 3, 0xA2, 0, 0, 0x43, 1, 0, 0, 0, 2];
+    for length in 11..whole.len() {
+        let failure = decode(&mut JobDrive::default(), &whole[..length], None, None);
+        let failure = failure.err().unwrap();
+        assert!(
+            failure.message.contains("no parameter request"),
+            "{length}: {failure}"
+        );
+    }
 }
 
 #[test]

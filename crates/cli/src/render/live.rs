@@ -145,6 +145,14 @@ impl LiveView {
         }
     }
 
+    /// As [`show`](Self::show), but a line only for new words: for views that lack something somebody else will add.
+    pub fn show_words(&mut self, view: &AxisView) {
+        let same = self.last.is_some_and(|last| last.words() == view.words());
+        if self.output.live() || !same {
+            self.show(view);
+        }
+    }
+
     /// Goes below the picture, so that other lines can follow.
     pub fn leave(&mut self) {
         self.drawn = 0;

@@ -106,7 +106,7 @@ pub fn json(reading: &Reading) -> Value {
         fields.insert("beyond".into(), end.sign().into());
     }
     if let Some(told) = &reading.word {
-        let word = fields! { "hex": words::hex(&reading.octets), "set": told.clone() };
+        let word = fields! { "hex": words::hex(&reading.octets), "says": told.clone() };
         fields.insert("word".into(), Value::Object(word));
     }
     let meaning = meaning(reading);
@@ -192,7 +192,7 @@ mod tests {
             (&624.0.into(), &"0x0270".into())
         );
         assert_eq!(
-            document["word"]["set"],
+            document["word"]["says"],
             serde_json::json!(["INHIBIT", "CTRL_REQ"])
         );
         let reading = read("DRV.MOTIONSTAT", &[0, 0, 0, 6]);

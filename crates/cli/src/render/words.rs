@@ -54,7 +54,14 @@ fn names(table: &'static [Bit; 16], word: u16) -> Vec<String> {
 
 /// The same for programs, beside the number.
 pub fn set_json(table: &'static [Bit; 16], word: u16) -> Value {
-    json!({ "hex": hex16(word), "set": names(table, word) })
+    let bits = |inverse| table.iter().filter(move |bit| bit.inverse == inverse);
+    let set: Vec<&str> = bits(false)
+        .filter(|bit| is_set(word, bit) && !bit.name.is_empty())
+        .map(|bit| bit.name)
+        .collect();
+    let clear = bits(true).filter(|bit| !is_set(word, bit));
+    let stops: Vec<&str> = clear.map(|bit| meaning(word, bit)).collect();
+    json!({ "hex": hex16(word), "set": set, "stops": stops })
 }
 
 /// Names of the set bits without the inverse ones: `ON, EN_OP, CTRL_PLC`.
@@ -331,6 +338,20 @@ mod tests {
             inverse_meanings(zsw1_bits(), 0x0213),
             "OFF2 not active, OFF3 active: quick stop"
         );
+    }
+
+    #[test]
+    fn a_bit_that_is_0_is_no_set_bit() {
+        let document = set_json(stw1_bits(), 0x0000);
+        assert_eq!(document["set"], json!([]));
+        let stops = document["stops"].as_array().unwrap();
+        assert!(
+            stops.len() == 2 && stops[0].as_str().unwrap().starts_with("OFF2"),
+            "{document}"
+        );
+        let document = set_json(stw1_bits(), 0x047F);
+        assert_eq!(document["stops"], json!([]));
+        assert_eq!(document["set"][0], "ON");
     }
 
     #[test]

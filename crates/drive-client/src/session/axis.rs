@@ -74,6 +74,26 @@ impl AxisSettings {
     }
 }
 
+/// What taking an axis would be: see [`Session::plan_axis`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisPlan {
+    /// The telegram it would use.
+    pub telegram: u16,
+    /// The telegram that the drive reports now (PNU 922).
+    pub telegram_before: Option<u16>,
+    scale: SpeedScale,
+}
+
+impl AxisPlan {
+    /// The speed that the drive would be told for this one, in the unit of the settings: the nearest step of the setpoint.
+    ///
+    /// # Errors
+    /// A speed that cannot be told: see [`Session::check_speed`].
+    pub fn speed_told(&self, drive: &Drive, speed: f64) -> Result<f64, Error> {
+        speed_setpoint(drive, &self.scale, speed).map(|raw| self.scale.speed(raw))
+    }
+}
+
 /// An axis at a glance, in engineering units. What its telegram does not carry is `None`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisStatus {
@@ -233,6 +253,14 @@ impl<'s, M: Wire> Axis<'s, M> {
     #[must_use]
     pub fn telegram_before(&self) -> Option<u16> {
         self.telegram_before.filter(|&before| before != self.telegram)
+    }
+
+    /// The speed that the drive is told for this one, in the unit of the axis: the nearest step of its setpoint. `None` for
+    /// one that cannot be told.
+    #[must_use]
+    pub fn speed_told(&self, speed: f64) -> Option<f64> {
+        let raw = speed_setpoint(&self.drive, &self.scale, speed).ok()?;
+        Some(self.scale.speed(raw))
     }
 
     /// The update time in use.

@@ -34,7 +34,7 @@ use profinet::controller::ControllerConfig;
 use crate::{Client, Drive, Error, LineConfig, Wire};
 
 pub use alone::GoesOn;
-pub use axis::{Axis, AxisSettings, AxisStatus, WarningWatcher, Watcher};
+pub use axis::{Axis, AxisPlan, AxisSettings, AxisStatus, WarningWatcher, Watcher};
 pub use describe::{Described, DescribedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};

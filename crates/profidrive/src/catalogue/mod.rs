@@ -196,6 +196,16 @@ impl Catalogue {
             })
     }
 
+    /// Whether the drive can keep the value of a parameter over a power cycle: another name for a setting is kept with
+    /// that setting. Source: column `nv` of the tables, and their rows of aliases.
+    #[must_use]
+    pub fn is_kept(&self, parameter: &Parameter) -> bool {
+        match self.backup_rule_at(parameter.pnu, parameter.base).role {
+            Role::Alias { of } => self.by_pnu(of).is_some_and(|of| of.saved),
+            _ => parameter.saved,
+        }
+    }
+
     /// The first parameter with this role.
     #[must_use]
     pub fn with_role(&self, role: Role) -> Option<&'static Parameter> {
@@ -368,6 +378,12 @@ mod tests {
         assert_eq!(AKD.backup_rule(2260).phase, Phase::Scaling); // MOTOR.TYPE: the first row counts
         assert_eq!(AKD.backup_rule(2110).role, Role::Active);
         assert_eq!(AKD.backup_rule(930).role, Role::Alias { of: 2135 });
+        for (name, kept) in [("DRV.OPMODE", true), ("HOME.V", false), ("DRV.ACC", true)] {
+            assert_eq!(AKD.is_kept(AKD.by_name(name).unwrap()), kept, "{name}");
+        }
+        for (pnu, kept) in [(930, true), (922, false)] {
+            assert_eq!(AKD.is_kept(AKD.by_pnu(pnu).unwrap()), kept, "{pnu}");
+        }
     }
 
     #[test]

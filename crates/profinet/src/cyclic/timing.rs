@@ -32,9 +32,9 @@ pub enum IocrError {
     /// WatchdogFactor outside 1 to 0x1E00.
     #[error("watchdog factor {0} is outside 1 to 7680")]
     WatchdogFactor(u16),
-    /// DataHoldFactor outside 1 to 0x1E00 or more than 1.92 s.
-    #[error("data hold factor {0} is outside 1 to 7680 or holds longer than 1.92 s")]
-    DataHoldFactor(u16),
+    /// DataHoldFactor outside 1 to the second number: more would be beyond 0x1E00 or hold longer than 1.92 s.
+    #[error("data hold factor {0} is outside 1 to {1}, the highest with this update time (at most 1.92 s)")]
+    DataHoldFactor(u16, u16),
     /// No API, or an API without any object.
     #[error("number of APIs")]
     NumberOfApis,
@@ -71,7 +71,7 @@ impl IocrError {
             Self::ReductionRatio(_) => 11,
             Self::Phase(_) => 12,
             Self::WatchdogFactor(_) => 15,
-            Self::DataHoldFactor(_) => 16,
+            Self::DataHoldFactor(..) => 16,
             Self::NumberOfApis => 19,
             Self::Api(_) => 20,
             Self::DataSlot(_) => 22,
@@ -126,6 +126,20 @@ impl Timing {
         Duration::from_nanos(self.ticks() as u64 * 31_250 * data_hold_factor as u64)
     }
 
+    /// The highest DataHoldFactor with this interval: 0x1E00, and no longer than 1.92 s.
+    ///
+    /// ```
+    /// use profinet::cyclic::Timing;
+    /// use core::time::Duration;
+    /// let timing = Timing::for_interval(Duration::from_millis(16)).unwrap();
+    /// assert_eq!(timing.highest_hold_factor(), 120);
+    /// ```
+    #[must_use]
+    pub fn highest_hold_factor(&self) -> u16 {
+        let factor = MAX_HOLD_NANOS / (u64::from(self.ticks()) * 31_250);
+        u16::try_from(factor).map_or(MAX_FACTOR, |factor| factor.min(MAX_FACTOR))
+    }
+
     /// The usual timing of an interval: send clock 1 ms and a reduction ratio, or for shorter ones a shorter send
     /// clock. `None` unless the interval is 31.25 us times a power of two up to 512 ms.
     #[must_use]
@@ -176,9 +190,9 @@ impl Timing {
         if watchdog_factor == 0 || watchdog_factor > MAX_FACTOR {
             return Err(IocrError::WatchdogFactor(watchdog_factor));
         }
-        let hold = u64::from(self.ticks()) * 31_250 * u64::from(data_hold_factor);
-        if data_hold_factor == 0 || data_hold_factor > MAX_FACTOR || hold > MAX_HOLD_NANOS {
-            return Err(IocrError::DataHoldFactor(data_hold_factor));
+        let highest = self.highest_hold_factor();
+        if data_hold_factor == 0 || data_hold_factor > highest {
+            return Err(IocrError::DataHoldFactor(data_hold_factor, highest));
         }
         Ok(())
     }
@@ -237,14 +251,17 @@ mod tests {
         assert_eq!(timing(32, 1, 1).check(0x1E00, 1920, 0), Ok(()));
         assert_eq!(
             timing(32, 1, 1).check(3, 1921, 0),
-            Err(IocrError::DataHoldFactor(1921))
+            Err(IocrError::DataHoldFactor(1921, 1920))
         );
         assert_eq!(timing(1, 1, 1).check(3, 0x1E00, 0), Ok(()));
         assert_eq!(
             timing(1, 1, 1).check(3, 0x1E01, 0),
-            Err(IocrError::DataHoldFactor(0x1E01))
+            Err(IocrError::DataHoldFactor(0x1E01, 0x1E00))
         );
-        assert_eq!(timing(1, 1, 1).check(3, 0, 0), Err(IocrError::DataHoldFactor(0)));
+        assert_eq!(
+            timing(1, 1, 1).check(3, 0, 0),
+            Err(IocrError::DataHoldFactor(0, 0x1E00))
+        );
     }
 
     #[test]

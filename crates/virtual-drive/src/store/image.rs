@@ -47,8 +47,11 @@ pub enum ImageError {
         /// The first line.
         found: String,
     },
-    /// The checksum is missing or does not fit: the text is cut or changed.
-    #[error("the saved state is damaged: checksum {found:?}, computed {computed:08x}")]
+    /// The text does not end with a checksum: its end is missing.
+    #[error("the saved state is damaged: its end is missing, the last line is no checksum")]
+    Cut,
+    /// The checksum does not fit: the text was changed.
+    #[error("the saved state is damaged: {found:?}, computed {computed:08x}")]
     Checksum {
         /// The last line.
         found: String,
@@ -192,6 +195,9 @@ impl Image {
             .map_or(0, |end| end + 1);
         let (body, last) = text.split_at(body_end);
         let computed = crc32(body.as_bytes());
+        if !last.starts_with("checksum ") || !last.ends_with('\n') {
+            return Err(ImageError::Cut);
+        }
         if last != format!("checksum {computed:08x}\n") {
             return Err(ImageError::Checksum {
                 found: last.trim_end().chars().take(80).collect(),
@@ -372,8 +378,11 @@ mod tests {
         ));
         assert!(matches!(
             Image::decode(b"profidrive state 2\n"),
-            Err(ImageError::Checksum { .. })
+            Err(ImageError::Cut)
         ));
+        let cut = Image::decode(&text.as_bytes()[..text.len() / 2]).unwrap_err();
+        assert_eq!(cut, ImageError::Cut);
+        assert!(!cut.to_string().contains('='), "no line of the file: {cut}");
         let other = text.replace("3000.000", "3000.001");
         assert!(matches!(
             Image::decode(other.as_bytes()),

@@ -214,16 +214,18 @@ fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Sho
     let (view, position) = (Rc::clone(&show.view), Rc::clone(&show.position));
     let seen_states = Rc::new(RefCell::new(Vec::<&'static str>::new()));
     let states = Rc::clone(&seen_states);
+    let live = show.output.live();
     axis.watch(move |status| {
+        // a line tells no position that is older than itself; a picture keeps the one it has
         let picture = AxisView {
-            position: position.get(),
+            position: position.get().filter(|_| live),
             ..AxisView::of(status)
         };
         let state = picture.state_number().unwrap_or("--");
         if state != "--" && states.borrow().last() != Some(&state) {
             states.borrow_mut().push(state);
         }
-        view.borrow_mut().show(&picture);
+        view.borrow_mut().show_words(&picture);
     });
     show.next();
     axis.ready()?;
@@ -336,6 +338,12 @@ fn hold(axis: &mut Demonstrated<'_, '_>, time: Duration, show: &Show) -> Result<
                 .map_err(drive_client::parameter::ParameterProblem::from)?,
         )?;
         show.position.set(session.read_one(drive, &selection)?.number());
+        if let Some(status) = axis.status() {
+            show.view.borrow_mut().show(&AxisView {
+                position: show.position.get(),
+                ..AxisView::of(&status)
+            });
+        }
     }
     Ok(axis
         .status()

@@ -186,7 +186,10 @@ fn description_lines(
 /// Whether the drive keeps the value over a power cycle, and what lets it do so.
 fn saved_words(model: &drive_client::Model, parameter: &Parameter) -> String {
     let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
-    match (parameter.saved, model.dialect.saving) {
+    let kept = model
+        .catalogue
+        .map_or(parameter.saved, |tables| tables.is_kept(parameter));
+    match (kept, model.dialect.saving) {
         (false, _) => "no".into(),
         (true, Saving::Always) => "with every write".into(),
         (true, Saving::Request) => "when it is written with --save".into(),

@@ -80,8 +80,15 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
     } else {
         String::new()
     };
-    output.say(&format!("{} parameters{also}", parameters.len()));
+    output.say(&format!("{}{also}", counted(parameters.len())));
     Ok(())
+}
+
+fn counted(count: usize) -> String {
+    match count {
+        1 => "1 parameter".into(),
+        _ => format!("{count} parameters"),
+    }
 }
 
 /// Text in name or description, or the number itself.
@@ -132,8 +139,8 @@ fn list_numbers(
             );
         }
         output.say(&format!(
-            "{} parameters; no names are known for this drive",
-            numbers.len()
+            "{}; no names are known for this drive",
+            counted(numbers.len())
         ));
     }
     Ok(())

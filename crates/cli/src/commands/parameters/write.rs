@@ -1,7 +1,7 @@
 //! `profidrive write`
 
 use drive_client::parameter::Assignment;
-use drive_client::{ChangeOutcome, WriteMode};
+use drive_client::{ChangeOutcome, Drive, WriteMode};
 use profidrive::catalogue::{Role, Size};
 use profidrive::parameter::Saving;
 use serde_json::{Map, Value};
@@ -36,6 +36,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
             .map(|(outcome, same)| {
                 let mut fields = outcome_json(outcome);
                 fields.insert("same".into(), (*same).into());
+                fields.insert("can_be_kept".into(), can_keep(&drive, outcome).into());
                 Value::Object(fields)
             })
             .collect();
@@ -60,11 +61,10 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         for line in table.lines() {
             output.line(&line);
         }
-        let taken = outcomes.iter().any(keeps);
         if args.dry_run {
             output.say("dry run: nothing was written");
-        } else if taken {
-            output.say(kept(drive.model.dialect.saving, args.save));
+        } else {
+            tell_kept(&drive, &outcomes, args.save, output);
         }
     }
     let mut problems: Vec<Failure> = Vec::new();
@@ -90,7 +90,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
 /// it is written where it is to be kept, as a value that is there may not be kept yet.
 fn write_new(
     session: &mut connect::Live,
-    drive: &mut drive_client::Drive,
+    drive: &mut Drive,
     assignments: &[Assignment],
     mode: WriteMode,
 ) -> Result<(Vec<ChangeOutcome>, Vec<bool>), Failure> {
@@ -123,7 +123,7 @@ const RESULT: usize = 6;
 
 /// Which settings have the value already and are left alone. What acts is carried out each time; so is everything behind
 /// something that is no plain setting, as that may change what follows it.
-fn already_so(drive: &drive_client::Drive, outcomes: &[ChangeOutcome]) -> Vec<bool> {
+fn already_so(drive: &Drive, outcomes: &[ChangeOutcome]) -> Vec<bool> {
     let mut plain = true;
     let tables = drive.model.catalogue;
     outcomes
@@ -132,8 +132,15 @@ fn already_so(drive: &drive_client::Drive, outcomes: &[ChangeOutcome]) -> Vec<bo
             let selection = &outcome.change.selection;
             let base = selection.parameter.and_then(|parameter| parameter.base);
             let role = tables.map(|tables| tables.backup_rule_at(selection.pnu, base).role);
-            plain &= role == Some(Role::Setting);
-            plain && outcome.is_same()
+            let same = outcome.is_same();
+            plain &= match role {
+                // another name for a setting is that setting
+                Some(Role::Setting | Role::Alias { .. }) => true,
+                // changed, the telegram brings its own mapping with it
+                Some(Role::Network) => same,
+                _ => false,
+            };
+            plain && same
         })
         .collect()
 }
@@ -145,13 +152,71 @@ fn keeps(outcome: &ChangeOutcome) -> bool {
     matches!(outcome.written, Some(Ok(()))) && !command && !outcome.acts
 }
 
-/// What becomes of the new values when the drive loses its power.
-const fn kept(saving: Saving, save: bool) -> &'static str {
+/// Whether the drive has a place for a value that outlives its power; `None` where no table says so.
+fn can_keep(drive: &Drive, outcome: &ChangeOutcome) -> Option<bool> {
+    let parameter = outcome.change.selection.parameter?;
+    drive.model.catalogue.map(|tables| tables.is_kept(parameter))
+}
+
+/// Says of the new values which of them outlive the power of the drive, and which do not.
+fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Output) {
+    let new = outcomes.iter().filter(|outcome| keeps(outcome));
+    let (kept, lost): (Vec<_>, Vec<_>) = new.partition(|outcome| can_keep(drive, outcome) != Some(false));
+    let names = |outcomes: &[&ChangeOutcome]| -> Vec<String> {
+        let labels = outcomes.iter().map(|outcome| outcome.change.selection.label());
+        labels.collect()
+    };
+    let (kept, lost) = (names(&kept), names(&lost));
+    if !kept.is_empty() {
+        let which = if lost.is_empty() {
+            "them".to_owned()
+        } else {
+            listed(&kept)
+        };
+        output.say(&kept_words(drive.model.dialect.saving, save, &which));
+    }
+    if !lost.is_empty() {
+        let told = lost_words(&lost);
+        if save {
+            output.warn(&told);
+        } else {
+            output.say(&told);
+        }
+    }
+}
+
+/// What becomes of new values that the drive can keep when it loses its power.
+fn kept_words(saving: Saving, save: bool, which: &str) -> String {
     match (saving, save) {
-        (Saving::Always, _) => "the drive keeps them over a power cycle: it saves every write",
-        (Saving::Request, true) => "the drive keeps them over a power cycle",
-        (Saving::Command, true) => "the drive was told to keep all its values over a power cycle",
-        (_, false) => "until the next power cycle; with --save the drive keeps them",
+        (Saving::Always, _) => {
+            format!("the drive keeps {which} over a power cycle: it saves every write")
+        }
+        (Saving::Request, true) => format!("the drive keeps {which} over a power cycle"),
+        (Saving::Command, true) => {
+            format!("the drive was told to keep {which} over a power cycle, with all it can keep")
+        }
+        (_, false) => format!("until the next power cycle; with --save the drive keeps {which}"),
+    }
+}
+
+/// What becomes of values that the drive has no place for.
+fn lost_words(lost: &[String]) -> String {
+    let (verb, which) = match lost {
+        [_] => ("is", "it"),
+        _ => ("are", "them"),
+    };
+    format!(
+        "{} {verb} gone with the next power cycle: the drive cannot keep {which}, --save or not",
+        listed(lost)
+    )
+}
+
+/// `922`, `922 and HOME.V`, `922, 930 and HOME.V`
+fn listed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
 
@@ -284,5 +349,19 @@ mod tests {
             };
             assert_eq!(keeps(&outcome), left, "{text}");
         }
+    }
+
+    #[test]
+    fn what_is_not_kept_is_said() {
+        let names = ["922".to_owned(), "HOME.V".to_owned()];
+        assert_eq!(
+            lost_words(&names),
+            "922 and HOME.V are gone with the next power cycle: the drive cannot keep them, --save or not"
+        );
+        assert!(lost_words(&names[..1]).starts_with("922 is gone with"));
+        assert_eq!(
+            kept_words(Saving::Command, true, "DRV.ACC"),
+            "the drive was told to keep DRV.ACC over a power cycle, with all it can keep"
+        );
     }
 }

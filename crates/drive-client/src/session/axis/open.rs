@@ -6,7 +6,7 @@ use profidrive::state::Zsw1;
 use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
 use profinet::cyclic::Timing;
 
-use super::{Axis, AxisSettings, Session, speed_setpoint};
+use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Limits, SpeedScale};
 use crate::learn::device_of;
 use crate::session::prepare::Prepared;
@@ -28,6 +28,38 @@ impl<M: Wire> Session<M> {
         self.read_scaling(drive)?;
         let scale = SpeedScale::linear(drive.parameters.scaling.speed());
         speed_setpoint(drive, &scale, rpm).map(|_| ())
+    }
+
+    /// What [`take_axis`](Self::take_axis) would do, checked as far as reading can: control at the drive itself, mode,
+    /// telegram, timing, another controller. Reads only.
+    ///
+    /// # Errors
+    /// As `take_axis`; [`Error::OwnedByController`] when a controller has the drive.
+    pub fn plan_axis(&mut self, drive: &mut Drive, settings: &AxisSettings) -> Result<AxisPlan, Error> {
+        let tables = drive.model.catalogue;
+        let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
+        drive.check_able(settings.purpose.mode())?;
+        self.read_scaling(drive)?;
+        let prepared = self.prepare(drive, &device, settings)?;
+        if prepared.layout.is_some() {
+            let least = TICK * u32::from(device.min_device_interval);
+            let cycle = settings.cycle.unwrap_or(least);
+            let timing = Timing::for_interval(cycle).ok_or(Misuse::Range("cycle"))?;
+            timing
+                .check(settings.watchdog, settings.watchdog, 0)
+                .map_err(Misuse::Cyclic)?;
+            if let Some(controller) = self.owner(drive)?.flatten() {
+                return Err(Error::OwnedByController {
+                    drive: drive.label(),
+                    cause: format!("controller \"{}\"", controller.escape_default()),
+                });
+            }
+        }
+        Ok(AxisPlan {
+            telegram: prepared.wiring.telegram(),
+            telegram_before: prepared.reported,
+            scale: prepared.scale,
+        })
     }
 
     /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
