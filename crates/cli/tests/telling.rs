@@ -102,7 +102,7 @@ fn speeds_that_cannot_be_told_are_refused() {
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
     let mut enabled = axis.enable().expect("enabled");
-    assert!(matches!(enabled.run(5.0), Err(Error::SpeedStep { .. })));
+    assert!(matches!(enabled.run(0.5), Err(Error::SpeedStep { .. })));
     drop(enabled);
     axis.release().expect("released");
     assert!(is_at_rest(&session, ids[0]));

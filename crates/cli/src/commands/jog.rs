@@ -157,7 +157,7 @@ fn try_out(
     let seconds = args.time.as_secs_f64();
     output.say(&format!(
         "dry run: {label} would jog at {} rpm for {seconds} s{}; nothing was sent",
-        number(speed),
+        rehearse::shown(speed),
         tried.told()
     ));
     if output.json() {

@@ -133,16 +133,21 @@ fn already_so(drive: &Drive, outcomes: &[ChangeOutcome]) -> Vec<bool> {
             let base = selection.parameter.and_then(|parameter| parameter.base);
             let role = tables.map(|tables| tables.backup_rule_at(selection.pnu, base).role);
             let same = outcome.is_same();
-            plain &= match role {
-                // another name for a setting is that setting
-                Some(Role::Setting | Role::Alias { .. }) => true,
-                // changed, the telegram brings its own mapping with it
-                Some(Role::Network) => same,
-                _ => false,
-            };
+            plain &= is_plain(role, same);
             plain && same
         })
         .collect()
+}
+
+/// True for what does nothing but hold a value, and changes nothing that follows it.
+const fn is_plain(role: Option<Role>, same: bool) -> bool {
+    match role {
+        // another name for a setting is that setting
+        Some(Role::Setting | Role::Alias { .. }) => true,
+        // changed, the telegram brings its own mapping with it
+        Some(Role::Network) => same,
+        _ => false,
+    }
 }
 
 /// A value that the drive has now; a command leaves none behind.
@@ -349,6 +354,18 @@ mod tests {
             };
             assert_eq!(keeps(&outcome), left, "{text}");
         }
+    }
+
+    #[test]
+    fn the_mode_and_the_telegram_that_are_so_are_left_alone() {
+        let role = |pnu| Some(AKD.backup_rule(pnu).role);
+        assert!(is_plain(role(930), true) && is_plain(role(930), false));
+        assert!(is_plain(role(922), true) && !is_plain(role(922), false));
+        assert!(!is_plain(
+            AKD.by_name("DRV.NVSAVE").and_then(|save| role(save.pnu)),
+            true
+        ));
+        assert!(!is_plain(None, true));
     }
 
     #[test]

@@ -40,14 +40,16 @@ impl<M: Wire> Session<M> {
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
         drive.check_able(settings.purpose.mode())?;
         self.read_scaling(drive)?;
-        let prepared = self.prepare(drive, &device, settings)?;
-        if prepared.layout.is_some() {
+        if !drive.is_on_line() {
             let least = TICK * u32::from(device.min_device_interval);
             let cycle = settings.cycle.unwrap_or(least);
             let timing = Timing::for_interval(cycle).ok_or(Misuse::Range("cycle"))?;
             timing
                 .check(settings.watchdog, settings.watchdog, 0)
                 .map_err(Misuse::Cyclic)?;
+        }
+        let prepared = self.prepare(drive, &device, settings)?;
+        if prepared.layout.is_some() {
             if let Some(controller) = self.owner(drive)?.flatten() {
                 return Err(Error::OwnedByController {
                     drive: drive.label(),
