@@ -75,7 +75,7 @@ fn taking_an_axis_can_be_planned() {
     let axis = session
         .take_axis(&mut drive, AxisSettings::default())
         .expect("connected");
-    assert_eq!(axis.speed_told(61.7), Some(told));
+    assert_eq!(axis.rounded_speed(61.7), Some(told));
     axis.release().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }

@@ -139,9 +139,7 @@ fn try_out(
                     engineering: value.engineering,
                 };
                 rpm = setting.rpm(&speed).unwrap_or(wanted);
-                if let Some(line) = rehearse::rounded(wanted, rpm, "rpm") {
-                    output.say(&line);
-                }
+                axis::tell_rounded(wanted, rpm, "rpm", output);
                 if before != value::full(&speed) {
                     output.say(&format!(
                         "{called} would be {before} -> {} for this and back afterwards",
@@ -157,7 +155,7 @@ fn try_out(
     let seconds = args.time.as_secs_f64();
     output.say(&format!(
         "dry run: {label} would jog at {} rpm for {seconds} s{}; nothing was sent",
-        rehearse::shown(speed),
+        number(speed),
         tried.told()
     ));
     if output.json() {
@@ -220,11 +218,6 @@ fn go(
             *before = Some(speed);
             set_speed(inner, own, pnu, wanted)?;
             speed = inner.read_one(own, &selection)?;
-        }
-        let asked = args.velocity.as_ref().and_then(|asked| asked.in_unit("rpm").ok());
-        let told = asked.zip(setting.rpm(&speed));
-        if let Some(line) = told.and_then(|(asked, told)| rehearse::rounded(asked, told, "rpm")) {
-            output.say(&line);
         }
     }
     axis::within(setting.rpm(&speed).unwrap_or(0.0), limit, SpeedUnit::Rpm)?;

@@ -75,30 +75,3 @@ impl Rehearsal {
         }
     }
 }
-
-/// A speed to two digits: `61.88`
-pub fn shown(speed: f64) -> String {
-    let text = format!("{speed:.2}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-/// A speed that the drive can only be told as another one: `61.7 rpm -> 61.88 rpm, the nearest the drive can hold`.
-pub fn rounded(asked: f64, told: f64, unit: &str) -> Option<String> {
-    let (asked, told) = (shown(asked), shown(told));
-    (asked != told).then(|| format!("{asked} {unit} -> {told} {unit}, the nearest the drive can hold"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_speed_that_is_changed_is_told() {
-        assert_eq!(
-            rounded(61.7, 61.875, "rpm").as_deref(),
-            Some("61.7 rpm -> 61.88 rpm, the nearest the drive can hold")
-        );
-        assert_eq!(rounded(60.0, 60.001, "rpm"), None);
-        assert_eq!(rounded(-20.0, -20.0, "%"), None);
-    }
-}

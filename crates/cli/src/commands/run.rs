@@ -156,8 +156,8 @@ fn try_out(args: &Run, wish: &Wish, interface: &Interface, output: &Output) -> R
     session.close()?;
     let plan = tried.plan.as_ref();
     let told = plan.map(|plan| plan.speed_told(&drive, wish.speed)).transpose()?;
-    if let Some(line) = told.and_then(|told| rehearse::rounded(wish.speed, told, wish.unit.symbol())) {
-        output.say(&line);
+    if let Some(told) = told {
+        axis::tell_rounded(wish.speed, told, wish.unit.symbol(), output);
     }
     let (label, speed) = (drive.label(), wish.told());
     output.say(&format!(
@@ -241,10 +241,6 @@ fn go(
         wish.told(),
         time_told(args)
     ));
-    let told = taken.speed_told(speed);
-    if let Some(line) = told.and_then(|told| rehearse::rounded(speed, told, wish.unit.symbol())) {
-        output.say(&line);
-    }
     axis::watch(&mut taken, "run", output);
     let result = taken.enable().and_then(|mut enabled| match args.time {
         Some(time) => {

@@ -255,14 +255,6 @@ impl<'s, M: Wire> Axis<'s, M> {
         self.telegram_before.filter(|&before| before != self.telegram)
     }
 
-    /// The speed that the drive is told for this one, in the unit of the axis: the nearest step of its setpoint. `None` for
-    /// one that cannot be told.
-    #[must_use]
-    pub fn speed_told(&self, speed: f64) -> Option<f64> {
-        let raw = speed_setpoint(&self.drive, &self.scale, speed).ok()?;
-        Some(self.scale.speed(raw))
-    }
-
     /// The update time in use.
     #[must_use]
     pub const fn cycle(&self) -> Duration {

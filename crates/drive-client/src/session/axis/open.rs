@@ -53,7 +53,8 @@ impl<M: Wire> Session<M> {
             if let Some(controller) = self.owner(drive)?.flatten() {
                 return Err(Error::OwnedByController {
                     drive: drive.label(),
-                    cause: format!("controller \"{}\"", controller.escape_default()),
+                    controller: Some(controller),
+                    cause: "a connection is open".to_owned(),
                 });
             }
         }
