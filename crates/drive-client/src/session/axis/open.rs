@@ -49,14 +49,14 @@ impl<M: Wire> Session<M> {
                 .map_err(Misuse::Cyclic)?;
         }
         let prepared = self.prepare(drive, &device, settings)?;
-        if prepared.layout.is_some() {
-            if let Some(controller) = self.owner(drive)?.flatten() {
-                return Err(Error::OwnedByController {
-                    drive: drive.label(),
-                    controller: Some(controller),
-                    cause: "a connection is open".to_owned(),
-                });
-            }
+        if prepared.layout.is_some()
+            && let Some(controller) = self.owner(drive)?.flatten()
+        {
+            return Err(Error::OwnedByController {
+                drive: drive.label(),
+                controller: Some(controller),
+                cause: "a connection is open".to_owned(),
+            });
         }
         Ok(AxisPlan {
             telegram: prepared.wiring.telegram(),
