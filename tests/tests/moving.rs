@@ -424,7 +424,7 @@ fn a_jog_leaves_the_jog_speed_as_it_was() {
     let jog = ["jog", "akd-1", "--velocity", "120rpm", "--for", "500ms"];
     let jogged = client(&lab, &jog).ok();
     assert!(jogged.err.contains("jogs at 120."), "{jogged:?}");
-    assert!(jogged.err.contains("PNU 1004 is 12"), "{jogged:?}");
+    assert!(jogged.err.contains("(p1004) is 12"), "{jogged:?}");
     assert_eq!(number(&lab, "1004"), before);
     at_rest(&lab);
 }

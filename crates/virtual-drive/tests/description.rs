@@ -88,7 +88,8 @@ fn telegram_after(config: StationConfig, modules: Vec<ModuleConfig>, interval: u
     pair.station.drive_mut().serve(&request, &mut answer).unwrap();
     match answer[..6] {
         [1, 1, _, 1, 0x42, 1] => u16::from_be_bytes([answer[6], answer[7]]),
-        [1, 1, _, 1, 5, 1] => answer[6].into(), // a VLT tells its true type
+        // a VLT tells its true type
+        [1, 1, _, 1, 6, 1] => u16::from_be_bytes([answer[6], answer[7]]),
         ref other => panic!("{other:02X?}"),
     }
 }

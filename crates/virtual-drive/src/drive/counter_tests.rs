@@ -25,6 +25,16 @@ fn restarted(text: &str) -> Bench {
 const HOUR: usize = 3_600_000;
 
 #[test]
+fn a_drive_has_not_been_on_since_the_origin_of_the_clock() {
+    let mut drive = Drive::new(&VLT);
+    for seconds in 0..7200_u64 {
+        let now = Instant::from_millis(1000 * (1_000_000 + seconds));
+        drive.tick(now, None, &mut []);
+    }
+    assert_eq!(drive.parameter(1500), Some(2)); // h
+}
+
+#[test]
 fn counters_and_log_survive_and_what_was_not_saved_does_not() {
     let mut bench = Bench::new(&VLT, 1);
     assert_eq!(bench.read(1503), 1);

@@ -33,6 +33,8 @@ pub(super) struct Meter {
     awake: Duration,
     due: Duration,
     at_once: bool,
+    /// The time is known.
+    counting: bool,
 }
 
 impl Default for Meter {
@@ -47,12 +49,19 @@ impl Default for Meter {
             awake: Duration::ZERO,
             due: FIRST,
             at_once: false,
+            counting: false,
         }
     }
 }
 
 impl Meter {
+    /// Counts a step.
+    ///
+    /// The first step only tells what time it is: a drive that starts has not been on since the origin of the clock.
     pub fn count(&mut self, passed: Duration, running: bool, axis: &Axis) {
+        if !std::mem::replace(&mut self.counting, true) {
+            return;
+        }
         self.on += passed;
         self.awake += passed;
         if running {
