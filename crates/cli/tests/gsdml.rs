@@ -233,8 +233,8 @@ fn simulate_refuses_a_file_that_does_not_fit_before_it_touches_the_network() {
         .replace("VendorID=\"0x0105\"", "VendorID=\"0x0ABC\"");
     std::fs::write(&file, text).unwrap();
     let output = profidrive(&["simulate", "-i", "lo", "--gsdml", file.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("vendor 0x0abc"), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("vendor 0x0ABC"), "{}", stderr(&output));
     let file = maker("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
     let output = profidrive(&["simulate", "-i", "lo", "--gsdml", &file, "--access-point", "DAP"]);
     assert!(

@@ -129,7 +129,10 @@ fn every_command_over_both_protocols() {
         let before = values(&drive, &["3-19"]);
         let jogged = ok(&["jog", &drive, "--velocity", "200rpm", "--for", "500ms"]);
         let told = format!("{}{}", stdout(&jogged), stderr(&jogged));
-        assert!(told.contains("STW1 0x050F"), "jog 1 is bit 8: {told}");
+        assert!(
+            told.contains("STW1 0x053C"),
+            "the word of the FC profile, as it is sent: {told}"
+        );
         assert!(told.contains("axis at rest, control released"), "{told}");
         assert_eq!(values(&drive, &["3-19"]), before, "{told}");
         let stopped = stdout(&ok(&["stop", &drive]));

@@ -140,8 +140,10 @@ pub struct AxisView {
     pub goal: Goal,
     /// How far it is.
     pub progress: Progress,
-    /// What is being sent.
+    /// What is being sent, in the bits of the profile.
     pub command: Command,
+    /// The control word as it is sent, in the words of the make.
+    pub sent: u16,
     /// What the drive said last; `None` before the first valid input.
     pub seen: Option<Seen>,
     /// The control word that what the drive said last is an answer to.
@@ -402,6 +404,7 @@ impl Client {
             goal: axis.control.goal(),
             progress: axis.control.progress(),
             command: axis.control.command(),
+            sent: axis.wiring.sent(),
             seen: axis.seen,
             answered: axis.answered,
             stays_away: axis.control.stays_away(),

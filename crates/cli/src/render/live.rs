@@ -24,10 +24,12 @@ pub struct AxisView {
     pub mode: Mode,
     /// Since control was taken.
     pub time: Duration,
-    /// Control word being sent.
+    /// Control word being sent, in the bits of the profile.
     pub stw1: u16,
-    /// Status word, once there is one.
+    /// Status word in the bits of the profile, once there is one.
     pub zsw1: Option<u16>,
+    /// Control word and status word as they are on the wire: a make may have words of its own.
+    pub wire: (u16, Option<u16>),
     /// Control word that the status word answers.
     pub answered: u16,
     /// The connection is lost: the drive said all of this before.
@@ -58,6 +60,7 @@ impl AxisView {
             time: status.time,
             stw1: status.view.command.stw1.0,
             zsw1: status.view.seen.map(|seen| seen.zsw1.0),
+            wire: (status.view.sent, status.view.seen.map(|seen| seen.word)),
             answered: status.view.answered.0,
             lost: status.lost,
             unit: status.unit,
@@ -160,12 +163,12 @@ impl LiveView {
 
     fn document(&self, view: &AxisView) {
         let fields = fields! {
-            "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.stw1,
-            "zsw1": view.zsw1, "connected": !view.lost, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
+            "time": view.time.as_secs_f64(), "state": view.state_number(), "stw1": view.wire.0,
+            "zsw1": view.wire.1, "connected": !view.lost, "speed_set": view.speed_set, "speed_actual": view.speed_actual,
             "speed_unit": view.unit.symbol(), "speed_beyond": view.speed_beyond.map(Beyond::sign),
             "position": view.position, "target": view.target, "turns": view.turns,
             "following_error": view.following_error,
-            "words": words_json(view.mode, Some(view.stw1), view.zsw1),
+            "words": words_json(view),
         };
         self.output.event(self.command, fields);
     }
@@ -189,22 +192,30 @@ impl LiveView {
     }
 }
 
-/// The bits of both words for programs, beside their numbers.
-fn words_json(mode: Mode, stw1: Option<u16>, zsw1: Option<u16>) -> Value {
+/// The bits of both words for programs, named as the profile does, beside the numbers on the wire.
+fn words_json(view: &AxisView) -> Value {
+    let beside = |mut bits: Value, wire: u16| {
+        if let Some(hex) = bits.get_mut("hex") {
+            *hex = hex16(wire).into();
+        }
+        bits
+    };
+    let stw1 = words::set_json(bits::stw1(view.mode), view.stw1);
+    let zsw1 = view.zsw1.map(|word| words::set_json(bits::zsw1(view.mode), word));
     Value::Object(fields! {
-        "stw1": stw1.map(|word| words::set_json(bits::stw1(mode), word)),
-        "zsw1": zsw1.map(|word| words::set_json(bits::zsw1(mode), word)),
+        "stw1": beside(stw1, view.wire.0),
+        "zsw1": zsw1.zip(view.wire.1).map(|(word, wire)| beside(word, wire)),
     })
 }
 
 /// One line for a log.
 pub fn line(view: &AxisView) -> String {
-    let zsw1 = view.zsw1.map_or_else(|| "-".into(), hex16);
+    let zsw1 = view.wire.1.map_or_else(|| "-".into(), hex16);
     let mut text = format!(
         "{:>7.2} s  {:<46}  STW1 {}  ZSW1 {zsw1}",
         view.time.as_secs_f64(),
         view.state(),
-        hex16(view.stw1),
+        hex16(view.wire.0),
     );
     for (name, value, unit) in [
         ("set", view.speed_set, view.unit.symbol()),
@@ -255,22 +266,14 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
             &format!("{mark} {:>6.1} s  {}", view.time.as_secs_f64(), view.state()),
         ),
         format!(
-            "  STW1 {}  {}  {} {}",
-            hex16(view.stw1),
-            nibbles(view.stw1),
+            "  STW1 {}  {} {}",
+            digits(view.wire.0, view.stw1),
             words::stw1_meaning_in(view.mode, view.stw1),
             words::set(stw1_bits, view.stw1)
         ),
-        view.zsw1.map_or_else(
+        view.zsw1.zip(view.wire.1).map_or_else(
             || "  ZSW1 -".into(),
-            |zsw1| {
-                format!(
-                    "  ZSW1 {}  {}  {}",
-                    hex16(zsw1),
-                    nibbles(zsw1),
-                    words::set(zsw1_bits, zsw1)
-                )
-            },
+            |(zsw1, wire)| format!("  ZSW1 {}  {}", digits(wire, zsw1), words::set(zsw1_bits, zsw1)),
         ),
     ];
     lines.extend(view.speed_set.map(|rpm| speed("set   ", rpm)));
@@ -287,6 +290,15 @@ fn picture(view: &AxisView, output: &Output) -> Vec<String> {
         lines.push(format!("  position {position:>12.0}"));
     }
     lines
+}
+
+/// A word on the wire with its bits, as far as they are those that are named behind it.
+fn digits(wire: u16, profile: u16) -> String {
+    if wire == profile {
+        format!("{}  {}", hex16(wire), nibbles(wire))
+    } else {
+        hex16(wire)
+    }
 }
 
 /// A bar as long as the speed is.
@@ -312,6 +324,7 @@ mod tests {
         time: Duration::from_millis(1234),
         stw1: 0x047F,
         zsw1: Some(0x0337),
+        wire: (0x047F, Some(0x0337)),
         answered: 0x047F,
         lost: false,
         unit: SpeedUnit::Rpm,
@@ -331,6 +344,22 @@ mod tests {
             "   1.23 s  S4 operation                                    STW1 0x047F  ZSW1 0x0337  set    60.06 rpm  actual    59.70 rpm"
         );
         assert!(line(&AxisView { zsw1: None, ..VIEW }).contains("no data yet"));
+        // a VLT with the FC profile: the words that travel
+        let converter = AxisView {
+            wire: (0x047C, Some(0x0F07)),
+            ..VIEW
+        };
+        assert!(
+            line(&converter).contains(" S4 operation  ")
+                && line(&converter).contains("STW1 0x047C  ZSW1 0x0F07"),
+            "{}",
+            line(&converter)
+        );
+        let text = picture(&converter, &Output::new(false, false)).join("\n");
+        assert!(
+            text.contains("STW1 0x047C  run") && !text.contains("0000 0100"),
+            "{text}"
+        );
         let fast = AxisView {
             speed_actual: Some(11996.7),
             speed_beyond: Some(Beyond::Above),
@@ -349,6 +378,7 @@ mod tests {
             mode: Mode::Position,
             stw1: 0x043F,
             zsw1: Some(0x4F37),
+            wire: (0x043F, Some(0x4F37)),
             speed_set: None,
             speed_actual: None,
             target: Some(10.0),
@@ -417,7 +447,15 @@ mod tests {
             text.contains("[READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ]"),
             "{text}"
         );
-        let text = picture(&AxisView { zsw1: None, ..VIEW }, &output).join("\n");
+        let text = picture(
+            &AxisView {
+                zsw1: None,
+                wire: (0x047F, None),
+                ..VIEW
+            },
+            &output,
+        )
+        .join("\n");
         assert!(text.contains("\n  ZSW1 -\n"), "{text}");
     }
 }

@@ -5,8 +5,10 @@ use profidrive::state::{State, Stw1, Zsw1};
 /// Input data of an axis; what its telegram does not carry is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Seen {
-    /// Status word 1.
+    /// Status word 1, in the bits of the profile whatever words the make has.
     pub zsw1: Zsw1,
+    /// The status word as it came.
+    pub word: u16,
     /// Speed actual value A (N2).
     pub nist_a: Option<i16>,
     /// Position actual value A in increments.

@@ -219,6 +219,12 @@ impl Wiring {
         self.setpoint.set(&mut self.image, signal, value)
     }
 
+    /// The control word that stands in the telegram, in the words of the make.
+    #[must_use]
+    pub const fn sent(&self) -> u16 {
+        self.sent
+    }
+
     /// The octets of a command. Does not allocate.
     pub fn encode(&mut self, command: &Command) -> &[u8] {
         let task = &command.traverse;
@@ -244,10 +250,10 @@ impl Wiring {
     #[must_use]
     pub fn decode(&self, data: &[u8]) -> Option<Seen> {
         let get = |number| self.actual.get(data, number);
+        let word = u16::try_from(get(signal::ZSW1)?).ok()?;
         Some(Seen {
-            zsw1: self
-                .words
-                .zsw1(u16::try_from(get(signal::ZSW1)?).ok()?, self.sent),
+            zsw1: self.words.zsw1(word, self.sent),
+            word,
             nist_a: get(signal::NIST_A).and_then(|value| i16::try_from(value).ok()),
             xist_a: get(signal::XIST_A).map(wrapped),
             aktsatz: get(signal::AKTSATZ).and_then(|value| u16::try_from(value).ok()),

@@ -71,7 +71,7 @@ pub struct ControlTimeout {
     pub function: u16,
     /// Its values; one that is not here leaves the drive as it is.
     pub actions: &'static [(i64, Deserted)],
-    /// Number of the warning while it does that, and of the fault of [`Deserted::Trip`].
+    /// Number of the warning while it does that, and of the fault of [`Deserted::Trips`].
     pub number: u16,
 }
 
