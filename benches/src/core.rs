@@ -3,34 +3,20 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use profidrive::parameter::{
-    Attributes, Dialect, ErrorNumber, Format, Keep, ParameterAccess, Request, serve,
-};
+use profidrive::parameter::{Dialect, Request, serve};
 
 use crate::table::Row;
 
+#[path = "../../crates/profidrive/benches/one_word/mod.rs"]
+mod one_word;
 #[path = "../../crates/virtual-drive/tests/pair/mod.rs"]
 mod pair;
+
+use one_word::OneWord;
 
 /// Rounds of a measurement, of which the least counts: what else a machine does only adds.
 const ROUNDS: u32 = 20;
 const REPETITIONS: u32 = 20_000;
-
-struct OneWord(u16);
-
-impl ParameterAccess for OneWord {
-    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
-        let word = Attributes::simple(Format::UNSIGNED16, 2, true);
-        (pnu == 930).then_some(word)
-    }
-    fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
-        Ok(self.0.into())
-    }
-    fn write(&mut self, _: u16, _: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
-        self.0 = raw as u16;
-        Ok(())
-    }
-}
 
 /// The least time of one `work`.
 fn least(mut work: impl FnMut()) -> Duration {

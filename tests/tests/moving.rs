@@ -96,7 +96,7 @@ fn a_jog_that_is_killed_leaves_a_note_of_the_speed_before() {
     let status = client(&lab, &["status", "akd-1", "--short"]).ok();
     assert!(
         status.out.contains("of a `profidrive jog` that was killed")
-            && status.out.contains("write akd-1 1004=60.0"),
+            && status.out.contains("write akd-1 1004=60rpm"),
         "{status:?}"
     );
     let again = client(&lab, &[jog.as_slice(), &["100ms"]].concat()).ok();

@@ -146,9 +146,9 @@ fn the_vlt_with_profinet_py() {
     let seen = run(&VLT, &rounds);
     for (round, seen) in rounds.iter().zip(&seen) {
         for seen in seen {
-            // Unsigned8, one value, a pad octet
+            // Unsigned16, one value
             let number = u8::try_from(round.telegram).unwrap();
-            assert_eq!(seen.answer, [0x11, 1, 0, 1, 5, 1, number, 0], "{seen:02X?}");
+            assert_eq!(seen.answer, [0x11, 1, 0, 1, 6, 1, 0, number], "{seen:02X?}");
         }
     }
     let speed =

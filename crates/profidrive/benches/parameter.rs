@@ -4,26 +4,10 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use profidrive::parameter::{
-    Attributes, Dialect, ErrorNumber, Format, Keep, ParameterAccess, ParameterAddress, Request, RequestId,
-    Response, serve,
-};
+use profidrive::parameter::{Dialect, ParameterAddress, Request, RequestId, Response, serve};
 
-struct OneWord(u16);
-
-impl ParameterAccess for OneWord {
-    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
-        let word = Attributes::simple(Format::UNSIGNED16, 2, true);
-        (pnu == 930).then_some(word)
-    }
-    fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
-        Ok(self.0.into())
-    }
-    fn write(&mut self, _: u16, _: u16, raw: u64, _: Keep) -> Result<(), ErrorNumber> {
-        self.0 = raw as u16;
-        Ok(())
-    }
-}
+mod one_word;
+use one_word::OneWord;
 
 fn benches(criterion: &mut Criterion) {
     let read = [5, 1, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0];

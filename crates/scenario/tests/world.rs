@@ -167,7 +167,9 @@ fn a_first_parameter_that_is_refused_is_told() {
         ip = "10.0.0.1/30"
         parameters = { 930 = 7 }
     "#;
-    let error = World::new(&text.parse().unwrap()).unwrap_err().to_string();
+    let error = text.parse::<Scenario>().unwrap_err();
+    assert_eq!(error.line, 5);
+    let error = error.to_string();
     assert!(error.contains("press-1") && error.contains("refused"), "{error}");
 }
 
