@@ -132,6 +132,8 @@ fn a_warning_during_a_good_run_is_put_in_words() {
 fn a_speed_that_is_never_reached_ends_the_run() {
     let lab = Lab::new("never");
     let _drive = simulate(&lab);
+    // a current that the drive bears for ever
+    client(&lab, &["write", "akd-1", "IL.LIMITP=1A", "IL.LIMITN=-1A"]).ok();
     client(&lab, &["inject", "akd-1", "block=on"]).ok();
     let ended = client(
         &lab,
