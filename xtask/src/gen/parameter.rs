@@ -52,6 +52,8 @@ struct FormatRow {
     name: String,
     octets: Octets,
     kind: String,
+    #[serde(default)]
+    integer: bool,
     verified: bool,
     source: String,
 }
@@ -131,11 +133,12 @@ fn formats(file: &FormatFile) -> Outcome<String> {
         for row in rows {
             writeln!(
                 text,
-                "    FormatInfo {{ code: {:#04x}, name: {:?}, octets: {}, kind: {}, verified: {}, source: {:?} }},",
+                "    FormatInfo {{ code: {:#04x}, name: {:?}, octets: {}, kind: {}, integer: {}, verified: {}, source: {:?} }},",
                 row.code,
                 row.name,
                 octets(row)?,
                 kind(row)?,
+                row.integer,
                 row.verified,
                 row.source
             )?;

@@ -38,6 +38,8 @@ pub struct FormatInfo {
     pub octets: Octets,
     /// How the octets are read.
     pub kind: Kind,
+    /// True for whole numbers and single bits, which a change may carry as one another.
+    pub integer: bool,
     /// False where no public document says the code or the length.
     pub verified: bool,
     /// Where this is from.
@@ -162,6 +164,24 @@ impl Format {
             4 => Some(Self::DOUBLE_WORD),
             _ => None,
         }
+    }
+
+    /// True when a change may carry a value of the type `own` in this format, the lengths being equal: the type itself,
+    /// Byte, Word and Double word, and another integer type in the place of one. Both are codes of `space`.
+    ///
+    /// ```
+    /// use profidrive::parameter::{CodeSpace, Format};
+    /// let carries = |format: Format, own| format.carries(own, CodeSpace::V4);
+    /// assert!(carries(Format::DOUBLE_WORD, Format::FLOAT32));
+    /// assert!(carries(Format::INTEGER32, Format::UNSIGNED32));
+    /// assert!(!carries(Format::FLOAT32, Format::UNSIGNED32));
+    /// ```
+    #[must_use]
+    pub fn carries(self, own: Self, space: CodeSpace) -> bool {
+        let is_integer = |format: Self| format.info(space).is_some_and(|info| info.integer);
+        self == own
+            || matches!(self, Self::BYTE | Self::WORD | Self::DOUBLE_WORD)
+            || is_integer(self) && is_integer(own)
     }
 
     /// Octets of `count` values without the pad octet; `left` is what remains in the block and decides where a

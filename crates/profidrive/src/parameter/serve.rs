@@ -6,7 +6,7 @@ use super::block::{BlockWriter, ValueBlock};
 use super::description::{Description, LENGTH as DESCRIPTION_LENGTH};
 use super::dialect::{ChangeResponse, Dialect};
 use super::error::{ErrorNames, ErrorNumber, ParameterError};
-use super::format::{CodeSpace, Format, Kind, Octets};
+use super::format::{CodeSpace, Format, Kind};
 use super::request::Request;
 use super::{DecodeError, Wrong};
 
@@ -364,14 +364,12 @@ impl Job<'_> {
         }
         self.count(span.count, self.dialect.too_many_values)?;
         let form = self.form(&facts)?;
-        let substituted = matches!(block.format, Format::BYTE | Format::WORD | Format::DOUBLE_WORD);
-        let same_kind = substituted
-            || block.format == facts.format.in_space(self.dialect.code_space)
-            || block
-                .format
-                .info(self.dialect.code_space)
-                .is_some_and(|info| matches!(info.octets, Octets::Fixed(_)));
-        if block.width() != form.octets || !same_kind {
+        let space = self.dialect.code_space;
+        let own = facts.format.in_space(space);
+        let carries = [own, form.format]
+            .iter()
+            .any(|&own| block.format.carries(own, space));
+        if block.width() != form.octets || !carries {
             return Err(ErrorNumber::DATA_TYPE.into());
         }
         let keep = self.id.keep();

@@ -61,6 +61,100 @@ fn formats_of_a_vlt_both_ways() {
     assert_eq!(number(VLT, "01 02 00 01 10 01 06 40 00 00 71 01 10 00"), 0x17);
 }
 
+/// Every format code with every type of data, for each dialect: a change is taken in the type itself, in the substitution
+/// code of its length, and for an integer in another integer type of that length. A format of another meaning is refused
+/// with 5, a code that is not a format of values with 0x17.
+#[test]
+fn a_change_in_a_format_of_another_meaning_is_refused() {
+    const TYPES: [Format; 13] = [
+        Format::INTEGER8,
+        Format::INTEGER16,
+        Format::INTEGER32,
+        Format::UNSIGNED8,
+        Format::UNSIGNED16,
+        Format::UNSIGNED32,
+        Format::FLOAT32,
+        Format::VISIBLE_STRING,
+        Format::OCTET_STRING,
+        Format::N2,
+        Format::V2,
+        Format::TIME_DIFFERENCE,
+        Format::OCTET_STRING2,
+    ];
+    // names, so that the test does not read the column which it tests
+    const INTEGERS: [&str; 15] = [
+        "Boolean",
+        "Integer8",
+        "Integer16",
+        "Integer32",
+        "Integer64",
+        "Unsigned8",
+        "Unsigned16",
+        "Unsigned32",
+        "Unsigned64",
+        "BitString8",
+        "BitString16",
+        "BitString32",
+        "BitString64",
+        "V2",
+        "L2",
+    ];
+    let name = |format: Format, space| format.info(space).map(|info| info.name);
+    let is_integer = |format, space| name(format, space).is_some_and(|name| INTEGERS.contains(&name));
+    for dialect in [&Dialect::STANDARD, &Dialect::AKD, VLT, VACON] {
+        let space = dialect.code_space;
+        for own in TYPES {
+            let octets = own.data_len(CodeSpace::V4, 1, 4).unwrap();
+            let facts = Attributes::simple(own, octets, true);
+            let own = own.in_space(space);
+            for format in (0..=u8::MAX).map(Format) {
+                let length = format.data_len(space, 1, 4);
+                let data = alloc::vec![0; length.unwrap_or(2).next_multiple_of(2)];
+                let head = [1, 2, dialect.axis, 1, 0x10, 1, 0, 9, 0, 0, format.0, 1];
+                let request = [&head[..], &data].concat();
+                let mut out = [0; 240];
+                let written = serve(&request, dialect, &mut OneValue(facts), &mut out).unwrap();
+                let answer = match &out[..written] {
+                    [_, 2, _, 1, ..] => None,
+                    [_, 0x82, _, 1, 0x44, _, high, low, ..] => Some(u16::from_be_bytes([*high, *low])),
+                    other => panic!("{other:02X?}"),
+                };
+                let same_meaning = format == own
+                    || matches!(format.0, 0x41..=0x43)
+                    || is_integer(format, space) && is_integer(own, space);
+                let expected = match length {
+                    None => Some(0x17),
+                    Some(_) if matches!(format.0, 0x00 | 0x40 | 0x44) => Some(0x17),
+                    Some(length) if length == octets && same_meaning => None,
+                    Some(_) => Some(0x05),
+                };
+                assert_eq!(
+                    answer, expected,
+                    "{}: {format} for {own} of {octets}",
+                    dialect.name
+                );
+            }
+        }
+    }
+}
+
+/// A parameter, whatever its number.
+struct OneValue(Attributes);
+
+impl ParameterAccess for OneValue {
+    fn attributes(&self, _: u16, _: u16) -> Option<Attributes> {
+        Some(self.0)
+    }
+
+    fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
+        Ok(0)
+    }
+
+    fn write(&mut self, _: u16, _: u16, _: u64, _: Keep) -> Result<(), ErrorNumber> {
+        Ok(())
+    }
+}
+
 /// Request 0x42 is kept, 0x02 is not; the other makers do not have it.
 #[test]
 fn a_vlt_keeps_what_it_is_told_to_keep() {
