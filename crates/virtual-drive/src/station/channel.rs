@@ -105,12 +105,14 @@ impl<K> Default for Channels<K> {
 }
 
 impl<K: Copy + PartialEq> Channels<K> {
-    /// From the next request on.
-    pub const fn set_fault(&mut self, fault: AnswerFault) {
+    /// Sets how requests are answered from the next one on. A request that would never have been answered is forgotten.
+    pub fn set_fault(&mut self, fault: AnswerFault) {
+        self.waiting.retain(|(_, ready, _)| ready.is_some());
         self.fault = fault;
     }
 
-    /// Takes a request; an answer that was not fetched is given up.
+    /// Processes a request of a connection. An answer that is ready and was not fetched is discarded. While the previous
+    /// request of the connection is still being processed, nothing is done and the request is refused with 0xB5.
     pub fn write(
         &mut self,
         now: Instant,
@@ -118,6 +120,12 @@ impl<K: Copy + PartialEq> Channels<K> {
         request: &[u8],
         drive: &mut Drive,
     ) -> Result<(), PnioStatus> {
+        let busy = |(known, ready, _): &(K, Option<Instant>, Vec<u8>)| {
+            *known == relation && ready.is_none_or(|ready| ready > now)
+        };
+        if self.waiting.iter().any(busy) {
+            return Err(PnioStatus::write(code1::STATE_CONFLICT));
+        }
         let mut out = [0; LONGEST];
         let length = match self.fault {
             AnswerFault::Error(number) => refuse_all(request, number, &mut out),
@@ -189,6 +197,7 @@ fn refuse_all(request: &[u8], number: u16, out: &mut [u8]) -> Result<usize, Refu
 mod tests {
     use super::*;
     use crate::model::AKD;
+    use profidrive::parameter::ParameterAccess;
 
     const READ_922: [u8; 10] = [1, 1, 0, 1, 0x10, 1, 0x03, 0x9A, 0, 0];
     const NOW: Instant = Instant::ZERO;
@@ -221,6 +230,48 @@ mod tests {
         assert_eq!(channels.read(NOW, Some(1), 240).unwrap()[0], 2);
         channels.forget(7);
         assert_eq!(channels.read(NOW, Some(7), 240), Err(NOT_READY));
+    }
+
+    /// DF 80 B5 00, and the first change is answered as if nothing had come in between.
+    #[test]
+    fn a_second_request_is_refused_while_the_first_is_processed() {
+        let mut drive = Drive::new(&AKD);
+        let mut channels = Channels::default();
+        channels.set_fault("late 500ms".parse().unwrap());
+        let change = [7, 2, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, 0x42, 1, 0, 2];
+        channels.write(NOW, 1, &change, &mut drive).unwrap();
+        let busy = PnioStatus::write(code1::STATE_CONFLICT);
+        assert_eq!(busy.to_u32(), 0xDF80_B500);
+        let at = |ms| NOW + Duration::from_millis(ms);
+        let mut second = change;
+        second[13] = 1;
+        for ms in [0, 499] {
+            assert_eq!(channels.write(at(ms), 1, &second, &mut drive), Err(busy));
+            assert_eq!(channels.read(at(ms), Some(1), 240), Err(NOT_READY));
+        }
+        // another connection has a channel of its own
+        assert_eq!(channels.write(at(499), 2, &READ_922, &mut drive), Ok(()));
+        assert_eq!(channels.read(at(500), Some(1), 240), Ok(vec![7, 2, 0, 1, 0, 0]));
+        assert_eq!(
+            drive.read(930, 0),
+            Ok(2),
+            "the refused change was not carried out"
+        );
+        assert_eq!(channels.write(at(500), 1, &READ_922, &mut drive), Ok(()));
+    }
+
+    #[test]
+    fn a_request_without_an_answer_is_forgotten_with_the_fault() {
+        let mut drive = Drive::new(&AKD);
+        let mut channels = Channels::default();
+        channels.set_fault(AnswerFault::Silent);
+        channels.write(NOW, 1, &READ_922, &mut drive).unwrap();
+        let much_later = NOW + Duration::from_secs(3600);
+        let busy = PnioStatus::write(code1::STATE_CONFLICT);
+        assert_eq!(channels.write(much_later, 1, &READ_922, &mut drive), Err(busy));
+        channels.set_fault(AnswerFault::None);
+        assert_eq!(channels.write(much_later, 1, &READ_922, &mut drive), Ok(()));
+        assert!(channels.read(much_later, Some(1), 240).is_ok());
     }
 
     #[test]

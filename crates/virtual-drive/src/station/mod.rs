@@ -171,7 +171,7 @@ impl Station {
     }
 
     /// Lets the parameter manager answer wrongly, late or not at all, from the next request on.
-    pub const fn set_answer_fault(&mut self, fault: AnswerFault) {
+    pub fn set_answer_fault(&mut self, fault: AnswerFault) {
         self.channels.set_fault(fault);
     }
 
