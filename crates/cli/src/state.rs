@@ -1,115 +1,197 @@
 //! What a virtual drive keeps over a restart, in a folder: `NAME.network.json` and `NAME.parameters`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
 
-use network::files::{StateFile, StateFileError};
+use network::files::{Beside, StateFile, StateFileError};
+use network::linux::{FolderLock, LockError};
 use profinet::IpSuite;
 use profinet::device::{ImRecords, Stored};
-use serde_json::Value;
-use virtual_drive::store::{Storage, save};
+use serde_json::{Map, Value};
+use virtual_drive::model::Model;
+use virtual_drive::store::{Image, ImageError, Storage, crc32, save};
 
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::SCHEMA;
 
-/// Makes the folder and sees whether it can be written to, before a drive promises to keep something in it.
-pub fn usable(folder: &Path) -> Result<(), Failure> {
-    let probe = StateFile::new(folder.join(format!(".probe-{}", std::process::id())));
-    probe.replace(b"").and_then(|()| probe.remove()).map_err(|error| {
-        Failure::new(Exit::Failed, format!("--state {}: {error}", folder.display()))
-            .hint("choose a folder that can be written to")
-    })
+/// Times that a folder in use is tried again: a simulation that was just ended may still be saving.
+const ATTEMPTS: u32 = 40;
+/// Time between two of them.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// The folder of a simulation; no other one uses it as long as this value lives.
+#[derive(Debug)]
+pub struct StateFolder {
+    path: PathBuf,
+    _lock: FolderLock,
+}
+
+impl StateFolder {
+    /// Makes the folder, checks that it can be written to and takes it for this process.
+    ///
+    /// # Errors
+    /// When it cannot be written to, or when another simulation uses it.
+    pub fn open(path: &Path) -> Result<Self, Failure> {
+        let holder = format!("`profidrive simulate`, process {}", std::process::id());
+        let mut attempts = 0..ATTEMPTS;
+        let lock = loop {
+            match FolderLock::take(path, &holder) {
+                Err(LockError::Held { .. }) if attempts.next().is_some() => sleep(PAUSE),
+                other => break other,
+            }
+        };
+        let lock = lock.map_err(|error| {
+            let failure = Failure::new(Exit::Failed, format!("--state: {error}"));
+            match error {
+                LockError::Held { .. } => failure.hint("end that simulation, or give each its own folder"),
+                LockError::File(_) => failure.hint("choose a folder that can be written to"),
+            }
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            _lock: lock,
+        })
+    }
+
+    /// The files of the drive `key`.
+    pub fn drive(&self, key: &str) -> DriveState {
+        let file = |ending: &str| StateFile::new(self.path.join(format!("{key}.{ending}")));
+        DriveState {
+            files: Some((file("network.json"), file("parameters"))),
+        }
+    }
+}
+
+/// What was read of one file.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Found<T> {
+    /// The content; `None` for a drive that starts for the first time, or with the values as delivered.
+    pub content: Option<T>,
+    /// Why the file was set aside, and its new name.
+    pub warning: Option<String>,
 }
 
 /// The files of one drive; without a folder nothing is kept.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct DriveState {
     files: Option<(StateFile, StateFile)>,
 }
 
 impl DriveState {
-    /// The files of the drive `key` in `folder`.
-    pub fn new(folder: Option<&Path>, key: &str) -> Self {
-        let file = |folder: &Path, ending: &str| StateFile::new(folder.join(format!("{key}.{ending}")));
-        Self {
-            files: folder.map(|folder| (file(folder, "network.json"), file(folder, "parameters"))),
-        }
-    }
-
     /// True when there is a folder to keep things in.
     pub const fn is_kept(&self) -> bool {
         self.files.is_some()
     }
 
-    /// Name, address and I&M data; `None` for a drive that starts for the first time.
-    pub fn read_network(&self) -> Result<Option<Stored>, Failure> {
-        let Some((file, _)) = &self.files else {
-            return Ok(None);
-        };
-        let Some(content) = file
-            .read()
-            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?
-        else {
-            return Ok(None);
-        };
-        decode(&content).map(Some).ok_or_else(|| {
-            let path = file.path().display();
-            Failure::new(Exit::Failed, format!("{path} is no state of a drive"))
-                .hint("move the file away to start with a new drive")
-        })
+    /// Reads name, address and I&M data. A file that is damaged or holds what no drive can have is set aside.
+    ///
+    /// # Errors
+    /// When the file cannot be read or not be set aside.
+    pub fn read_network(&self) -> Result<Found<Stored>, Failure> {
+        match &self.files {
+            Some((file, _)) => checked(file, decode),
+            None => Ok(Found::default()),
+        }
     }
 
     /// Keeps them.
     pub fn write_network(&self, network: &Stored) -> Result<(), Failure> {
-        let Some((file, _)) = &self.files else {
-            return Ok(());
-        };
-        save(&mut OnDisk(file), &encode(network))
-            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+        match &self.files {
+            Some((file, _)) => write(file, &encode(network)),
+            None => Ok(()),
+        }
     }
 
-    /// The saved parameters.
-    pub fn read_parameters(&self) -> Result<Option<Vec<u8>>, Failure> {
+    /// Reads the saved parameters of a drive of `model`. A file that is damaged or of another model is set aside.
+    ///
+    /// # Errors
+    /// When the file cannot be read or not be set aside.
+    pub fn read_parameters(&self, model: &Model) -> Result<Found<Vec<u8>>, Failure> {
         let Some((_, file)) = &self.files else {
-            return Ok(None);
+            return Ok(Found::default());
         };
-        file.read()
-            .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+        checked(file, |content| {
+            let image = Image::decode(content).map_err(|error| error.to_string())?;
+            let expected = model.catalogue.model;
+            if image.model() == expected {
+                return Ok(content.to_owned());
+            }
+            let found = image.model().to_owned();
+            Err(ImageError::Model { found, expected }.to_string())
+        })
     }
 
     /// Keeps them.
     pub fn write_parameters(&self, text: &str) -> Result<(), Failure> {
-        let Some((_, file)) = &self.files else {
-            return Ok(());
-        };
-        save(&mut OnDisk(file), text).map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+        match &self.files {
+            Some((_, file)) => write(file, text),
+            None => Ok(()),
+        }
     }
 }
 
+/// Reads a file; where `decode` says what is wrong with it, it is renamed, so that nothing is lost and the drive can start.
+fn checked<T>(file: &StateFile, decode: impl Fn(&[u8]) -> Result<T, String>) -> Result<Found<T>, Failure> {
+    let failed = |error: StateFileError| Failure::new(Exit::Failed, error.to_string());
+    let Some(content) = file.read().map_err(failed)? else {
+        return Ok(Found {
+            content: None,
+            warning: None,
+        });
+    };
+    match decode(&content) {
+        Ok(content) => Ok(Found {
+            content: Some(content),
+            warning: None,
+        }),
+        Err(why) => {
+            let aside = file.set_aside().map_err(failed)?;
+            let (path, aside) = (file.path().display(), aside.display());
+            Ok(Found {
+                content: None,
+                warning: Some(format!(
+                    "{path} is not used: {why}. The drive starts with the values as delivered; the file is kept as {aside}"
+                )),
+            })
+        }
+    }
+}
+
+fn write(file: &StateFile, text: &str) -> Result<(), Failure> {
+    save(&mut OnDisk { file, beside: None }, text)
+        .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
+}
+
 /// A file as the place the drive saves to.
-struct OnDisk<'f>(&'f StateFile);
+struct OnDisk<'f> {
+    file: &'f StateFile,
+    beside: Option<Beside>,
+}
 
 impl Storage for OnDisk<'_> {
     type Error = StateFileError;
 
     fn read(&mut self) -> Result<Option<Vec<u8>>, StateFileError> {
-        self.0.read()
+        self.file.read()
     }
 
     fn write_beside(&mut self, bytes: &[u8]) -> Result<(), StateFileError> {
-        self.0.write_beside(bytes)
+        self.beside = Some(self.file.write_beside(bytes)?);
+        Ok(())
     }
 
     fn flush_beside(&mut self) -> Result<(), StateFileError> {
-        self.0.flush_beside()
+        self.beside.as_ref().map_or(Ok(()), Beside::flush)
     }
 
     fn replace(&mut self) -> Result<(), StateFileError> {
-        self.0.put_in_place()
+        self.beside.take().map_or(Ok(()), Beside::put_in_place)
     }
 
     fn flush_place(&mut self) -> Result<(), StateFileError> {
-        self.0.flush_place()
+        self.file.flush_place()
     }
 }
 
@@ -118,22 +200,48 @@ fn hex(octets: &[u8]) -> String {
 }
 
 fn encode(network: &Stored) -> String {
-    let fields = fields! {
+    let mut fields = fields! {
         "schema": SCHEMA, "kind": "virtual drive",
         "name": network.name.as_str(), "ip": network.ip.address.to_string(), "mask": network.ip.mask.to_string(),
         "gateway": network.ip.gateway.to_string(), "im1": hex(&network.im.im1), "im2": hex(&network.im.im2),
         "im3": hex(&network.im.im3), "im4": hex(&network.im.im4),
     };
+    fields.insert(CHECKSUM.into(), checksum(&fields).into());
     format!("{:#}\n", Value::Object(fields))
 }
 
-fn decode(content: &[u8]) -> Option<Stored> {
-    let value: Value = serde_json::from_slice(content).ok()?;
-    if value.get("schema")?.as_str()? != SCHEMA {
+/// Field with the checksum of all others.
+const CHECKSUM: &str = "checksum";
+
+/// CRC-32 of the fields as compact JSON, so that the layout of the text does not matter.
+fn checksum(fields: &Map<String, Value>) -> String {
+    let text = Value::Object(fields.clone()).to_string();
+    format!("{:08x}", crc32(text.as_bytes()))
+}
+
+/// Decodes and checks a state; says what is wrong with it. Files of earlier versions have no checksum: they are taken
+/// when their values are valid, so that a drive keeps its name when the program is replaced.
+fn decode(content: &[u8]) -> Result<Stored, String> {
+    let not_one = || "it is not the state of a drive".to_owned();
+    let Ok(Value::Object(mut fields)) = serde_json::from_slice(content) else {
+        return Err(not_one());
+    };
+    if let Some(found) = fields.remove(CHECKSUM)
+        && found != checksum(&fields).as_str()
+    {
+        return Err("it is damaged or was changed by hand: the checksum does not match".to_owned());
+    }
+    let stored = stored(&fields).ok_or_else(not_one)?;
+    stored.check().map_err(|error| error.to_string())?;
+    Ok(stored)
+}
+
+fn stored(fields: &Map<String, Value>) -> Option<Stored> {
+    let text = |name: &str| fields.get(name)?.as_str();
+    let address = |name| text(name)?.parse().ok();
+    if text("schema")? != SCHEMA {
         return None;
     }
-    let text = |name: &str| value.get(name)?.as_str();
-    let address = |name| text(name)?.parse().ok();
     Some(Stored {
         name: text("name")?.to_owned(),
         ip: IpSuite {
@@ -164,10 +272,28 @@ fn octets<const N: usize>(text: &str) -> Option<[u8; N]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
     use std::net::Ipv4Addr;
+    use virtual_drive::model::{AKD, VLT};
 
-    #[test]
-    fn what_is_kept_comes_back() {
+    /// A folder of its own for a test, removed with it.
+    struct Place(PathBuf);
+
+    impl Place {
+        fn new(name: &str) -> Self {
+            let path = std::env::temp_dir().join(format!("profidrive-{name}-{}", std::process::id()));
+            let _ = fs::remove_dir_all(&path);
+            Self(path)
+        }
+    }
+
+    impl Drop for Place {
+        fn drop(&mut self) {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+
+    fn example() -> Stored {
         let mut stored = Stored {
             name: "akd-1".into(),
             ip: IpSuite {
@@ -178,34 +304,116 @@ mod tests {
             ..Stored::default()
         };
         stored.im.im1[..4].copy_from_slice(b"feed");
-        assert_eq!(decode(encode(&stored).as_bytes()), Some(stored));
+        stored
+    }
+
+    #[test]
+    fn what_is_kept_comes_back() {
+        assert_eq!(decode(encode(&example()).as_bytes()), Ok(example()));
+    }
+
+    #[test]
+    fn a_state_of_an_earlier_version_has_no_checksum_and_is_taken() {
+        let text = encode(&example());
+        let lines: Vec<&str> = text.lines().filter(|line| !line.contains(CHECKSUM)).collect();
+        assert_eq!(lines.len() + 1, text.lines().count());
+        assert_eq!(decode(lines.join("\n").as_bytes()), Ok(example()));
+    }
+
+    #[test]
+    fn a_state_that_no_drive_can_have_is_not_taken() {
+        let long = "a".repeat(5000);
+        for (field, value, why) in [
+            ("name", "../../etc/passwd", "the name is not valid"),
+            ("name", long.as_str(), "at most 240 characters, this has 5000"),
+            ("name", "\u{1b}[2J", "the name is not valid"),
+            ("ip", "255.255.255.255", "the address is not valid"),
+            ("mask", "255.0.255.0", "the address is not valid"),
+            ("ip", "here", "not the state of a drive"),
+            ("im1", "00", "not the state of a drive"),
+        ] {
+            let mut fields: Map<String, Value> = serde_json::from_str(&encode(&example())).unwrap();
+            fields.insert(field.into(), value.into());
+            let changed = Value::Object(fields.clone()).to_string();
+            let error = decode(changed.as_bytes()).unwrap_err();
+            assert!(error.contains("checksum does not match"), "{error}");
+            // also where the one who wrote it made a checksum, or none
+            fields.remove(CHECKSUM);
+            let error = decode(Value::Object(fields.clone()).to_string().as_bytes()).unwrap_err();
+            assert!(error.contains(why), "{field} {value}: {error}");
+            let sum = checksum(&fields);
+            fields.insert(CHECKSUM.into(), sum.into());
+            let error = decode(Value::Object(fields).to_string().as_bytes()).unwrap_err();
+            assert!(error.contains(why), "{field} {value}: {error}");
+        }
+        for content in ["", "{}", "{\"schema\":\"other/1\"}", "not json"] {
+            let error = decode(content.as_bytes()).unwrap_err();
+            assert!(error.contains("not the state of a drive"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_broken_file_is_kept_beside_and_the_drive_starts_as_delivered() {
+        let place = Place::new("broken");
+        let folder = StateFolder::open(&place.0).unwrap();
+        let drive = folder.drive("akd-1");
+        drive.write_network(&example()).unwrap();
+        assert_eq!(drive.read_network().unwrap().content, Some(example()));
+        let (network, parameters) = (
+            place.0.join("akd-1.network.json"),
+            place.0.join("akd-1.parameters"),
+        );
+        fs::write(&network, "half of").unwrap();
+        let found = drive.read_network().unwrap();
+        let warning = found.warning.unwrap();
+        assert!(
+            found.content.is_none() && warning.contains("akd-1.network.json.broken"),
+            "{warning}"
+        );
+        assert_eq!(
+            fs::read(place.0.join("akd-1.network.json.broken")).unwrap(),
+            b"half of"
+        );
+        assert_eq!(drive.read_network().unwrap(), Found::default());
+
+        let saved = Image::new("AKD").encode();
+        drive.write_parameters(&saved).unwrap();
+        assert_eq!(
+            drive.read_parameters(&AKD).unwrap().content,
+            Some(saved.clone().into_bytes())
+        );
+        let other = drive.read_parameters(&VLT).unwrap().warning.unwrap();
+        assert!(
+            other.contains("of a AKD") && other.contains("akd-1.parameters.broken"),
+            "{other}"
+        );
+        fs::write(&parameters, saved.replace("checksum", "checksun")).unwrap();
+        let damaged = drive.read_parameters(&AKD).unwrap().warning.unwrap();
+        assert!(damaged.contains("akd-1.parameters.broken-2"), "{damaged}");
+    }
+
+    #[test]
+    fn a_folder_is_of_one_simulation_at_a_time_and_nothing_stays_in_it() {
+        let place = Place::new("folder");
+        let first = StateFolder::open(&place.0).unwrap();
+        let failure = StateFolder::open(&place.0).unwrap_err();
+        let who = format!("in use by `profidrive simulate`, process {}", std::process::id());
+        assert!(failure.message.contains(&who), "{failure}");
+        drop(first);
+        assert_eq!(fs::read_dir(&place.0).unwrap().count(), 0);
     }
 
     #[test]
     fn a_folder_that_cannot_be_used_is_told_at_once() {
-        let folder = std::env::temp_dir().join(format!("profidrive-state-{}", std::process::id()));
-        assert_eq!(usable(&folder), Ok(()));
-        assert_eq!(
-            std::fs::read_dir(&folder).unwrap().count(),
-            0,
-            "nothing left behind"
-        );
-        std::fs::remove_dir_all(&folder).unwrap();
-        std::fs::write(&folder, "a file").unwrap();
-        let failure = usable(&folder).unwrap_err();
+        let place = Place::new("state");
+        fs::write(&place.0, "a file").unwrap();
+        let failure = StateFolder::open(&place.0).unwrap_err();
         assert!(failure.message.contains("--state"), "{failure}");
-        std::fs::remove_file(&folder).unwrap();
+        fs::remove_file(&place.0).unwrap();
     }
 
     #[test]
-    fn other_files_are_no_state() {
-        for content in ["", "{}", "{\"schema\":\"other/1\"}", "not json"] {
-            assert_eq!(decode(content.as_bytes()), None);
-        }
-        assert!(
-            DriveState::new(None, "akd-1")
-                .read_network()
-                .is_ok_and(|network| network.is_none())
-        );
+    fn without_a_folder_nothing_is_kept() {
+        assert_eq!(DriveState::default().read_network(), Ok(Found::default()));
     }
 }

@@ -1,12 +1,22 @@
-//! Files that are replaced whole or not at all.
+//! Files that are replaced whole or not at all, and files in folders that others can write to as well.
 
-use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::{self, DirBuilder, File, Metadata, OpenOptions};
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Read, Write};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 /// Largest state file that is read; anything longer is not one of ours.
 pub const MAX_STATE: u64 = 16 << 20;
+
+/// Mode of files that belong to this user alone.
+const PRIVATE: u32 = 0o600;
+/// Mode of files that a user named: the umask decides.
+const SHARED: u32 = 0o666;
+/// Ending of files that are written before they take the place of another one.
+const BESIDE: &str = ".new";
+/// Hexadecimal digits of the random part of their names.
+const DIGITS: usize = 16;
 
 /// What went wrong with a state file.
 #[derive(Debug, thiserror::Error)]
@@ -23,7 +33,8 @@ pub struct StateFileError {
 /// A small file that holds the old content or the new one, never a mixture, whenever the program or the machine
 /// stops: written beside, made durable, then renamed over the old one.
 ///
-/// One writer at a time; readers at any time.
+/// The file beside has a random name and is created exclusively, so that a link which somebody planted in the folder
+/// is never followed. One writer at a time; readers at any time.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -39,13 +50,28 @@ pub struct StateFileError {
 #[derive(Debug, Clone)]
 pub struct StateFile {
     path: PathBuf,
+    private: bool,
 }
 
 impl StateFile {
-    /// Names the file; nothing is touched yet.
+    /// Returns the file of a program: readable by this user alone (mode 0600), and not read through a link. Nothing is
+    /// touched yet.
     #[must_use]
     pub fn new(path: impl Into<PathBuf>) -> Self {
-        Self { path: path.into() }
+        Self {
+            path: path.into(),
+            private: true,
+        }
+    }
+
+    /// Returns a file that the user named: its mode is up to the umask, and it may be read through a link. Nothing is
+    /// touched yet.
+    #[must_use]
+    pub fn document(path: impl Into<PathBuf>) -> Self {
+        Self {
+            path: path.into(),
+            private: false,
+        }
     }
 
     /// Where the file is.
@@ -54,12 +80,17 @@ impl StateFile {
         &self.path
     }
 
-    /// The content, `None` if there is no such file yet.
+    /// Returns the content, `None` if there is no such file yet.
     ///
     /// # Errors
-    /// When the file cannot be read or is longer than [`MAX_STATE`].
+    /// When the file cannot be read, is longer than [`MAX_STATE`], or is a file of a program and not a regular one.
     pub fn read(&self) -> Result<Option<Vec<u8>>, StateFileError> {
-        let file = match File::open(&self.path) {
+        let opened = if self.private {
+            open_regular(OpenOptions::new().read(true), &self.path)
+        } else {
+            File::open(&self.path)
+        };
+        let file = match opened {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other.map_err(|source| self.error("open", source))?,
         };
@@ -79,60 +110,47 @@ impl StateFile {
     /// # Errors
     /// When anything on the way fails; the old content is then still there.
     pub fn replace(&self, content: &[u8]) -> Result<(), StateFileError> {
-        self.write_beside(content)?;
-        self.flush_beside()?;
-        self.put_in_place()?;
+        let beside = self.write_beside(content)?;
+        beside.flush()?;
+        beside.put_in_place()?;
         self.flush_place()
     }
 
-    /// First step of [`replace`](Self::replace): the new content in a file of its own; makes the folder if need be.
+    /// First step of [`replace`](Self::replace): writes the new content into a file of its own; makes the folder if
+    /// need be.
     ///
     /// # Errors
     /// When the folder or the file cannot be written.
-    pub fn write_beside(&self, content: &[u8]) -> Result<(), StateFileError> {
-        let folder = self.folder();
-        fs::create_dir_all(folder).map_err(|source| at(folder, "make", source))?;
-        let beside = self.beside();
-        let mut file = File::create(&beside).map_err(|source| at(&beside, "create", source))?;
-        file.write_all(content)
-            .map_err(|source| at(&beside, "write", source))
+    pub fn write_beside(&self, content: &[u8]) -> Result<Beside, StateFileError> {
+        let folder = folder_of(&self.path);
+        let mut builder = DirBuilder::new();
+        builder
+            .recursive(true)
+            .mode(if self.private { 0o700 } else { 0o777 })
+            .create(folder)
+            .map_err(|source| at(folder, "make", source))?;
+        let (file, path) = self.create_beside()?;
+        let mut beside = Beside {
+            file,
+            path,
+            place: self.path.clone(),
+        };
+        beside
+            .file
+            .write_all(content)
+            .map_err(|source| at(&beside.path, "write", source))?;
+        Ok(beside)
     }
 
-    /// Second step: returns when the new content is on the disk.
-    ///
-    /// # Errors
-    /// When the disk refuses.
-    pub fn flush_beside(&self) -> Result<(), StateFileError> {
-        let beside = self.beside();
-        File::open(&beside)
-            .and_then(|file| file.sync_all())
-            .map_err(|source| at(&beside, "write", source))
-    }
-
-    /// Third step: the new content takes the place of the old one, at once.
-    ///
-    /// # Errors
-    /// When the file cannot be renamed.
-    pub fn put_in_place(&self) -> Result<(), StateFileError> {
-        fs::rename(self.beside(), &self.path).map_err(|source| self.error("replace", source))
-    }
-
-    /// Fourth step: returns when the new name is on the disk.
+    /// Last step of [`replace`](Self::replace): returns when the new name is on the disk.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn flush_place(&self) -> Result<(), StateFileError> {
-        let folder = self.folder();
+        let folder = folder_of(&self.path);
         File::open(folder)
             .and_then(|folder| folder.sync_all())
             .map_err(|source| at(folder, "write", source))
-    }
-
-    fn folder(&self) -> &Path {
-        match self.path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        }
     }
 
     /// Removes the file; no error if there is none.
@@ -146,16 +164,178 @@ impl StateFile {
         }
     }
 
-    /// The file that is written before it takes the place of the old one.
-    fn beside(&self) -> PathBuf {
-        let mut name = self.path.file_name().map_or_else(OsString::new, OsString::from);
-        name.push(".new");
-        self.path.with_file_name(name)
+    /// Renames the file to `NAME.broken`, or to `NAME.broken-2` and so on where that name is in use, and returns the new
+    /// path.
+    ///
+    /// # Errors
+    /// When it cannot be renamed.
+    pub fn set_aside(&self) -> Result<PathBuf, StateFileError> {
+        let aside = |number: u32| match number {
+            1 => suffixed(&self.path, ".broken"),
+            more => suffixed(&self.path, &format!(".broken-{more}")),
+        };
+        let free = (1..u32::MAX)
+            .map(aside)
+            .find(|path| fs::symlink_metadata(path).is_err())
+            .unwrap_or_else(|| aside(1));
+        fs::rename(&self.path, &free).map_err(|source| self.error("rename", source))?;
+        Ok(free)
+    }
+
+    /// Creates a file beside that was not there before: in the open of `O_EXCL` a link counts as a file.
+    fn create_beside(&self) -> Result<(File, PathBuf), StateFileError> {
+        let mode = if self.private { PRIVATE } else { SHARED };
+        let random = RandomState::new();
+        let mut attempt = 0_u32;
+        loop {
+            let number = random.hash_one(attempt);
+            let path = suffixed(&self.path, &format!(".{number:0DIGITS$x}{BESIDE}"));
+            match OpenOptions::new()
+                .write(true)
+                .create_new(true)
+                .mode(mode)
+                .open(&path)
+            {
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 8 => attempt += 1,
+                other => {
+                    let file = other.map_err(|source| at(&path, "create", source))?;
+                    return Ok((file, path));
+                }
+            }
+        }
     }
 
     fn error(&self, action: &'static str, source: io::Error) -> StateFileError {
         at(&self.path, action, source)
     }
+}
+
+/// New content that has not taken its place yet; removed when it never does.
+#[derive(Debug)]
+pub struct Beside {
+    file: File,
+    path: PathBuf,
+    place: PathBuf,
+}
+
+impl Beside {
+    /// Returns when the new content is on the disk.
+    ///
+    /// # Errors
+    /// When the disk refuses.
+    pub fn flush(&self) -> Result<(), StateFileError> {
+        self.file
+            .sync_all()
+            .map_err(|source| at(&self.path, "write", source))
+    }
+
+    /// Puts the new content in the place of the old one, at once.
+    ///
+    /// # Errors
+    /// When the file cannot be renamed.
+    pub fn put_in_place(self) -> Result<(), StateFileError> {
+        fs::rename(&self.path, &self.place).map_err(|source| at(&self.place, "replace", source))
+    }
+}
+
+impl Drop for Beside {
+    fn drop(&mut self) {
+        // in its place the file has another name; nobody else has this one
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Removes what killed programs left in `folder` before it took its place. Nobody may be writing there.
+pub fn sweep(folder: &Path) {
+    let is_left = |name: &str| {
+        let random = name.strip_suffix(BESIDE).and_then(|name| name.rsplit_once('.'));
+        random.is_some_and(|(_, digits)| {
+            digits.len() == DIGITS && digits.bytes().all(|digit| digit.is_ascii_hexdigit())
+        })
+    };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(is_left) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Creates or empties a file that the user named, to write a stream into it.
+///
+/// In a folder that others can write to, an existing link or a file of somebody else is refused: somebody may have
+/// planted it there, so that a program with more permissions overwrites another file. Elsewhere links are followed
+/// (`/dev/stdout`).
+///
+/// # Errors
+/// When the file cannot be created, or must not be written.
+pub fn create(path: &Path) -> Result<File, StateFileError> {
+    let failed = |source| at(path, "create", source);
+    let folder = folder_of(path);
+    let shared = fs::metadata(folder).is_ok_and(|folder| folder.mode() & 0o022 != 0);
+    if !shared {
+        return File::create(path).map_err(failed);
+    }
+    let planted = |why: &str| {
+        failed(io::Error::other(format!(
+            "{why}, in a folder that others can write to; remove it or choose another name"
+        )))
+    };
+    let mut options = OpenOptions::new();
+    options
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .custom_flags(libc::O_NOFOLLOW);
+    let file = match options.open(path) {
+        Err(error) if error.raw_os_error() == Some(libc::ELOOP) => return Err(planted("it is a link")),
+        other => other.map_err(failed)?,
+    };
+    let found = file.metadata().map_err(failed)?;
+    if found.uid() != user().map_err(failed)? || (found.is_file() && found.nlink() != 1) {
+        return Err(planted("it is not a file of this user alone"));
+    }
+    if found.is_file() {
+        file.set_len(0).map_err(failed)?;
+    }
+    Ok(file)
+}
+
+/// Opens a file that must be a regular one: no link, and nothing that would wait for a writer.
+fn open_regular(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
+    let opened = options
+        .custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK)
+        .open(path);
+    let file = match opened {
+        Err(error) if error.raw_os_error() == Some(libc::ELOOP) => {
+            return Err(io::Error::other("it is a link, which is not followed here"));
+        }
+        other => other?,
+    };
+    if file.metadata()?.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if !file.metadata()?.is_file() {
+        return Err(io::Error::other("it is not a regular file"));
+    }
+    Ok(file)
+}
+
+/// The user this program runs as: the owner of its entry in /proc.
+fn user() -> io::Result<u32> {
+    fs::metadata("/proc/self").map(|own: Metadata| own.uid())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+fn suffixed(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(suffix);
+    path.with_file_name(name)
 }
 
 fn at(path: &Path, action: &'static str, source: io::Error) -> StateFileError {
@@ -169,6 +349,7 @@ fn at(path: &Path, action: &'static str, source: io::Error) -> StateFileError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::fs::{PermissionsExt, symlink};
 
     struct Folder(PathBuf);
 
@@ -177,6 +358,15 @@ mod tests {
             let path = std::env::temp_dir().join(format!("network-{name}-{}", std::process::id()));
             let _ = fs::remove_dir_all(&path);
             Self(path)
+        }
+
+        fn names(&self) -> Vec<String> {
+            let entries = fs::read_dir(&self.0).unwrap();
+            let mut names: Vec<String> = entries
+                .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+                .collect();
+            names.sort();
+            names
         }
     }
 
@@ -206,29 +396,124 @@ mod tests {
     }
 
     #[test]
-    fn a_write_that_was_killed_does_not_matter() {
+    fn a_write_that_was_killed_does_not_matter_and_is_swept_away() {
         let folder = Folder::new("killed");
         let file = StateFile::new(folder.0.join("state"));
         file.replace(b"old").unwrap();
-        fs::write(file.beside(), b"half of the n").unwrap();
+        let killed = file.write_beside(b"half of the n").unwrap();
+        std::mem::forget(killed);
         assert_eq!(file.read().unwrap().as_deref(), Some(&b"old"[..]));
         file.replace(b"new").unwrap();
         assert_eq!(file.read().unwrap().as_deref(), Some(&b"new"[..]));
+        for other in ["mine.new", "a.0123.new", "notes.0123456789abcdeg.new"] {
+            fs::write(folder.0.join(other), b"").unwrap();
+        }
+        assert_eq!(folder.names().len(), 5);
+        sweep(&folder.0);
+        assert_eq!(
+            folder.names(),
+            ["a.0123.new", "mine.new", "notes.0123456789abcdeg.new", "state"]
+        );
     }
 
     #[test]
     fn errors_name_the_file_and_keep_the_old_content() {
         let folder = Folder::new("errors");
         let file = StateFile::new(folder.0.join("state"));
-        file.replace(b"old").unwrap();
-        fs::create_dir(file.beside()).unwrap();
+        fs::create_dir_all(folder.0.join("state/in-use")).unwrap();
         let error = file.replace(b"new").unwrap_err().to_string();
         assert!(
-            error.starts_with("cannot create ") && error.contains("state.new"),
+            error.starts_with("cannot replace ") && error.contains("state"),
             "{error}"
         );
-        assert_eq!(file.read().unwrap().as_deref(), Some(&b"old"[..]));
+        assert_eq!(folder.names(), ["state"], "nothing stays beside");
         let error = StateFile::new(&folder.0).read().unwrap_err();
         assert_eq!(error.path, folder.0);
+    }
+
+    #[test]
+    fn a_planted_link_is_neither_written_through_nor_read_through() {
+        let folder = Folder::new("planted");
+        fs::create_dir_all(&folder.0).unwrap();
+        let victim = folder.0.join("victim");
+        fs::write(&victim, "precious").unwrap();
+        let file = StateFile::new(folder.0.join("akd-1.network.json"));
+        for name in ["akd-1.network.json.new", "akd-1.network.json"] {
+            symlink(&victim, folder.0.join(name)).unwrap();
+        }
+        let error = file.read().unwrap_err().to_string();
+        assert!(error.contains("it is a link"), "{error}");
+        file.replace(b"name").unwrap();
+        assert_eq!(fs::read(&victim).unwrap(), b"precious");
+        assert_eq!(file.read().unwrap().as_deref(), Some(&b"name"[..]));
+        let mode = |path: &Path| fs::symlink_metadata(path).unwrap().mode() & 0o777;
+        assert_eq!(mode(file.path()), 0o600);
+    }
+
+    #[test]
+    fn names_beside_are_not_guessable() {
+        let folder = Folder::new("names");
+        let file = StateFile::new(folder.0.join("state"));
+        let names: std::collections::BTreeSet<PathBuf> = (0..50)
+            .map(|_| file.write_beside(b"").unwrap().path.clone())
+            .collect();
+        assert_eq!(names.len(), 50);
+    }
+
+    #[test]
+    fn what_waits_for_a_writer_is_not_read() {
+        let folder = Folder::new("pipe");
+        fs::create_dir_all(&folder.0).unwrap();
+        let pipe = folder.0.join("state");
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(&pipe)
+                .status()
+                .unwrap()
+                .success()
+        );
+        let error = StateFile::new(&pipe).read().unwrap_err().to_string();
+        assert!(error.contains("not a regular file"), "{error}");
+    }
+
+    #[test]
+    fn a_stream_follows_no_link_in_a_shared_folder() {
+        let folder = Folder::new("stream");
+        fs::create_dir_all(&folder.0).unwrap();
+        let victim = folder.0.join("victim");
+        let (link, hard) = (folder.0.join("link.pcapng"), folder.0.join("hard.pcapng"));
+        let plant = || {
+            fs::write(&victim, "precious").unwrap();
+            let _ = (fs::remove_file(&link), fs::remove_file(&hard));
+            symlink(&victim, &link).unwrap();
+            fs::hard_link(&victim, &hard).unwrap();
+        };
+        plant();
+        let shared = |mode| fs::set_permissions(&folder.0, fs::Permissions::from_mode(mode)).unwrap();
+        shared(0o1777);
+        for planted in [&link, &hard] {
+            let error = create(planted).unwrap_err().to_string();
+            assert!(error.contains("others can write"), "{error}");
+        }
+        assert_eq!(fs::read(&victim).unwrap(), b"precious");
+        let own = folder.0.join("own.pcapng");
+        for content in ["first, longer", "second"] {
+            create(&own).unwrap().write_all(content.as_bytes()).unwrap();
+            assert_eq!(fs::read(&own).unwrap(), content.as_bytes());
+        }
+        shared(0o755);
+        create(&link).unwrap();
+        assert_eq!(fs::read(&victim).unwrap(), b"");
+    }
+
+    #[test]
+    fn broken_files_are_kept_under_names_of_their_own() {
+        let folder = Folder::new("aside");
+        let file = StateFile::new(folder.0.join("state"));
+        for name in ["state.broken", "state.broken-2", "state.broken-3"] {
+            file.replace(b"broken").unwrap();
+            assert_eq!(file.set_aside().unwrap(), folder.0.join(name));
+        }
+        assert_eq!(folder.names().len(), 3);
     }
 }

@@ -177,7 +177,7 @@ pub fn task_json(task: &Task) -> Map<String, Value> {
 /// Reads a backup file.
 pub fn read(path: &Path) -> Result<Backup, Failure> {
     let wrong = |what: String| Failure::new(Exit::Failed, format!("{}: {what}", path.display()));
-    let content = StateFile::new(path)
+    let content = StateFile::document(path)
         .read()
         .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?
         .ok_or_else(|| wrong("there is no such file".to_owned()))?;
@@ -212,7 +212,7 @@ fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
         return Err(Failure::usage(format!("there is no folder {}", folder.display())));
     }
-    let old = match StateFile::new(path).read() {
+    let old = match StateFile::document(path).read() {
         Ok(old) => old,
         Err(_) if force => return Ok(None),
         Err(error) => return Err(Failure::new(Exit::Failed, error.to_string())),
@@ -229,7 +229,7 @@ fn replaceable(path: &Path, force: bool) -> Result<Option<Vec<u8>>, Failure> {
 }
 
 fn replace(path: &Path, text: &str) -> Result<(), Failure> {
-    StateFile::new(path)
+    StateFile::document(path)
         .replace(text.as_bytes())
         .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
 }

@@ -268,7 +268,7 @@ fn carry_out(
     way_back: &Path,
     output: &Output,
 ) -> Result<(), Error> {
-    let file = StateFile::new(way_back);
+    let file = StateFile::document(way_back);
     let bar = connect::bar(output, journal.total(), "writing");
     let result = session.restore(drive, journal, save, &mut |journal| {
         let done = journal.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));

@@ -7,6 +7,7 @@
 //! | a client without the right to raw sockets: records only, no discovery, no cyclic data | [`UdpMedium`] |
 //! | what interfaces there are | [`InterfaceInfo`] |
 //! | Ctrl-C | [`Stop`] |
+//! | a folder that one program uses at a time | [`FolderLock`] |
 //!
 //! Frames of one runner do not reach the other stations of the same runner, nor the host it runs on, as with any
 //! packet socket: the other side must be at the other end of the wire, or of a `veth` pair.
@@ -14,6 +15,7 @@
 mod error;
 mod filter;
 mod interface;
+mod lock;
 mod medium;
 mod packet;
 mod poll;
@@ -24,6 +26,7 @@ mod udp;
 
 pub use error::Error;
 pub use interface::InterfaceInfo;
+pub use lock::{FolderLock, LockError};
 pub use medium::{PacketMedium, ServerPort, UdpMedium};
 pub use packet::PacketStatistics;
 pub use poll::{now, raise_priority};

@@ -4,6 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::time::Duration;
 
+use crate::wire::dcp::{IpRule, NameRule, check_ip, check_name};
 use crate::{IpSuite, MacAddress};
 
 /// Who the device is; told by DCP, I&M0 and the endpoint mapper.
@@ -225,4 +226,34 @@ pub struct Stored {
     pub ip: IpSuite,
     /// I&M1 to 4.
     pub im: ImRecords,
+}
+
+/// The rule that stored data breaks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum StoredError {
+    /// The name of station.
+    #[error("the name is not valid: {0}")]
+    Name(#[from] NameRule),
+    /// The address.
+    #[error("the address is not valid: {0}")]
+    Address(#[from] IpRule),
+}
+
+impl Stored {
+    /// Checks that a device could have been given these data: what comes from a disk is foreign too.
+    ///
+    /// ```
+    /// use profinet::device::Stored;
+    /// let stored = Stored { name: "../../etc/passwd".into(), ..Stored::default() };
+    /// assert!(stored.check().is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// The first rule of names or addresses that is broken.
+    pub fn check(&self) -> Result<(), StoredError> {
+        if !self.name.is_empty() {
+            check_name(self.name.as_bytes())?;
+        }
+        Ok(check_ip(&self.ip)?)
+    }
 }

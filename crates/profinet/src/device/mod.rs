@@ -21,7 +21,8 @@ mod slots;
 
 pub use crate::wire::block::RecordAddress;
 pub use config::{
-    DeviceConfig, Identity, ImRecords, ModuleDescription, ResetMode, Stored, SubmoduleDescription,
+    DeviceConfig, Identity, ImRecords, ModuleDescription, ResetMode, Stored, StoredError,
+    SubmoduleDescription,
 };
 pub use event::{ArKey, ArKind, Event, Token};
 pub use image::RaiseError;

@@ -12,6 +12,7 @@ use std::time::Duration;
 use drive_client::axis::{Jog, Trouble};
 use drive_client::parameter::{Assignment, Reading, Selection};
 use drive_client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, WriteMode, describe};
+use network::files;
 use network::host::{Host, StationId};
 use network::linux::Stop;
 use network::pcap::Writer;
@@ -194,7 +195,8 @@ fn capture(path: &Path) -> Result<Writer<File>, Failure> {
     let failed = |error: std::io::Error| {
         Failure::new(Exit::Failed, format!("cannot write {}: {error}", path.display()))
     };
-    Writer::starting_now(File::create(path).map_err(failed)?, "demo").map_err(failed)
+    let file = files::create(path).map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+    Writer::starting_now(file, "demo").map_err(failed)
 }
 
 fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Show) -> Result<(), Error> {

@@ -20,7 +20,7 @@ pub fn run(args: &Export, output: &Output) -> Result<(), Failure> {
     let mut written = Vec::new();
     for (name, content) in files {
         let path = args.output.join(name);
-        StateFile::new(&path)
+        StateFile::document(&path)
             .replace(&content)
             .map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
         if !output.json() {

@@ -24,7 +24,7 @@ use crate::carrier::settings;
 use crate::desk::{Answer, Question, Request};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
-use crate::state::{self, DriveState};
+use crate::state::{DriveState, StateFolder};
 
 /// Octets of one telegram may come so far apart: adapters hand them over in lumps.
 const GAP: Duration = Duration::from_millis(30);
@@ -222,9 +222,7 @@ impl Talker for LineUp {
 
 /// Runs the drives of `args` at `port` until Ctrl-C or the end of their time.
 pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> {
-    if let Some(folder) = &args.state {
-        state::usable(folder)?;
-    }
+    let folder = args.state.as_deref().map(StateFolder::open).transpose()?;
     let mut lineup = LineUp {
         drives: Vec::new(),
         ends: Vec::new(),
@@ -238,9 +236,11 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
     {
         let slave = slave(&args.line, number)?;
         let key = plan.key();
-        let state = DriveState::new(args.state.as_deref(), &key);
+        let state = folder
+            .as_ref()
+            .map_or_else(DriveState::default, |folder| folder.drive(&key));
         let mut config = SerialConfig::new(plan.drive.model, slave).with_gap(GAP);
-        config.parameters = state.read_parameters()?;
+        config.parameters = super::saved(&state, plan.drive.model, output)?;
         let keeping = Arc::new(Keeping {
             key,
             model: plan.drive.model,

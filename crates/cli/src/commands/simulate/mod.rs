@@ -4,6 +4,7 @@ mod line;
 mod mailbox;
 mod maker;
 mod plans;
+mod saving;
 mod scribe;
 mod taken;
 mod virtual_time;
@@ -15,6 +16,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use network::files;
 use network::host::StationId;
 use network::linux::{Bell, Error as NetworkError, Runner, Stop, Turn, now};
 use network::pcap::Writer;
@@ -30,7 +32,7 @@ use crate::connect;
 use crate::desk::{self, Answer, Question, Request};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
-use crate::state::{self, DriveState};
+use crate::state::{DriveState, StateFolder};
 
 pub use line::SerialOptions;
 use mailbox::Mailbox;
@@ -83,20 +85,20 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             scenario.drives.into_iter().map(Plan::from).collect()
         }
     };
-    if let Some(folder) = &args.state {
-        state::usable(folder)?;
-    }
+    let folder = args.state.as_deref().map(StateFolder::open).transpose()?;
     let stop = Stop::on_signals()
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     runner.set_stop(stop)?;
     let mut configs = Vec::new();
     for plan in &plans {
-        let state = DriveState::new(args.state.as_deref(), &plan.key());
+        let state = folder
+            .as_ref()
+            .map_or_else(DriveState::default, |folder| folder.drive(&plan.key()));
         let mut config = plan.drive.config();
         config.description = maker.description(plan.drive.model);
         config.follow_controller = true;
         config.network = kept(&state, plan, output)?;
-        config.parameters = state.read_parameters()?;
+        config.parameters = saved(&state, plan.drive.model, output)?;
         configs.push((state, config));
     }
     let wanted: Vec<Wanted> = plans
@@ -256,7 +258,9 @@ fn read(path: &Path) -> Result<Scenario, Failure> {
 /// Name and address that a drive begins with: those kept from an earlier run, else those of the plan, which are kept now.
 fn kept(state: &DriveState, plan: &Plan, output: &Output) -> Result<Stored, Failure> {
     let planned = plan.drive.config().network;
-    let Some(mut network) = state.read_network()? else {
+    let found = state.read_network()?;
+    found.warning.iter().for_each(|warning| output.warn(warning));
+    let Some(mut network) = found.content else {
         if !planned.name.is_empty() || planned.ip.is_set() {
             state.write_network(&planned)?;
         }
@@ -274,6 +278,13 @@ fn kept(state: &DriveState, plan: &Plan, output: &Output) -> Result<Stored, Fail
         ));
     }
     Ok(network)
+}
+
+/// Parameters that a drive begins with: those kept from an earlier run.
+fn saved(state: &DriveState, model: &DriveModel, output: &Output) -> Result<Option<Vec<u8>>, Failure> {
+    let found = state.read_parameters(model)?;
+    found.warning.iter().for_each(|warning| output.warn(warning));
+    Ok(found.content)
 }
 
 /// The drives, where they are on this segment.
@@ -386,9 +397,10 @@ fn capture(path: &Path, interface: &str) -> Result<Writer<File>, Failure> {
     let failed = |error: std::io::Error| {
         Failure::new(Exit::Failed, format!("cannot write {}: {error}", path.display()))
     };
+    let file = files::create(path).map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
     let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let origin = wall.saturating_sub(now() - Instant::ZERO);
-    Writer::new(File::create(path).map_err(failed)?, interface, origin).map_err(failed)
+    Writer::new(file, interface, origin).map_err(failed)
 }
 
 fn told(network: &Stored, mac: MacAddress) -> String {

@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 
 use virtual_drive::station::StationEvent;
 
 use super::Keeping;
+use super::saving::{Job, Queue};
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
@@ -18,13 +19,8 @@ use crate::output::Output;
 const WAITING: usize = 4096;
 /// How long the end waits for a terminal that takes nothing.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// Something to keep.
-struct Keep {
-    drive: Arc<Keeping>,
-    at: Duration,
-    event: StationEvent,
-}
+/// How long the end waits for the disk.
+const SAVING: Duration = Duration::from_secs(5);
 
 /// A line to print.
 struct Line {
@@ -51,30 +47,31 @@ impl Voice {
 
 /// One thread that saves, in order, and one that prints.
 pub struct Scribe {
-    keep: Sender<Keep>,
+    keep: Arc<Queue>,
     voice: Voice,
-    keeper: JoinHandle<()>,
     talker: JoinHandle<()>,
+    output: Output,
 }
 
 impl Scribe {
     /// Starts both.
     pub fn new(output: Output) -> Self {
-        let (keep, kept) = channel();
+        let keep = Arc::new(Queue::default());
         let (lines, spoken) = sync_channel(WAITING);
         let left_out = Arc::new(AtomicU64::new(0));
         let voice = Voice {
             lines,
             left_out: Arc::clone(&left_out),
         };
-        let keeper_voice = voice.clone();
-        let keeper = spawn(move || keep_all(&kept, &keeper_voice));
-        let talker = spawn(move || talk(&spoken, &left_out, &output));
+        let (kept, keeper_voice) = (Arc::clone(&keep), voice.clone());
+        spawn(move || keep_all(&kept, &keeper_voice));
+        let talked = output.clone();
+        let talker = spawn(move || talk(&spoken, &left_out, &talked));
         Self {
             keep,
             voice,
-            keeper,
             talker,
+            output,
         }
     }
 
@@ -90,15 +87,9 @@ impl Scribe {
 
     /// Keeps what the event wants kept, or says what it says.
     pub fn happened(&self, drive: &Arc<Keeping>, at: Duration, event: StationEvent) {
-        match &event {
-            StationEvent::PersistNetwork(_) | StationEvent::PersistParameters { .. } => {
-                // The keeper lives as long as this sender.
-                let _ = self.keep.send(Keep {
-                    drive: Arc::clone(drive),
-                    at,
-                    event,
-                });
-            }
+        match event {
+            StationEvent::PersistNetwork(network) => self.keep.network(drive, at, network),
+            StationEvent::PersistParameters { text, asked } => self.keep.parameters(drive, at, text, asked),
             said => {
                 let warning = matches!(said, StationEvent::ParametersIgnored(_));
                 if let Some(text) = said.words(drive.model.catalogue) {
@@ -113,10 +104,16 @@ impl Scribe {
         }
     }
 
-    /// Waits until everything is saved and, unless the terminal takes nothing, printed.
+    /// Waits until everything is saved and printed, but not for ever: a disk or a terminal may take nothing.
     pub fn finish(self) {
-        drop(self.keep);
-        let _ = self.keeper.join();
+        let open = self.keep.close(SAVING);
+        if !open.is_empty() {
+            self.output.warn(&format!(
+                "the disk did not take the last changes of {} within {} s: they are lost",
+                open.join(", "),
+                SAVING.as_secs()
+            ));
+        }
         drop(self.voice);
         let mut left = PATIENCE;
         while !self.talker.is_finished() && !left.is_zero() {
@@ -127,35 +124,39 @@ impl Scribe {
     }
 }
 
-fn keep_all(jobs: &Receiver<Keep>, voice: &Voice) {
-    for Keep { drive, at, event } in jobs {
-        let (result, text) = match &event {
-            StationEvent::PersistNetwork(network) => {
-                let name = if network.name.is_empty() {
-                    "no name"
-                } else {
-                    &network.name
-                };
-                let ip = if network.ip.is_set() {
-                    network.ip.address.to_string()
-                } else {
-                    "no address".into()
-                };
-                (
-                    drive.state.write_network(network),
-                    format!("name and address: {name}, {ip}"),
-                )
+fn keep_all(jobs: &Queue, voice: &Voice) {
+    while let Some(job) = jobs.next() {
+        let Job {
+            drive,
+            at,
+            network,
+            parameters,
+        } = job;
+        if let Some(network) = network {
+            let result = drive.state.write_network(&network);
+            let name = if network.name.is_empty() {
+                "no name"
+            } else {
+                &network.name
+            };
+            let ip = if network.ip.is_set() {
+                network.ip.address.to_string()
+            } else {
+                "no address".into()
+            };
+            voice.say(told(
+                &drive,
+                at,
+                result,
+                &format!("name and address: {name}, {ip}"),
+            ));
+        }
+        if let Some(parameters) = parameters {
+            let result = drive.state.write_parameters(&parameters.text);
+            if result.is_err() || parameters.asked {
+                voice.say(told(&drive, at, result, "parameters saved"));
             }
-            StationEvent::PersistParameters { text, asked } => {
-                let result = drive.state.write_parameters(text);
-                if result.is_ok() && !asked {
-                    continue;
-                }
-                (result, "parameters saved".to_owned())
-            }
-            _ => continue,
-        };
-        voice.say(told(&drive, at, result, &text));
+        }
     }
 }
 
@@ -210,34 +211,37 @@ fn talk(lines: &Receiver<Line>, left_out: &AtomicU64, output: &Output) {
 mod tests {
     use super::*;
     use crate::failure::Exit;
-    use crate::state::DriveState;
+    use crate::state::{DriveState, StateFolder};
 
-    fn drive(folder: Option<&std::path::Path>) -> Arc<Keeping> {
+    fn drive(state: DriveState) -> Arc<Keeping> {
         Arc::new(Keeping {
             model: &virtual_drive::model::AKD,
             key: "akd-1".into(),
-            state: DriveState::new(folder, "akd-1"),
+            state,
         })
     }
 
     #[test]
     fn only_what_was_kept_is_called_kept() {
         let at = Duration::ZERO;
-        let folder = std::env::temp_dir();
-        let line = told(&drive(Some(&folder)), at, Ok(()), "parameters saved");
+        let path = std::env::temp_dir().join(format!("profidrive-kept-{}", std::process::id()));
+        let folder = StateFolder::open(&path).unwrap();
+        let line = told(&drive(folder.drive("akd-1")), at, Ok(()), "parameters saved");
         assert_eq!(
             (line.text.as_str(), line.warning),
             ("parameters saved; kept over a restart", false)
         );
-        let line = told(&drive(None), at, Ok(()), "parameters saved");
+        let line = told(&drive(DriveState::default()), at, Ok(()), "parameters saved");
         assert!(line.text.contains("without --state"), "{}", line.text);
         let failed = Err(Failure::new(Exit::Failed, "disk full"));
-        let line = told(&drive(Some(&folder)), at, failed, "parameters saved");
+        let line = told(&drive(folder.drive("akd-1")), at, failed, "parameters saved");
         assert!(
             line.warning && line.text.contains("not kept: disk full"),
             "{}",
             line.text
         );
+        drop(folder);
+        std::fs::remove_dir_all(path).unwrap();
     }
 
     #[test]
@@ -248,7 +252,7 @@ mod tests {
             left_out: Arc::default(),
         };
         for _ in 0..10 {
-            let (drive, at) = (drive(None), Duration::ZERO);
+            let (drive, at) = (drive(DriveState::default()), Duration::ZERO);
             voice.say(Line {
                 drive,
                 at,

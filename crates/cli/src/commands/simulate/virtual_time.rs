@@ -1,9 +1,9 @@
 //! A scenario in virtual time: the trace on stdout, the same every time.
 
-use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
+use network::files::create;
 use network::linux::{Stop, now};
 use network::pcap::Writer;
 use profinet::Instant;
@@ -31,7 +31,7 @@ pub fn run(
     let mut world = World::new(scenario).map_err(|error| failed("the scenario cannot start", &error))?;
     if let Some(path) = pcap {
         let name = path.display().to_string();
-        let file = File::create(path).map_err(|error| failed(&name, &error))?;
+        let file = create(path).map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
         let writer = Writer::new(file, "scenario", Duration::ZERO).map_err(|error| failed(&name, &error))?;
         world.add_tap(Box::new(writer));
     }

@@ -1,0 +1,139 @@
+//! The exclusive use of a folder.
+
+use std::fs::{DirBuilder, File, OpenOptions, symlink_metadata};
+use std::io::{self, Read, Write};
+use std::os::fd::AsRawFd;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use std::path::{Path, PathBuf};
+
+use crate::files::{StateFileError, sweep};
+
+/// Name of the file in the folder that is locked.
+const NAME: &str = ".lock";
+/// Most octets that are read of what the holder says of itself.
+const LONGEST: u64 = 512;
+
+/// Why a folder cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum LockError {
+    /// Another program uses it.
+    #[error("{} is in use by {holder}", folder.display())]
+    Held {
+        /// The folder.
+        folder: PathBuf,
+        /// What the other program says of itself; foreign text.
+        holder: String,
+    },
+    /// The folder or its lock cannot be made.
+    #[error(transparent)]
+    File(#[from] StateFileError),
+}
+
+/// A folder that one program uses: others that ask for it are refused and learn who has it. Given back when dropped,
+/// and by the system when the program is killed.
+#[derive(Debug)]
+pub struct FolderLock {
+    _file: File,
+    path: PathBuf,
+}
+
+impl FolderLock {
+    /// Makes the folder if it is not there, takes it, and removes what killed programs left half written. `holder` is
+    /// what others read that want it too.
+    ///
+    /// # Errors
+    /// When another program has it, or when it cannot be written to.
+    pub fn take(folder: &Path, holder: &str) -> Result<Self, LockError> {
+        let failed = |action, path: &Path, source| StateFileError {
+            action,
+            path: path.to_owned(),
+            source,
+        };
+        DirBuilder::new()
+            .recursive(true)
+            .mode(0o700)
+            .create(folder)
+            .map_err(|error| failed("make", folder, error))?;
+        let path = folder.join(NAME);
+        loop {
+            let mut file = OpenOptions::new()
+                .read(true)
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .mode(0o600)
+                .custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK)
+                .open(&path)
+                .map_err(|error| failed("open", &path, error))?;
+            if !try_lock(&file).map_err(|error| failed("lock", &path, error))? {
+                let mut holder = Vec::new();
+                let _ = file.take(LONGEST).read_to_end(&mut holder);
+                let holder = String::from_utf8_lossy(&holder).trim_end().to_owned();
+                let holder = if holder.is_empty() {
+                    "another program".to_owned()
+                } else {
+                    holder
+                };
+                let folder = folder.to_owned();
+                return Err(LockError::Held { folder, holder });
+            }
+            let opened = file.metadata().map_err(|error| failed("lock", &path, error))?;
+            // whoever had it may have removed the file between the open and the lock
+            if !symlink_metadata(&path).is_ok_and(|found| found.ino() == opened.ino()) {
+                continue;
+            }
+            file.set_len(0)
+                .and_then(|()| file.write_all(format!("{holder}\n").as_bytes()))
+                .map_err(|error| failed("write", &path, error))?;
+            sweep(folder);
+            return Ok(Self { _file: file, path });
+        }
+    }
+}
+
+impl Drop for FolderLock {
+    fn drop(&mut self) {
+        // still locked: nobody can have taken it yet
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Locks the file as long as it is open; false when another program has it locked.
+fn try_lock(file: &File) -> io::Result<bool> {
+    // SAFETY: flock takes a descriptor, which `file` keeps open, and touches no memory.
+    if unsafe { libc::flock(file.as_raw_fd(), libc::LOCK_EX | libc::LOCK_NB) } == 0 {
+        return Ok(true);
+    }
+    match io::Error::last_os_error() {
+        error if error.kind() == io::ErrorKind::WouldBlock => Ok(false),
+        error => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_has_one_user_at_a_time_and_the_next_one_learns_who() {
+        let folder = std::env::temp_dir().join(format!("network-lock-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&folder);
+        let first = FolderLock::take(&folder, "process 4711").unwrap();
+        let refused = FolderLock::take(&folder, "process 4712").unwrap_err().to_string();
+        assert!(refused.ends_with("is in use by process 4711"), "{refused}");
+        drop(first);
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
+        let second = FolderLock::take(&folder, "process 4712").unwrap();
+        assert_eq!(
+            std::fs::read_to_string(folder.join(NAME)).unwrap(),
+            "process 4712\n"
+        );
+        drop(second);
+        // a killed program leaves the file, unlocked
+        std::fs::write(folder.join(NAME), "process 4713, which is gone\n").unwrap();
+        FolderLock::take(&folder, "process 4714").unwrap();
+        std::os::unix::fs::symlink("/etc/passwd", folder.join(NAME)).unwrap();
+        assert!(matches!(FolderLock::take(&folder, "x"), Err(LockError::File(_))));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
