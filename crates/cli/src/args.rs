@@ -17,7 +17,7 @@ use profidrive::notation::Quantity;
 
 pub use explain::{Decode, Explain, Octets, Sender, Side, What};
 pub use parameters::{Describe, List, Read, Write};
-pub use simulate::{Demo, Model, Simulate};
+pub use simulate::{DcpInOperation, Demo, Model, Simulate};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
 
 use crate::commands::{

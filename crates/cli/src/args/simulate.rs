@@ -41,6 +41,10 @@ pub struct Simulate {
     /// Folder that keeps name, address and saved parameters over a restart
     #[arg(long, value_name = "DIR")]
     pub state: Option<PathBuf>,
+    /// Whether a drive takes another name or a reset by DCP while its motor runs under a controller, which ends the
+    /// connection
+    #[arg(long, value_enum, value_name = "refuse|accept", default_value = "refuse")]
+    pub dcp_in_operation: DcpInOperation,
     /// Ethernet address: derived from the name when left out, `host` for the interface's own (one drive only)
     #[arg(long, value_name = "host|MAC")]
     pub mac: Option<String>,
@@ -53,6 +57,15 @@ pub struct Simulate {
     pub pcap: Option<PathBuf>,
     #[command(flatten)]
     pub line: crate::commands::SerialOptions,
+}
+
+/// What a drive does with DCP while it operates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DcpInOperation {
+    /// Refuse name and reset
+    Refuse,
+    /// Accept them
+    Accept,
 }
 
 /// The drive models there are.

@@ -154,6 +154,9 @@ pub struct DeviceConfig {
     /// Slots that the ModuleDiffBlock names even when nothing differs there: proper module, substitute submodules. The
     /// Danfoss VLT does so.
     pub always_told: Vec<u16>,
+    /// Refuses another name and a reset by DCP (block error 6, "in operation") while the application
+    /// [operates](super::Device::set_operating) under a controller: both would end the connection.
+    pub refuses_in_operation: bool,
     /// How long the application may take to answer a record before the engine refuses it.
     pub answer_limit: Duration,
 }
@@ -185,6 +188,7 @@ impl DeviceConfig {
             output_frame_ids: [0xC000, 0x8000],
             max_alarm_data: 200,
             always_told: Vec::new(),
+            refuses_in_operation: true,
             answer_limit: Duration::from_secs(30),
         }
     }

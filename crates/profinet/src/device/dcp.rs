@@ -8,7 +8,8 @@ use core::time::Duration;
 
 use super::Device;
 use super::config::{ImRecords, ResetMode};
-use super::event::Event;
+use super::event::{Event, SetRefusal};
+use super::limit::{Allowance, SourceLimit};
 use crate::wire::PnioStatus;
 use crate::wire::dcp::{
     Block, BlockError, BlockInfo, DcpOption, Pdu, PduWriter, Qualifier, ServiceId, ServiceType, Value,
@@ -63,6 +64,7 @@ const IDENTIFY_ANSWER: &[DcpOption] = &[
 pub(super) struct DcpState {
     held: Option<(MacAddress, Instant)>,
     blinking: Option<Instant>,
+    limit: SourceLimit,
 }
 
 impl Device {
@@ -91,7 +93,7 @@ impl Device {
                 }
                 let served = match service {
                     ServiceId::Get => self.get(now, frame.source, &pdu),
-                    ServiceId::Set => self.set(now, frame.source, &pdu),
+                    ServiceId::Set => self.may_change(now, frame.source) && self.set(now, frame.source, &pdu),
                     ServiceId::Identify | ServiceId::Hello => false,
                     ServiceId::Other(_) => {
                         self.not_supported(now, frame.source, &pdu);
@@ -104,6 +106,16 @@ impl Device {
             }
             _ => {}
         }
+    }
+
+    /// False for a source that asks for more changes than anybody needs: its requests are ignored.
+    fn may_change(&mut self, now: Instant, source: MacAddress) -> bool {
+        let allowance = self.dcp.limit.count(now, source);
+        if allowance == Allowance::Exceeded {
+            let refusal = SetRefusal::TooMany;
+            self.event(Event::SetRefused { source, refusal });
+        }
+        allowance == Allowance::Granted
     }
 
     /// Answers a service that does not exist: the header back, "not supported", no blocks.
@@ -264,7 +276,13 @@ impl Device {
             return false;
         }
         for block in &blocks {
-            let error = self.set_block(now, block, &mut reset);
+            let error = if self.is_kept_from(block) {
+                let refusal = SetRefusal::InOperation(block.option);
+                self.event(Event::SetRefused { source, refusal });
+                BlockError::InOperation
+            } else {
+                self.set_block(now, block, &mut reset)
+            };
             answer.result(block.option, error);
         }
         answer.finish();
@@ -273,6 +291,20 @@ impl Device {
             self.reset(now, mode);
         }
         true
+    }
+
+    /// True for what would end the connection of a controller that is moving something: another name, a reset.
+    fn is_kept_from(&self, block: &Block<'_>) -> bool {
+        if !(self.config.refuses_in_operation && self.operating && self.controller.is_some()) {
+            return false;
+        }
+        match block.option {
+            DcpOption::FACTORY_RESET | DcpOption::RESET_TO_FACTORY => true,
+            DcpOption::NAME => {
+                matches!(block.set(), Ok((_, Value::Name(name))) if name != self.name.as_bytes())
+            }
+            _ => false,
+        }
     }
 
     fn set_block(&mut self, now: Instant, block: &Block<'_>, reset: &mut Option<ResetMode>) -> BlockError {

@@ -4,10 +4,11 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use super::config::{ImRecords, ResetMode};
-use crate::IpSuite;
 use crate::wire::PnioStatus;
 use crate::wire::alarm::AlarmType;
 use crate::wire::block::RecordAddress;
+use crate::wire::dcp::DcpOption;
+use crate::{IpSuite, MacAddress};
 
 /// Names an application relation as long as it lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -26,6 +27,16 @@ pub enum ArKind {
     DeviceAccess,
 }
 
+/// Why a DCP Set was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SetRefusal {
+    /// The source sends more than anybody needs; its requests are ignored until it is silent for some seconds.
+    /// Reported once for each flood.
+    TooMany,
+    /// The application [operates](super::Device::set_operating) under a controller: block error 6.
+    InOperation(DcpOption),
+}
+
 /// Something the application should know or do.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Event {
@@ -42,6 +53,13 @@ pub enum Event {
         suite: IpSuite,
         /// Store it; else the stored one is to be cleared.
         permanent: bool,
+    },
+    /// A DCP Set was refused, and changed nothing.
+    SetRefused {
+        /// Who sent it.
+        source: MacAddress,
+        /// Why.
+        refusal: SetRefusal,
     },
     /// DCP asks to blink for three seconds.
     Signal,

@@ -73,6 +73,12 @@ impl Device {
             .is_some_and(|io| io.run == Some(true) && io.consumer.state() == ConsumerState::Running)
     }
 
+    /// Says whether the application moves something, so that DCP must not end the connection now; see
+    /// [`DeviceConfig::refuses_in_operation`](super::DeviceConfig::refuses_in_operation).
+    pub const fn set_operating(&mut self, operating: bool) {
+        self.operating = operating;
+    }
+
     /// Sets input data and IOPS of a submodule for the next frames. False if no controller reads it, it is not the
     /// expected one, or `data` has another length; nothing changes then.
     pub fn set_input(&mut self, slot: u16, subslot: u16, data: &[u8], iops: Iops) -> bool {

@@ -14,6 +14,7 @@ mod dcp;
 mod event;
 mod history;
 mod image;
+mod limit;
 mod mib;
 mod port;
 mod records;
@@ -24,7 +25,7 @@ pub use config::{
     DeviceConfig, Identity, ImRecords, ModuleDescription, ResetMode, Stored, StoredError,
     SubmoduleDescription,
 };
-pub use event::{ArKey, ArKind, Event, Token};
+pub use event::{ArKey, ArKind, Event, SetRefusal, Token};
 pub use image::RaiseError;
 pub use mib::COMMUNITY;
 pub use port::DirectionCounts;
@@ -119,6 +120,8 @@ pub struct Device {
     /// Identify answers that wait for their time, earliest first.
     delayed: VecDeque<(Instant, Vec<u8>)>,
     cycle_due: bool,
+    /// The application moves something.
+    operating: bool,
     next_ar: u32,
     next_token: u32,
 }
@@ -165,6 +168,7 @@ impl Device {
             frames: VecDeque::new(),
             delayed: VecDeque::new(),
             cycle_due: false,
+            operating: false,
             next_ar: 0,
             next_token: 0,
         }

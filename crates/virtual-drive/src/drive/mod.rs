@@ -418,6 +418,12 @@ impl Drive {
         self.state().pulses()
     }
 
+    /// True while the motor turns or may turn: the power stage is on, or the axis is not at standstill yet.
+    #[must_use]
+    pub fn is_operating(&self) -> bool {
+        self.is_enabled() || !self.axis.is_standing(self.settings.standstill)
+    }
+
     /// Finds faults and warnings; a new fault has its effect on the status word at once.
     fn look_after(&mut self, status: u16) -> u16 {
         self.supervise();

@@ -10,6 +10,7 @@ pub(crate) fn device_config(config: &StationConfig) -> DeviceConfig {
     let identity = description.identity_of(config.mac);
     DeviceConfig {
         follow_controller: config.follow_controller,
+        refuses_in_operation: config.refuses_in_operation,
         min_device_interval: config
             .min_device_interval
             .unwrap_or(description.min_device_interval),

@@ -2,7 +2,8 @@
 
 use profidrive::catalogue::Catalogue;
 use profidrive::state::State;
-use profinet::device::Stored;
+use profinet::MacAddress;
+use profinet::device::{SetRefusal, Stored};
 use profinet::wire::PnioStatus;
 
 use crate::drive::Event as DriveEvent;
@@ -22,6 +23,13 @@ pub enum StationEvent {
     },
     /// The saved parameters could not be used; the drive has the values as delivered.
     ParametersIgnored(ImageError),
+    /// A change by DCP was refused.
+    SetRefused {
+        /// Who wanted it.
+        source: MacAddress,
+        /// Why.
+        refusal: SetRefusal,
+    },
     /// Show which drive this is.
     Blink,
     /// A relation was opened.
@@ -90,6 +98,7 @@ impl StationEvent {
     pub fn words(&self, catalogue: &Catalogue) -> Option<String> {
         let meaning = |number, warning| catalogue.fault(number, warning).map_or("", |fault| fault.meaning);
         Some(match self {
+            Self::SetRefused { source, refusal } => refused(*source, *refusal),
             Self::Blink => "blinks".into(),
             Self::Connected { controller, station } => {
                 let kind = if *controller {
@@ -116,5 +125,16 @@ impl StationEvent {
             }
             Self::PersistNetwork(_) | Self::PersistParameters { .. } => return None,
         })
+    }
+}
+
+fn refused(source: MacAddress, refusal: SetRefusal) -> String {
+    match refusal {
+        SetRefusal::TooMany => {
+            format!("changes by DCP from {source} come too fast and are ignored until it is silent")
+        }
+        SetRefusal::InOperation(option) => {
+            format!("refused by DCP from {source}: {option}, while the motor runs under a controller")
+        }
     }
 }

@@ -50,6 +50,8 @@ pub struct StationConfig {
     pub min_device_interval: Option<u16>,
     /// Sends each input frame right behind the controller's frame: saves a wake-up in each cycle on a real network.
     pub follow_controller: bool,
+    /// Refuses another name and a reset by DCP while the motor turns, or may turn, under a controller.
+    pub refuses_in_operation: bool,
     /// Motor, load and travel; `None` for those of the model.
     pub plant: Option<Plant>,
     /// Name, address and I&M data from the last run, or given by the user.
@@ -68,6 +70,7 @@ impl StationConfig {
             mac,
             min_device_interval: None,
             follow_controller: false,
+            refuses_in_operation: true,
             plant: None,
             network: Stored::default(),
             parameters: None,
@@ -204,6 +207,7 @@ impl Station {
             .filter(|(_, iops)| usable && iops.is_good());
         let inputs = self.inputs.get_mut(..self.input_length).unwrap_or_default();
         self.drive.tick(now, outputs.map(|(data, _)| data), inputs);
+        self.device.set_operating(self.drive.is_operating());
         if self.controller.is_some() {
             self.device.set_input(slot, subslot, inputs, Iops::GOOD);
         }
@@ -235,6 +239,9 @@ impl Station {
             DeviceEvent::ImChanged(im) => {
                 self.network.im = im;
                 self.emit(StationEvent::PersistNetwork(self.network.clone()));
+            }
+            DeviceEvent::SetRefused { source, refusal } => {
+                self.emit(StationEvent::SetRefused { source, refusal });
             }
             DeviceEvent::Signal => self.emit(StationEvent::Blink),
             DeviceEvent::FactoryReset { mode } => self.reset(mode),

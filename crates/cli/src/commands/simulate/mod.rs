@@ -27,7 +27,7 @@ use scenario::{Happening, Scenario, ScenarioError, Timeline, Unit, What};
 use virtual_drive::model::Model as DriveModel;
 use virtual_drive::station::Station;
 
-use crate::args::{Interface, Simulate};
+use crate::args::{DcpInOperation, Interface, Simulate};
 use crate::connect;
 use crate::desk::{self, Answer, Question, Request};
 use crate::failure::{Exit, Failure};
@@ -97,6 +97,7 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
         let mut config = plan.drive.config();
         config.description = maker.description(plan.drive.model);
         config.follow_controller = true;
+        config.refuses_in_operation = args.dcp_in_operation == DcpInOperation::Refuse;
         config.network = kept(&state, plan, output)?;
         config.parameters = saved(&state, plan.drive.model, output)?;
         configs.push((state, config));

@@ -440,3 +440,78 @@ fn a_reset_of_the_communication_forgets_what_was_written_about_the_interface() {
     assert_eq!(set(&mut rig, Qualifier(0x0004), mode), BlockError::Ok);
     assert_eq!(read(&mut rig), Ok(vec![]));
 }
+
+#[test]
+fn name_and_reset_are_refused_while_something_moves_under_a_controller() {
+    let reset = Value::Empty(DcpOption::RESET_TO_FACTORY);
+    let everything = Value::Empty(DcpOption::FACTORY_RESET);
+    let changes = [
+        (Qualifier::PERMANENT, Value::Name(b"other"), DcpOption::NAME),
+        (Qualifier::reset(2), reset, DcpOption::RESET_TO_FACTORY),
+        (Qualifier(0), everything, DcpOption::FACTORY_RESET),
+    ];
+    for (qualifier, value, option) in changes {
+        let mut rig = Rig::new(config());
+        rig.exchange(&Wish::controller(1));
+        rig.device.set_operating(true);
+        rig.events();
+        let results = set_from(&mut rig, TOOL, qualifier, &[value]);
+        assert_eq!(results, [BlockError::InOperation]);
+        let refusal = SetRefusal::InOperation(option);
+        let source = TOOL;
+        assert_eq!(rig.events(), [Event::SetRefused { source, refusal }]);
+        assert_eq!(rig.device.name(), "drive-1");
+        // what changes nothing is no danger
+        let same = [Value::Name(b"drive-1"), Value::Signal(0x0100)];
+        let results = set_from(&mut rig, TOOL, Qualifier::PERMANENT, &same);
+        assert_eq!(results, [BlockError::Ok; 2]);
+        rig.device.set_operating(false);
+        assert_eq!(set_from(&mut rig, TOOL, qualifier, &[value]), [BlockError::Ok]);
+    }
+}
+
+#[test]
+fn a_device_may_take_a_name_in_operation_and_without_a_controller_always_does() {
+    let name = Value::Name(b"other");
+    let mut rig = Rig::new(config());
+    rig.device.set_operating(true);
+    assert_eq!(set(&mut rig, Qualifier::PERMANENT, name), BlockError::Ok);
+    let config = DeviceConfig {
+        refuses_in_operation: false,
+        ..config()
+    };
+    let mut rig = Rig::new(config);
+    rig.exchange(&Wish::controller(1));
+    rig.device.set_operating(true);
+    let results = set_from(&mut rig, TOOL, Qualifier::PERMANENT, &[name]);
+    assert_eq!(results, [BlockError::Ok]);
+}
+
+#[test]
+fn a_flood_of_changes_is_ignored_and_leaves_room_for_an_engineer() {
+    let mut rig = Rig::new(config());
+    let mut changed = 0;
+    let mut flood = |rig: &mut Rig, requests: u32| {
+        for request in 0..requests {
+            rig.now += Duration::from_micros(111);
+            let name = alloc::format!("name-{request}");
+            set_from(rig, TOOL, Qualifier::PERMANENT, &[Value::Name(name.as_bytes())]);
+            changed += rig
+                .events()
+                .iter()
+                .filter(|event| matches!(event, Event::NameChanged { .. }))
+                .count();
+        }
+        changed
+    };
+    assert_eq!(flood(&mut rig, 20_000), 100);
+    // the client that was served last is alone for three seconds, a flood is no longer served by then
+    assert_eq!(flood(&mut rig, 10_000), 100);
+    let engineer = set_from(
+        &mut rig,
+        OTHER_TOOL,
+        Qualifier::PERMANENT,
+        &[Value::Name(b"mine")],
+    );
+    assert_eq!(engineer, [BlockError::Ok]);
+}
