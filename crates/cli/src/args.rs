@@ -205,12 +205,12 @@ drive refuses, and only one program on a computer can have such connections (UDP
 
 #[derive(Debug, Args)]
 pub struct Cyclic {
-    /// Update time of the cyclic connection; the fastest the drive allows when left out
+    /// Update time of the cyclic connection; at least 16 ms when left out, as the drive allows it
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub cycle: Option<Duration>,
-    /// Update times without data after which both sides stop; together at most 1.92 s
-    #[arg(long, value_name = "COUNT", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=255))]
-    pub watchdog: u16,
+    /// Update times without data after which both sides stop, together at most 1.92 s; at least 100 ms when left out
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=255))]
+    pub watchdog: Option<u16>,
     /// Take the ident numbers of modules that are not in the tables from this device description of the maker
     #[arg(long, value_name = "FILE")]
     pub gsdml: Option<PathBuf>,

@@ -350,11 +350,11 @@ fn an_axis_that_turns_without_power_is_not_called_at_rest() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (torque, rests) in [(0.0, true), (1.0, false)] {
         let load = format!("load={torque}Nm").parse().expect("a load");
-        with_drive(&mut session, ids[0], |drive| drive.inject(load));
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
             .expect("connected");
         let mut enabled = axis.enable().expect("enabled");
+        with_drive(enabled.session().0, ids[0], |drive| drive.inject(load));
         enabled.run(60.0).expect("runs");
         enabled.hold(Duration::from_secs(1)).expect("keeps running");
         drop(enabled);

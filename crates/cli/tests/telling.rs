@@ -67,7 +67,7 @@ fn taking_an_axis_can_be_planned() {
         .expect_err("velocity mode");
     assert!(matches!(error, Error::WrongMode { .. }), "{error}");
     let long = AxisSettings {
-        watchdog: 255,
+        watchdog: Some(255),
         ..AxisSettings::default()
     };
     let error = session.plan_axis(&mut drive, &long).expect_err("4 s");

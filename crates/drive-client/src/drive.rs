@@ -6,6 +6,7 @@ use profidrive::parameter::Dialect;
 use profidrive::state::{ControlWords, Mode};
 use profidrive::telegram::Telegram;
 use profinet::controller::Station;
+use profinet::cyclic::Timing;
 use uss::SlaveId;
 
 use crate::Error;
@@ -226,6 +227,8 @@ pub struct Drive {
     pub(crate) scaled: bool,
     /// The modules that a device description of its maker has for it; those of the tables where there are none.
     pub maker_modules: Vec<MakerModule>,
+    /// The update times that this device description allows; empty where none was read.
+    pub maker_timings: Vec<Timing>,
     /// Where it is at a serial line.
     pub(crate) slave: Option<SlaveId>,
 }
@@ -249,6 +252,7 @@ impl Drive {
             model,
             scaled: false,
             maker_modules: Vec::new(),
+            maker_timings: Vec::new(),
             slave: None,
         }
     }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Goal, Purpose, SpeedUnit, Trouble};
+use drive_client::axis::{Cycle, Goal, Purpose, SpeedUnit, Strained, Trouble};
 use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
 use drive_client::{AxisSettings, AxisStatus, Drive, Error, FaultEntry, GoesOn, WarningEntry};
 use profidrive::notation::Quantity;
@@ -55,7 +55,7 @@ pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
             "--cycle: an update time of {} ms does not exist",
             cycle.as_secs_f64() * 1000.0
         ))
-        .hint("use 1, 2, 4, 8 .. 512 ms; left out it is the fastest the drive is known for")),
+        .hint("use 1, 2, 4, 8 .. 512 ms; left out it is at least 16 ms, as the drive allows it")),
         _ => Ok(()),
     }
 }
@@ -93,7 +93,7 @@ pub fn settings(
     limit: f64,
 ) -> Result<AxisSettings, Failure> {
     if let Some(file) = &cyclic.gsdml {
-        drive.maker_modules = super::maker::modules(file, drive)?;
+        super::maker::describe(file, drive)?;
     }
     Ok(AxisSettings {
         purpose,
@@ -243,6 +243,9 @@ pub fn watch(axis: &mut Axis<'_>, command: &'static str, output: &Output) {
             output.event(command, fields! { "telegram_changed": change });
         }
     }
+    if let Some(strained) = axis.strained() {
+        warn_strained(&strained, command, output);
+    }
     let view = Rc::new(RefCell::new(LiveView::new(output.clone(), command)));
     let mut stop = LongStop::default();
     let (above, teller) = (Rc::clone(&view), output.clone());
@@ -258,6 +261,31 @@ pub fn watch(axis: &mut Axis<'_>, command: &'static str, output: &Output) {
             output.say("still stopping along the ramp; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before");
         }
     });
+}
+
+/// Warns that this computer does not keep to the cycle of the connection, before anything is enabled.
+fn warn_strained(strained: &Strained, command: &str, output: &Output) {
+    if output.json() {
+        let millis = |time: Duration| time.as_secs_f64() * 1000.0;
+        let cycle = strained.cycle;
+        let values = fields! {
+            "cycle_ms": millis(cycle.interval()), "watchdog_ms": millis(cycle.hold_time()),
+            "longest_delay_ms": millis(strained.delay),
+        };
+        output.event(command, fields! { "cycle_strained": values });
+    }
+    output.warn(&format!("{strained}; {}", calmer(strained)));
+}
+
+/// The options of a cycle with more room, or the advice of one that is as long as it gets.
+fn calmer(strained: &Strained) -> String {
+    let needed = Cycle::CALM.max(strained.delay * 2);
+    let cycle = [16_u16, 32, 64, 128].map(|millis| Duration::from_millis(millis.into()));
+    match cycle.into_iter().find(|&cycle| cycle >= needed) {
+        Some(Cycle::CALM) => "leave out --cycle and --watchdog".to_owned(),
+        Some(cycle) => format!("use `--cycle {}ms --watchdog 7`", cycle.as_millis()),
+        None => "close the programs that keep it busy".to_owned(),
+    }
 }
 
 /// Warnings in words, at the time they come.
@@ -448,8 +476,21 @@ pub fn warned(warning: &WarningEntry) -> String {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_strained_cycle_comes_with_options_that_have_room() {
+        let millis = Duration::from_millis;
+        let advice = |cycle, count, delay| {
+            let cycle = Cycle::choose(&[], millis(1), Some(millis(cycle)), Some(count)).unwrap();
+            calmer(&cycle.judge(millis(delay)).unwrap())
+        };
+        assert_eq!(advice(4, 3, 6), "leave out --cycle and --watchdog");
+        assert_eq!(advice(16, 7, 17), "use `--cycle 64ms --watchdog 7`");
+        assert_eq!(advice(16, 7, 400), "close the programs that keep it busy");
+    }
 
     #[test]
     fn only_what_has_no_end_of_its_own_ends_well_by_a_signal() {

@@ -1,18 +1,20 @@
-//! What a client takes from a maker's device description: the ident numbers of its modules.
+//! What a client takes from a vendor's device description: the ident numbers of its modules and its update times.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use drive_client::{Drive, MakerModule};
+use gsdml::AccessPoint;
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
+use profinet::cyclic::{TICK, Timing};
 use virtual_drive::description::{Description, TelegramModule};
 use virtual_drive::model;
 
 use crate::failure::{Exit, Failure};
 use crate::render::table::clean;
 
-/// The modules of the telegrams of a drive by a device description.
-pub fn modules(path: &Path, drive: &Drive) -> Result<Vec<MakerModule>, Failure> {
+/// Gives the drive the modules of its telegrams and the update times of a device description.
+pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
     let file = super::gsdml::read(path)?;
     let (name, vendor) = (path.display(), file.identity.vendor_id);
     if vendor != drive.station.vendor_id {
@@ -36,7 +38,24 @@ pub fn modules(path: &Path, drive: &Drive) -> Result<Vec<MakerModule>, Failure> 
             "`profidrive gsdml show {name}` shows access points and modules"
         ))
     })?;
-    Ok(import.description.telegrams.iter().map(of).collect())
+    drive.maker_modules = import.description.telegrams.iter().map(of).collect();
+    drive.maker_timings = timings(&file.access_points);
+    Ok(())
+}
+
+/// The update times that every access point of a description allows: which one is plugged is the project's choice.
+fn timings(points: &[AccessPoint]) -> Vec<Timing> {
+    let every = |timing: &Timing| {
+        points.iter().all(|point| {
+            let known = point.interface.as_ref().is_none_or(|interface| {
+                interface.send_clocks.contains(timing.send_clock_factor.into())
+                    && interface.reduction_ratios.contains(timing.reduction_ratio.into())
+            });
+            known && timing.ticks() >= point.min_device_interval.into()
+        })
+    };
+    let times = (0..15).filter_map(|power| Timing::for_interval(TICK * (1 << power)));
+    times.filter(every).collect()
 }
 
 /// One telegram of a description as a controller expects it.
@@ -79,15 +98,19 @@ mod tests {
             device_id: 1,
             ..Station::default()
         };
-        let drive = Drive::new(station);
-        let modules = modules(&file, &drive).unwrap();
-        let nine = modules.iter().find(|module| module.telegram == 9).unwrap();
+        let mut drive = Drive::new(station);
+        describe(&file, &mut drive).unwrap();
+        let mut modules = drive.maker_modules.iter();
+        let nine = modules.find(|module| module.telegram == 9).unwrap();
         assert_eq!(nine.lengths(), (20, 10));
+        let intervals = drive.maker_timings.iter().map(Timing::interval);
+        let longest = intervals.max().map(|longest| longest.as_millis());
+        assert_eq!(longest, Some(512));
         let other = Station {
             vendor_id: 0x1234,
             ..drive.station.clone()
         };
-        let failure = super::modules(&file, &Drive::new(other)).unwrap_err();
+        let failure = describe(&file, &mut Drive::new(other)).unwrap_err();
         assert_eq!(failure.exit, Exit::Usage);
         assert!(failure.message.contains("0x0105"), "{}", failure.message);
     }

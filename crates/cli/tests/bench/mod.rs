@@ -71,6 +71,12 @@ pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
 }
 
 pub fn bench_of(stations: Vec<Box<Host<Station>>>) -> (Bench, Vec<StationId>) {
+    let (medium, config, ids) = parts_of(stations);
+    (Session::new(medium, config), ids)
+}
+
+/// What a session is made of, for a medium of another kind around the segment.
+pub fn parts_of(stations: Vec<Box<Host<Station>>>) -> (SegmentMedium, ControllerConfig, Vec<StationId>) {
     let mut segment = Segment::new(7);
     let ids = stations
         .into_iter()
@@ -78,7 +84,7 @@ pub fn bench_of(stations: Vec<Box<Host<Station>>>) -> (Bench, Vec<StationId>) {
         .collect();
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    (Session::new(medium, config), ids)
+    (medium, config, ids)
 }
 
 pub fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {

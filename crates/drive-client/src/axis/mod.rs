@@ -3,6 +3,7 @@
 mod choose;
 mod command;
 mod control;
+mod cycle;
 mod evidence;
 mod goal;
 #[cfg(test)]
@@ -17,6 +18,7 @@ pub use choose::{
 };
 pub use command::{Command, Traverse};
 pub use control::AxisControl;
+pub use cycle::{Cycle, Strained};
 pub use evidence::Evidence;
 pub use goal::{Goal, Jog, Limits, Progress, Trouble};
 pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};

@@ -16,7 +16,7 @@ use super::faults::WarningEntry;
 use super::keep::Kept;
 use super::warnings::Warnings;
 use crate::axis::{
-    Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, SpeedScale, SpeedUnit,
+    Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, SpeedScale, SpeedUnit, Strained,
 };
 use crate::client::AxisView;
 use crate::parameter::{Beyond, is_another, is_rounding};
@@ -27,10 +27,11 @@ use crate::{Connection, Drive, Error, Link, Wire};
 pub struct AxisSettings {
     /// What the axis is wanted for: decides over the telegram, and which mode the drive must be in.
     pub purpose: Purpose,
-    /// Update time; the fastest the drive's tables allow when `None`.
+    /// Update time; when `None` at least [`Cycle::CALM`](crate::axis::Cycle::CALM), as the drive allows it. A serial line has none.
     pub cycle: Option<Duration>,
-    /// Update times without data until both sides stop.
-    pub watchdog: u16,
+    /// Update times without data until both sides stop; when `None` so many that they are at least
+    /// [`Cycle::CALM_HOLD`](crate::axis::Cycle::CALM_HOLD).
+    pub watchdog: Option<u16>,
     /// The telegram to use; `None` leaves it to what the drive reports and the purpose needs.
     pub telegram: Option<u16>,
     /// What speeds are told in.
@@ -48,7 +49,7 @@ impl Default for AxisSettings {
         Self {
             purpose: Purpose::Speed,
             cycle: None,
-            watchdog: 3,
+            watchdog: None,
             telegram: None,
             unit: SpeedUnit::Rpm,
             reference_speed: None,
@@ -154,6 +155,8 @@ pub struct Axis<'s, M: Wire> {
     link: Link,
     pub(super) settings: AxisSettings,
     cycle: Duration,
+    /// The cycle of the connection if this computer does not keep to it.
+    strained: Option<Strained>,
     telegram: u16,
     /// The telegram that the drive had before (PNU 922).
     telegram_before: Option<u16>,
@@ -259,6 +262,13 @@ impl<'s, M: Wire> Axis<'s, M> {
     #[must_use]
     pub const fn cycle(&self) -> Duration {
         self.cycle
+    }
+
+    /// What is wrong with the cycle of the connection, by the delays that this computer showed before anything was
+    /// enabled. `None` where the cycle fits, on a serial line, and for [`Purpose::Control`], which is not measured.
+    #[must_use]
+    pub const fn strained(&self) -> Option<Strained> {
+        self.strained
     }
 
     /// The session, for parameters beside the running axis.

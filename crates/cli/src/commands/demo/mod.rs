@@ -204,11 +204,7 @@ fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Sho
     identity(session, &mut drive, show)?;
     page(session, &mut drive, &PAGE, show)?;
     show.next();
-    let settings = AxisSettings {
-        cycle: Some(Duration::from_millis(16)),
-        ..AxisSettings::default()
-    };
-    let mut axis = session.take_axis(&mut drive, settings)?;
+    let mut axis = session.take_axis(&mut drive, AxisSettings::default())?;
     show.done(format!(
         "update time {} ms, both directions",
         axis.cycle().as_millis()

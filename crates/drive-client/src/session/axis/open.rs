@@ -2,18 +2,22 @@
 
 use std::time::Duration;
 
+use profidrive::catalogue::Device;
 use profidrive::state::Zsw1;
 use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
-use profinet::cyclic::Timing;
 
 use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
-use crate::axis::{AxisControl, Limits, SpeedScale};
+use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale};
 use crate::learn::device_of;
 use crate::session::prepare::Prepared;
 use crate::{Drive, Error, Link, Wire};
 
 /// One unit of MinDeviceInterval and of the send clock.
 const TICK: Duration = Duration::from_nanos(31_250);
+/// How long the delays of this computer are measured before an axis may be enabled.
+const MEASURED: Duration = Duration::from_millis(200);
+/// One wait of that measurement.
+const WAIT: Duration = Duration::from_millis(1);
 /// Shortest time a drive has for accepting a task.
 const ACCEPT: Duration = Duration::from_secs(2);
 
@@ -41,12 +45,7 @@ impl<M: Wire> Session<M> {
         drive.check_able(settings.purpose.mode())?;
         self.read_scaling(drive)?;
         if !drive.is_on_line() {
-            let least = TICK * u32::from(device.min_device_interval);
-            let cycle = settings.cycle.unwrap_or(least);
-            let timing = Timing::for_interval(cycle).ok_or(Misuse::Range("cycle"))?;
-            timing
-                .check(settings.watchdog, settings.watchdog, 0)
-                .map_err(Misuse::Cyclic)?;
+            cycle_of(drive, &device, settings)?;
         }
         let prepared = self.prepare(drive, &device, settings)?;
         if prepared.layout.is_some()
@@ -86,17 +85,14 @@ impl<M: Wire> Session<M> {
             deceleration,
         } = self.prepare(drive, &device, &settings)?;
         let kept = self.keep(drive, &wiring)?;
-        let least = TICK * u32::from(device.min_device_interval);
-        let cycle = match self.client.line_config() {
+        let (cycle, chosen) = match self.client.line_config() {
             // the line goes as fast as it can
-            Some(line) => line.exchange(),
-            None => settings.cycle.unwrap_or(least),
+            Some(line) => (line.exchange(), None),
+            None => {
+                let chosen = cycle_of(drive, &device, &settings)?;
+                (chosen.interval(), Some(chosen))
+            }
         };
-        let timing = match layout {
-            Some(_) => Some(Timing::for_interval(cycle).ok_or(Misuse::Range("cycle"))?),
-            None => None,
-        };
-        let cycle = timing.map_or(cycle, |timing| timing.interval());
         let limits = Limits {
             dwell: (cycle * 4).max(Duration::from_millis(8)),
             stop: settings.stop,
@@ -111,11 +107,12 @@ impl<M: Wire> Session<M> {
         let now = self.now();
         // from here on the object below sees to the end of the connection
         let mut waiting = None;
-        let link = match (layout.zip(timing), drive.slave) {
-            (Some((layout, timing)), _) => {
-                let mut config = ConnectConfig::new(layout.modules, timing);
-                config.watchdog_factor = settings.watchdog;
-                config.data_hold_factor = settings.watchdog;
+        let measures = settings.purpose != Purpose::Control;
+        let link = match (layout.zip(chosen), drive.slave) {
+            (Some((layout, chosen)), _) => {
+                let mut config = ConnectConfig::new(layout.modules, chosen.timing);
+                config.watchdog_factor = chosen.watchdog;
+                config.data_hold_factor = chosen.watchdog;
                 config.resolve = if drive.station.name.is_empty() {
                     Resolve::Trust
                 } else {
@@ -144,6 +141,7 @@ impl<M: Wire> Session<M> {
             link,
             settings,
             cycle,
+            strained: None,
             telegram,
             telegram_before: reported,
             scale,
@@ -173,9 +171,34 @@ impl<M: Wire> Session<M> {
                 .client
                 .attach_axis(ar, slot, subslot, wiring, control);
         }
+        if let Some(chosen) = chosen.filter(|_| measures) {
+            // the connection is open and nothing is enabled: frames are sent as they will be later
+            axis.strained = chosen.judge(axis.session.longest_delay()?);
+        }
         axis.taken = axis.session.now();
         Ok(axis)
     }
+
+    /// Returns how late this computer woke up at the most, over [`MEASURED`] of the waiting that carries the frames.
+    fn longest_delay(&mut self) -> Result<Duration, Error> {
+        let end = self.now() + MEASURED;
+        let mut longest = Duration::ZERO;
+        while self.now() < end {
+            let due = self.now() + WAIT;
+            while self.now() < due {
+                self.step(due)?;
+            }
+            longest = longest.max(self.now() - due);
+        }
+        Ok(longest)
+    }
+}
+
+/// Update time and watchdog for a drive: those asked for, else calm ones that its tables and description allow.
+fn cycle_of(drive: &Drive, device: &Device, settings: &AxisSettings) -> Result<Cycle, Error> {
+    let least = TICK * u32::from(device.min_device_interval);
+    let cycle = Cycle::choose(&drive.maker_timings, least, settings.cycle, settings.watchdog)?;
+    Ok(cycle)
 }
 
 /// NIST_A below which the axis stands.
