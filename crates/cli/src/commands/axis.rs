@@ -7,7 +7,9 @@ use std::time::Duration;
 use clap::Args;
 use drive_client::axis::{Cycle, Goal, Purpose, SpeedUnit, Strained, Trouble};
 use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
-use drive_client::{AxisSettings, AxisStatus, Drive, Error, FaultEntry, GoesOn, WarningEntry};
+use drive_client::{
+    AxisSettings, AxisStatus, Drive, Error, FaultEntry, GoesOn, ModeBefore, PutBack, WarningEntry,
+};
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 use profinet::cyclic::Timing;
@@ -32,8 +34,8 @@ pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
 /// Options of commands that need the drive in one mode.
 #[derive(Debug, Args)]
 pub struct SetMode {
-    /// Put the drive into the mode this needs (PNU 930) and back afterwards; without it the drive is left as it is and
-    /// the command refuses
+    /// Put the drive into the mode this needs (PNU 930) and put mode and telegram (PNU 922) back afterwards; without it
+    /// the command refuses a drive in another mode
     #[arg(long)]
     pub set_mode: bool,
 }
@@ -141,55 +143,52 @@ pub fn in_mode(
     work: impl FnOnce(&mut Live, &mut Drive) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     drive.check_able(Some(needed))?;
-    if wanted.set_mode {
-        // an axis that somebody else commands is left alone altogether
-        session.check_control(drive)?;
+    if !wanted.set_mode {
+        return work(session, drive);
     }
-    let before = enter_mode(session, drive, needed, wanted, output)?;
+    let before = session.enter_mode(drive, needed)?;
+    tell_mode(&before, needed, output);
     let result = work(session, drive);
-    leave_mode(session, drive, before, output);
+    leave_mode(session, drive, &before, output);
     result
 }
 
-/// Puts the drive into the mode that is needed, if that was asked for; the mode to go back to.
-fn enter_mode(
-    session: &mut Live,
-    drive: &mut Drive,
-    needed: Mode,
-    wanted: &SetMode,
-    output: &Output,
-) -> Result<Option<Mode>, Failure> {
-    if !wanted.set_mode {
-        return Ok(None);
+/// Reports the mode that the drive was put into.
+fn tell_mode(before: &ModeBefore, needed: Mode, output: &Output) {
+    let needed = mode_number(needed);
+    match before.mode {
+        _ if !before.changed => {}
+        Some(present) => output.say(&format!(
+            "PNU 930: {} -> {needed} for this command",
+            mode_number(present)
+        )),
+        None => output.say(&format!(
+            "PNU 930 is {needed} now; what it was is none of 1 and 2 and is not put back"
+        )),
     }
-    let present = session.operating_mode(drive)?;
-    if present == Some(needed) {
-        return Ok(None);
-    }
-    session.set_operating_mode(drive, needed)?;
-    output.say(&match present {
-        Some(present) => format!(
-            "PNU 930: {} -> {} for this command",
-            mode_number(present),
-            mode_number(needed)
-        ),
-        None => format!(
-            "PNU 930 is {} now; what it was is none of 1 and 2 and is not put back",
-            mode_number(needed)
-        ),
-    });
-    Ok(present)
 }
 
-/// Puts the mode back that was there before.
-fn leave_mode(session: &mut Live, drive: &mut Drive, before: Option<Mode>, output: &Output) {
-    let Some(mode) = before else { return };
-    match session.uninterrupted(|session| session.set_operating_mode(drive, mode)) {
-        Ok(()) => output.say(&format!("PNU 930 is {} again", mode_number(mode))),
-        Err(error) => output.warn(&format!(
-            "PNU 930 was not put back to {}: {error}",
-            mode_number(mode)
-        )),
+/// Puts mode and telegram back and reports it.
+fn leave_mode(session: &mut Live, drive: &mut Drive, before: &ModeBefore, output: &Output) {
+    let done = match session.leave_mode(drive, before) {
+        Ok(done) => done,
+        Err(error) => {
+            output.warn(&format!(
+                "mode and telegram were not put back (PNU 930, 922): {error}"
+            ));
+            return;
+        }
+    };
+    for PutBack {
+        number,
+        value,
+        result,
+    } in done
+    {
+        match result {
+            Ok(()) => output.say(&format!("PNU {number} is {value} again")),
+            Err(error) => output.warn(&format!("PNU {number} was not put back to {value}: {error}")),
+        }
     }
 }
 
@@ -231,15 +230,20 @@ pub fn tell_alone(
     Ok(())
 }
 
-/// Shows the axis from now on, and says what taking it has changed at the drive.
-pub fn watch(axis: &mut Axis<'_>, command: &'static str, output: &Output) {
+/// Shows the axis from now on, and says what taking it has changed at the drive; with `--set-mode` that is put back.
+pub fn watch(axis: &mut Axis<'_>, command: &'static str, set_mode: bool, output: &Output) {
     if let Some(before) = axis.telegram_before() {
+        let after = if set_mode {
+            "it is put back afterwards"
+        } else {
+            "the drive keeps it"
+        };
         output.say(&format!(
-            "telegram {before} -> {} (PNU 922) for this; the drive keeps it",
+            "telegram {before} -> {} (PNU 922) for this; {after}",
             axis.telegram()
         ));
         if output.json() {
-            let change = fields! { "before": before, "now": axis.telegram(), "kept": true };
+            let change = fields! { "before": before, "now": axis.telegram(), "kept": !set_mode };
             output.event(command, fields! { "telegram_changed": change });
         }
     }

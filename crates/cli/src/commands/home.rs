@@ -49,7 +49,7 @@ fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
         drive.label(),
         taken.telegram()
     ));
-    axis::watch(&mut taken, "home", output);
+    axis::watch(&mut taken, "home", args.mode.set_mode, output);
     let mut place = None;
     let result = taken.enable().and_then(|mut enabled| {
         let result = enabled.home(Some(args.timeout));

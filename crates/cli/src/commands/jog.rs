@@ -227,7 +227,7 @@ fn go(
         value::full(&speed),
         args.time.as_secs_f64()
     ));
-    axis::watch(&mut taken, "jog", output);
+    axis::watch(&mut taken, "jog", false, output);
     let result = taken.enable().and_then(|mut enabled| {
         enabled.jog(jog)?;
         enabled.hold(args.time)?;
@@ -277,7 +277,7 @@ fn real_time(
         args.time.as_secs_f64(),
         taken.telegram()
     ));
-    axis::watch(&mut taken, "jog", output);
+    axis::watch(&mut taken, "jog", false, output);
     let result = taken.enable().and_then(|mut enabled| {
         enabled.jog_at(speed)?;
         enabled.hold(args.time)?;

@@ -47,7 +47,7 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     output.say("acknowledging by an edge of STW1 bit 7");
     let settings = axis::settings(&args.cyclic, &mut drive, Purpose::Control, 0.0)?;
     let mut taken = session.take_axis(&mut drive, settings)?;
-    axis::watch(&mut taken, "ack", output);
+    axis::watch(&mut taken, "ack", false, output);
     let result = taken.ready_or_fault().and_then(|()| taken.acknowledge());
     axis::finish(taken, result, End::Time, "ack", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, End::Time, &mut session, &mut drive))?;

@@ -104,7 +104,7 @@ fn go(
         told(&plan, order),
         taken.telegram()
     ));
-    axis::watch(&mut taken, "move", output);
+    axis::watch(&mut taken, "move", args.mode.set_mode, output);
     let mut place = None;
     let result = taken.enable().and_then(|mut enabled| {
         // with what the telegram says now

@@ -241,7 +241,7 @@ fn go(
         wish.told(),
         time_told(args)
     ));
-    axis::watch(&mut taken, "run", output);
+    axis::watch(&mut taken, "run", args.mode.set_mode, output);
     let result = taken.enable().and_then(|mut enabled| match args.time {
         Some(time) => {
             let ramp = enabled.speed_time(speed);

@@ -48,7 +48,7 @@ fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
         args.number,
         taken.telegram()
     ));
-    axis::watch(&mut taken, "task", output);
+    axis::watch(&mut taken, "task", args.mode.set_mode, output);
     let mut status = None;
     let result = taken.enable().and_then(|mut enabled| {
         enabled.start_task(args.number)?;

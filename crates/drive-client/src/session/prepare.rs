@@ -6,6 +6,7 @@ use profidrive::parameter::pnu;
 use profidrive::state::{Mode, Zsw1};
 use profidrive::telegram::Telegram;
 
+use super::mode::mode_of;
 use super::plugged::Layout;
 use super::told::Told;
 use super::{AxisSettings, Session};
@@ -14,8 +15,8 @@ use crate::axis::{
     choose_telegram, named_telegram, plan_move, process_words,
 };
 use crate::error::mode_words;
-use crate::parameter::{Assignment, Reading, Selection};
-use crate::{Drive, Error, Wire, WriteMode};
+use crate::parameter::{Reading, Selection};
+use crate::{Drive, Error, Wire};
 
 /// What matters for a move, and what a converter's ramps follow from.
 const MOTION: [Part; 30] = [
@@ -86,62 +87,6 @@ pub(super) struct Prepared {
 }
 
 impl<M: Wire> Session<M> {
-    /// The mode that a drive is in (PNU 930): `None` for one that is neither speed control nor positioning, or that
-    /// does not tell.
-    ///
-    /// # Errors
-    /// When the drive cannot be reached.
-    pub fn operating_mode(&mut self, drive: &mut Drive) -> Result<Option<Mode>, Error> {
-        let readings = self.read_numbers(drive, &[pnu::OPERATING_MODE])?;
-        Ok(readings
-            .first()
-            .and_then(|reading| reading.raw())
-            .and_then(mode_of))
-    }
-
-    /// Says whether a drive is in the mode that is needed; one that does not tell is taken at the caller's word.
-    ///
-    /// # Errors
-    /// When it is in another one, or cannot be reached.
-    pub fn check_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<(), Error> {
-        drive.check_able(Some(needed))?;
-        match self.operating_mode(drive)? {
-            Some(present) if present != needed => Err(Error::WrongMode {
-                drive: drive.label(),
-                needed,
-                present: mode_words(present).to_owned(),
-            }),
-            _ => Ok(()),
-        }
-    }
-
-    /// Puts a drive into a mode (PNU 930) and reads back.
-    ///
-    /// # Errors
-    /// When the drive refuses, which it does while it is in operation, or cannot be reached.
-    pub fn set_operating_mode(&mut self, drive: &mut Drive, mode: Mode) -> Result<(), Error> {
-        let number = match mode {
-            Mode::Velocity => 1,
-            Mode::Position => 2,
-        };
-        let assignment: Assignment = format!("{}={number}", pnu::OPERATING_MODE).parse()?;
-        let outcomes = self.write(drive, &[assignment], WriteMode::Write)?;
-        for outcome in outcomes {
-            if let Some(Err(refusal)) = outcome.written {
-                let drive = drive.label();
-                return Err(Error::Refused { drive, refusal });
-            }
-            if outcome.differs() {
-                return Err(Error::WrongMode {
-                    drive: drive.label(),
-                    needed: mode,
-                    present: "the mode as before, though it took the change".into(),
-                });
-            }
-        }
-        Ok(())
-    }
-
     /// What a move of an axis would be, and everything that speaks against it.
     ///
     /// # Errors
@@ -241,32 +186,11 @@ impl<M: Wire> Session<M> {
         settings: &AxisSettings,
     ) -> Result<Prepared, Error> {
         let purpose = settings.purpose;
-        let readings = self.read_numbers(
-            drive,
-            &[
-                pnu::TELEGRAM,
-                pnu::OPERATING_MODE,
-                pnu::SETPOINT_SIGNALS,
-                pnu::ACTUAL_SIGNALS,
-            ],
-        )?;
+        let (told_mode, reported) = self.mode_and_telegram(drive)?;
         let told = self.ask(drive, &CONTROL)?;
-        let words = |pnu| -> Vec<u16> {
-            readings
-                .iter()
-                .filter(|reading| reading.pnu == pnu)
-                .filter_map(|reading| reading.raw())
-                .filter_map(|raw| u16::try_from(raw & 0xFFFF).ok())
-                .collect()
-        };
-        let reported = ReportedTelegram {
-            number: words(pnu::TELEGRAM).first().copied(),
-            setpoint: trimmed(words(pnu::SETPOINT_SIGNALS)),
-            actual: trimmed(words(pnu::ACTUAL_SIGNALS)),
-        };
         let telegram = drive.telegram_in_use(reported.number);
         self.not_local(drive, zsw1_of(drive, &told, telegram))?;
-        let mode = self.mode_for(drive, words(pnu::OPERATING_MODE).first().copied(), purpose)?;
+        let mode = self.mode_for(drive, told_mode, purpose)?;
         if drive.is_on_line() {
             let wiring = process_words(device, purpose).map_err(|problem| Error::Telegram {
                 drive: drive.label(),
@@ -509,15 +433,6 @@ fn speed_limits(told: &Told) -> [Option<(f64, Part)>; 2] {
     ]
 }
 
-/// PNU 930: 1 speed control, 2 positioning.
-const fn mode_of(number: i64) -> Option<Mode> {
-    match number {
-        1 => Some(Mode::Velocity),
-        2 => Some(Mode::Position),
-        _ => None,
-    }
-}
-
 /// How many units of the position parameters one turn of a rotary motor has; `None` for a linear one.
 /// Source: AKD UNIT.PROTARY, UNIT.PIN, UNIT.POUT; MOTOR.TYPE 1 is linear.
 fn units_per_turn(raw: impl Fn(Part) -> Option<i64>) -> Option<f64> {
@@ -537,14 +452,6 @@ fn units_per_turn(raw: impl Fn(Part) -> Option<i64>) -> Option<f64> {
         4 => Some(65_536.0),
         _ => None,
     }
-}
-
-/// Without the empty words behind the last signal.
-fn trimmed(mut words: Vec<u16>) -> Vec<u16> {
-    while words.last() == Some(&0) {
-        words.pop();
-    }
-    words
 }
 
 #[cfg(test)]
@@ -581,11 +488,5 @@ mod tests {
             None
         );
         assert_eq!(units_per_turn(with(&[])), None);
-    }
-
-    #[test]
-    fn empty_words_at_the_end_are_no_signals() {
-        assert_eq!(trimmed(vec![1, 0, 5, 0, 0]), [1, 0, 5]);
-        assert_eq!(trimmed(vec![0; 4]), [0; 0]);
     }
 }
