@@ -221,6 +221,40 @@ fn a_drive_at_work_is_renamed_addressed_and_reset_by_force_only() {
     client(&lab, &["read", "akd-2", "DRV.ACC"]).ok();
 }
 
+/// Without a controller too: a reset while the power stage is on would take the parameters from under a motor.
+#[test]
+fn a_drive_that_is_on_or_turns_is_reset_by_force_only() {
+    let lab = Lab::new("command-line-reset");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let reset = ["reset", "akd-1", "--mode", "application", "--yes"];
+    client(
+        &lab,
+        &["write", "akd-1", "DRV.ACC=7000", "DRV.CMDSOURCE=0", "DRV.EN=1"],
+    )
+    .ok();
+    for (change, words) in [
+        ("DRV.ACC=8000", "akd-1 is not reset: its power stage is on"),
+        ("DRV.DIS=1", "akd-1 is not reset: its axis turns at"),
+    ] {
+        client(&lab, &["write", "akd-1", change]).ok();
+        if change == "DRV.DIS=1" {
+            client(&lab, &["inject", "akd-1", "load=0.5Nm"]).ok();
+        }
+        let refused = client(&lab, &reset);
+        assert_eq!(refused.code, Some(6), "{refused:?}");
+        assert!(refused.err.contains(words), "{refused:?}");
+        assert!(
+            refused.err.contains("profidrive stop akd-1 --disable"),
+            "{refused:?}"
+        );
+        let kept = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok();
+        assert!(kept.out.contains("8000"), "{kept:?}");
+    }
+    client(&lab, &[&reset[..], &["--force"]].concat()).ok();
+    let reset = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok();
+    assert!(reset.out.contains("3000"), "{reset:?}");
+}
+
 /// Saved, changed, compared, restored, saved again; interrupted; faults.
 #[test]
 fn settings_are_saved_compared_and_brought_back() {

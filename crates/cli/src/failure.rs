@@ -169,6 +169,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
                 Trouble::StillTurns | Trouble::QuickStopUsed | Trouble::NotStopped | Trouble::LocalOperation,
             ..
         }
+        | Error::AtWork { .. }
         | Error::LocalOperation { .. } => Exit::Safety,
         Error::Held { error, .. } => exit_of(error),
         Error::Dcp {

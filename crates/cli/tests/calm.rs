@@ -106,7 +106,10 @@ fn a_cycle_that_the_pc_does_not_hold_is_known_before_anything_is_enabled() {
         "{words}"
     );
     assert_eq!(strained(late, None, None, Purpose::Speed), None);
-    assert_eq!(strained(Duration::ZERO, Some(MS * 4), Some(3), Purpose::Speed), None);
+    assert_eq!(
+        strained(Duration::ZERO, Some(MS * 4), Some(3), Purpose::Speed),
+        None
+    );
     assert!(strained(late, None, Some(2), Purpose::Speed).is_some(), "32 ms");
     // who stops or acknowledges is not made to wait
     assert_eq!(strained(late, Some(MS * 4), None, Purpose::Control), None);
@@ -133,6 +136,8 @@ fn update_times_are_those_of_the_device_description() {
         cycle: Some(MS * 4),
         ..AxisSettings::default()
     };
-    let error = session.take_axis(&mut drive, asked).expect_err("not in the description");
+    let error = session
+        .take_axis(&mut drive, asked)
+        .expect_err("not in the description");
     assert!(error.to_string().contains("update time"), "{error}");
 }

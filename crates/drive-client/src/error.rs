@@ -13,9 +13,9 @@ use profidrive::state::Mode;
 use profinet::MacAddress;
 use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
-use crate::DriveAddress;
 use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
 use crate::parameter::ParameterProblem;
+use crate::{AtWork, DriveAddress};
 
 pub use refusal::Refusal;
 pub use text::describe;
@@ -229,6 +229,16 @@ pub enum Error {
         drive: String,
         /// It is enabled (S4) from there.
         enabled: bool,
+    },
+    /// The drive is at work, which this would disturb; nothing was sent.
+    #[error("{drive} is not {undone}: {works}")]
+    AtWork {
+        /// The drive.
+        drive: String,
+        /// What is not done: `reset`.
+        undone: &'static str,
+        /// What it is at work with.
+        works: AtWork,
     },
     /// The axis is not enabled any more; nothing was sent.
     #[error("{drive}: the axis is not enabled any more")]

@@ -37,7 +37,7 @@ pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::{MakerModule, modules_of};
 pub use session::{
-    Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, Described, DescribedLimits, Enabled,
+    AtWork, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, Described, DescribedLimits, Enabled,
     FaultEntry, FaultReport, GoesOn, Identity, Info, JogSpeed, LoggedFault, ModeBefore, Peer, PlannedChange,
     PutBack, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher, WriteMode,
 };

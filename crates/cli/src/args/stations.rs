@@ -70,7 +70,7 @@ pub struct Reset {
     /// Do not ask
     #[arg(long)]
     pub yes: bool,
-    /// Also when a controller is running the drive: its axis then loses the controller
+    /// Also when the axis turns, the power stage is on or a controller is connected: a motor that turns then coasts
     #[arg(long)]
     pub force: bool,
 }

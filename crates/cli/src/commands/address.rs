@@ -5,7 +5,7 @@ use std::net::Ipv4Addr;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use drive_client::{Drive, describe};
+use drive_client::{AtWork, Drive, Error, describe};
 use network::linux::InterfaceInfo;
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
@@ -25,7 +25,7 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
     }
     let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     other_of_that_name(&mut session, &drive, &args.name)?;
-    not_at_work(&mut session, &drive, args.force, "named")?;
+    not_owned(&mut session, &drive, args.force, "named")?;
     let kept = kept(args.temporary, "has no name at all");
     let (station, name) = (describe(&drive.station), shown(&args.name));
     if args.dry_run {
@@ -69,21 +69,34 @@ fn kept(temporary: bool, then: &str) -> String {
     }
 }
 
-/// Naming, addressing or resetting a drive ends its connection, and with it the motion.
-fn not_at_work(session: &mut Live, drive: &Drive, force: bool, done: &str) -> Result<(), Failure> {
+/// Another name or address ends the connection of a controller, and with it the motion.
+fn not_owned(session: &mut Live, drive: &Drive, force: bool, undone: &'static str) -> Result<(), Failure> {
     if force || !in_reach(drive.station.ip)? {
         return Ok(());
     }
-    let owner = match session.owner(drive) {
-        Err(error @ drive_client::Error::Interrupted) => return Err(error.into()),
-        // a drive that cannot be asked is named and addressed all the same: that is how it becomes reachable
-        other => other.unwrap_or_default().flatten(),
-    };
+    session.check_unowned(drive, undone).map_err(at_work)?;
     // the connection that asked is not to be cut by what follows
-    session.close()?;
-    owner.map_or(Ok(()), |name| {
-        Err(at_work(&describe(&drive.station), &name, done))
-    })
+    Ok(session.close()?)
+}
+
+/// Says what to do where a drive is at work.
+fn at_work(error: Error) -> Failure {
+    let hint = match &error {
+        Error::AtWork { drive, works, .. } => match works {
+            AtWork::Controller(_) => {
+                "its axis would lose the controller; `profidrive blink` shows which drive it is, --force goes on all the same"
+                    .to_owned()
+            }
+            AtWork::Turns(_) | AtWork::Enabled => format!(
+                "it would lose its parameters under way and coast; `profidrive stop {} --disable` stops it, --force goes on all the same",
+                drive
+            ),
+        },
+        _ => return error.into(),
+    };
+    let mut failure = Failure::from(error).hint(hint);
+    failure.message = clean(&failure.message);
+    failure
 }
 
 /// Whether records can be read from a station: not where no answer can come.
@@ -92,14 +105,6 @@ fn in_reach(ip: IpSuite) -> Result<bool, Failure> {
         && InterfaceInfo::list()?
             .iter()
             .any(|info| info.ip_towards(ip.address).is_some()))
-}
-
-fn at_work(station: &str, controller: &str, done: &str) -> Failure {
-    let controller = clean(controller);
-    let message = format!("{station} is not {done}: controller \"{controller}\" is running it");
-    Failure::new(Exit::Safety, message).hint(
-        "its axis would lose the controller; `profidrive blink` shows which drive it is, --force goes on all the same",
-    )
 }
 
 /// One name, one station.
@@ -115,7 +120,7 @@ fn other_of_that_name(session: &mut Live, drive: &Drive, name: &str) -> Result<(
             Err(Failure::new(Exit::Failed, message)
                 .hint("one name belongs to one station; rename the other first"))
         }
-        Err(drive_client::Error::NotFound { .. }) => Ok(()),
+        Err(Error::NotFound { .. }) => Ok(()),
         Err(error) => Err(error.into()),
     }
 }
@@ -138,10 +143,10 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
             );
             return Err(Failure::new(Exit::Failed, message).hint("choose a free address"));
         }
-        Ok(_) | Err(drive_client::Error::NotFound { .. }) => {}
+        Ok(_) | Err(Error::NotFound { .. }) => {}
         Err(error) => return Err(error.into()),
     }
-    not_at_work(&mut session, &drive, args.force, "addressed")?;
+    not_owned(&mut session, &drive, args.force, "addressed")?;
     let kept = kept(args.temporary, "has no address at all");
     let suite = suite(ip, args.address.prefix);
     let label = drive.label();
@@ -198,7 +203,7 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
             break;
         }
         match session.pass(pause) {
-            Err(drive_client::Error::Interrupted) => break,
+            Err(Error::Interrupted) => break,
             other => other?,
         }
         if session.now() >= end {
@@ -212,9 +217,13 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
 }
 
 pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     let (mode, what) = mode(args.mode);
-    not_at_work(&mut session, &drive, args.force, "reset")?;
+    let checked = !args.force && in_reach(drive.station.ip)?;
+    if checked {
+        // a person is not asked about what is refused anyway
+        session.check_idle(&mut drive, "reset").map_err(at_work)?;
+    }
     if !args.yes {
         let station = describe(&drive.station);
         confirm(
@@ -222,9 +231,14 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
             &format!("Reset {what} of {station} to factory values?"),
         )?;
     }
-    session.reset(&drive, mode).map_err(|error| {
-        let refused = matches!(error, drive_client::Error::Dcp { .. });
-        let failure = Failure::from(error);
+    let done = if checked {
+        session.reset(&mut drive, mode)
+    } else {
+        session.reset_at_work(&drive, mode)
+    };
+    done.map_err(|error| {
+        let refused = matches!(error, Error::Dcp { .. });
+        let failure = at_work(error);
         if refused && failure.exit == Exit::Refused {
             failure.hint(OFFERED)
         } else {
@@ -279,7 +293,7 @@ fn confirm(session: &mut Live, question: &str) -> Result<(), Failure> {
             Err(mpsc::TryRecvError::Empty) => {}
         }
         match session.pass(GLANCE) {
-            Err(drive_client::Error::Interrupted) => {
+            Err(Error::Interrupted) => {
                 let _ = writeln!(stderr);
                 return Err(Failure::new(Exit::Safety, "not reset"));
             }
@@ -297,13 +311,35 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drive_at_work_is_left_alone() {
-        let failure = at_work("akd-1", "plc", "named");
-        assert_eq!(failure.exit, Exit::Safety);
-        assert_eq!(
-            failure.message,
-            "akd-1 is not named: controller \"plc\" is running it"
-        );
+    fn a_drive_at_work_is_left_alone_with_words_that_say_why() {
+        let failure = |works| {
+            at_work(Error::AtWork {
+                drive: "akd-1".into(),
+                undone: "reset",
+                works,
+            })
+        };
+        for (works, message, hint) in [
+            (
+                AtWork::Controller("plc".into()),
+                "akd-1 is not reset: controller \"plc\" is running it",
+                "--force",
+            ),
+            (
+                AtWork::Turns(-600.04),
+                "akd-1 is not reset: its axis turns at -600.0 rpm",
+                "`profidrive stop akd-1 --disable`",
+            ),
+            (
+                AtWork::Enabled,
+                "akd-1 is not reset: its power stage is on",
+                "--force",
+            ),
+        ] {
+            let failure = failure(works);
+            assert_eq!((failure.exit, failure.message.as_str()), (Exit::Safety, message));
+            assert!(failure.hint.is_some_and(|text| text.contains(hint)));
+        }
     }
 
     #[test]

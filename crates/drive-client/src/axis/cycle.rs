@@ -177,6 +177,9 @@ mod tests {
         let patient = Cycle::choose(&[], MS, Some(MS * 4), None).unwrap();
         assert!(patient.judge(MS * 4).is_some(), "a frame is missed");
         let hasty = Cycle::choose(&[], MS, None, Some(1)).unwrap();
-        assert!(hasty.judge(Duration::ZERO).is_some(), "no frame may be late at all");
+        assert!(
+            hasty.judge(Duration::ZERO).is_some(),
+            "no frame may be late at all"
+        );
     }
 }

@@ -70,7 +70,7 @@ impl Error {
                 cause: LostCause::Service(ServiceError::Refused { status, .. }),
                 ..
             } if faulty_timing(*status) => {
-                "the drive does not offer this update time; without --cycle the fastest it is known for is used".into()
+                "the drive does not offer this update time; without --cycle one that it is known for is used".into()
             }
             Self::Connect {
                 cause: LostCause::Service(ServiceError::Timeout { .. }),

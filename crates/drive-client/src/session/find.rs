@@ -181,12 +181,22 @@ impl<M: Wire> Session<M> {
         })
     }
 
-    /// Resets a station to factory values; `mode` as DCP ResetToFactory: 1 application, 2 communication,
-    /// 3 engineering, 4 all data, 8 device.
+    /// Resets a station to factory values if it is not at work; `mode` as DCP ResetToFactory: 1 application,
+    /// 2 communication, 3 engineering, 4 all data, 8 device. The connections of this session to it are closed first.
+    ///
+    /// # Errors
+    /// [`Error::AtWork`] as [`check_idle`](Self::check_idle), and what the station answers.
+    pub fn reset(&mut self, drive: &mut Drive, mode: u8) -> Result<(), Error> {
+        self.check_idle(drive, "reset")?;
+        self.reset_at_work(drive, mode)
+    }
+
+    /// Resets a station whatever it is doing: a motor that turns coasts, and its controller loses it.
     ///
     /// # Errors
     /// What the station answers.
-    pub fn reset(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
+    pub fn reset_at_work(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
+        self.close()?;
         self.set(drive, "resetting", |client, now, mac| {
             client.controller().dcp_reset(now, mac, mode)
         })

@@ -2,6 +2,7 @@
 
 mod access;
 mod alone;
+mod at_work;
 mod axis;
 mod backup;
 mod describe;
@@ -35,6 +36,7 @@ use profinet::controller::ControllerConfig;
 use crate::{Client, Drive, Error, LineConfig, Wire};
 
 pub use alone::GoesOn;
+pub use at_work::AtWork;
 pub use axis::{Axis, AxisPlan, AxisSettings, AxisStatus, WarningWatcher, Watcher};
 pub use describe::{Described, DescribedLimits};
 pub use enabled::Enabled;

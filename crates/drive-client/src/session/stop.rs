@@ -10,7 +10,7 @@ use crate::parameter::Assignment;
 use crate::{Drive, Error, Wire, WriteMode};
 
 /// Speed below which an axis counts as standing, rpm.
-const STANDS: f64 = 1.0;
+pub(super) const STANDS: f64 = 1.0;
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(20);
 
