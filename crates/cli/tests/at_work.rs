@@ -35,10 +35,11 @@ fn acceleration(session: &mut Bench, drive: &mut Drive) -> Option<f64> {
 fn refused(session: &mut Bench, drive: &mut Drive) -> AtWork {
     let error = session.reset(drive, APPLICATION).expect_err("at work");
     assert_eq!(acceleration(session, drive), Some(7000.0), "{error}");
-    match error {
-        Error::AtWork { works, .. } => works,
-        error => panic!("{error}"),
-    }
+    let works = match error {
+        Error::AtWork { works, .. } => Some(works),
+        _ => None,
+    };
+    works.expect("the reason")
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Cycle, Goal, Purpose, SpeedUnit, Strained, Trouble};
+use drive_client::axis::{Cycle, Goal, MotionFacts, Purpose, SpeedUnit, Strained, Trouble};
 use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
 use drive_client::{
     AxisSettings, AxisStatus, Drive, Error, FaultEntry, GoesOn, ModeBefore, PutBack, WarningEntry,
@@ -104,6 +104,13 @@ pub fn settings(
         speed_limit: limit,
         ..AxisSettings::default()
     })
+}
+
+/// Warns of a limit switch that the drive is told to turn into.
+pub fn warn_switch(speed: f64, facts: &MotionFacts, output: &Output) {
+    if facts.is_at_switch(speed) {
+        output.warn("the limit switch in this direction is hit: the drive may not turn");
+    }
 }
 
 /// Above the limit nothing is sent at all.

@@ -178,6 +178,7 @@ fn go(
     output: &Output,
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
+    let facts = session.motion_facts(drive)?;
     let settings = axis::settings(&args.cyclic, drive, Purpose::Jog, limit)?;
     let mut taken = session.take_axis(drive, settings)?;
     let (inner, own) = taken.session();
@@ -220,7 +221,9 @@ fn go(
             speed = inner.read_one(own, &selection)?;
         }
     }
-    axis::within(setting.rpm(&speed).unwrap_or(0.0), limit, SpeedUnit::Rpm)?;
+    let rpm = setting.rpm(&speed).unwrap_or(0.0);
+    axis::within(rpm, limit, SpeedUnit::Rpm)?;
+    axis::warn_switch(rpm, &facts, output);
     output.say(&format!(
         "this moves the axis: {} jogs at {} for {} s; Ctrl-C stops it",
         drive.label(),
@@ -268,6 +271,7 @@ fn real_time(
     output: &Output,
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
+    axis::warn_switch(speed, &session.motion_facts(drive)?, output);
     let settings = axis::settings(&args.cyclic, drive, Purpose::RealTimeJog, limit)?;
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(

@@ -208,9 +208,7 @@ fn permitted(
             session.check_speed(drive, speed)?;
         }
         let facts = session.motion_facts(drive)?;
-        if hits(speed, &facts) {
-            output.warn("the limit switch in this direction is hit: the drive may not turn");
-        }
+        axis::warn_switch(speed, &facts, output);
         // who says what 100 % is knows better than the drive
         let told = |part: &Option<Part>| *part != Some(Part::Reference) || args.reference_speed.is_none();
         if let Some((limit, part)) = above(speed, &facts).filter(|(_, part)| told(part)) {
@@ -281,16 +279,6 @@ fn unreached(wish: &Wish, actual: Option<f64>) -> String {
     format!("{} was not reached when the stop came{actual}", wish.told())
 }
 
-/// The limit switch in the direction of a speed is hit.
-fn hits(speed: f64, facts: &MotionFacts) -> bool {
-    let hit = if speed < 0.0 {
-        facts.negative_switch
-    } else {
-        facts.positive_switch
-    };
-    hit == Some(true) && speed != 0.0
-}
-
 /// The limit of the drive that a speed is above, and what sets it: it would never be reached.
 fn above(speed: f64, facts: &MotionFacts) -> Option<(f64, Option<Part>)> {
     let (limit, part) = if speed < 0.0 {
@@ -337,10 +325,5 @@ mod tests {
         };
         assert_eq!(above(1000.0, &facts), None);
         assert_eq!(above(-600.0, &facts), Some((500.0, Some(Part::BackwardLimit))));
-        let hit = MotionFacts {
-            positive_switch: Some(true),
-            ..facts
-        };
-        assert!(hits(10.0, &hit) && !hits(-10.0, &hit));
     }
 }

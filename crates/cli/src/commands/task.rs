@@ -40,6 +40,9 @@ pub fn run(args: &Task, interface: &Interface, output: &Output) -> Result<(), Fa
 
 fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
     const END: End = End::Target("the task was not finished");
+    session.check_mode(drive, Mode::Position)?;
+    session.check_control(drive)?;
+    session.check_task(drive, args.number)?;
     let settings = axis::settings(&args.cyclic, drive, Purpose::Task, f64::INFINITY)?;
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(

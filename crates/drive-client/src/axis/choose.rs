@@ -105,7 +105,7 @@ fn because(reported: Option<WiringError>) -> String {
 
 /// The telegram for a purpose: the one that the drive reports if it carries everything, else the first of the usual
 /// ones that the drive has. Homing needs STW1 and ZSW1 alone, but a telegram of positioning (SATZANW) shows where the
-/// axis goes.
+/// axis goes. A telegram of positioning does not jog a drive in velocity mode: its STW1 has other bits then.
 ///
 /// ```
 /// use drive_client::axis::{Purpose, ReportedTelegram, choose_telegram};
@@ -126,8 +126,16 @@ pub fn choose_telegram(
     mode: Mode,
 ) -> Result<Choice, NoTelegram> {
     let fits = |wiring: &Wiring| purpose.signals().iter().all(|&signal| wiring.commands(signal));
-    let suits =
-        |wiring: &Wiring| fits(wiring) && (purpose != Purpose::Home || wiring.commands(signal::SATZANW));
+    let suits = |wiring: &Wiring| {
+        let positions = wiring.commands(signal::SATZANW);
+        let speeds = wiring.commands(signal::NSOLL_A);
+        let fits_mode = match (purpose, mode) {
+            (Purpose::Home, _) => positions,
+            (Purpose::Jog, Mode::Velocity) => speeds || !positions,
+            _ => true,
+        };
+        fits(wiring) && fits_mode
+    };
     let mut trouble = None;
     let own = reported
         .number
@@ -253,6 +261,10 @@ mod tests {
             (7, Home, Position, 7),
             (353, Home, Position, 353),
             (7, Jog, Position, 7),
+            (7, Jog, Velocity, 1),
+            (9, Jog, Velocity, 1),
+            (353, Jog, Velocity, 1),
+            (350, Jog, Velocity, 350),
             (7, Control, Velocity, 7),
             (999, Jog, Position, 9),
             (999, Control, Velocity, 1),

@@ -103,6 +103,25 @@ pub struct MotionFacts {
     pub deceleration: Option<f64>,
 }
 
+impl MotionFacts {
+    /// Returns true when the limit switch in the direction of a speed is hit: the drive may not turn.
+    ///
+    /// ```
+    /// use drive_client::axis::MotionFacts;
+    /// let facts = MotionFacts { positive_switch: Some(true), ..MotionFacts::default() };
+    /// assert!(facts.is_at_switch(10.0) && !facts.is_at_switch(-10.0));
+    /// ```
+    #[must_use]
+    pub fn is_at_switch(&self, speed: f64) -> bool {
+        let hit = if speed < 0.0 {
+            self.negative_switch
+        } else {
+            self.positive_switch
+        };
+        hit == Some(true) && speed != 0.0
+    }
+}
+
 /// A move as it will travel, in both views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovePlan {

@@ -6,6 +6,7 @@ use profidrive::parameter::{ErrorNumber, Format, plan_changes};
 
 use super::Session;
 use super::parameters::Outgoing;
+use crate::axis::Objection;
 use crate::backup::{Backup, Journal, Step, Task, TaskChange, TasksTold, Window};
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Wire};
@@ -50,6 +51,36 @@ impl<M: Wire> Session<M> {
             Err(why) => backup.header.tasks = TasksTold::LeftOut(why),
         }
         Ok(())
+    }
+
+    /// Checks what a drive can say in advance against a task of its table: that the axis is homed and
+    /// that there is such a task. The table is read as for a backup and not changed; where that is not
+    /// possible, because a controller is connected for example, the task is taken at the caller's word.
+    ///
+    /// # Errors
+    /// [`Error::Objections`] with everything that speaks against it, and when the drive cannot be reached.
+    pub fn check_task(&mut self, drive: &mut Drive, number: u16) -> Result<(), Error> {
+        let facts = self.motion_facts(drive)?;
+        let mut objections = Vec::new();
+        if facts.homed == Some(false) {
+            objections.push(Objection::NotHomed);
+        }
+        let window = drive.model.catalogue.and_then(Window::of);
+        let row = match window {
+            Some(window) if window.rows().contains(&number) => self.tasks(drive, &window, &[number])?.ok(),
+            Some(_) => Some(vec![Task::Empty]),
+            None => None,
+        };
+        if row.is_some_and(|row| row.contains(&Task::Empty)) {
+            objections.push(Objection::NoTask { number });
+        }
+        if objections.is_empty() {
+            return Ok(());
+        }
+        Err(Error::Objections {
+            drive: drive.label(),
+            objections,
+        })
     }
 
     fn tasks(

@@ -12,6 +12,11 @@ pub enum Objection {
     NotHomed,
     /// ZSW1 bit 3.
     Fault,
+    /// The table of the drive has no motion task of this number.
+    NoTask {
+        /// Its number.
+        number: u16,
+    },
     /// The target is outside of the software limits.
     SoftwareLimit {
         /// Target in turns.
@@ -87,6 +92,7 @@ impl fmt::Display for Objection {
         match self {
             Self::NotHomed => f.write_str("the axis is not homed (ZSW1 bit 11 is 0)"),
             Self::Fault => f.write_str("a fault is present (ZSW1 bit 3)"),
+            Self::NoTask { number } => write!(f, "motion task {number} is empty"),
             Self::SoftwareLimit { target, limit, upper } => write!(
                 f,
                 "the target {target:.3} rev is {} the software limit {} of {limit:.3} rev",
@@ -155,6 +161,7 @@ impl Objection {
         match self {
             Self::NotHomed => "`profidrive home DRIVE` sets the home position",
             Self::Fault => "`profidrive status DRIVE` tells which, `profidrive ack DRIVE` acknowledges it",
+            Self::NoTask { .. } => "the table of motion tasks shows which ones there are (MT.NUM, MT.LOAD)",
             Self::SoftwareLimit { .. } => {
                 "`profidrive read DRIVE SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1` shows the limits"
             }
