@@ -202,6 +202,12 @@ impl SubmoduleState {
     pub const LOCKED_BY_CONTROLLER: Self = Self(0x8180);
     /// A diagnosis (fault) is pending.
     pub const FAULT: u16 = 1 << 6;
+    /// Maintenance is demanded.
+    pub const MAINTENANCE_DEMANDED: u16 = 1 << 5;
+    /// Maintenance is required.
+    pub const MAINTENANCE_REQUIRED: u16 = 1 << 4;
+    /// There is an advice.
+    pub const ADVICE: u16 = 1 << 3;
 
     /// IdentInfo: 0 ok, 1 substitute, 2 wrong, 3 no submodule.
     #[must_use]
@@ -213,6 +219,46 @@ impl SubmoduleState {
     #[must_use]
     pub const fn is_usable(self) -> bool {
         self.ident_info() <= 1 && self.ar_info() == 0
+    }
+
+    /// True when a fault, maintenance or an advice is pending. Says nothing of what is plugged.
+    #[must_use]
+    pub const fn has_diagnosis(self) -> bool {
+        let pending = Self::FAULT | Self::MAINTENANCE_DEMANDED | Self::MAINTENANCE_REQUIRED | Self::ADVICE;
+        self.0 & pending != 0
+    }
+
+    /// Meanings of the fields that are not 0, for people; none where everything is as expected.
+    ///
+    /// IEC 61158-6-10, coding of the field SubmoduleState with FormatIndicator 1.
+    pub fn words(self) -> impl Iterator<Item = &'static str> {
+        let ident = match self.ident_info() {
+            0 => None,
+            1 => Some("substitute submodule"),
+            2 => Some("wrong submodule"),
+            3 => Some("no submodule"),
+            _ => Some("unknown IdentInfo"),
+        };
+        let relation = match self.ar_info() {
+            0 => None,
+            1 => Some("application ready pending"),
+            2 => Some("locked by a superordinated connection"),
+            3 => Some("locked by another controller"),
+            4 => Some("locked by a supervisor"),
+            _ => Some("unknown ARInfo"),
+        };
+        let flag = move |bit: u16, words| (self.0 & bit != 0).then_some(words);
+        [
+            ident,
+            relation,
+            flag(Self::FAULT, "diagnosis pending"),
+            flag(Self::MAINTENANCE_DEMANDED, "maintenance demanded"),
+            flag(Self::MAINTENANCE_REQUIRED, "maintenance required"),
+            flag(Self::ADVICE, "advice pending"),
+            flag(0x0001, "take-over not allowed"),
+        ]
+        .into_iter()
+        .flatten()
     }
 
     /// ARInfo: 0 own, 1 ready pending, 2 superordinated locked, 3 locked by controller, 4 locked by supervisor.
