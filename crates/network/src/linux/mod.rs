@@ -5,6 +5,7 @@
 //! | virtual devices on an interface, beside the host's own addresses | [`Runner`] |
 //! | a client with everything, using the host's own addresses | [`PacketMedium`] |
 //! | a client without the right to raw sockets: records only, no discovery, no cyclic data | [`UdpMedium`] |
+//! | every frame on an interface, nothing sent | [`Capture`] |
 //! | what interfaces there are | [`InterfaceInfo`] |
 //! | Ctrl-C | [`Stop`] |
 //! | a folder that one program uses at a time | [`FolderLock`] |
@@ -12,6 +13,7 @@
 //! Frames of one runner do not reach the other stations of the same runner, nor the host it runs on, as with any
 //! packet socket: the other side must be at the other end of the wire, or of a `veth` pair.
 
+mod capture;
 mod error;
 mod filter;
 mod interface;
@@ -24,6 +26,7 @@ mod runner;
 mod stop;
 mod udp;
 
+pub use capture::Capture;
 pub use error::Error;
 pub use interface::InterfaceInfo;
 pub use lock::{FolderLock, LockError};

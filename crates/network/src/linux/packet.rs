@@ -55,6 +55,18 @@ pub(super) struct PacketSocket {
 impl PacketSocket {
     /// Opens the interface `name`.
     pub(super) fn open(name: &str, wanted: Wanted) -> Result<Self, Error> {
+        Self::listen(name, Some(wanted))
+    }
+
+    /// Opens the interface `name` for all of its traffic: what it sends, and what is meant for others, too.
+    pub(super) fn listen_to_all(name: &str) -> Result<Self, Error> {
+        let socket = Self::listen(name, None)?;
+        socket.join_all()?;
+        Ok(socket)
+    }
+
+    /// Opens the interface `name`; without a filter for what it sends itself too.
+    fn listen(name: &str, wanted: Option<Wanted>) -> Result<Self, Error> {
         let interface = InterfaceInfo::find(name)?;
         let own_mac = interface.usable()?;
         let refused = |source: io::Error| match source.kind() {
@@ -73,11 +85,13 @@ impl PacketSocket {
         let ring = Ring::new(fd).map_err(Error::system("cannot make a receive ring"))?;
         // Room for a burst of many stations; a smaller limit of the system is no failure.
         let _ = socket.set_send_buffer_size(1 << 20);
-        // Kernels before 4.20 do not know the option: own frames are then seen and ignored by their source address.
-        let _ = set_option(fd, PACKET_IGNORE_OUTGOING, &(1 as libc::c_int));
-        socket
-            .attach_filter(&program(wanted, &[]))
-            .map_err(Error::system("cannot set the frame filter"))?;
+        if let Some(wanted) = wanted {
+            // Kernels before 4.20 do not know the option: own frames are then seen and ignored by their source address.
+            let _ = set_option(fd, PACKET_IGNORE_OUTGOING, &(1 as libc::c_int));
+            socket
+                .attach_filter(&program(wanted, &[]))
+                .map_err(Error::system("cannot set the frame filter"))?;
+        }
         bind(fd, interface.index).map_err(Error::system("cannot bind the raw socket to the interface"))?;
         let index = interface.index;
         let packet_socket = Self {
@@ -85,7 +99,7 @@ impl PacketSocket {
             socket,
             interface,
             own_mac,
-            wanted,
+            wanted: wanted.unwrap_or(Wanted::Stations),
             macs: BTreeSet::new(),
             promiscuous: false,
             batch: Batch::new(),
@@ -104,14 +118,19 @@ impl PacketSocket {
             return Ok(());
         }
         if mac != self.own_mac && !self.promiscuous {
-            join(self.fd(), self.interface.index, libc::PACKET_MR_PROMISC, [0; 6])
-                .map_err(Error::system("cannot switch the interface to promiscuous mode"))?;
+            self.join_all()?;
             self.promiscuous = true;
         }
         let macs: Vec<_> = self.macs.iter().copied().collect();
         self.socket
             .attach_filter(&program(self.wanted, &macs))
             .map_err(Error::system("cannot set the frame filter"))
+    }
+
+    /// Switches the interface to promiscuous mode until the socket is closed.
+    fn join_all(&self) -> Result<(), Error> {
+        join(self.fd(), self.interface.index, libc::PACKET_MR_PROMISC, [0; 6])
+            .map_err(Error::system("cannot switch the interface to promiscuous mode"))
     }
 
     pub(super) fn interface(&self) -> &InterfaceInfo {

@@ -4,6 +4,7 @@ use std::io;
 use std::os::fd::RawFd;
 use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 /// A slot; holds the largest frame, its header and what the kernel puts before it.
 const SLOT: usize = 2048;
@@ -23,6 +24,8 @@ pub(super) struct Received {
     pub(super) checksum_missing: bool,
     /// The tag that was taken out of the frame.
     pub(super) tag: Option<u16>,
+    /// Calendar time since 1970 at which the kernel received it.
+    pub(super) time: Duration,
 }
 
 impl Received {
@@ -99,6 +102,7 @@ impl Ring {
         let received = Received {
             checksum_missing: status & TP_STATUS_CSUM_NOT_READY != 0,
             tag: (status & TP_STATUS_VLAN_VALID != 0).then_some(header.tp_vlan_tci),
+            time: Duration::new(header.tp_sec.into(), header.tp_nsec.min(999_999_999)),
         };
         Some((received, frame))
     }
@@ -157,6 +161,7 @@ mod tests {
         let tagged = Received {
             checksum_missing: false,
             tag: Some(0xC000),
+            time: Duration::ZERO,
         };
         let plain = Received { tag: None, ..tagged };
         let expected = [&frame[..12], &[0x81, 0, 0xC0, 0], &frame[12..]].concat();

@@ -1,0 +1,80 @@
+//! What is on the wire of an interface, both ways.
+
+use std::time::Duration;
+
+use profinet::MAX_FRAME;
+
+use super::error::Error;
+use super::packet::PacketSocket;
+use super::poll::{readable, wait};
+use super::stop::Stop;
+
+/// Receives every frame on an interface, those that this computer sends too. Sends nothing.
+///
+/// The kernel keeps some hundred frames for a reader that is slow; what did not fit is counted by
+/// [`missed`](Self::missed).
+///
+/// ```no_run
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use std::time::Duration;
+/// use network::linux::{Capture, Stop};
+/// let stop = Stop::on_signals()?;
+/// let mut capture = Capture::open("eth0", stop.clone())?;
+/// while !stop.is_stopped() {
+///     if let Some((time, frame)) = capture.next(Duration::from_secs(1))? {
+///         println!("{time:?}: {} octets", frame.len());
+///     }
+/// }
+/// # Ok(()) }
+/// ```
+#[derive(Debug)]
+pub struct Capture {
+    packet: PacketSocket,
+    stop: Stop,
+    frame: Box<[u8]>,
+}
+
+impl Capture {
+    /// Opens an interface in promiscuous mode.
+    ///
+    /// # Errors
+    /// No such interface, interface down, no permission for raw sockets.
+    pub fn open(interface: &str, stop: Stop) -> Result<Self, Error> {
+        Ok(Self {
+            packet: PacketSocket::listen_to_all(interface)?,
+            stop,
+            frame: vec![0; 2 * MAX_FRAME].into_boxed_slice(),
+        })
+    }
+
+    /// Returns the next frame, with the calendar time since 1970 at which the kernel received it. Returns `None` when
+    /// none comes for so long, or when the stop flag is set. A frame too long for the receive ring is empty.
+    ///
+    /// # Errors
+    /// The interface is down or gone.
+    pub fn next(&mut self, timeout: Duration) -> Result<Option<(Duration, &[u8])>, Error> {
+        let Self { packet, stop, frame } = self;
+        if packet.peek().is_none() {
+            let mut fds = [readable(packet.fd()), readable(stop.fd())];
+            wait(&mut fds, timeout).map_err(Error::system("cannot wait for frames"))?;
+            packet.check(fds[0].revents)?;
+        }
+        let Some((received, octets)) = packet.peek() else {
+            return Ok(None);
+        };
+        let time = received.time;
+        let mut tagged = [0; MAX_FRAME + 4];
+        let whole = received.on_the_wire(octets, &mut tagged);
+        let length = whole.len().min(frame.len());
+        let kept = frame.get_mut(..length).unwrap_or_default();
+        kept.copy_from_slice(whole.get(..length).unwrap_or_default());
+        packet.release();
+        Ok(Some((time, kept)))
+    }
+
+    /// Frames lost because they were not read in time.
+    #[must_use]
+    pub fn missed(&mut self) -> u64 {
+        self.packet.statistics().missed
+    }
+}
