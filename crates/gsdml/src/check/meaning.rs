@@ -21,6 +21,19 @@ const PROFIDRIVE: u32 = 0x3A00;
 const RECORD: u32 = 4068;
 /// Most octets of cyclic data in one frame.
 const FRAME: u16 = 1440;
+/// Elements whose identifiers are those of objects, each unique in the file. The `ID` of other elements has a scope of its
+/// own: parameters and menus in their record, modes and measurements of PROFIenergy are numbers in their list.
+const OBJECTS: [&str; 9] = [
+    "DeviceAccessPointItem",
+    "ModuleItem",
+    "VirtualSubmoduleItem",
+    "SubmoduleItem",
+    "InterfaceSubmoduleItem",
+    "PortSubmoduleItem",
+    "ValueItem",
+    "GraphicItem",
+    "CategoryItem",
+];
 /// First octet of each element with an identifier.
 type Places<'a> = BTreeMap<(&'a str, &'a str), usize>;
 
@@ -40,8 +53,7 @@ pub(super) fn check<'a>(reader: &mut Reader<'_>, root: Node<'a, 'a>, gsdml: &'a 
     for node in root.descendants().filter(Node::is_element) {
         let name = node.tag_name().name();
         let Some(id) = node.attribute("ID") else { continue };
-        // parameters and menus have their names in their record only
-        if matches!(name, "Ref" | "MenuItem") {
+        if !OBJECTS.contains(&name) {
             continue;
         }
         let at = node.range().start;

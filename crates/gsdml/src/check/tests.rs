@@ -27,6 +27,30 @@ fn a_sound_file_has_no_problem() {
     assert_eq!(report.description, Some(description()));
 }
 
+/// Numbers of modes and measurements are no identifiers of objects: they may be equal to each other and to an object's.
+#[test]
+fn numbers_of_profienergy_are_no_identifiers() {
+    let energy = "<PROFIenergy><EnergySavingModeList><EnergySavingModeItem ID=\"1\"/><EnergySavingModeItem ID=\"2\"/>\
+        </EnergySavingModeList><MeasurementList><MeasurementItem ID=\"1\"><MeasurementValue ID=\"1\"/>\
+        <MeasurementValue ID=\"M_1\"/></MeasurementItem><MeasurementItem ID=\"2\"><MeasurementValue ID=\"1\"/>\
+        </MeasurementItem></MeasurementList></PROFIenergy></VirtualSubmoduleItem>";
+    assert_eq!(after("</VirtualSubmoduleItem>", energy), []);
+}
+
+/// Nothing refers to a virtual submodule: a second one with its identifier is an error, but the file can be used.
+#[test]
+fn an_identifier_that_nothing_refers_to_leaves_the_file_usable() {
+    let text = sound();
+    let ids: Vec<&str> = text.split("<VirtualSubmoduleItem ID=\"").skip(1).collect();
+    let id = |at: usize| ids.get(at).and_then(|rest| rest.split('"').next()).unwrap();
+    let problems = after(
+        &alloc::format!("ID=\"{}\"", id(1)),
+        &alloc::format!("ID=\"{}\"", id(0)),
+    );
+    let expected = alloc::format!("identifier `{}` is that of a VirtualSubmoduleItem too", id(0));
+    assert_eq!(problems, [(Severity::Error, Rule::Identifier, expected)]);
+}
+
 /// Each rule by a file that breaks it at one place and no other rule.
 #[test]
 fn every_rule_is_looked_at() {

@@ -59,9 +59,11 @@ impl Reader<'_> {
         Some(id)
     }
 
-    /// Takes an identifier in.
+    /// Registers an identifier. A second one of an item that nothing refers to leaves the description usable: only the
+    /// check reports it.
     pub(super) fn declare(&mut self, node: Node<'_, '_>, attribute_name: &str, kind: Kind, id: &str) {
-        if self.ids.insert((kind, id.to_owned()), ()).is_some() {
+        let known = self.ids.insert((kind, id.to_owned()), ()).is_some();
+        if known && kind != Kind::Own {
             let at = attribute(node, attribute_name).map_or(0, |attribute| attribute.range().start);
             let message = format!("{} `{}` is there twice", kind.word(), shortened(id));
             self.problem(Severity::Unusable, Rule::Identifier, at, message);
