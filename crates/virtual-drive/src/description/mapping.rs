@@ -1,7 +1,7 @@
 //! Which telegram of a model a maker's submodule carries.
 
 use gsdml::{DataDescription, DataItem, Gsdml, Submodule, TextId};
-use profidrive::catalogue::Catalogue;
+use profidrive::catalogue::{Catalogue, TelegramModule};
 use profidrive::telegram::{Image, Telegram};
 
 use super::LONGEST_TELEGRAM;
@@ -17,8 +17,9 @@ pub(super) enum Found {
     Contradiction(String),
 }
 
-/// The telegram of a submodule with cyclic data. Names count first (`Standard telegram 353`), then the signals the data
-/// items name, then the lengths where only one telegram has them.
+/// Returns the telegram of a submodule with cyclic data. In a file of the model's own vendor the ident number with the
+/// lengths counts first. Then names count (`Standard telegram 353`), then the signals that the data items name, then the
+/// lengths where only one telegram has them.
 pub(super) fn telegram_of(
     gsdml: &Gsdml,
     catalogue: &Catalogue,
@@ -39,6 +40,15 @@ pub(super) fn telegram_of(
         return Found::Unknown(format!(
             "{outputs} octets of setpoints and {inputs} of actual values; the model's longest telegram has {longest}"
         ));
+    }
+    if gsdml.identity.vendor_id == vendor {
+        let rows = catalogue.device.telegrams.iter();
+        let lengths = |row: &&TelegramModule| (u32::from(row.inputs), u32::from(row.outputs));
+        let mut same =
+            rows.filter(|row| row.submodule == submodule.ident && lengths(row) == (inputs, outputs));
+        if let (Some(row), None) = (same.next(), same.next()) {
+            return Found::Telegram(row.telegram);
+        }
     }
     let texts = names.iter().map(|name| gsdml.text(name.as_ref()));
     let named = texts.chain(ids.iter().copied()).find_map(number_in);

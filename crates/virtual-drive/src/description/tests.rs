@@ -34,6 +34,39 @@ fn exported_and_imported_is_the_model_again() {
     assert_eq!(import.left_out, [] as [String; 0]);
 }
 
+/// Telegrams 1 and 7 are equally long: without a name only the ident number of the submodule tells them apart.
+#[test]
+fn a_telegram_without_a_name_is_found_by_ident_and_length() {
+    let mut file = export(&AKD).description;
+    for (at, module) in file.modules.iter_mut().enumerate() {
+        let id = format!("ITEM_{at}");
+        let references = file.access_points.iter_mut().flat_map(|point| &mut point.modules);
+        for reference in references.filter(|reference| reference.target == module.id) {
+            reference.target = id.clone();
+        }
+        module.id = id;
+        module.info.name = None;
+        for submodule in &mut module.virtual_submodules {
+            submodule.id = format!("{}_S", module.id);
+            submodule.info = None;
+            for data in [&mut submodule.io.input, &mut submodule.io.output]
+                .into_iter()
+                .flatten()
+            {
+                data.items.iter_mut().for_each(|item| item.text = None);
+            }
+        }
+    }
+    let import = Description::from_gsdml(&file, &AKD, None).unwrap();
+    assert_eq!(import.description.telegrams, Description::of(&AKD).telegrams);
+    assert_eq!(import.left_out, [] as [String; 0]);
+    // another length is not that telegram, whatever the ident number is
+    let telegram = &mut file.modules[0].virtual_submodules[0];
+    telegram.io.input.as_mut().unwrap().items.pop();
+    let import = Description::from_gsdml(&file, &AKD, None).unwrap();
+    assert_eq!(import.left_out.len(), 1, "{:?}", import.left_out);
+}
+
 #[test]
 fn data_items_are_the_signals_of_the_telegram() {
     let exported = export(&AKD).description;
