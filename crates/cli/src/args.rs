@@ -15,7 +15,7 @@ use std::time::Duration;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profidrive::notation::Quantity;
 
-pub use explain::{Decode, Explain, Octets, Sender, Side, What};
+pub use explain::{Decode, Explain, Octets, Only, Sender, Side, What};
 pub use parameters::{Describe, List, Read, Write};
 pub use simulate::{DcpInOperation, Demo, Model, Simulate};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};
@@ -327,6 +327,9 @@ mod tests {
             "profidrive status akd-1 --short --json",
             "profidrive explain 0x047F --as stw1",
             "profidrive decode trace.pcapng",
+            "profidrive decode - --drive akd-1 --only trouble --since 1.5s --until 2min",
+            "profidrive decode -i eth0",
+            "profidrive -i eth0 decode",
             "profidrive decode trace.pcapng --model vlt",
             "profidrive decode --hex 15FA000100000000 --as pkw-fc --model vlt --from controller",
             "profidrive decode --hex 0206 --as fc",
@@ -349,7 +352,6 @@ mod tests {
         ] {
             assert!(Cli::try_parse_from(line.split(' ')).is_ok(), "{line}");
         }
-        assert!(Cli::try_parse_from(["profidrive", "decode"]).is_err());
         for line in ["task akd-1 0", "task akd-1 129", "move akd-1 --to 5rev"] {
             let line = format!("profidrive {line}");
             assert!(Cli::try_parse_from(line.split(' ')).is_err(), "{line}");
@@ -361,5 +363,6 @@ mod tests {
             assert!(Cli::try_parse_from(line.split(' ')).is_err(), "{line}");
         }
         assert!(Cli::try_parse_from(["profidrive", "decode", "f", "--hex", "00"]).is_err());
+        assert!(Cli::try_parse_from(["profidrive", "decode", "f", "-i", "eth0"]).is_err());
     }
 }

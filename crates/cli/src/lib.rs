@@ -83,9 +83,14 @@ fn misunderstood(error: &clap::Error) -> ExitCode {
 #[must_use]
 pub fn decode_frames<'a>(frames: impl IntoIterator<Item = (Duration, &'a [u8])>) -> Vec<String> {
     let mut walker = Walker::default();
-    let notes = frames.into_iter().flat_map(|(at, frame)| walker.frame(at, frame));
-    notes
-        .map(|note| format!("{} > {}: {} {}", note.from, note.to, note.topic, note.text))
+    let mut events = Vec::new();
+    for (at, frame) in frames {
+        events.extend(walker.frame(at, frame));
+    }
+    events.extend(walker.end());
+    events
+        .iter()
+        .map(|event| format!("{} > {}: {} {}", event.from, event.to, event.topic, event.text))
         .collect()
 }
 

@@ -1,10 +1,11 @@
 //! Numbers, octets and captures, explained without any drive.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 
-use super::Kind;
+use super::{Kind, duration};
 
 #[derive(Debug, Args)]
 pub struct Explain {
@@ -69,9 +70,24 @@ pub enum What {
 
 #[derive(Debug, Args)]
 pub struct Decode {
-    /// Capture file, pcap or pcapng
-    #[arg(value_name = "FILE", required_unless_present = "hex", conflicts_with = "hex")]
+    /// Capture file, pcap or pcapng; `-` is standard input
+    #[arg(value_name = "FILE", conflicts_with = "hex")]
     pub file: Option<PathBuf>,
+    /// Captures on this network interface instead, until Ctrl-C
+    #[arg(short, long, value_name = "IFACE", conflicts_with_all = ["file", "hex"])]
+    pub interface: Option<String>,
+    /// Prints only what is from, to or about this station: its name, IP address or Ethernet address
+    #[arg(long, value_name = "DRIVE", conflicts_with = "hex")]
+    pub drive: Option<String>,
+    /// Prints only what points to a fault
+    #[arg(long, value_enum, value_name = "WHAT", conflicts_with = "hex")]
+    pub only: Option<Only>,
+    /// Leaves out what is before this time of the capture; the summary is about what follows
+    #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with = "hex")]
+    pub since: Option<Duration>,
+    /// Ends at this time of the capture
+    #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with = "hex")]
+    pub until: Option<Duration>,
     /// Octets in hexadecimal: a parameter job, or what --as or --telegram says
     #[arg(long, value_name = "BYTES")]
     pub hex: Option<String>,
@@ -89,6 +105,13 @@ pub struct Decode {
     pub request: Option<String>,
     #[command(flatten)]
     pub model: Kind,
+}
+
+/// Which events are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Only {
+    /// Warnings, errors, and what is without an answer, missing or in conflict
+    Trouble,
 }
 
 /// What octets can be.

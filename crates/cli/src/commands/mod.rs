@@ -80,7 +80,10 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Diff(on) => diff::run(&on.args, &towards(cli, on), output),
         Command::Restore(on) => restore::run(&on.args, &towards(cli, on), output),
         Command::Explain(args) => explain::run(args, output),
-        Command::Decode(args) => decode::run(args, output),
+        Command::Decode(args) => {
+            let interface = args.interface.as_ref().or(cli.interface.interface.as_ref());
+            decode::run(args, interface.map(String::as_str), output)
+        }
         Command::Gsdml(args) => gsdml::run(args, output),
         Command::Simulate(on) => simulate::run(&on.args, interface(cli, &on.interface), output),
         Command::Inject(args) => inject::run(args, output),
@@ -129,7 +132,7 @@ pub fn drive(command: &Command) -> Option<&str> {
 const fn offline(command: &Command) -> Option<&'static str> {
     match command {
         Command::Explain(_) => Some("explain"),
-        Command::Decode(_) => Some("decode"),
+        Command::Decode(args) if args.file.is_some() || args.hex.is_some() => Some("decode"),
         Command::Gsdml(_) => Some("gsdml"),
         Command::Demo(_) => Some("demo"),
         Command::Completions(_) => Some("completions"),

@@ -1,8 +1,9 @@
 //! The parameter channel in cyclic data: each request once, and its reply once.
 
-use profidrive::pkw::{Pkw, ReplyCode, RequestCode};
+use profidrive::pkw::{Pkw, PkwDialect, ReplyCode, RequestCode};
 
-use super::Sink;
+use super::event::{Detail, Job, Sink, Weight};
+use crate::fields;
 use crate::job::{JobDrive, pkw};
 
 /// For how many frames a reply that was there before the request is taken for an old one.
@@ -31,15 +32,15 @@ impl Channel {
         self.last = now;
         if output {
             if changed && now.request_code() != RequestCode::NONE {
-                let (weight, text) = pkw::request(drive, dialect, now, None);
-                sink.note(weight, "PKW", text);
+                let told = pkw::request(drive, dialect, now, None);
+                tell(told, dialect, now, "request", sink);
             }
             return;
         }
         if now.reply_code().info().spontaneous {
             if changed {
-                let (weight, text) = pkw::reply(drive, dialect, now, None);
-                sink.note(weight, "PKW", text);
+                let told = pkw::reply(drive, dialect, now, None);
+                tell(told, dialect, now, "response", sink);
             }
             return;
         }
@@ -64,23 +65,45 @@ impl Channel {
             if let Some(reading) = pkw::reading(drive, dialect, now) {
                 drive.learn_from(&reading);
             }
-            let (weight, text) = pkw::reply(drive, dialect, now, None);
-            sink.note(weight, "PKW", text);
+            let told = pkw::reply(drive, dialect, now, None);
+            tell(told, dialect, now, "response", sink);
         }
     }
+}
+
+/// Reports a request or a reply, with the numbers that are in it.
+fn tell(
+    (weight, text): (Weight, String),
+    dialect: &PkwDialect,
+    pkw: Pkw,
+    side: &'static str,
+    sink: &mut Sink<'_>,
+) {
+    let address = pkw.address(dialect);
+    let job = fields! {
+        "side": side, "ak": pkw.ak(), "pke": pkw.pke, "ind": pkw.ind, "pwe": pkw.pwe,
+        "pnu": address.as_ref().map(|address| address.pnu),
+        "index": address.as_ref().map(|address| address.subindex),
+    };
+    let detail = Job {
+        channel: "pkw",
+        job,
+        request_frame: None,
+    };
+    sink.tell(weight, "PKW", text, Detail::Job(detail));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decode::Note;
+    use crate::decode::event::{Event, Party};
     use std::time::Duration;
 
     struct Line {
         drive: JobDrive,
         requests: Channel,
         replies: Channel,
-        notes: Vec<Note>,
+        events: Vec<Event>,
     }
 
     impl Line {
@@ -89,17 +112,18 @@ mod tests {
                 drive: JobDrive::of(0x0080, 1),
                 requests: Channel::default(),
                 replies: Channel::default(),
-                notes: Vec::new(),
+                events: Vec::new(),
             }
         }
 
         /// One cycle: what the controller has in the channel and what the drive has.
         fn cycle(&mut self, request: [u8; 8], reply: [u8; 8]) -> Vec<String> {
             let mut sink = Sink {
+                frame: 1,
                 at: Duration::ZERO,
-                from: String::new(),
-                to: String::new(),
-                notes: &mut self.notes,
+                source: Party::default(),
+                target: Party::default(),
+                events: &mut self.events,
             };
             self.requests.look(
                 &mut self.drive,
@@ -111,7 +135,7 @@ mod tests {
             let sent = self.requests.last;
             self.replies
                 .look(&mut self.drive, Pkw::from_octets(reply), false, sent, &mut sink);
-            self.notes.drain(..).map(|note| note.text).collect()
+            self.events.drain(..).map(|event| event.text).collect()
         }
     }
 

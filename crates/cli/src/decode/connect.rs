@@ -1,17 +1,24 @@
 //! Connects: what was asked for, what the device made of it.
 
+use std::time::Duration;
+
 use profidrive::catalogue::TelegramModule;
 use profidrive::telegram::Telegram;
 use profinet::wire::block::{
     ArProperties, ArRequest, ArType, BlockType, Blocks, ConnectResponse, ExpectedModule, ExpectedSubmodule,
-    IocrRequest, IocrType, ModuleState,
+    IocrRequest, IocrType,
 };
 use profinet::wire::{DecodeError, Reader};
 
-use super::Weight;
+use super::diff;
+use super::event::{Connect, ConnectSubmodule, Weight};
+use super::records::api_text;
 use crate::job::JobDrive;
 use crate::render::number;
 use crate::render::table::clean;
+
+/// Unit of send clock factor and cycle counter.
+pub const TICK_NS: u64 = 31_250;
 
 /// A connect request as far as it matters here.
 #[derive(Debug)]
@@ -45,24 +52,32 @@ pub fn request(reader: Reader<'_>) -> Result<Asked, DecodeError> {
 }
 
 impl Asked {
-    /// The request in words, one line per part.
-    pub fn words(&self, drive: &JobDrive) -> Vec<String> {
+    /// The request in words and numbers, one line for each part.
+    pub fn words(&self, drive: &JobDrive) -> Vec<(String, Connect)> {
         let mut lines = Vec::new();
         if let Some(ar) = &self.ar {
             let kind = ar_kind(ar.ar_type, ar.properties);
             let name = clean(&String::from_utf8_lossy(&ar.station_name));
-            lines.push(format!(
+            let text = format!(
                 "connect as {kind} \"{name}\", activity time-out {} s",
                 number(f64::from(ar.activity_timeout_factor) / 10.0)
-            ));
+            );
+            let detail = Connect {
+                step: "request",
+                ar_type: Some(ar.ar_type.0),
+                ar_uuid: Some(ar.ar_uuid.to_string()),
+                session: Some(ar.session_key),
+                ..Connect::default()
+            };
+            lines.push((text, detail));
         }
         lines.extend(self.iocrs.iter().map(iocr));
         lines.extend(self.modules.iter().map(|expected| module(drive, expected)));
         lines
     }
 
-    /// The answer in words.
-    pub fn answer(&self, response: &ConnectResponse) -> Vec<(Weight, String)> {
+    /// The answer in words and numbers.
+    pub fn answer(&self, response: &ConnectResponse) -> Vec<(Weight, String, Connect)> {
         let ids: Vec<String> = response
             .iocrs
             .iter()
@@ -79,27 +94,16 @@ impl Asked {
         if !ids.is_empty() {
             text = format!("{text}, {}", ids.join(", "));
         }
-        let mut lines = vec![(Weight::Normal, text)];
-        for module in response.diff.iter().flat_map(|diff| &diff.modules) {
-            let weight = if module.state == ModuleState::PROPER {
-                Weight::Normal
-            } else {
-                Weight::Warning
-            };
-            let mut text = format!(
-                "slot {} differs: {}, plugged is 0x{:08X}",
-                module.slot,
-                module.state.words(),
-                module.ident
-            );
-            for submodule in &module.submodules {
-                let (subslot, state) = (submodule.subslot, submodule.state.0);
-                text = format!(
-                    "{text}; subslot {subslot} state 0x{state:04X}, plugged is 0x{:X}",
-                    submodule.ident
-                );
-            }
-            lines.push((weight, text));
+        let detail = Connect {
+            step: "response",
+            ar_type: Some(response.ar.ar_type.0),
+            ar_uuid: Some(response.ar.ar_uuid.to_string()),
+            session: Some(response.ar.session_key),
+            ..Connect::default()
+        };
+        let mut lines = vec![(Weight::Normal, text, detail)];
+        if let Some(found) = &response.diff {
+            lines.extend(diff::lines(found));
         }
         lines
     }
@@ -121,29 +125,42 @@ fn ar_kind(kind: ArType, properties: ArProperties) -> String {
     }
 }
 
-fn iocr(iocr: &IocrRequest) -> String {
-    let direction = match iocr.iocr_type {
-        IocrType::INPUT => "inputs",
-        IocrType::OUTPUT => "outputs",
-        _ => "multicast",
+fn iocr(iocr: &IocrRequest) -> (String, Connect) {
+    let (direction, plural) = match iocr.iocr_type {
+        IocrType::INPUT => ("input", "inputs"),
+        IocrType::OUTPUT => ("output", "outputs"),
+        _ => ("multicast", "multicast"),
     };
-    let ticks = u64::from(iocr.send_clock_factor) * u64::from(iocr.reduction_ratio);
-    let millis = |ticks: u64| {
-        #[expect(clippy::cast_precision_loss, reason = "at most 48 bits")]
-        let millis = ticks as f64 * 0.031_25;
-        number(millis)
-    };
-    format!(
-        "{direction}: {} octets every {} ms ({} x {} x 31.25 us), watchdog {} x {} = {} ms, RT class {}",
+    let cycle = cycle(iocr);
+    let watchdog = cycle * u32::from(iocr.watchdog_factor);
+    let millis = |time: Duration| number(time.as_secs_f64() * 1e3);
+    let text = format!(
+        "{plural}: {} octets every {} ms ({} x {} x 31.25 us), watchdog {} x {} ms = {} ms, RT class {}",
         iocr.data_length,
-        millis(ticks),
+        millis(cycle),
         iocr.reduction_ratio,
         iocr.send_clock_factor,
         iocr.watchdog_factor,
-        format_args!("{} ms", millis(ticks)),
-        millis(ticks * u64::from(iocr.watchdog_factor)),
+        millis(cycle),
+        millis(watchdog),
         iocr.rt_class()
-    )
+    );
+    let detail = Connect {
+        step: "iocr",
+        direction: Some(direction),
+        frame_id: Some(iocr.frame_id),
+        octets: Some(iocr.data_length),
+        cycle: Some(cycle.as_secs_f64()),
+        watchdog: Some(watchdog.as_secs_f64()),
+        ..Connect::default()
+    };
+    (text, detail)
+}
+
+/// Time between two frames.
+pub fn cycle(iocr: &IocrRequest) -> Duration {
+    let ticks = u64::from(iocr.send_clock_factor) * u64::from(iocr.reduction_ratio);
+    Duration::from_nanos(ticks * TICK_NS)
 }
 
 /// The telegram that a module of slot 1 and above carries: by its ident, by that of a submodule, or by its lengths.
@@ -169,8 +186,9 @@ pub fn telegram(drive: &JobDrive, module: &ExpectedModule) -> Option<&'static Te
     drive.telegram(row.filter(|_| module.slot > 0)?.telegram)
 }
 
-fn module(drive: &JobDrive, module: &ExpectedModule) -> String {
-    let telegram = telegram(drive, module).map_or_else(String::new, |telegram| {
+fn module(drive: &JobDrive, module: &ExpectedModule) -> (String, Connect) {
+    let telegram = telegram(drive, module);
+    let carries = telegram.map_or_else(String::new, |telegram| {
         format!(", {} telegram {}", drive.name(), telegram.number)
     });
     let submodules: Vec<String> = module
@@ -183,15 +201,37 @@ fn module(drive: &JobDrive, module: &ExpectedModule) -> String {
             } else {
                 format!(" ({input} in, {output} out)")
             };
-            format!("subslot {} 0x{:X}{lengths}", submodule.subslot, submodule.ident)
+            let subslot = diff::subslot(submodule.subslot);
+            format!("subslot {subslot} 0x{:X}{lengths}", submodule.ident)
         })
         .collect();
-    format!(
-        "expects slot {} module 0x{:08X}{telegram}: {}",
+    let text = format!(
+        "expects slot {}{} module 0x{:08X}{carries}: {}",
         module.slot,
+        api_text(module.api),
         module.ident,
         submodules.join(", ")
-    )
+    );
+    let detail = Connect {
+        step: "module",
+        api: Some(module.api),
+        slot: Some(module.slot),
+        ident: Some(module.ident),
+        telegram: telegram.map(|telegram| telegram.number),
+        submodules: module
+            .submodules
+            .iter()
+            .map(|submodule| ConnectSubmodule {
+                subslot: submodule.subslot,
+                ident: submodule.ident,
+                input: Some(submodule.input_length()),
+                output: Some(submodule.output_length()),
+                state: None,
+            })
+            .collect(),
+        ..Connect::default()
+    };
+    (text, detail)
 }
 
 #[cfg(test)]
@@ -220,7 +260,7 @@ mod tests {
             apis: Vec::new(),
         };
         assert_eq!(
-            iocr(&request),
+            iocr(&request).0,
             "inputs: 40 octets every 16 ms (16 x 32 x 31.25 us), watchdog 3 x 16 ms = 48 ms, RT class 2"
         );
     }

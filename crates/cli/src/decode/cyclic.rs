@@ -1,32 +1,91 @@
-//! Cyclic data: only what changes.
+//! Cyclic connections: only what changes, what is missing, and how regular the frames are.
 
+use std::collections::BTreeMap;
 use std::net::Ipv4Addr;
+use std::time::Duration;
 
-use profidrive::pkw::Pkw;
 use profidrive::telegram::Telegram;
 use profinet::MacAddress;
 use profinet::wire::Uuid;
-use profinet::wire::block::{ConnectResponse, IocrType};
+use profinet::wire::block::{ConnectResponse, IocrRequest, IocrType};
 use profinet::wire::ethernet::Frame;
-use profinet::wire::rt::{Cyclic, DataStatus, Iops};
+use profinet::wire::rt::{self, DataStatus};
 
-use super::channel::Channel;
 use super::connect::{self, Asked};
-use super::names::Names;
-use super::{Sink, Weight};
+use super::drive_data::{DriveData, Sent};
+use super::event::{Connect, Cyclic, Detail, Origin, Sink, Trouble, Weight};
+use super::names::{Names, seconds};
+use super::timing::{Step, Timing};
 use crate::job::JobDrive;
-use crate::job::telegram::Half;
-use crate::render::hex16;
 
+/// Topic of the events.
+const TOPIC: &str = "cyclic";
 /// Most directions of connections followed at a time.
 const MAX_STREAMS: usize = 1024;
+/// Most of them that began before the capture.
+const MAX_EARLIER: usize = 256;
+/// Silence after which one of those makes room for another.
+const GONE: Duration = Duration::from_secs(10);
 /// The API of the drive profile.
 const PROFIDRIVE: u32 = 0x3A00;
+/// Frames after which a connection that began before the capture is described: its cycle is known then.
+const DESCRIBED: u64 = 3;
+/// How often streams are looked at that may have fallen silent.
+const LOOK: Duration = Duration::from_millis(20);
+/// Least time between two reports of lost frames of a stream.
+const REPORT: Duration = Duration::from_secs(1);
+/// Silence of a connection whose watchdog is not known.
+const SILENCE: Duration = Duration::from_millis(100);
 
 /// The cyclic connections of a capture.
 #[derive(Debug, Default)]
 pub struct Relations {
     streams: Vec<Stream>,
+    /// Of connects that are not answered yet: devices send inputs before their answer is on the wire.
+    announced: Vec<Stream>,
+    tracks: BTreeMap<TrackKey, Track>,
+    devices: BTreeMap<MacAddress, Device>,
+    next_look: Duration,
+}
+
+/// Sender, receiver, and which one of the streams between them.
+type TrackKey = (MacAddress, MacAddress, usize);
+
+/// The frames of one direction, over all connects.
+#[derive(Debug, Clone, Default)]
+pub struct Track {
+    /// From the controller to the device; `None` where no connect shows it.
+    pub output: Option<bool>,
+    /// The device; of a connection that began before the capture the sender.
+    pub device: MacAddress,
+    pub timing: Timing,
+}
+
+/// The connections of one device.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Device {
+    /// Cyclic connections that were accepted.
+    pub connects: u32,
+    /// It had one when the capture began.
+    pub earlier: bool,
+    /// Times that its connection was silent for longer than the watchdog, or ended by an error PDU.
+    pub losses: u32,
+}
+
+impl Device {
+    /// Connections after the first one.
+    pub const fn restarts(&self) -> u32 {
+        (self.connects + self.earlier as u32).saturating_sub(1)
+    }
+}
+
+/// To which connection a cyclic frame belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Belongs {
+    /// Its connect is in the capture.
+    Known,
+    /// It began before the capture.
+    Earlier,
 }
 
 /// One direction of one connection.
@@ -37,116 +96,98 @@ struct Stream {
     frame_id: u16,
     /// True from controller to device.
     output: bool,
-    data_length: usize,
+    /// Octets of data; `None` for a connection that began before the capture.
+    data_length: Option<usize>,
+    cycle: Duration,
+    watchdog: Duration,
     /// Address of the device.
     device: Ipv4Addr,
     /// Drive telegrams in it.
     drives: Vec<DriveData>,
     status: Option<DataStatus>,
     ar: Uuid,
-    /// Released: what still comes tells nothing.
+    /// Released: what still comes has no meaning.
     closed: bool,
-}
-
-/// Where a telegram is, and what it was.
-#[derive(Debug)]
-struct DriveData {
-    slot: u16,
-    subslot: u16,
-    offset: usize,
-    length: usize,
-    telegram: Option<&'static Telegram>,
-    word: Option<u16>,
-    speed: Speed,
-    channel: Channel,
-    provider: Option<Iops>,
-}
-
-/// What goes the other way to or from the same submodule.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sent {
-    word: Option<u16>,
-    pkw: Pkw,
-}
-
-/// A speed that so many frames have said stays.
-const SETTLED: u32 = 3;
-
-/// What a frame is to a speed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum SpeedStep {
-    /// The first with another one than that which stayed.
-    Left,
-    /// It has been the same for a while.
-    Settled,
-}
-
-/// The speed as it was told last, and for how many frames it is what it is now.
-#[derive(Debug, Default)]
-struct Speed {
-    told: Option<i64>,
-    now: i64,
-    frames: u32,
+    /// Its silence was reported, or its end by an error PDU.
+    silent: bool,
+    track: TrackKey,
+    frames: u64,
+    last: Origin,
+    /// Frames lost and not reported, and when they were reported last.
+    lost: u64,
+    reported: Option<Duration>,
 }
 
 impl Relations {
+    /// Expects the cyclic data of a connect request.
+    pub fn announce(&mut self, asked: &Asked, mac: MacAddress, device: Ipv4Addr, drive: &JobDrive) {
+        let Some(ar) = &asked.ar else { return };
+        self.announced.retain(|stream| stream.ar != ar.ar_uuid);
+        for (nth, request) in asked.iocrs.iter().enumerate() {
+            if self.announced.len() >= MAX_STREAMS {
+                self.announced.remove(0);
+            }
+            let stream = Stream::new(asked, request, nth, request.frame_id, (mac, device), drive);
+            self.announced.extend(stream);
+        }
+    }
+
+    /// A connect was refused.
+    pub fn withdraw(&mut self, ar: Uuid) {
+        self.announced.retain(|stream| stream.ar != ar);
+        self.streams.retain(|stream| stream.ar != ar);
+    }
+
     /// Remembers the cyclic data of a connect that was accepted.
     pub fn open(&mut self, asked: &Asked, response: &ConnectResponse, device: Ipv4Addr, drive: &JobDrive) {
         let Some(ar) = &asked.ar else { return };
-        for (at, request) in asked.iocrs.iter().enumerate() {
-            let output = request.iocr_type == IocrType::OUTPUT;
+        self.announced.retain(|stream| stream.ar != ar.ar_uuid);
+        let mac = response.ar.responder_mac;
+        if !asked.iocrs.is_empty() && (self.devices.len() < MAX_STREAMS || self.devices.contains_key(&mac)) {
+            self.devices.entry(mac).or_default().connects += 1;
+        }
+        for (nth, request) in asked.iocrs.iter().enumerate() {
             let chosen = response
                 .iocrs
                 .iter()
                 .find(|answer| answer.reference == request.reference);
             let frame_id = chosen
-                .or_else(|| response.iocrs.get(at))
+                .or_else(|| response.iocrs.get(nth))
                 .map_or(request.frame_id, |row| row.frame_id);
-            let (controller, drive_mac) = (ar.initiator_mac, response.ar.responder_mac);
-            let (sender, receiver) = if output {
-                (controller, drive_mac)
-            } else {
-                (drive_mac, controller)
+            let Some(stream) = Stream::new(asked, request, nth, frame_id, (mac, device), drive) else {
+                continue;
             };
-            let mut drives = Vec::new();
-            for api in &request.apis {
-                for object in &api.data {
-                    let length = asked.data_length(api.api, object.slot, object.subslot, output);
-                    let telegram = asked.telegram(drive, object.slot);
-                    if length >= 2 && (api.api == PROFIDRIVE || telegram.is_some()) {
-                        drives.push(DriveData {
-                            slot: object.slot,
-                            subslot: object.subslot,
-                            offset: object.offset.into(),
-                            length,
-                            telegram,
-                            word: None,
-                            speed: Speed::default(),
-                            channel: Channel::default(),
-                            provider: None,
-                        });
-                    }
-                }
+            let same = |other: &Stream| other.is_between(stream.sender, stream.receiver, stream.frame_id);
+            // its frames came before the answer
+            if self
+                .streams
+                .iter()
+                .any(|other| same(other) && other.ar == stream.ar)
+            {
+                continue;
             }
-            self.streams
-                .retain(|stream| !stream.is_between(sender, receiver, frame_id));
-            if self.streams.len() >= MAX_STREAMS {
-                self.streams.remove(0);
-            }
-            let data_length = request.data_length.into();
-            self.streams.push(Stream {
-                sender,
-                receiver,
-                frame_id,
-                output,
-                data_length,
-                device,
-                drives,
-                status: None,
-                ar: ar.ar_uuid,
-                closed: false,
-            });
+            self.streams.retain(|other| !same(other));
+            self.push(stream);
         }
+    }
+
+    fn push(&mut self, stream: Stream) {
+        if self.streams.len() >= MAX_STREAMS {
+            let earlier = self
+                .streams
+                .iter()
+                .position(|stream| stream.data_length.is_none());
+            self.streams.remove(earlier.unwrap_or(0));
+        }
+        if self.tracks.len() < MAX_STREAMS || self.tracks.contains_key(&stream.track) {
+            let track = self.tracks.entry(stream.track).or_default();
+            if stream.data_length.is_some() {
+                track.output = Some(stream.output);
+            }
+            track.device = stream.device_mac();
+            track.timing.begin(stream.cycle);
+        }
+        self.streams.push(stream);
     }
 
     /// A connection to a device was released.
@@ -156,62 +197,351 @@ impl Relations {
         }
     }
 
-    /// Looks at a cyclic frame; false if it belongs to no known connection.
-    pub fn cyclic(&mut self, frame: &Frame<'_>, names: &mut Names, sink: &mut Sink<'_>) -> bool {
-        let known = |stream: &Stream| stream.is_between(frame.source, frame.destination, frame.frame_id.0);
-        let Some(at) = self.streams.iter().position(known) else {
-            return false;
+    /// An error PDU ended the connection between two stations.
+    pub fn aborted(&mut self, from: MacAddress, to: MacAddress) {
+        for at in 0..self.streams.len() {
+            let Some(stream) = self.streams.get_mut(at) else {
+                break;
+            };
+            let between = [(from, to), (to, from)].contains(&(stream.sender, stream.receiver));
+            if between && !stream.closed && !stream.silent {
+                stream.silent = true;
+                self.count_loss(at);
+            }
+        }
+    }
+
+    /// Counts the loss of a connection, once for all of its streams.
+    fn count_loss(&mut self, at: usize) {
+        let Some(stream) = self.streams.get(at) else {
+            return;
         };
+        let device = stream.device_mac();
+        let mut others = self.streams.iter().enumerate().filter(|(other, _)| *other != at);
+        let known =
+            others.any(|(_, other)| other.silent && (other.ar, other.device_mac()) == (stream.ar, device));
+        if let Some(device) = self.devices.get_mut(&device).filter(|_| !known) {
+            device.losses += 1;
+        }
+    }
+
+    /// Looks at a cyclic frame. `None` if there is no room for its connection.
+    pub fn cyclic(&mut self, frame: &Frame<'_>, names: &mut Names, sink: &mut Sink<'_>) -> Option<Belongs> {
+        let at = self.find(frame, sink.at)?;
+        if self.streams.get_mut(at)?.note_gap(sink) {
+            self.count_loss(at);
+        }
         // the stream and what is sent to the station it comes from
         let (before, rest) = self.streams.split_at_mut(at);
-        let Some((stream, after)) = rest.split_first_mut() else {
-            return false;
+        let (stream, after) = rest.split_first_mut()?;
+        if stream.closed {
+            return Some(Belongs::Known);
+        }
+        let (data, trailer) = match stream.data_length {
+            Some(length) => rt::Cyclic::parse(frame.payload, length),
+            None => rt::Cyclic::parse_to_end(frame.payload),
+        }
+        .map(|cyclic| (cyclic.data, cyclic.trailer))?;
+        let step = match self.tracks.get_mut(&stream.track) {
+            Some(track) => {
+                let step = track.timing.add(sink.at, trailer.cycle_counter);
+                stream.cycle = track.timing.cycle;
+                step
+            }
+            None => Step::default(),
         };
+        stream.frames += 1;
+        stream.note_step(step, sink);
+        stream.last = sink.origin();
+        if stream.data_length.is_none() {
+            if stream.frames == DESCRIBED {
+                stream.describe(data.len(), trailer.data_status, sink);
+                stream.status = Some(trailer.data_status);
+                if self.devices.len() < MAX_STREAMS {
+                    self.devices.entry(stream.sender).or_default().earlier = true;
+                }
+            }
+            if stream.frames < DESCRIBED {
+                return Some(Belongs::Earlier);
+            }
+        }
+        let status = trailer.data_status;
+        if stream.status != Some(status) {
+            note_status(stream.status, status, sink);
+            stream.status = Some(status);
+        }
+        if stream.data_length.is_none() {
+            return Some(Belongs::Earlier);
+        }
         let opposite = before
             .iter()
             .chain(&*after)
             .find(|other| other.output && other.receiver == frame.source && !other.closed);
-        if stream.closed {
-            return true;
-        }
-        let Some(cyclic) = Cyclic::parse(frame.payload, stream.data_length) else {
-            return false;
-        };
-        let status = cyclic.trailer.data_status;
-        if stream.status.is_none_or(|before| before != status) {
-            note_status(stream.status, status, sink);
-            stream.status = Some(status);
-        }
         let drive = names.drives.at(stream.device);
-        for data in &mut stream.drives {
-            let same = |sent: &&DriveData| (sent.slot, sent.subslot) == (data.slot, data.subslot);
+        for data_of in &mut stream.drives {
+            let same = |sent: &&DriveData| (sent.slot, sent.subslot) == (data_of.slot, data_of.subslot);
             let sent = opposite
                 .and_then(|other| other.drives.iter().find(same))
-                .map_or_else(Sent::default, |sent| Sent {
-                    word: sent.word,
-                    pkw: sent.channel.last,
-                });
-            data.look(drive, cyclic.data, stream.output, sent, sink);
+                .map_or_else(Sent::default, DriveData::sent);
+            data_of.look(drive, data, stream.output, sent, sink);
         }
-        true
+        Some(Belongs::Known)
+    }
+
+    /// The place of the stream of a frame: one that is open, one whose connect is not answered yet, one that was
+    /// released, or a new one that began before the capture.
+    fn find(&mut self, frame: &Frame<'_>, now: Duration) -> Option<usize> {
+        let (source, destination, id) = (frame.source, frame.destination, frame.frame_id.0);
+        let between = |stream: &Stream| stream.is_between(source, destination, id);
+        let mut closed = None;
+        for (at, stream) in self.streams.iter().enumerate() {
+            if between(stream) {
+                if !stream.closed {
+                    return Some(at);
+                }
+                closed = Some(at);
+            }
+        }
+        if let Some(at) = self.announced.iter().position(between) {
+            let stream = self.announced.remove(at);
+            self.streams.retain(|stream| !between(stream));
+            self.push(stream);
+            return Some(self.streams.len() - 1);
+        }
+        if closed.is_some() {
+            return closed;
+        }
+        let is_earlier = |stream: &Stream| stream.data_length.is_none();
+        if self.streams.iter().filter(|stream| is_earlier(stream)).count() >= MAX_EARLIER {
+            let gone = |stream: &Stream| is_earlier(stream) && now.saturating_sub(stream.last.at) > GONE;
+            let gone = self.streams.iter().position(gone)?;
+            self.streams.remove(gone);
+        }
+        let same = |stream: &&Stream| {
+            is_earlier(stream) && (stream.sender, stream.receiver) == (source, destination)
+        };
+        let nth = self.streams.iter().filter(same).count();
+        let stream = Stream::earlier(source, destination, id, nth);
+        self.push(stream);
+        Some(self.streams.len() - 1)
+    }
+
+    /// Reports the streams without a frame for longer than their watchdog.
+    pub fn look(&mut self, sink: &mut Sink<'_>) {
+        if sink.at < self.next_look {
+            return;
+        }
+        self.next_look = sink.at + LOOK;
+        for at in 0..self.streams.len() {
+            let Some(stream) = self.streams.get_mut(at) else {
+                break;
+            };
+            let gap = sink.at.saturating_sub(stream.last.at);
+            let described = stream.data_length.is_some() || stream.frames >= DESCRIBED;
+            if stream.frames > 0 && described && !stream.silent && !stream.closed && gap > stream.patience() {
+                stream.note_silence(gap, sink);
+                self.count_loss(at);
+            }
+        }
+    }
+
+    /// The same at the end of a capture.
+    pub fn end(&mut self, sink: &mut Sink<'_>) {
+        self.next_look = Duration::ZERO;
+        self.look(sink);
+    }
+
+    /// How regular the frames of each direction are.
+    pub fn tracks(&self) -> impl Iterator<Item = (&TrackKey, &Track)> {
+        self.tracks.iter().filter(|(_, track)| track.timing.frames > 0)
+    }
+
+    /// What is known of the connections of a device.
+    pub fn device(&self, mac: MacAddress) -> Device {
+        self.devices.get(&mac).copied().unwrap_or_default()
+    }
+
+    /// Forgets what was measured, not the connections.
+    pub fn restart(&mut self) {
+        for track in self.tracks.values_mut() {
+            track.timing.reset();
+        }
+        for device in self.devices.values_mut() {
+            device.earlier |= device.connects > 0;
+            device.connects = 0;
+            device.losses = 0;
+        }
     }
 }
 
 impl Stream {
+    /// One direction of a connect; `None` without an application relationship.
+    fn new(
+        asked: &Asked,
+        request: &IocrRequest,
+        nth: usize,
+        frame_id: u16,
+        (mac, device): (MacAddress, Ipv4Addr),
+        drive: &JobDrive,
+    ) -> Option<Self> {
+        let ar = asked.ar.as_ref()?;
+        let output = request.iocr_type == IocrType::OUTPUT;
+        let (sender, receiver) = if output {
+            (ar.initiator_mac, mac)
+        } else {
+            (mac, ar.initiator_mac)
+        };
+        let mut drives = Vec::new();
+        for api in &request.apis {
+            for object in &api.data {
+                let length = asked.data_length(api.api, object.slot, object.subslot, output);
+                let telegram = asked.telegram(drive, object.slot);
+                if length >= 2 && (api.api == PROFIDRIVE || telegram.is_some()) {
+                    let place = (object.slot, object.subslot);
+                    drives.push(DriveData::new(place, object.offset, length, telegram));
+                }
+            }
+        }
+        let cycle = connect::cycle(request);
+        let before = asked.iocrs.iter().take(nth);
+        let nth = before
+            .filter(|other| other.iocr_type == request.iocr_type)
+            .count();
+        Some(Self {
+            output,
+            data_length: Some(request.data_length.into()),
+            cycle,
+            watchdog: cycle * u32::from(request.watchdog_factor),
+            device,
+            drives,
+            ar: ar.ar_uuid,
+            ..Self::earlier(sender, receiver, frame_id, nth)
+        })
+    }
+
+    /// A stream of which only the frames are known.
+    fn earlier(sender: MacAddress, receiver: MacAddress, frame_id: u16, nth: usize) -> Self {
+        Self {
+            sender,
+            receiver,
+            frame_id,
+            output: false,
+            data_length: None,
+            cycle: Duration::ZERO,
+            watchdog: Duration::ZERO,
+            device: Ipv4Addr::UNSPECIFIED,
+            drives: Vec::new(),
+            status: None,
+            ar: Uuid::NIL,
+            closed: false,
+            silent: false,
+            track: (sender, receiver, nth),
+            frames: 0,
+            last: Origin::default(),
+            lost: 0,
+            reported: None,
+        }
+    }
+
+    /// The device; of a connection that began before the capture the sender.
+    const fn device_mac(&self) -> MacAddress {
+        if self.output { self.receiver } else { self.sender }
+    }
+
     fn is_between(&self, sender: MacAddress, receiver: MacAddress, frame_id: u16) -> bool {
         (self.sender, self.receiver, self.frame_id) == (sender, receiver, frame_id)
     }
+
+    /// Time without a frame that is reported.
+    fn patience(&self) -> Duration {
+        if self.watchdog.is_zero() {
+            SILENCE.max(3 * self.cycle)
+        } else {
+            self.watchdog
+        }
+    }
+
+    /// Reports that this frame comes after the watchdog has expired, unless that was reported. True if it was not.
+    fn note_gap(&mut self, sink: &mut Sink<'_>) -> bool {
+        let gap = sink.at.saturating_sub(self.last.at);
+        let late = self.frames > 0 && !self.cycle.is_zero() && gap > self.patience();
+        if !late || self.silent || self.closed {
+            return false;
+        }
+        self.note_silence(gap, sink);
+        true
+    }
+
+    /// Reports what is missing before a frame.
+    fn note_step(&mut self, step: Step, sink: &mut Sink<'_>) {
+        if std::mem::take(&mut self.silent) {
+            self.lost = 0;
+            return;
+        }
+        self.lost += step.lost;
+        let recent = |before: Duration| sink.at.saturating_sub(before) < REPORT;
+        if self.lost > 0 && !self.reported.is_some_and(recent) {
+            let frames = std::mem::take(&mut self.lost);
+            self.reported = Some(sink.at);
+            let text = format!("{frames} cyclic frame{} lost", if frames == 1 { "" } else { "s" });
+            sink.tell(
+                Weight::Warning,
+                TOPIC,
+                text,
+                Detail::Trouble(Trouble::Lost { frames }),
+            );
+        }
+    }
+
+    fn note_silence(&mut self, gap: Duration, sink: &mut Sink<'_>) {
+        self.silent = true;
+        let limit = if self.watchdog.is_zero() {
+            String::new()
+        } else {
+            format!(", watchdog {}", seconds(self.watchdog))
+        };
+        let text = format!(
+            "no cyclic data for {} since frame {}{limit}",
+            seconds(gap),
+            self.last.frame
+        );
+        let trouble = Trouble::Silent {
+            gap,
+            watchdog: self.watchdog,
+        };
+        sink.tell_of(self.last, Weight::Error, TOPIC, text, Detail::Trouble(trouble));
+    }
+
+    /// Describes a connection that began before the capture by its frames.
+    fn describe(&self, octets: usize, status: DataStatus, sink: &mut Sink<'_>) {
+        let text = format!(
+            "connection that began before the capture: FrameID 0x{:04X}, at most {octets} octets of data every {}; {}",
+            self.frame_id,
+            seconds(self.cycle),
+            status_words(status)
+        );
+        let detail = Connect {
+            step: "earlier",
+            frame_id: Some(self.frame_id),
+            octets: u16::try_from(octets).ok(),
+            cycle: Some(self.cycle.as_secs_f64()),
+            ..Connect::default()
+        };
+        sink.tell(status_weight(status), TOPIC, text, Detail::Connect(detail));
+    }
 }
 
-fn note_status(before: Option<DataStatus>, status: DataStatus, sink: &mut Sink<'_>) {
-    let weight = if status.is_valid() && status.is_run() && !status.has_problem() {
+const fn status_weight(status: DataStatus) -> Weight {
+    if status.is_valid() && status.is_run() && !status.has_problem() {
         Weight::Normal
     } else {
         Weight::Warning
-    };
-    let text = format!(
-        "{} cyclic data: {}, {}{}",
-        if before.is_none() { "first" } else { "now" },
+    }
+}
+
+fn status_words(status: DataStatus) -> String {
+    format!(
+        "{}, {}{}",
         if status.is_run() { "RUN" } else { "STOP" },
         if status.is_valid() { "valid" } else { "not valid" },
         if status.has_problem() {
@@ -219,101 +549,23 @@ fn note_status(before: Option<DataStatus>, status: DataStatus, sink: &mut Sink<'
         } else {
             ""
         },
-    );
-    sink.note(weight, "cyclic", text);
-}
-
-impl DriveData {
-    fn look(&mut self, drive: &mut JobDrive, data: &[u8], output: bool, sent: Sent, sink: &mut Sink<'_>) {
-        let Some(rest) = data.get(self.offset..) else {
-            return;
-        };
-        let provider = rest.get(self.length).map(|&octet| Iops(octet));
-        if provider != self.provider {
-            if let Some(provider) = provider.filter(|provider| !provider.is_good()) {
-                sink.note(
-                    Weight::Warning,
-                    "cyclic",
-                    format!("slot {}: data marked bad ({provider})", self.slot),
-                );
-            } else if self.provider.is_some() {
-                sink.note(Weight::Normal, "cyclic", format!("slot {}: data good", self.slot));
-            }
-            self.provider = provider;
-        }
-        let Some(data) = rest.get(..self.length) else {
-            return;
-        };
-        if !provider.is_none_or(Iops::is_good) {
-            return;
-        }
-        let half = Half {
-            drive,
-            telegram: self.telegram,
-            output,
-        };
-        let pkw = half.pkw(data);
-        self.tell_word(half, data, sent, sink);
-        if let Some(pkw) = pkw {
-            self.channel.look(drive, pkw, output, sent.pkw, sink);
-        }
-    }
-
-    fn tell_word(&mut self, half: Half<'_>, data: &[u8], sent: Sent, sink: &mut Sink<'_>) {
-        let speed = half.speed(data);
-        let step = speed.and_then(|speed| self.speed.look(speed));
-        let Some(word) = half.word(data) else { return };
-        // a new speed is told with the next word; a setpoint also when it leaves one that stayed, and, after a ramp of
-        // many, once it stays again
-        let tell_speed = speed.filter(|speed| self.speed.told.unwrap_or(0) != *speed);
-        let words = tell_speed.map(|speed| format!("{} {}", half.speed_name(), half.speed_text(speed)));
-        if self.word != Some(word) {
-            let first = self.word.is_none();
-            let (weight, text) = half.word_text(word, sent.word);
-            let mut text = format!("{} {text}", change(half.word_name(), self.word, word));
-            if let Some(words) = words {
-                text = format!("{text}; {words}");
-                self.speed.told = speed;
-            }
-            if let Some(assumed) = half.drive.assumed_words(self.telegram).filter(|_| first) {
-                text = format!("{text}; the names of the bits are right if {assumed}");
-            }
-            sink.note(weight, "drive", text);
-            self.word = Some(word);
-        } else if let (Some(words), Some(step)) = (words.filter(|_| half.output), step) {
-            let text = match step {
-                SpeedStep::Left => words,
-                SpeedStep::Settled => format!("{words}, the same for {SETTLED} frames"),
-            };
-            sink.note(Weight::Normal, "drive", text);
-            self.speed.told = speed;
-        }
-    }
-}
-
-impl Speed {
-    /// What this frame is to the speed, where it is worth a line.
-    const fn look(&mut self, speed: i64) -> Option<SpeedStep> {
-        let stayed = self.frames >= SETTLED;
-        if speed != self.now {
-            self.now = speed;
-            self.frames = 1;
-            return if stayed { Some(SpeedStep::Left) } else { None };
-        }
-        self.frames = self.frames.saturating_add(1);
-        if self.frames == SETTLED {
-            Some(SpeedStep::Settled)
-        } else {
-            None
-        }
-    }
-}
-
-fn change(name: &str, before: Option<u16>, word: u16) -> String {
-    before.map_or_else(
-        || format!("{name} {}", hex16(word)),
-        |before| format!("{name} {} -> {}", hex16(before), hex16(word)),
     )
+}
+
+fn note_status(before: Option<DataStatus>, status: DataStatus, sink: &mut Sink<'_>) {
+    let text = format!(
+        "{} cyclic data: {}",
+        if before.is_none() { "first" } else { "now" },
+        status_words(status)
+    );
+    let detail = Cyclic {
+        status: Some(status.0),
+        run: Some(status.is_run()),
+        valid: Some(status.is_valid()),
+        problem: Some(status.has_problem()),
+        ..Cyclic::default()
+    };
+    sink.tell(status_weight(status), TOPIC, text, Detail::Cyclic(detail));
 }
 
 impl Asked {
@@ -340,94 +592,5 @@ impl Asked {
     fn telegram(&self, drive: &JobDrive, slot: u16) -> Option<&'static Telegram> {
         let mut modules = self.modules.iter().filter(|module| module.slot == slot);
         modules.find_map(|module| connect::telegram(drive, module))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const CONTROLLER: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
-
-    fn device(last: u8) -> (MacAddress, Ipv4Addr) {
-        (MacAddress([2, 0, 0, 0, 0, last]), Ipv4Addr::new(10, 0, 0, last))
-    }
-
-    /// Inputs of a device with the identifiers that every device of this controller has.
-    fn stream(last: u8) -> Stream {
-        let (sender, device) = device(last);
-        Stream {
-            sender,
-            receiver: CONTROLLER,
-            frame_id: 0x8000,
-            output: false,
-            data_length: 40,
-            device,
-            drives: Vec::new(),
-            status: None,
-            ar: Uuid([7; 16]),
-            closed: false,
-        }
-    }
-
-    #[test]
-    fn a_setpoint_is_told_in_the_frame_that_changes_it() {
-        let mut speed = Speed::default();
-        let steps: Vec<_> = [0, 0, 0, 164, 164, 164, 164, 170, 180, 190, 190, 190]
-            .into_iter()
-            .map(|now| speed.look(now))
-            .collect();
-        let (left, settled) = (Some(SpeedStep::Left), Some(SpeedStep::Settled));
-        let ramp = [left, None, None, None, settled];
-        assert_eq!(steps[..7], [None, None, settled, left, None, settled, None]);
-        assert_eq!(steps[7..], ramp);
-    }
-
-    #[test]
-    fn frames_belong_to_their_sender_and_to_nobody_after_the_release() {
-        let mut relations = Relations {
-            streams: vec![stream(2), stream(3)],
-        };
-        let mut names = Names::default();
-        let mut payload = [0; 44];
-        payload[42] = DataStatus::GOOD.0;
-        let mut look = |relations: &mut Relations, last: u8| {
-            let mut notes = Vec::new();
-            let mut sink = Sink {
-                at: std::time::Duration::ZERO,
-                from: String::new(),
-                to: String::new(),
-                notes: &mut notes,
-            };
-            let frame = Frame {
-                destination: CONTROLLER,
-                source: device(last).0,
-                tag: None,
-                frame_id: profinet::wire::ethernet::FrameId(0x8000),
-                payload: &payload,
-            };
-            let known = relations.cyclic(&frame, &mut names, &mut sink);
-            (known, notes.len())
-        };
-        assert_eq!(look(&mut relations, 3), (true, 1), "its first data");
-        assert_eq!(
-            look(&mut relations, 2),
-            (true, 1),
-            "they are not those of the other"
-        );
-        assert_eq!(
-            look(&mut relations, 4),
-            (false, 0),
-            "of nobody that was connected"
-        );
-        relations.close(device(2).1, Uuid([7; 16]));
-        let closed = relations.streams.iter().map(|stream| stream.closed);
-        assert_eq!(
-            closed.collect::<Vec<_>>(),
-            [true, false],
-            "the same identifier, another device"
-        );
-        relations.streams[0].status = None;
-        assert_eq!(look(&mut relations, 2), (true, 0));
     }
 }

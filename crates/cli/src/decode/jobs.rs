@@ -1,17 +1,23 @@
 //! Parameter jobs inside records: requests with names, answers matched with them.
 
-use std::collections::HashMap;
 use std::net::Ipv4Addr;
+use std::time::Duration;
 
 use profinet::wire::PnioStatus;
 use profinet::wire::Uuid;
 use profinet::wire::block::{ReadRequest, WriteRequest};
 
-use super::{Sink, Weight};
-use crate::job::{self, JobDrive};
+use super::event::{Detail, Job, Origin, Record, Sink, Trouble, Weight};
+use super::names::seconds;
+use super::pending::{CUT_OFF, Pending};
+use super::services::number;
+use crate::job::{self, Decoded, JobDrive};
 
-/// Most channels with an open request.
-const MAX_OPEN: usize = 1024;
+/// Time for the answer to a request: clients read it again and again for some 10 s.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Longest request that is remembered for its answer; those of drives have 240 octets.
+const MAX_REQUEST: usize = 4096;
 
 /// True for the records that carry parameter jobs.
 pub const fn is_parameter_record(index: u16) -> bool {
@@ -24,7 +30,13 @@ type Channel = (Ipv4Addr, Uuid, u16, u16, u16);
 /// Requests that wait for their answer.
 #[derive(Debug, Default)]
 pub struct Jobs {
-    open: HashMap<Channel, Vec<u8>>,
+    open: Pending<Channel, Asked>,
+}
+
+#[derive(Debug, Default)]
+struct Asked {
+    origin: Origin,
+    data: Vec<u8>,
 }
 
 impl Jobs {
@@ -32,20 +44,21 @@ impl Jobs {
     pub fn request(
         &mut self,
         at: Ipv4Addr,
-        drive: &JobDrive,
+        drive: &mut JobDrive,
         write: &WriteRequest,
         data: &[u8],
         sink: &mut Sink<'_>,
     ) {
-        for (weight, line) in job::request_lines(drive, data) {
-            sink.note(weight, "parameter", line);
-        }
-        if self.open.len() < MAX_OPEN {
-            self.open.insert(
-                (at, write.ar_uuid, write.slot, write.subslot, write.index),
-                data.to_vec(),
-            );
-        }
+        tell(job::request_job(drive, data), None, sink);
+        let channel = (at, write.ar_uuid, write.slot, write.subslot, write.index);
+        let asked = Asked {
+            origin: sink.origin(),
+            data: data
+                .get(..data.len().min(MAX_REQUEST))
+                .unwrap_or_default()
+                .to_vec(),
+        };
+        self.open.insert(channel, sink.at + PATIENCE, asked);
     }
 
     /// An answer of a drive was read, or refused.
@@ -61,16 +74,75 @@ impl Jobs {
         let channel = (at, read.ar_uuid, read.slot, read.subslot, read.index);
         match data {
             Some(data) => {
-                let request = self.open.remove(&channel);
-                for (weight, line) in job::response_lines(drive, data, request.as_deref()) {
-                    sink.note(weight, "parameter", line);
+                let asked = self.open.remove(&channel);
+                let request = asked.as_ref().map(|asked| asked.data.as_slice());
+                let frame = asked.as_ref().map(|asked| asked.origin.frame);
+                tell(job::response_job(drive, data, request), frame, sink);
+                if asked.is_none() {
+                    let what = "parameter request".to_owned();
+                    let text = format!("answer to a {what} that is not in the capture");
+                    sink.tell(
+                        Weight::Warning,
+                        "parameter",
+                        text,
+                        Detail::Trouble(Trouble::Unasked { what }),
+                    );
                 }
             }
-            // not ready yet: the controller asks again
-            None if status.is_state_conflict() && self.open.contains_key(&channel) => {}
+            // not ready yet: the controller reads again
+            None if status.is_state_conflict() && self.open.get_mut(&channel).is_some() => {}
             None => {
-                sink.note(Weight::Error, "parameter", format!("answer refused: {status}"));
+                self.open.remove(&channel);
+                let detail = Record {
+                    service: "read",
+                    api: read.api,
+                    slot: read.slot,
+                    subslot: read.subslot,
+                    index: read.index,
+                    status: Some(number(status)),
+                    ..Record::default()
+                };
+                let text = format!("answer refused: {status}");
+                sink.tell(Weight::Error, "parameter", text, Detail::Record(detail));
             }
         }
+    }
+
+    /// Reports the requests whose answer nobody read until `now`.
+    pub fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {
+        while let Some((deadline, asked)) = self.open.due(now) {
+            let waited = deadline.min(sink.at).saturating_sub(asked.origin.at);
+            if waited < CUT_OFF {
+                continue;
+            }
+            let reference = asked.data.first().copied().unwrap_or(0);
+            let what = format!("parameter request {reference}");
+            let text = format!("{what}: no answer was read within {}", seconds(waited));
+            let trouble = Trouble::Unanswered {
+                what,
+                sent: 1,
+                waited,
+            };
+            sink.tell_of(
+                asked.origin,
+                Weight::Warning,
+                "parameter",
+                text,
+                Detail::Trouble(trouble),
+            );
+        }
+    }
+}
+
+/// Reports a job, one event for each of its lines; its numbers are in the first.
+fn tell(decoded: Decoded, request_frame: Option<u64>, sink: &mut Sink<'_>) {
+    let mut fields = Some(decoded.fields);
+    for (weight, line) in decoded.lines {
+        let detail = Job {
+            channel: "record",
+            job: fields.take().unwrap_or_default(),
+            request_frame,
+        };
+        sink.tell(weight, "parameter", line, Detail::Job(detail));
     }
 }

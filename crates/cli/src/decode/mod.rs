@@ -1,61 +1,57 @@
-//! Walks over the frames of a capture and says what happened: discovery, connects, parameter jobs, state changes,
-//! errors. Decoding is done by `profinet::wire` and `profidrive::parameter`; here are only the words and what belongs
-//! together.
+//! Reads the frames of a capture in order and reports what happened: discovery, connects, parameter jobs, state changes,
+//! alarms, errors, and what is missing. Decoding is done by `profinet::wire` and `profidrive::parameter`; here are only
+//! the words, the numbers, and what belongs together.
 //!
-//! A capture may be damaged, cut or hostile: whatever does not decode is counted or noted, memory is bounded.
+//! A capture may be damaged, cut or hostile: whatever does not decode is counted and reported, memory is bounded.
 
 mod alarms;
+mod arp;
+mod assembly;
 mod calls;
 mod channel;
 mod connect;
+mod contents;
 mod cyclic;
 mod dcp;
+mod diagnosis;
+mod diff;
+mod drive_data;
 mod drives;
+pub mod event;
 mod jobs;
 mod names;
 mod neighbours;
+mod pending;
 mod records;
+mod services;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod timing;
 mod udp;
 
+use std::collections::HashMap;
 use std::time::Duration;
 
 use drive_client::Model;
+use profinet::MacAddress;
+use profinet::wire::DecodeError;
 use profinet::wire::ethernet::{Frame, FrameKind};
 use profinet::wire::lldp;
 
+use alarms::Alarms;
+use arp::Arp;
 use calls::Calls;
-use cyclic::Relations;
+use cyclic::{Belongs, Relations};
+use dcp::Services;
 use drives::Drives;
+use event::{Detail, Sink, Trouble};
 use names::Names;
 use neighbours::Neighbours;
 
-/// How much a note matters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weight {
-    /// What is to be expected.
-    Normal,
-    /// Worth a look.
-    Warning,
-    /// A refusal, a fault, a malformed PDU.
-    Error,
-}
-
-/// One thing that happened.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Note {
-    /// Time since the first frame.
-    pub at: Duration,
-    /// Who sent it.
-    pub from: String,
-    /// Who was meant; empty for everybody.
-    pub to: String,
-    /// DCP, LLDP, connect, record, parameter, cyclic, alarm.
-    pub topic: &'static str,
-    /// What it says.
-    pub text: String,
-    /// How much it matters.
-    pub weight: Weight,
-}
+pub use event::{Event, Party, Weight};
+pub use names::seconds;
+pub use summary::{DeviceSummary, StreamSummary};
 
 /// What was seen, in numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -76,39 +72,34 @@ pub struct Counts {
     pub malformed: u64,
 }
 
-/// Reads frames in order and tells what they mean.
+/// Most stations whose alarms and faults are counted.
+const MAX_STATIONS: usize = 4096;
+
+/// Reads frames in order and reports what they mean.
 #[derive(Debug, Default)]
 pub struct Walker {
     names: Names,
+    services: Services,
     calls: Calls,
     relations: Relations,
+    alarms: Alarms,
     neighbours: Neighbours,
+    arp: Arp,
     counts: Counts,
+    /// Alarms and faults of each station.
+    incidents: HashMap<MacAddress, Incidents>,
+    now: Duration,
 }
 
-/// Where the notes of one frame are collected.
-struct Sink<'a> {
-    at: Duration,
-    from: String,
-    to: String,
-    notes: &'a mut Vec<Note>,
-}
-
-impl Sink<'_> {
-    fn note(&mut self, weight: Weight, topic: &'static str, text: impl Into<String>) {
-        self.notes.push(Note {
-            at: self.at,
-            from: self.from.clone(),
-            to: self.to.clone(),
-            topic,
-            text: text.into(),
-            weight,
-        });
-    }
+/// What a station reported that is wrong.
+#[derive(Debug, Clone, Copy, Default)]
+struct Incidents {
+    alarms: u32,
+    faults: u32,
 }
 
 impl Walker {
-    /// Drives that do not say what they are, are taken for this model; without one for an AKD.
+    /// Drives whose identity is not in the capture are decoded as this model; without one as an AKD.
     pub fn new(model: Option<Model>) -> Self {
         let mut walker = Self::default();
         walker.names.drives = Drives::new(model);
@@ -120,105 +111,166 @@ impl Walker {
         self.counts
     }
 
-    /// Looks at one Ethernet frame.
-    pub fn frame(&mut self, at: Duration, bytes: &[u8]) -> Vec<Note> {
-        let mut notes = Vec::new();
+    /// Looks at one Ethernet frame, `at` after the first one.
+    pub fn frame(&mut self, at: Duration, bytes: &[u8]) -> Vec<Event> {
+        let mut events = Vec::new();
         self.counts.frames += 1;
-        if let Some(frame) = Frame::parse(bytes) {
-            self.profinet(at, &frame, &mut notes);
-        } else if let Some((source, payload)) = lldp::payload(bytes) {
-            let mut sink = Sink {
-                at,
-                from: self.names.mac(source),
-                to: String::new(),
-                notes: &mut notes,
-            };
-            if let Err(error) = self.neighbours.pdu(source, payload, &mut self.names, &mut sink) {
-                self.counts.malformed += 1;
-                sink.note(Weight::Error, "malformed", format!("LLDP: {error}"));
-            }
-        } else if let Some(datagram) = udp::datagram(bytes) {
-            let mut sink = Sink {
-                at,
-                from: self.names.ip(*datagram.source.ip()),
-                to: self.names.ip(*datagram.destination.ip()),
-                notes: &mut notes,
-            };
-            let before = self.calls.seen();
-            if let Err(error) =
-                self.calls
-                    .datagram(&datagram, &mut self.relations, &mut self.names, &mut sink)
-            {
-                self.counts.malformed += 1;
-                sink.note(Weight::Error, "malformed", error.to_string());
-            }
-            self.counts.rpc += self.calls.seen() - before;
+        // a clock that was put back does not give time for answers again
+        self.now = self.now.max(at);
+        let mut sink = Sink {
+            frame: self.counts.frames,
+            at,
+            source: Party::default(),
+            target: Party::default(),
+            events: &mut events,
+        };
+        self.give_up(self.now, &mut sink);
+        self.relations.look(&mut sink);
+        if let Err((protocol, error)) = self.dispatch(bytes, &mut sink) {
+            self.counts.malformed += 1;
+            let trouble = Trouble::Malformed { offset: error.offset };
+            let text = format!("{protocol}{error}");
+            sink.tell(Weight::Error, "malformed", text, Detail::Trouble(trouble));
         }
-        notes
+        self.finish(&mut events);
+        events
     }
 
-    fn profinet(&mut self, at: Duration, frame: &Frame<'_>, notes: &mut Vec<Note>) {
-        let everybody = frame.destination.is_multicast();
+    /// Ends the capture: reports what is still without an answer.
+    pub fn end(&mut self) -> Vec<Event> {
+        let mut events = Vec::new();
         let mut sink = Sink {
-            at,
-            from: self.names.mac(frame.source),
-            to: if everybody {
-                String::new()
-            } else {
-                self.names.mac(frame.destination)
-            },
-            notes,
+            frame: self.counts.frames,
+            at: self.now,
+            source: Party::default(),
+            target: Party::default(),
+            events: &mut events,
         };
+        self.give_up(Duration::MAX, &mut sink);
+        self.relations.end(&mut sink);
+        self.finish(&mut events);
+        events
+    }
+
+    /// Forgets the times that were measured: the summary is about what follows.
+    pub fn restart_summary(&mut self) {
+        self.relations.restart();
+        self.incidents.clear();
+    }
+
+    /// True when an event is from or to the station with this name or address, or about it.
+    pub fn is_about(&self, event: &Event, station: &str) -> bool {
+        let named = match &event.detail {
+            Detail::Dcp(dcp) => dcp.name.as_deref() == Some(station),
+            Detail::Trouble(Trouble::DuplicateName { name, .. }) => name == station,
+            Detail::Trouble(Trouble::DuplicateAddress { ip, .. }) => ip.to_string() == station,
+            _ => false,
+        };
+        named || self.names.is(event.source, station) || self.names.is(event.target, station)
+    }
+
+    /// The devices with cyclic connections, and how regular their frames are.
+    pub fn summary(&self) -> Vec<DeviceSummary> {
+        summary::devices(self)
+    }
+
+    fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {
+        self.services.give_up(now, sink);
+        self.calls.give_up(now, sink);
+        self.alarms.give_up(now, sink);
+    }
+
+    /// Names the parties of new events and counts what is wrong with a station.
+    fn finish(&mut self, events: &mut [Event]) {
+        for event in events {
+            event.from = self.names.label(event.source);
+            event.to = self.names.label(event.target);
+            let Some(mac) = event.source.mac else { continue };
+            let (alarm, fault) = match &event.detail {
+                Detail::Alarm(alarm) => (alarm.step == "notification", false),
+                Detail::Fault(_) => (false, true),
+                _ => continue,
+            };
+            if self.incidents.len() < MAX_STATIONS || self.incidents.contains_key(&mac) {
+                let incidents = self.incidents.entry(mac).or_default();
+                incidents.alarms += u32::from(alarm);
+                incidents.faults += u32::from(fault);
+            }
+        }
+    }
+
+    /// Decodes one frame. An error comes with the name of the protocol.
+    fn dispatch(&mut self, bytes: &[u8], sink: &mut Sink<'_>) -> Result<(), (&'static str, DecodeError)> {
+        if let Some(frame) = Frame::parse(bytes) {
+            sink.source.mac = Some(frame.source);
+            sink.target.mac = Some(frame.destination).filter(|mac| !mac.is_multicast());
+            return self.profinet(&frame, sink);
+        }
+        if let Some((source, payload)) = lldp::payload(bytes) {
+            sink.source.mac = Some(source);
+            let Self {
+                neighbours, names, ..
+            } = self;
+            return neighbours
+                .pdu(source, payload, names, sink)
+                .map_err(|error| ("LLDP: ", error));
+        }
+        if let Some(arp) = arp::frame(bytes) {
+            sink.source.mac = Some(arp.source);
+            self.arp.frame(&arp, &mut self.names, sink);
+        } else if let Some(datagram) = udp::datagram(bytes) {
+            let (source, target) = datagram.macs;
+            sink.source = Party {
+                mac: Some(source),
+                ip: Some(*datagram.source.ip()),
+            };
+            sink.target = Party {
+                mac: Some(target),
+                ip: Some(*datagram.destination.ip()),
+            };
+            let before = self.calls.seen();
+            let result = self
+                .calls
+                .datagram(&datagram, &mut self.relations, &mut self.names, sink);
+            self.counts.rpc += self.calls.seen() - before;
+            return result.map_err(|error| ("", error));
+        }
+        Ok(())
+    }
+
+    fn profinet(
+        &mut self,
+        frame: &Frame<'_>,
+        sink: &mut Sink<'_>,
+    ) -> Result<(), (&'static str, DecodeError)> {
         match frame.frame_id.kind() {
             FrameKind::DcpHello
             | FrameKind::DcpGetSet
             | FrameKind::DcpIdentifyRequest
             | FrameKind::DcpIdentifyResponse => {
                 self.counts.dcp += 1;
-                if let Err(error) = dcp::pdu(frame, &mut self.names, &mut sink) {
-                    self.counts.malformed += 1;
-                    sink.note(Weight::Error, "malformed", format!("DCP: {error}"));
-                }
+                self.services
+                    .pdu(frame, &mut self.names, sink)
+                    .map_err(|error| ("DCP: ", error))
             }
             _ if frame.frame_id.is_cyclic() => {
-                if self.relations.cyclic(frame, &mut self.names, &mut sink) {
-                    self.counts.cyclic += 1;
-                } else {
-                    self.counts.cyclic_unknown += 1;
+                match self.relations.cyclic(frame, &mut self.names, sink) {
+                    Some(Belongs::Known) => self.counts.cyclic += 1,
+                    Some(Belongs::Earlier) | None => self.counts.cyclic_unknown += 1,
                 }
+                Ok(())
             }
             FrameKind::AlarmHigh | FrameKind::AlarmLow => {
                 self.counts.alarms += 1;
-                if let Err(error) = alarms::pdu(frame, &mut sink) {
-                    self.counts.malformed += 1;
-                    sink.note(Weight::Error, "malformed", format!("alarm: {error}"));
+                self.alarms.pdu(frame, sink).map_err(|error| ("alarm: ", error))?;
+                let ends =
+                    |event: &Event| matches!(&event.detail, Detail::Alarm(alarm) if alarm.step == "abort");
+                if sink.events.last().is_some_and(ends) {
+                    self.relations.aborted(frame.source, frame.destination);
                 }
+                Ok(())
             }
-            _ => {}
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn any_frame_gives_an_answer(bytes in proptest::collection::vec(any::<u8>(), 0..200), ether in 0..3_usize) {
-            let mut frame = vec![2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 2];
-            frame.extend([[0x88, 0x92], [0x08, 0x00], [0x81, 0x00]][ether]);
-            frame.extend(&bytes);
-            let mut walker = Walker::default();
-            walker.frame(Duration::ZERO, &frame);
-            walker.frame(Duration::ZERO, &bytes);
-        }
-
-        #[test]
-        fn any_rpc_packet_gives_an_answer(bytes in proptest::collection::vec(any::<u8>(), 0..300), operation in 0..7_u8) {
-            let mut walker = Walker::default();
-            walker.frame(Duration::ZERO, &udp::tests::rpc_frame(operation, &bytes));
+            _ => Ok(()),
         }
     }
 }

@@ -6,8 +6,8 @@ use profinet::MacAddress;
 use profinet::wire::lldp::Lldpdu;
 use profinet::wire::{DecodeError, Reader};
 
+use super::event::{Detail, Neighbour, Sink, Weight};
 use super::names::Names;
-use super::{Sink, Weight};
 use crate::render::table::clean;
 
 /// Most senders remembered; what others say is told each time.
@@ -40,10 +40,16 @@ impl Neighbours {
         }
         if told.chassis_mac.is_some() && !station.is_empty() {
             // a PROFINET station: the name is the one it has
-            names.learn(Some(source), address, station);
+            names.seen(source, address, Some(station), sink);
         }
         if self.0.get(&source) != Some(&text) {
-            sink.note(Weight::Normal, "LLDP", text.as_str());
+            let detail = Neighbour {
+                port: words(port),
+                station: words(station),
+                ip: address,
+                ttl: told.ttl,
+            };
+            sink.tell(Weight::Normal, "LLDP", text.as_str(), Detail::Neighbour(detail));
             if self.0.len() < MAX_SENDERS || self.0.contains_key(&source) {
                 self.0.insert(source, text);
             }
@@ -93,7 +99,7 @@ mod tests {
         assert_eq!(
             texts,
             [
-                ("02:00:00:00:00:09", "is here with port-001 of akd-1, 10.0.0.2"),
+                ("akd-1", "is here with port-001 of akd-1, 10.0.0.2"),
                 ("akd-1", "port-001 goes")
             ]
         );

@@ -3,6 +3,7 @@
 use profidrive::catalogue::{Parameter, RecordView, Scale, Scaling};
 use profidrive::parameter::ParameterAddress;
 
+use super::diff;
 use crate::job::JobDrive;
 use crate::render::{hex_bytes, value};
 
@@ -73,20 +74,32 @@ pub fn name(index: u16) -> String {
         0xAFF2 => "I&M2 (installation date)",
         0xAFF3 => "I&M3 (descriptor)",
         0xAFF4 => "I&M4 (signature)",
-        0x8000..=0x801F => "submodule diagnosis or PDEV data",
+        0x8000 | 0xC000 | 0xE000 => "expected identification",
+        0x8001 | 0xC001 | 0xE001 | 0xF000 => "real identification",
+        0xE002 => "module differences",
+        0x800A | 0xC00A | 0xE00A | 0xF00A => "diagnosis of channels",
+        0x800B | 0xC00B | 0xE00B | 0xF00B => "diagnosis",
+        0x800C | 0xC00C | 0xE00C | 0xF00C | 0xF80C => "diagnosis, maintenance and status",
+        0x8010 | 0xC010 | 0xE010 | 0xF010 | 0x8012 | 0xC012 | 0xE012 | 0xF012 => "maintenance required",
+        0x8011 | 0xC011 | 0xE011 | 0xF011 | 0x8013 | 0xC013 | 0xE013 | 0xF013 => "maintenance demanded",
+        0x801E => "substitute value",
         0x8028 => "input data",
         0x8029 => "output data",
-        0x802A => "port data real",
-        0x8080 => "interface data real",
-        0xE000 | 0xF000 | 0xC000 | 0x8030 => "identification",
-        0xE00C | 0xF00C | 0xC00C | 0xF80C => "diagnosis",
+        0x802A => "PDPortDataReal",
+        0x802B => "PDPortDataCheck",
+        0x802F => "PDPortDataAdjust",
+        0x8071 => "PDInterfaceAdjust",
+        0x8072 => "PDPortStatistic",
+        0x8080 => "PDInterfaceDataReal",
         0xE040 => "multiple write",
-        0xE050 | 0xF820 => "AR data",
+        0xE050 => "ARFSUDataAdjust",
+        0xF020 | 0xF820 => "AR data",
         0xF821 => "API data",
         0xF830 => "log data",
-        0xF831 => "PDEV data",
+        0xF831 => "PDevData",
         0xF840 => "I&M0 filter data",
-        0xF841 => "PDEV data real",
+        0xF841 => "PDRealData",
+        0xF842 => "PDExpectedData",
         0xFBFF => "trigger of the connection monitoring",
         _ => return format!("record 0x{index:04X}"),
     };
@@ -95,15 +108,15 @@ pub fn name(index: u16) -> String {
 
 /// Where a record lives: `slot 1/1`.
 pub fn place(api: u32, slot: u16, subslot: u16) -> String {
-    let api = if api == 0 {
+    format!("slot {slot}/{}{}", diff::subslot(subslot), api_text(api))
+}
+
+/// ` API 0x3A00`; nothing for the default API.
+pub fn api_text(api: u32) -> String {
+    if api == 0 {
         String::new()
     } else {
         format!(" API 0x{api:04X}")
-    };
-    if subslot > 0xFF {
-        format!("slot {slot}/0x{subslot:04X}{api}")
-    } else {
-        format!("slot {slot}/{subslot}{api}")
     }
 }
 
@@ -158,5 +171,7 @@ mod tests {
     fn records_have_names_where_there_are_any() {
         assert_eq!(name(0xFBFF), "trigger of the connection monitoring (0xFBFF)");
         assert_eq!(name(0x1234), "record 0x1234");
+        assert_eq!(name(0xE050), "ARFSUDataAdjust (0xE050)");
+        assert_eq!(name(0xF820), "AR data (0xF820)");
     }
 }

@@ -2,16 +2,22 @@
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 
+use profinet::MacAddress;
+
 /// One unfragmented UDP datagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Datagram<'a> {
     pub source: SocketAddrV4,
     pub destination: SocketAddrV4,
+    /// Ethernet addresses of sender and receiver: those of a router, where one is between.
+    pub macs: (MacAddress, MacAddress),
     pub payload: &'a [u8],
 }
 
 /// The datagram in a frame, tag looked through; `None` for everything else, IP fragments included.
 pub fn datagram(frame: &[u8]) -> Option<Datagram<'_>> {
+    let mac = |at: usize| -> Option<MacAddress> { Some(MacAddress(frame.get(at..at + 6)?.try_into().ok()?)) };
+    let macs = (mac(6)?, mac(0)?);
     let mut rest = frame.get(12..)?;
     let mut ether_type = word(rest, 0)?;
     rest = rest.get(2..)?;
@@ -38,6 +44,7 @@ pub fn datagram(frame: &[u8]) -> Option<Datagram<'_>> {
     Some(Datagram {
         source: SocketAddrV4::new(ip(12)?, word(udp, 0)?),
         destination: SocketAddrV4::new(ip(16)?, word(udp, 2)?),
+        macs,
         payload: udp.get(8..length.min(udp.len()))?,
     })
 }
@@ -67,13 +74,18 @@ pub mod tests {
         udp_frame(&pdu)
     }
 
+    /// A frame from station 10.0.0.1 (02:00:00:00:00:01) to 10.0.0.2 (02:00:00:00:00:02).
     pub fn udp_frame(payload: &[u8]) -> Vec<u8> {
+        frame_between(1, 2, payload)
+    }
+
+    /// A frame from the station with this last octet of its addresses to another.
+    pub fn frame_between(from: u8, to: u8, payload: &[u8]) -> Vec<u8> {
         let length = u16::try_from(payload.len()).unwrap();
-        let mut frame = vec![2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 2, 8, 0, 0x45, 0];
+        let mut frame = vec![2, 0, 0, 0, 0, to, 2, 0, 0, 0, 0, from, 8, 0, 0x45, 0];
         frame.extend((length + 28).to_be_bytes());
-        frame.extend([
-            0, 0, 0, 0, 64, 17, 0, 0, 10, 0, 0, 1, 10, 0, 0, 2, 0x88, 0x94, 0x88, 0x94,
-        ]);
+        frame.extend([0, 0, 0, 0, 64, 17, 0, 0, 10, 0, 0, from, 10, 0, 0, to]);
+        frame.extend([0x88, 0x94, 0x88, 0x94]);
         frame.extend((length + 8).to_be_bytes());
         frame.extend([0, 0]);
         frame.extend(payload);

@@ -282,13 +282,12 @@ fn plural(count: usize, what: &str) -> String {
 }
 
 /// A request in a few words, for the line of a capture.
-pub fn request_lines(drive: &JobDrive, data: &[u8]) -> Vec<(Weight, String)> {
+pub fn request_job(drive: &JobDrive, data: &[u8]) -> Decoded {
     joined(decode_request(drive, data), data)
 }
 
-/// A response in a few words, with the request it answers where that is known. What it tells about the drive is taken
-/// over.
-pub fn response_lines(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) -> Vec<(Weight, String)> {
+/// A response in a few words, with the request it answers where that is known. What it says of the drive is taken over.
+pub fn response_job(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) -> Decoded {
     joined(
         decode_response(drive, data, request).or_else(|_| decode_response(drive, data, None)),
         data,
@@ -296,17 +295,18 @@ pub fn response_lines(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>)
 }
 
 /// One parameter on the line of the head, several below it.
-fn joined(decoded: Result<Decoded, String>, data: &[u8]) -> Vec<(Weight, String)> {
-    match decoded {
-        Err(reason) => vec![(
+fn joined(decoded: Result<Decoded, String>, data: &[u8]) -> Decoded {
+    let mut decoded = decoded.unwrap_or_else(|reason| Decoded {
+        lines: vec![(
             Weight::Error,
             format!("malformed job ({reason}): {}", hex_bytes(data)),
         )],
-        Ok(decoded) => match decoded.lines.as_slice() {
-            [(_, head), (weight, only)] => vec![(*weight, format!("{head}: {}", only.trim_start()))],
-            _ => decoded.lines,
-        },
+        fields: fields! { "malformed": reason, "hex": hex_bytes(data) },
+    });
+    if let [(_, head), (weight, only)] = decoded.lines.as_slice() {
+        decoded.lines = vec![(*weight, format!("{head}: {}", only.trim_start()))];
     }
+    decoded
 }
 
 #[cfg(test)]

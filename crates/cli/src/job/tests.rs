@@ -117,7 +117,7 @@ fn octets(hex: &str) -> Vec<u8> {
 
 /// What the drive answers to a request, in one line.
 fn answered(drive: &mut JobDrive, request: &str, response: &str) -> String {
-    let lines = response_lines(drive, &octets(response), Some(&octets(request)));
+    let lines = response_job(drive, &octets(response), Some(&octets(request))).lines;
     lines.into_iter().map(|(_, line)| line).collect()
 }
 
@@ -261,7 +261,8 @@ fn jobs_of_the_other_makes() {
         let mut drive = JobDrive::new(drive_client::Model::by_name(model).unwrap());
         match response {
             Some(response) => answered(&mut drive, request, response),
-            None => request_lines(&drive, &octets(request))
+            None => request_job(&drive, &octets(request))
+                .lines
                 .into_iter()
                 .map(|(_, line)| line)
                 .collect(),
@@ -341,6 +342,6 @@ proptest::proptest! {
         let mut drive = JobDrive::default();
         let _ = decode(&mut drive, &data, None, request.as_deref());
         let _ = decode(&mut drive, &data, Some(Side::Request), None);
-        let _ = response_lines(&mut drive, &data, request.as_deref());
+        let _ = response_job(&mut drive, &data, request.as_deref());
     }
 }

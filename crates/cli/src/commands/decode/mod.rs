@@ -1,26 +1,21 @@
-//! `profidrive decode --hex "05 02 .."` and `profidrive decode FILE.pcapng`
+//! `profidrive decode --hex "05 02 .."`, and captures.
 
-use std::fs::File;
-use std::path::Path;
-use std::time::Duration;
+mod capture;
 
 use drive_client::Model;
-use indicatif::{ProgressBar, ProgressStyle};
-use network::pcap::Reader;
 use profidrive::pkw::PkwDialect;
-use serde_json::Value;
 use uss::Protocol;
 
 use crate::args::{Decode, Octets, Sender, Side};
-use crate::decode::{Counts, Note, Walker, Weight};
+use crate::decode::Weight;
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::job::{self, Decoded, JobDrive};
 use crate::output::{Colour, Output};
 
-pub fn run(args: &Decode, output: &Output) -> Result<(), Failure> {
+/// Decodes octets, a capture file, or what is on `interface`.
+pub fn run(args: &Decode, interface: Option<&str>, output: &Output) -> Result<(), Failure> {
     match (&args.file, &args.hex) {
-        (Some(file), _) => capture(file, args.model.model, output),
+        (Some(file), _) => capture::file(file, args, output),
         (None, Some(hex)) => {
             let decoded = octets(&parse_hex(hex)?, args)?;
             if output.json() {
@@ -32,7 +27,12 @@ pub fn run(args: &Decode, output: &Output) -> Result<(), Failure> {
             }
             Ok(())
         }
-        (None, None) => Err(Failure::usage("give a capture file, or bytes with --hex")),
+        (None, None) => match interface {
+            Some(interface) => capture::live(interface, args, output),
+            None => Err(Failure::usage("there is nothing to decode").hint(
+                "give a capture file, `-` for standard input, -i IFACE to capture, or bytes with --hex",
+            )),
+        },
     }
 }
 
@@ -124,136 +124,11 @@ fn parse_hex(text: &str) -> Result<Vec<u8>, Failure> {
     }
 }
 
-fn capture(path: &Path, model: Option<Model>, output: &Output) -> Result<(), Failure> {
-    let shown = path.display();
-    let unreadable =
-        |error: &dyn std::fmt::Display| Failure::new(Exit::Failed, format!("cannot read {shown}: {error}"));
-    let file = File::open(path).map_err(|error| unreadable(&error))?;
-    let size = file.metadata().map_or(0, |data| data.len());
-    let reader = Reader::new(file).map_err(|error| unreadable(&error))?;
-    let bar = progress(size, output);
-    let mut walker = Walker::new(model);
-    let mut start = None;
-    let mut damage = None;
-    for captured in reader {
-        let captured = match captured {
-            Ok(captured) => captured,
-            Err(error) => {
-                damage = Some(error.to_string());
-                break;
-            }
-        };
-        bar.inc(captured.frame.len() as u64 + 32);
-        let start = *start.get_or_insert(captured.time);
-        let at = captured.time.saturating_sub(start);
-        for note in walker.frame(at, &captured.frame) {
-            bar.suspend(|| print(&note, output));
-        }
-    }
-    bar.finish_and_clear();
-    let counts = walker.counts();
-    if output.json() {
-        let mut fields = fields! { "end": true };
-        fields.extend(counts_json(counts));
-        if let Some(damage) = &damage {
-            fields.insert("damage".into(), damage.as_str().into());
-        }
-        output.event("decode", fields);
-    } else {
-        output.say(&summary(counts));
-    }
-    match damage {
-        Some(damage) => Err(Failure::new(Exit::Failed, format!("{shown}: {damage}"))
-            .hint("what is printed above comes from the sound part before it")),
-        None => Ok(()),
-    }
-}
-
-fn progress(size: u64, output: &Output) -> ProgressBar {
-    // a terminal that shows the notes needs no bar between them
-    if size < 4_000_000 || !output.progress() || output.live() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:30} {percent:>3}% {bytes}/{total_bytes}");
-    ProgressBar::new(size).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-}
-
-fn print(note: &Note, output: &Output) {
-    if output.json() {
-        let fields = fields! {
-            "time": note.at.as_secs_f64(), "from": note.from.as_str(), "to": note.to.as_str(),
-            "topic": note.topic, "text": note.text.as_str(), "weight": weight_word(note.weight),
-        };
-        output.event("decode", fields);
-    } else {
-        output.line(&line(note, output));
-    }
-}
-
-const fn weight_word(weight: Weight) -> &'static str {
-    match weight {
-        Weight::Normal => "normal",
-        Weight::Warning => "warning",
-        Weight::Error => "error",
-    }
-}
-
-fn line(note: &Note, output: &Output) -> String {
-    let who = if note.to.is_empty() {
-        note.from.clone()
-    } else {
-        format!("{} > {}", note.from, note.to)
-    };
-    let mark = match note.weight {
-        Weight::Normal => " ",
-        Weight::Warning => "!",
-        Weight::Error => "#",
-    };
-    let text = painted(
-        note.weight,
-        &format!("{mark} {:<9} {}", note.topic, note.text),
-        output,
-    );
-    format!("{:>12} {who:<40} {text}", time(note.at))
-}
-
 fn painted(weight: Weight, text: &str, output: &Output) -> String {
     match weight {
         Weight::Normal => text.to_owned(),
         Weight::Warning => output.paint(Colour::Warning, text),
         Weight::Error => output.paint(Colour::Fault, text),
-    }
-}
-
-fn time(at: Duration) -> String {
-    format!("{}.{:06}", at.as_secs(), at.subsec_micros())
-}
-
-fn summary(counts: Counts) -> String {
-    let mut text = format!(
-        "{} frames: {} cyclic, {} DCP, {} RPC packets, {} alarm frames",
-        counts.frames,
-        counts.cyclic + counts.cyclic_unknown,
-        counts.dcp,
-        counts.rpc,
-        counts.alarms
-    );
-    if counts.cyclic_unknown > 0 {
-        text = format!(
-            "{text}; {} cyclic frames of connections that began earlier",
-            counts.cyclic_unknown
-        );
-    }
-    if counts.malformed > 0 {
-        text = format!("{text}; {} malformed", counts.malformed);
-    }
-    text
-}
-
-fn counts_json(counts: Counts) -> serde_json::Map<String, Value> {
-    fields! {
-        "frames": counts.frames, "cyclic": counts.cyclic, "cyclic_unknown": counts.cyclic_unknown,
-        "dcp": counts.dcp, "rpc": counts.rpc, "alarms": counts.alarms, "malformed": counts.malformed,
     }
 }
 
@@ -269,10 +144,5 @@ mod tests {
         for text in ["", "5", "05 0", "xy", "é0"] {
             assert!(parse_hex(text).is_err(), "{text}");
         }
-    }
-
-    #[test]
-    fn times_have_microseconds() {
-        assert_eq!(time(Duration::from_micros(1_000_031)), "1.000031");
     }
 }
