@@ -76,8 +76,8 @@ fn events_are_typed_and_devices_are_summed_up() {
     }
     let device = &summaries[0]["data"];
     assert_eq!(
-        (&device["mac"], &device["restarts"]),
-        (&"02:50:4e:00:00:01".into(), &0.into())
+        (&device["mac"], &device["restarts"], &device["connection_losses"]),
+        (&"02:50:4e:00:00:01".into(), &0.into(), &0.into())
     );
     let streams = device["streams"].as_array().unwrap();
     assert_eq!(streams.len(), 2, "{device}");

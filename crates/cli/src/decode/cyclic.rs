@@ -197,8 +197,8 @@ impl Relations {
         }
     }
 
-    /// An error PDU ended the connection between two stations.
-    pub fn aborted(&mut self, from: MacAddress, to: MacAddress) {
+    /// An error PDU ended the connection between two stations: it is lost, or it was released.
+    pub fn aborted(&mut self, from: MacAddress, to: MacAddress, lost: bool) {
         for at in 0..self.streams.len() {
             let Some(stream) = self.streams.get_mut(at) else {
                 break;
@@ -206,7 +206,9 @@ impl Relations {
             let between = [(from, to), (to, from)].contains(&(stream.sender, stream.receiver));
             if between && !stream.closed && !stream.silent {
                 stream.silent = true;
-                self.count_loss(at);
+                if lost {
+                    self.count_loss(at);
+                }
             }
         }
     }

@@ -264,9 +264,10 @@ impl Walker {
                 self.counts.alarms += 1;
                 self.alarms.pdu(frame, sink).map_err(|error| ("alarm: ", error))?;
                 let ends =
-                    |event: &Event| matches!(&event.detail, Detail::Alarm(alarm) if alarm.step == "abort");
-                if sink.events.last().is_some_and(ends) {
-                    self.relations.aborted(frame.source, frame.destination);
+                    |event: &&Event| matches!(&event.detail, Detail::Alarm(alarm) if alarm.step == "abort");
+                if let Some(event) = sink.events.last().filter(ends) {
+                    let lost = event.weight == Weight::Error;
+                    self.relations.aborted(frame.source, frame.destination, lost);
                 }
                 Ok(())
             }
