@@ -214,6 +214,12 @@ fn a_drive_at_work_is_renamed_addressed_and_reset_by_force_only() {
         );
         assert!(refused.err.contains("--force"), "{}", refused.err);
     }
+    // a parameter is written beside it, and whose axis that concerns is said
+    let written = client(&lab, &["write", "akd-1", "DRV.ACC=7000"]).ok();
+    let words = "controller \"profidrive\" runs akd-1";
+    assert!(written.err.contains(words), "{written:?}");
+    let same = client(&lab, &["write", "akd-1", "DRV.ACC=7000"]).ok();
+    assert!(!same.err.contains(words), "nothing was written: {same:?}");
     assert!(owner.status().is_none(), "{}", owner.err());
     client(&lab, &["name", "akd-1", "akd-2", "--force"]).ok();
     let finished = owner.finish(SHORT);

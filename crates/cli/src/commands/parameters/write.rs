@@ -12,7 +12,7 @@ use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::Output;
-use crate::render::table::Table;
+use crate::render::table::{Table, clean};
 use crate::render::{number, value};
 
 pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(), Failure> {
@@ -27,8 +27,18 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         (false, true) => WriteMode::Save,
         (false, false) => WriteMode::Write,
     };
+    let controller = session.owner(&drive)?.flatten();
     let (outcomes, same) = write_new(&mut session, &mut drive, &assignments, mode)?;
     session.close()?;
+    if let Some(name) = &controller
+        && outcomes.iter().any(is_written)
+    {
+        output.warn(&format!(
+            "controller \"{}\" runs {}: what was written counts for its motion at once",
+            clean(name),
+            drive.label()
+        ));
+    }
     if output.json() {
         let changes: Vec<Value> = outcomes
             .iter()
@@ -42,7 +52,9 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
             .collect();
         output.document(
             "write",
-            fields! { "drive": drive.label(), "dry_run": args.dry_run, "changes": changes },
+            fields! {
+                "drive": drive.label(), "dry_run": args.dry_run, "changes": changes, "controller": controller,
+            },
         );
     } else {
         let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "result"]);
@@ -84,6 +96,11 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         }
     }
     last_failure(problems, output)
+}
+
+/// True for what the drive has taken.
+const fn is_written(outcome: &ChangeOutcome) -> bool {
+    matches!(outcome.written, Some(Ok(())))
 }
 
 /// Writes what is new for the drive; one outcome for each assignment, and whether the drive had its value already. All of
