@@ -164,7 +164,7 @@ fn bits(text: &str, kind: &str, pnu: u16, warning: bool, first: u8) -> Result<Ex
     Ok((lines, fields))
 }
 
-fn fault(text: &str, tables: &Catalogue) -> Result<Explained, Failure> {
+pub(super) fn fault(text: &str, tables: &Catalogue) -> Result<Explained, Failure> {
     let (warning, digits) = match text.as_bytes().first() {
         Some(b'n' | b'N') => (true, text.get(1..).unwrap_or_default()),
         Some(b'f' | b'F') => (false, text.get(1..).unwrap_or_default()),
@@ -185,12 +185,12 @@ fn fault(text: &str, tables: &Catalogue) -> Result<Explained, Failure> {
         fields.insert("meaning".into(), fault.meaning.into());
         fields.insert("reaction".into(), fault.reaction.text().into());
         fields.insert("remedy".into(), fault.remedy.into());
-        fields.insert("cleared".into(), fault.cleared.text().into());
+        fields.insert("cleared".into(), tables.clearing(fault.cleared).into());
         fields.insert("source".into(), fault.source.into());
         fields.insert("recalled".into(), fault.recalled.into());
         lines.push(format!("  reaction {}", fault.reaction));
         lines.push(format!("  do       {}", fault.remedy));
-        lines.push(format!("  cleared  {}", fault.cleared));
+        lines.push(format!("  cleared  {}", tables.clearing(fault.cleared)));
         let assumed = if fault.assumed.is_empty() {
             String::new()
         } else {

@@ -62,9 +62,9 @@ fn advice(report: &FaultReport, drive: &str) -> Option<String> {
         .map(|fault| fault.cleared == Some(Cleared::Restart));
     let first = restart.next()?;
     Some(match (first, restart.all(|one| one == first)) {
-        (true, true) => format!(
-            "{drive} has to be switched off and on again once the cause is gone: no command clears it"
-        ),
+        (true, true) => {
+            format!("{drive} has to be switched off and on once the cause is gone: no command clears it")
+        }
         (false, true) => format!("`profidrive ack {drive}` acknowledges once the cause is gone"),
         (_, false) => format!(
             "`profidrive ack {drive}` acknowledges once the cause is gone; what only a restart clears takes a power cycle"
@@ -162,7 +162,7 @@ fn logged(fault: &LoggedFault) -> String {
 fn describe(fault: &FaultEntry, line: &mut dyn FnMut(&str, &str)) {
     line("reaction", fault.reaction.map_or("", |reaction| reaction.text()));
     line("remedy", fault.remedy.unwrap_or_default());
-    line("cleared", fault.cleared.map_or("", |cleared| cleared.text()));
+    line("cleared", fault.clearing.as_deref().unwrap_or_default());
     let number = |value: Option<i64>| value.map_or_else(String::new, |value| value.to_string());
     line("time", &number(fault.time));
     line("value", &number(fault.value));
@@ -197,7 +197,7 @@ fn fault_json(fault: &FaultEntry) -> Map<String, Value> {
         "number": fault.number, "situation": fault.situation, "position": fault.position,
         "acknowledged": fault.situation > 0, "meaning": fault.meaning,
         "reaction": fault.reaction.map(|reaction| reaction.text()), "remedy": fault.remedy,
-        "cleared": fault.cleared.map(|cleared| cleared.text()), "time": fault.time, "value": fault.value,
+        "cleared": fault.clearing.as_deref(), "time": fault.time, "value": fault.value,
     }
 }
 
@@ -266,21 +266,16 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::AKD;
+    use drive_client::status::DriveStatus;
+    use profidrive::catalogue::{AKD, Catalogue, VACON, VLT};
     use profidrive::fault::Shape;
+    use profidrive::notation::ParameterReference;
+    use profidrive::state::Zsw1;
 
     fn fault(number: u16, situation: u8) -> FaultEntry {
-        let row = AKD.fault(number, false);
         FaultEntry {
             situation,
-            position: 0,
-            number,
-            meaning: row.map(|row| row.meaning),
-            reaction: row.map(|row| row.reaction),
-            remedy: row.map(|row| row.remedy),
-            cleared: row.map(|row| row.cleared),
-            time: None,
-            value: None,
+            ..FaultEntry::of(number, Some(&AKD))
         }
     }
 
@@ -319,6 +314,83 @@ mod tests {
         );
         assert!(told(&[Cleared::Acknowledge]).starts_with("`profidrive ack d`"));
         assert!(told(&[Cleared::Restart, Cleared::Acknowledge]).contains("power cycle"));
+    }
+
+    /// Everything in a text that looks like a parameter of any vendor: `DRV.CLRFAULTS`, `14-20`, `ID 607`.
+    fn named(text: &str) -> Vec<String> {
+        let all = |text: &str, is: fn(char) -> bool| !text.is_empty() && text.chars().all(is);
+        let upper = |text: &str| all(text, |c| c.is_ascii_uppercase() || c.is_ascii_digit());
+        let digits = |text: &str| all(text, |c| c.is_ascii_digit());
+        let words: Vec<&str> = text
+            .split(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '.' | '-')))
+            .map(|word| word.trim_matches('.'))
+            .collect();
+        let akd = |word: &str| {
+            word.split_once('.')
+                .is_some_and(|(group, name)| upper(group) && upper(name) && !digits(group))
+        };
+        let vlt = |word: &str| {
+            word.split_once('-')
+                .is_some_and(|(group, number)| digits(group) && digits(number))
+        };
+        let single = words
+            .iter()
+            .filter(|word| akd(word) || vlt(word))
+            .map(|word| (*word).to_owned());
+        let ids = words.windows(2).filter(|pair| pair[0] == "ID" && digits(pair[1]));
+        single.chain(ids.map(|pair| pair.join(" "))).collect()
+    }
+
+    /// `status`, `faults` and `explain` say the same about each fault of each vendor, with parameters of that vendor.
+    #[test]
+    fn remedies_agree_and_name_the_vendor_s_own_parameters() {
+        let mut names = 0;
+        for tables in [&AKD, &VLT, &VACON] as [&'static Catalogue; 3] {
+            let model = tables.model;
+            for row in tables.faults.iter().filter(|row| !row.warning) {
+                let entry = FaultEntry::of(row.number, Some(tables));
+                let status = DriveStatus {
+                    drive: "d".into(),
+                    make: model,
+                    zsw1: Some(Zsw1(0x0208)),
+                    faults: vec![entry.clone()],
+                    ..DriveStatus::default()
+                };
+                let next = diagnose(&status).next.unwrap_or_default();
+                let report = report(vec![entry], 8);
+                let listed = format!("{:?}", lines(&report, false));
+                let ends = advice(&report, "d").unwrap_or_default();
+                let (explained, _) = super::super::explain::fault(&row.number.to_string(), tables).unwrap();
+                let explained = explained.join("\n");
+                let place = format!(
+                    "{model} F{}: {next} / {listed} / {ends} / {explained}",
+                    row.number
+                );
+                let clearing = tables.clearing(row.cleared);
+                for text in [&listed, &explained] {
+                    assert!(text.contains(row.remedy) && text.contains(&clearing), "{place}");
+                }
+                assert!(next.contains(row.remedy), "{place}");
+                for text in [&next, &ends] {
+                    let restart = row.cleared == Cleared::Restart;
+                    assert_eq!(text.contains("off and on"), restart, "{place}");
+                    assert_eq!(text.contains("`profidrive ack d`"), !restart, "{place}");
+                }
+                let shown = format!("{next} {} {clearing} {ends}", row.remedy);
+                for name in named(&shown) {
+                    let reference: ParameterReference = name.parse().unwrap();
+                    let parameters = drive_client::parameter::Parameters {
+                        catalogue: Some(tables),
+                        scaling: tables.scaling,
+                    };
+                    let found = parameters.select(&reference).ok();
+                    let own = found.is_some_and(|found| found.parameter.is_some());
+                    assert!(own, "{name} is not of this vendor: {place}");
+                    names += 1;
+                }
+            }
+        }
+        assert!(names > 20, "{names}");
     }
 
     #[test]

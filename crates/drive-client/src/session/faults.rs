@@ -1,6 +1,6 @@
 //! What is wrong with a drive, and what was: fault buffer and warnings, beside any controller.
 
-use profidrive::catalogue::{Cleared, Fault, Part, Reaction};
+use profidrive::catalogue::{Catalogue, Cleared, Fault, Part, Reaction};
 use profidrive::fault::{ConsistentRead, Next, Shape};
 use profidrive::notation::{Notation, ParameterReference};
 use profidrive::parameter::pnu;
@@ -46,10 +46,29 @@ pub struct FaultEntry {
     pub remedy: Option<&'static str>,
     /// How it goes away, where the tables know.
     pub cleared: Option<Cleared>,
+    /// The same in words, with the parameters of this vendor.
+    pub clearing: Option<String>,
     /// When it came, in the drive's own time, where the drive keeps it (PNU 948).
     pub time: Option<i64>,
     /// What else the drive noted (PNU 949).
     pub value: Option<i64>,
+}
+
+impl FaultEntry {
+    /// A fault that is present, with what the tables of its vendor say.
+    #[must_use]
+    pub fn of(number: u16, tables: Option<&Catalogue>) -> Self {
+        let row = tables.and_then(|tables| tables.fault(number, false));
+        Self {
+            number,
+            meaning: row.map(|row| row.meaning),
+            reaction: row.map(|row| row.reaction),
+            remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
+            cleared: row.map(|row| row.cleared),
+            clearing: tables.zip(row).map(|(tables, row)| tables.clearing(row.cleared)),
+            ..Self::default()
+        }
+    }
 }
 
 /// One warning.
@@ -122,10 +141,10 @@ impl<M: Wire> Session<M> {
         let told = self.ask(drive, &PARTS)?;
         let mut faults = faults;
         // a drive may tell a fault by its bit before the buffer has it
-        for (number, row) in by_bits(drive, &told, false) {
+        for (number, _) in by_bits(drive, &told, false) {
             let known = |fault: &FaultEntry| fault.situation == 0 && fault.number == number;
             if !faults.iter().any(known) {
-                faults.insert(0, entry(number, Some(row)));
+                faults.insert(0, FaultEntry::of(number, drive.model.catalogue));
             }
         }
         // a situation of the buffer may have fewer places than there are faults
@@ -133,14 +152,10 @@ impl<M: Wire> Session<M> {
             let place = faults.iter().take_while(|fault| fault.situation == 0).count();
             let present = faults.get(..place).unwrap_or_default();
             if !present.iter().any(|fault| fault.number == number) {
-                let row = drive
-                    .model
-                    .catalogue
-                    .and_then(|tables| tables.fault(number, false));
                 let position = u8::try_from(place).unwrap_or(u8::MAX);
                 let more = FaultEntry {
                     position,
-                    ..entry(number, row)
+                    ..FaultEntry::of(number, drive.model.catalogue)
                 };
                 faults.insert(place, more);
             }
@@ -243,16 +258,12 @@ impl<M: Wire> Session<M> {
             let Some(place) = shape.place(at).filter(|_| number != 0) else {
                 continue;
             };
-            let row = drive
-                .model
-                .catalogue
-                .and_then(|tables| tables.fault(number, false));
             faults.push(FaultEntry {
                 situation: place.situation,
                 position: place.position,
                 time: beside(&times, at),
                 value: beside(&values, at),
-                ..entry(number, row)
+                ..FaultEntry::of(number, drive.model.catalogue)
             });
         }
         Ok((count, faults))
@@ -267,18 +278,6 @@ fn shape_of(elements: u16) -> Shape {
             faults: 1,
         },
         _ => Shape::EIGHT_BY_EIGHT,
-    }
-}
-
-/// A fault that is present, with what the tables say.
-fn entry(number: u16, row: Option<&Fault>) -> FaultEntry {
-    FaultEntry {
-        number,
-        meaning: row.map(|row| row.meaning),
-        reaction: row.map(|row| row.reaction),
-        remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
-        cleared: row.map(|row| row.cleared),
-        ..FaultEntry::default()
     }
 }
 

@@ -1,8 +1,10 @@
 //! The causes, the most important first: a table that is walked.
 
+use profidrive::catalogue::Cleared;
 use profidrive::state::{Start, State, Stw1, Zsw1};
 
 use super::{Diagnosis, DriveStatus, Verdict, makes, notes};
+use crate::FaultEntry;
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
@@ -373,12 +375,27 @@ pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<String> {
     let own = makes::advice(rule.cause, status.make);
     let general = || makes::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
     let next = own.map_or_else(general, str::to_owned);
-    let remedy = status.faults.first().and_then(|fault| fault.remedy);
-    if let (Cause::Fault, Some(remedy)) = (rule.cause, remedy.filter(|text| !text.is_empty())) {
-        let next = next.trim_start_matches("remove the cause, ");
-        return Some(format!("{remedy}; {next}").replace("DRIVE", &status.drive));
+    if rule.cause == Cause::Fault {
+        return Some(fault_advice(status, &next).replace("DRIVE", &status.drive));
     }
     (!next.is_empty()).then(|| next.replace("DRIVE", &status.drive))
+}
+
+/// What ends the faults that are present: the remedy of the first by the table, then `acknowledge`, or a restart where
+/// one of them goes away by nothing else.
+fn fault_advice(status: &DriveStatus, acknowledge: &str) -> String {
+    let remedy = status.faults.first().and_then(|fault| fault.remedy);
+    let remedy = remedy.filter(|text| !text.is_empty());
+    let restart = |fault: &&FaultEntry| fault.cleared == Some(Cleared::Restart);
+    let restart = status.faults.iter().find(restart);
+    match (remedy, restart.and_then(|fault| fault.clearing.as_deref())) {
+        (Some(remedy), None) => {
+            let acknowledge = acknowledge.trim_start_matches("remove the cause, ");
+            format!("{remedy}; {acknowledge}")
+        }
+        (None, None) => acknowledge.to_owned(),
+        (remedy, Some(clearing)) => format!("{}; then {clearing}", remedy.unwrap_or("remove the cause")),
+    }
 }
 
 /// What holds an axis that something outside turns.

@@ -1,5 +1,9 @@
 //! Fault and warning numbers of a model.
 
+use alloc::format;
+use alloc::string::String;
+
+use super::{Catalogue, Role};
 use crate::state::FaultReaction;
 
 /// What a fault or warning number means, what the drive does about it and what a person can do.
@@ -95,20 +99,28 @@ pub enum Cleared {
     Restart,
 }
 
-impl Cleared {
-    /// In words.
+impl Catalogue {
+    /// Returns how a fault or warning of this model goes away, with the parameter that acknowledges where the model has
+    /// one.
+    ///
+    /// ```
+    /// use profidrive::catalogue::{AKD, Cleared, VLT};
+    /// assert!(AKD.clearing(Cleared::Acknowledge).contains("DRV.CLRFAULTS"));
+    /// assert!(!VLT.clearing(Cleared::Acknowledge).contains("DRV."));
+    /// ```
     #[must_use]
-    pub const fn text(self) -> &'static str {
-        match self {
-            Self::Acknowledge => "acknowledge (STW1 bit 7 or DRV.CLRFAULTS) once the cause is gone",
-            Self::ByItself => "by itself once the cause is gone",
-            Self::Restart => "restart of the drive",
+    pub fn clearing(&self, cleared: Cleared) -> String {
+        match cleared {
+            Cleared::Acknowledge => {
+                let by = self
+                    .with_role(Role::ClearFaults)
+                    .map_or_else(String::new, |parameter| format!(" or {}", parameter.name));
+                format!("acknowledge (STW1 bit 7{by}) once the cause is gone")
+            }
+            Cleared::ByItself => "by itself once the cause is gone".into(),
+            Cleared::Restart => {
+                "switch the drive off and on once the cause is gone: no command clears it".into()
+            }
         }
-    }
-}
-
-impl core::fmt::Display for Cleared {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.pad(self.text())
     }
 }
