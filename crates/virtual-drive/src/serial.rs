@@ -6,6 +6,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use profidrive::parameter::SaveId;
 use profidrive::pkw::{PkwDialect, Server};
 use profidrive::state::Stw1;
 use profidrive::telegram::Telegram;
@@ -175,6 +176,19 @@ impl SerialStation {
     /// The drive, to put a load on it or to make it fail.
     pub const fn drive_mut(&mut self) -> &mut Drive {
         &mut self.drive
+    }
+
+    /// Makes the drive wait for its owner: changes that are to be saved are answered only when
+    /// [`report_save`](Self::report_save) says what became of them. Until then the reply is AK 0. Without this call they are
+    /// answered at once.
+    pub fn confirm_saves(&mut self) {
+        self.drive.confirm_saves();
+    }
+
+    /// Reports that the text of a [`StationEvent::PersistParameters`] is stored, or that it could not be; the report counts
+    /// for every earlier save too.
+    pub fn report_save(&mut self, save: SaveId, stored: bool) {
+        self.drive.report_save(save, stored);
     }
 
     /// Its address.

@@ -20,7 +20,7 @@ fn asked(line: &mut Line, request: [u8; 8]) -> Vec<u8> {
 
 fn is_saved(line: &mut Line, text: &str) -> bool {
     std::iter::from_fn(|| line.station.poll_event()).any(|event| match event {
-        StationEvent::PersistParameters { text: kept, asked } => asked && kept.contains(text),
+        StationEvent::PersistParameters { text: kept, asked, .. } => asked && kept.contains(text),
         _ => false,
     })
 }

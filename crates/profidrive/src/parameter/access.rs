@@ -98,6 +98,21 @@ pub enum Keep {
     Permanent,
 }
 
+/// Number of a save to non-volatile memory; a later save has a higher number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SaveId(pub u64);
+
+/// What became of a save to non-volatile memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SaveState {
+    /// The values are not stored yet; the change is acknowledged later.
+    Pending,
+    /// The values are stored.
+    Stored,
+    /// The values are not stored: the memory refused them.
+    Failed,
+}
+
 /// What the parameter manager needs of a drive. Values pass as plain numbers of one, two, four or eight octets, sign
 /// extension is the drive's business. A subindex is the one on the wire, counted from [`Attributes::first`]; that of a
 /// string is the place of an octet, through all strings of an array one after the other.
@@ -136,6 +151,19 @@ pub trait ParameterAccess {
         (first..first.saturating_add(facts.string_octets()))
             .zip(octets)
             .try_for_each(|(place, &octet)| self.write(pnu, place, octet.into(), keep))
+    }
+
+    /// Returns the newest save that changes have started since the last call. `None` when nothing has to be stored, or the
+    /// drive does not wait for it. The answer to the change is withheld until [`save_state`](Self::save_state) is no longer
+    /// pending.
+    fn started_save(&mut self) -> Option<SaveId> {
+        None
+    }
+
+    /// Returns what became of a save.
+    fn save_state(&self, save: SaveId) -> SaveState {
+        let _ = save;
+        SaveState::Stored
     }
 
     /// False while another interface holds the right to change parameters (error 0x0B).

@@ -82,6 +82,8 @@ pub struct Dialect {
     pub trailing: Option<ErrorNumber>,
     /// Error number for more values in a change than [`served_values`](Self::served_values).
     pub too_many_values: ErrorNumber,
+    /// Error number for a value that the non-volatile memory did not store.
+    pub not_saved: ErrorNumber,
     /// Tells with an error which subindex it is about.
     pub error_info: bool,
     /// Error number for the reserved reference 0; `None`: it is mirrored like any other.
@@ -115,6 +117,7 @@ impl Dialect {
         too_few_addresses: None,
         trailing: None,
         too_many_values: ErrorNumber::VALUE_COUNT,
+        not_saved: ErrorNumber::NOT_NOW,
         error_info: true,
         bad_reference: None,
         error_names: ErrorNames::Profile,
@@ -162,7 +165,8 @@ impl Dialect {
     /// Interpretation: 0x6D (invalid change request) is the answer to octets behind the values; a wrong axis gets the
     /// profile's 0x19, as OPTEA has 0x67 as reserved. OPTEA p. 119 allows 1 to 234 elements of an array, p. 120 names 39
     /// values for a frame: a drive answers what fits a block, a client asks for 39 at a time, which is right for both.
-    /// That errors have no additional information is how the examples of the manual look.
+    /// That errors have no additional information is how the examples of the manual look. 0x6E (general error) answers a
+    /// value that could not be stored.
     pub const VACON: Self = Self {
         name: "Vacon",
         saving: Saving::Always,
@@ -178,6 +182,7 @@ impl Dialect {
         too_few_addresses: Some(ErrorNumber::VACON_TOO_SHORT),
         trailing: Some(ErrorNumber::VACON_INVALID_CHANGE),
         too_many_values: ErrorNumber::VACON_INVALID_CHANGE,
+        not_saved: ErrorNumber::VACON_GENERAL,
         error_info: false,
         bad_reference: Some(ErrorNumber::VACON_REFERENCE),
         error_names: ErrorNames::Vacon,

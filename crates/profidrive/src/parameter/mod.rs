@@ -36,11 +36,12 @@ mod plan;
 pub mod pnu;
 mod request;
 mod response;
+mod saving;
 mod serve;
 #[cfg(test)]
 mod tests;
 
-pub use access::{Attributes, Keep, ParameterAccess};
+pub use access::{Attributes, Keep, ParameterAccess, SaveId, SaveState};
 pub use address::{Attribute, DecodeError, MAX_ELEMENTS, ParameterAddress, RequestId, Wrong};
 pub use block::{Value, ValueBlock};
 pub use description::{Description, Identifier};
@@ -52,4 +53,5 @@ pub use request::{
     EncodeError, NewValue, Request, encode_change, encode_change_as, encode_read, encode_read_as,
 };
 pub use response::{Answer, Answers, Response, ResponseError};
+pub use saving::{SavingChange, Served, not_saved, serve_saving};
 pub use serve::{Refusal, serve};

@@ -55,6 +55,17 @@ pub fn serve(
     drive: &mut (impl ParameterAccess + ?Sized),
     out: &mut [u8],
 ) -> Result<usize, Refusal> {
+    serve_each(request, dialect, drive, out, |_, _, _| {})
+}
+
+/// Answers a request; `after` is called behind each parameter with its place and whether it was answered positively.
+pub(super) fn serve_each<D: ParameterAccess + ?Sized>(
+    request: &[u8],
+    dialect: &Dialect,
+    drive: &mut D,
+    out: &mut [u8],
+    mut after: impl FnMut(&mut D, u32, bool),
+) -> Result<usize, Refusal> {
     let &[reference, id, axis, parameters, ..] = request else {
         return Err(Refusal::Length);
     };
@@ -104,7 +115,7 @@ pub fn serve(
     };
     let mut values = parsed.values();
     let mut left = usize::from(parameters);
-    for address in parsed.addresses() {
+    for (address, place) in parsed.addresses().zip(0..) {
         left -= 1;
         let start = job.out.position();
         let result = if !axis_exists {
@@ -115,6 +126,7 @@ pub fn serve(
         } else {
             job.read(address, left, drive)
         };
+        after(drive, place, result.is_ok());
         if let Err(error) = result {
             job.out.truncate(start);
             job.error(error, left)?;

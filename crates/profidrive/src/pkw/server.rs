@@ -5,7 +5,8 @@ use super::dialect::{PkwDialect, PlainArray};
 use super::error::PkwErrorNumber;
 use super::words::{MAX_BLOCK, PKW_LEN, Pkw, PkwAddress, TEXT_AT, TEXT_READ, TEXT_WRITE};
 use crate::parameter::{
-    Attributes, CodeSpace, Description, ErrorNumber, Format, Keep, Kind, Octets, ParameterAccess,
+    Attributes, CodeSpace, Description, ErrorNumber, Format, Keep, Kind, Octets, ParameterAccess, SaveId,
+    SaveState,
 };
 
 /// A block that is no request of the channel.
@@ -23,6 +24,8 @@ pub enum BlockError {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Done {
     Changed,
+    /// Changed; acknowledged when the save has ended.
+    Saving(SaveId),
     Refused(Refusal),
 }
 
@@ -38,7 +41,7 @@ enum Refusal {
 ///   new; to repeat it the master puts AK 0 between.
 /// * Reads, and the value in the reply to a change, are fetched from the drive in every call: a reply that stands
 ///   shows the present value.
-/// * AK 0 is answered with the zero telegram.
+/// * AK 0 is answered with the zero telegram. So is a change whose value the drive has not stored yet: no reply (AK 0).
 /// * A value of one or two octets travels as a word, of four as a double word. One octet is widened to a word by the
 ///   sign of its type; PWE high of a word reply is 0, also when the value is negative, and nobody looks at it in a
 ///   request.
@@ -196,14 +199,13 @@ impl Server {
                 };
                 let done = match self.done {
                     Some(done) => done,
-                    None => match self.change(pkw, info, address, &facts, drive) {
-                        Ok(()) => Done::Changed,
-                        Err(refusal) => Done::Refused(refusal),
-                    },
+                    None => self.done(drive, |server, drive| {
+                        server.change(pkw, info, address, &facts, drive)
+                    }),
                 };
-                self.done = Some(done);
-                match done {
+                match self.stored(done, drive) {
                     Done::Refused(refusal) => Err(refusal),
+                    Done::Saving(_) => Ok(Reply::Nothing),
                     // what can be written and not read shows what was written
                     Done::Changed => self
                         .value(address, &facts, width, info.array, drive)
@@ -221,6 +223,35 @@ impl Server {
             Action::Text => self.text(address, &facts, text, drive, out),
             Action::Reserved => Err(Refusal::Number(self.dialect.unknown_request)),
         }
+    }
+
+    /// Carries out a change, which is new.
+    fn done<D: ParameterAccess + ?Sized>(
+        &self,
+        drive: &mut D,
+        change: impl FnOnce(&Self, &mut D) -> Result<(), Refusal>,
+    ) -> Done {
+        // saves of other channels are theirs to wait for
+        let _ = drive.started_save();
+        match (change(self, drive), drive.started_save()) {
+            (Err(refusal), _) => Done::Refused(refusal),
+            (Ok(()), Some(save)) => Done::Saving(save),
+            (Ok(()), None) => Done::Changed,
+        }
+    }
+
+    /// Keeps what came of the standing change, which a save that has ended completes.
+    fn stored(&mut self, done: Done, drive: &mut (impl ParameterAccess + ?Sized)) -> Done {
+        let done = match done {
+            Done::Saving(save) => match drive.save_state(save) {
+                SaveState::Pending => done,
+                SaveState::Stored => Done::Changed,
+                SaveState::Failed => Done::Refused(self.refusal(ErrorNumber::NOT_NOW)),
+            },
+            done => done,
+        };
+        self.done = Some(done);
+        done
     }
 
     fn check_rights(
@@ -368,14 +399,14 @@ impl Server {
             TEXT_WRITE => {
                 let done = match self.done {
                     Some(done) => done,
-                    None => match self.change_text(address, first, facts, text, drive) {
-                        Ok(()) => Done::Changed,
-                        Err(refusal) => Done::Refused(refusal),
-                    },
+                    None => self.done(drive, |server, drive| {
+                        server.change_text(address, first, facts, text, drive)
+                    }),
                 };
-                self.done = Some(done);
-                if let Done::Refused(refusal) = done {
-                    return Err(refusal);
+                match self.stored(done, drive) {
+                    Done::Refused(refusal) => return Err(refusal),
+                    Done::Saving(_) => return Ok(Reply::Nothing),
+                    Done::Changed => {}
                 }
             }
             _ => return Err(Refusal::Number(self.dialect.unknown_request)),

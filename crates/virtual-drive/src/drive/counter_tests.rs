@@ -8,7 +8,7 @@ use crate::model::{AKD, VACON, VLT};
 fn texts(drive: &mut Drive) -> Vec<(String, bool)> {
     let events = std::iter::from_fn(|| drive.poll_event());
     let texts = events.filter_map(|event| match event {
-        Event::Save { text, asked } => Some((text, asked)),
+        Event::Save { text, asked, .. } => Some((text, asked)),
         _ => None,
     });
     texts.collect()

@@ -7,7 +7,7 @@
 
 use std::time::Duration;
 
-use super::{Drive, Event};
+use super::Drive;
 use crate::axis::Axis;
 use crate::store::Image;
 
@@ -163,19 +163,17 @@ impl Drive {
         self.meter.at_once = self.keeps_counters();
     }
 
-    /// The text that keeps the counters, when it is due.
-    pub(super) fn counters_due(&mut self) -> Option<Event> {
+    /// Saves the counters when it is due.
+    pub(super) fn count_due(&mut self) {
         let due = self.meter.at_once || self.meter.awake >= self.meter.due;
         if !due || !self.keeps_counters() {
-            return None;
+            return;
         }
         self.meter.at_once = false;
         self.meter.due = self.meter.awake + EVERY;
         let mut image = self.saved_image();
         self.push_counters(&mut image);
-        let text = image.encode();
-        self.saved = Some(text.clone());
-        Some(Event::Save { text, asked: false })
+        self.saving.save(image.encode(), false);
     }
 
     /// Puts the counters into a text, in the place of those that stand there.

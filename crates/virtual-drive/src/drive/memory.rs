@@ -4,10 +4,10 @@
 //! DRV.NVSAVE saves, DRV.NVLOAD fetches what was saved last, DRV.RSTVAR puts the values as delivered into the working
 //! memory and leaves what is saved alone. Motion tasks are kept like parameters. Source: AKD Parameter Guide 12/2009.
 
-use profidrive::parameter::ErrorNumber;
+use profidrive::parameter::{ErrorNumber, SaveId};
 
+use super::Drive;
 use super::settings::Settings;
-use super::{Drive, Event};
 use crate::store::{Image, ImageError, Values, is_saved};
 
 /// Address mode: the address as DCP set it (IP.MODE 1, AKD PROFINET manual 3.4.1).
@@ -22,8 +22,20 @@ impl Drive {
         let image = Image::decode(saved)?;
         let left_out = self.restore(&image)?;
         self.take_counters(&image);
-        self.saved = Some(self.image().encode());
+        self.saving.start(self.image().encode());
         Ok(left_out)
+    }
+
+    /// Makes the drive wait for its owner: a change that is to be saved is acknowledged only when
+    /// [`report_save`](Self::report_save) says that the values are stored. Without this call it is acknowledged at once.
+    pub fn confirm_saves(&mut self) {
+        self.saving.confirm();
+    }
+
+    /// Reports that the text of an [`Event::Save`](super::Event::Save) is stored, or that it could not be. The report counts
+    /// for every earlier save too. After a failure the values stored before are the saved ones.
+    pub fn report_save(&mut self, save: SaveId, stored: bool) {
+        self.saving.report(save, stored);
     }
 
     /// Puts everything that can be saved back to the values as delivered and saves it; stops the axis first.
@@ -102,7 +114,7 @@ impl Drive {
 
     /// What was saved last; the values as delivered where nothing ever was.
     pub(super) fn saved_image(&self) -> Image {
-        let saved = self.saved.as_deref();
+        let saved = self.saving.newest();
         saved
             .and_then(|text| Image::decode(text.as_bytes()).ok())
             .unwrap_or_else(|| Values::new(self.model.catalogue).image(&self.model.catalogue.scaling))
@@ -145,8 +157,6 @@ impl Drive {
     }
 
     fn keep_saved(&mut self, image: &Image) {
-        let text = image.encode();
-        self.saved = Some(text.clone());
-        self.emit(Event::Save { text, asked: true });
+        self.saving.save(image.encode(), true);
     }
 }

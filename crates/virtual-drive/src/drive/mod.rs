@@ -14,6 +14,7 @@ mod panel;
 mod parameters;
 mod position;
 mod reading;
+mod saving;
 mod set_ups;
 mod settings;
 mod signals;
@@ -27,6 +28,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use profidrive::catalogue::Scaling;
+use profidrive::parameter::SaveId;
 use profidrive::pkw;
 use profidrive::state::{FaultReaction, Machine, Orders, SetpointChannel, Stw1, Zsw1};
 use profinet::Instant;
@@ -45,6 +47,7 @@ use history::History;
 use outside::Outside;
 use parameters::Half;
 use position::Positioning;
+use saving::Saving;
 use set_ups::SetUps;
 use settings::Settings;
 use signals::Process;
@@ -91,6 +94,8 @@ pub enum Event {
         text: String,
         /// Somebody asked for it. Else the drive keeps what it counts.
         asked: bool,
+        /// Number of the save, for [`Drive::report_save`].
+        save: SaveId,
     },
     /// Show which drive this is.
     Blink,
@@ -180,7 +185,7 @@ pub struct Drive {
     values: Values,
     set_ups: Option<SetUps>,
     settings: Settings,
-    saved: Option<String>,
+    saving: Saving,
     machine: Machine,
     /// What the control word asks for that the machine took last.
     orders: Orders,
@@ -234,7 +239,7 @@ impl Drive {
             half: None,
             values,
             settings,
-            saved: None,
+            saving: Saving::default(),
             machine: Machine::new(),
             orders: Orders::default(),
             pkw: model.pkw.map(|dialect| pkw::Server::new(*dialect)),
@@ -276,7 +281,8 @@ impl Drive {
 
     /// Takes one event. A drive that keeps what it counts has one of its own from time to time.
     pub fn poll_event(&mut self) -> Option<Event> {
-        self.events.pop_front().or_else(|| self.counters_due())
+        self.count_due();
+        self.events.pop_front().or_else(|| self.saving.poll())
     }
 
     fn emit(&mut self, event: Event) {

@@ -3,7 +3,8 @@
 use profidrive::catalogue::{Access, Parameter, Scale, Size};
 use profidrive::notation::Notation;
 use profidrive::parameter::{
-    Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, Saving, serve,
+    Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, SaveId,
+    SaveState, Saving, Served, serve, serve_saving,
 };
 use profidrive::unit::Variable;
 
@@ -27,6 +28,14 @@ impl Drive {
     /// When the block is no request; the record write is to be refused then.
     pub fn serve(&mut self, request: &[u8], out: &mut [u8]) -> Result<usize, Refusal> {
         serve(request, self.model.dialect, self, out)
+    }
+
+    /// As [`serve`](Self::serve); names the save that the response waits for too.
+    ///
+    /// # Errors
+    /// As [`serve`](Self::serve).
+    pub fn serve_saving(&mut self, request: &[u8], out: &mut [u8]) -> Result<Served, Refusal> {
+        serve_saving(request, self.model.dialect, self, out)
     }
 
     /// Where the parameter is in the catalogue, and which element of it is meant.
@@ -120,6 +129,14 @@ impl ParameterAccess for Drive {
             self.save_element(position, element);
         }
         Ok(())
+    }
+
+    fn started_save(&mut self) -> Option<SaveId> {
+        self.saving.take_started()
+    }
+
+    fn save_state(&self, save: SaveId) -> SaveState {
+        self.saving.state(save)
     }
 
     /// With 927 at 0 the bus may change nothing but that.

@@ -349,3 +349,60 @@ fn the_parameter_channel_is_the_makers() {
         assert_eq!(station(model, slave).server.dialect().name, name);
     }
 }
+
+/// AK 0 until the value is stored; the telegrams go on meanwhile.
+#[test]
+fn a_permanent_write_over_fc_is_answered_when_it_is_stored() {
+    for stored in [true, false] {
+        let mut bench = Bench::fc(&[1]);
+        bench.drives = vec![SerialStation::new(SerialConfig::new(
+            &model::VLT,
+            SlaveConfig::fc(1, 9600),
+        ))];
+        bench.drives[0].confirm_saves();
+        let drive = bench.master.add(Address::fc(1).unwrap(), &[0; 12]).unwrap();
+        let mut client = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::SERIAL);
+        let write = Job::Change {
+            pnu: 341,
+            element: None,
+            value: PkwValue::DoubleWord(500),
+            memory: Memory::Eeprom,
+        };
+        client.start(time(bench.now), write).unwrap();
+        let mut outcome = None;
+        let mut replies = 0;
+        for turn in 0..40 {
+            let mut data = [0; MAX_DATA];
+            let parts = Parts {
+                pkw: client.request(time(bench.now)),
+                pzd: &[0; PROCESS],
+            };
+            let length = bench.layout.join(parts, &mut data).unwrap();
+            bench.master.set_data(drive, &data[..length]).unwrap();
+            let events = bench.run(Duration::from_millis(60));
+            if turn == 20 {
+                assert_eq!(outcome, None, "not stored yet");
+                let station = &mut bench.drives[0];
+                let saves: Vec<SaveId> = std::iter::from_fn(|| station.poll_event())
+                    .filter_map(|event| match event {
+                        StationEvent::PersistParameters {
+                            save, asked: true, ..
+                        } => Some(save),
+                        _ => None,
+                    })
+                    .collect();
+                station.report_save(*saves.last().expect("a save"), stored);
+            }
+            if events.contains(&Event::Reply(drive)) {
+                replies += 1;
+                let reply = bench.layout.split(bench.master.reply(drive)).unwrap();
+                outcome = outcome.or(client.handle(time(bench.now), reply.pkw));
+            }
+        }
+        assert!(replies > 30, "{replies}");
+        match outcome.expect("an answer") {
+            Ok(answer) => assert!(stored && answer == Answer::Value(PkwValue::DoubleWord(500))),
+            Err(error) => assert!(!stored && error.to_string().contains("17"), "{error}"),
+        }
+    }
+}

@@ -8,7 +8,7 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use profidrive::notation::Quantity;
-use profidrive::parameter::{Format, Refusal};
+use profidrive::parameter::{Format, ParameterAccess, Refusal, SaveId, SaveState, Served, not_saved};
 use profinet::Instant;
 use profinet::wire::PnioStatus;
 use profinet::wire::status::record as code1;
@@ -88,10 +88,27 @@ impl fmt::Display for AnswerFault {
     }
 }
 
-/// Answers that wait to be read, one per relation, each from its time on; `None` for never.
+/// The answer to the request of a connection, until it is read.
+#[derive(Debug)]
+struct Waiting<K> {
+    relation: K,
+    /// It can be read from then on; `None` for never.
+    ready: Option<Instant>,
+    answer: Vec<u8>,
+    /// The save that the answer waits for, and the answer if that fails.
+    save: Option<(SaveId, Vec<u8>)>,
+}
+
+impl<K> Waiting<K> {
+    fn is_ready(&self, now: Instant) -> bool {
+        self.save.is_none() && self.ready.is_some_and(|ready| ready <= now)
+    }
+}
+
+/// Answers that wait to be read, one per connection.
 #[derive(Debug)]
 pub(super) struct Channels<K> {
-    waiting: Vec<(K, Option<Instant>, Vec<u8>)>,
+    waiting: Vec<Waiting<K>>,
     fault: AnswerFault,
 }
 
@@ -107,7 +124,7 @@ impl<K> Default for Channels<K> {
 impl<K: Copy + PartialEq> Channels<K> {
     /// Sets how requests are answered from the next one on. A request that would never have been answered is forgotten.
     pub fn set_fault(&mut self, fault: AnswerFault) {
-        self.waiting.retain(|(_, ready, _)| ready.is_some());
+        self.waiting.retain(|waiting| waiting.ready.is_some());
         self.fault = fault;
     }
 
@@ -120,47 +137,78 @@ impl<K: Copy + PartialEq> Channels<K> {
         request: &[u8],
         drive: &mut Drive,
     ) -> Result<(), PnioStatus> {
-        let busy = |(known, ready, _): &(K, Option<Instant>, Vec<u8>)| {
-            *known == relation && ready.is_none_or(|ready| ready > now)
-        };
+        let busy = |waiting: &Waiting<K>| waiting.relation == relation && !waiting.is_ready(now);
         if self.waiting.iter().any(busy) {
             return Err(PnioStatus::write(code1::STATE_CONFLICT));
         }
         let mut out = [0; LONGEST];
-        let length = match self.fault {
-            AnswerFault::Error(number) => refuse_all(request, number, &mut out),
-            _ => drive.serve(request, &mut out),
+        let served = match self.fault {
+            AnswerFault::Error(number) => {
+                refuse_all(request, number, &mut out).map(|length| Served { length, save: None })
+            }
+            _ => drive.serve_saving(request, &mut out),
         };
-        let length = length.map_err(|refusal| {
+        let Served { length, save } = served.map_err(|refusal| {
             PnioStatus::write(match refusal {
                 Refusal::Parameters { .. } => code1::INVALID_RANGE,
                 Refusal::Length | Refusal::Room => code1::LENGTH,
             })
         })?;
-        let mut ready = Some(now);
-        let mut answer = out.get(..length).unwrap_or_default();
-        match self.fault {
-            AnswerFault::Silent => ready = None,
-            AnswerFault::Late(time) => ready = Some(now + time),
-            AnswerFault::Cut => answer = answer.split_last().map_or(answer, |(_, rest)| rest),
-            AnswerFault::None | AnswerFault::Reference | AnswerFault::Error(_) => {}
-        }
-        let mut answer = answer.to_vec();
-        if let (AnswerFault::Reference, Some(reference)) = (self.fault, answer.first_mut()) {
-            *reference = reference.wrapping_add(1);
-        }
+        let answer = out.get(..length).unwrap_or_default();
+        let ready = match self.fault {
+            AnswerFault::Silent => None,
+            AnswerFault::Late(time) => Some(now + time),
+            _ => Some(now),
+        };
+        let save = save.map(|change| {
+            let mut refused = [0; LONGEST];
+            let length = not_saved(answer, change, drive.model().dialect, &mut refused);
+            (change.save, self.sent(refused.get(..length).unwrap_or_default()))
+        });
+        let answer = self.sent(answer);
         self.forget(relation);
-        self.waiting.push((relation, ready, answer));
+        self.waiting.push(Waiting {
+            relation,
+            ready,
+            answer,
+            save,
+        });
         Ok(())
+    }
+
+    /// An answer as the parameter manager sends it.
+    fn sent(&self, answer: &[u8]) -> Vec<u8> {
+        let mut answer = answer.to_vec();
+        match (self.fault, answer.first_mut()) {
+            (AnswerFault::Cut, _) => {
+                answer.pop();
+            }
+            (AnswerFault::Reference, Some(reference)) => *reference = reference.wrapping_add(1),
+            _ => {}
+        }
+        answer
+    }
+
+    /// Completes the answers whose save has ended.
+    pub fn settle(&mut self, drive: &Drive) {
+        for waiting in &mut self.waiting {
+            let state = waiting.save.as_ref().map(|(save, _)| drive.save_state(*save));
+            match (state, waiting.save.take()) {
+                (Some(SaveState::Pending), pending) => waiting.save = pending,
+                (Some(SaveState::Failed), Some((_, refused))) => waiting.answer = refused,
+                _ => {}
+            }
+        }
     }
 
     /// Gives the answer to the relation's request, once. "Not ready" (0xB5) while there is none.
     pub fn read(&mut self, now: Instant, relation: Option<K>, most: usize) -> Result<Vec<u8>, PnioStatus> {
-        let place = self.waiting.iter().position(|(known, ready, _)| {
-            Some(*known) == relation && ready.is_some_and(|ready| ready <= now)
-        });
+        let place = self
+            .waiting
+            .iter()
+            .position(|waiting| Some(waiting.relation) == relation && waiting.is_ready(now));
         let place = place.ok_or(PnioStatus::read(code1::STATE_CONFLICT))?;
-        let (_, _, answer) = self.waiting.swap_remove(place);
+        let Waiting { answer, .. } = self.waiting.swap_remove(place);
         if answer.len() > most {
             Err(PnioStatus::read(code1::LENGTH))
         } else {
@@ -170,7 +218,7 @@ impl<K: Copy + PartialEq> Channels<K> {
 
     /// The relation has ended.
     pub fn forget(&mut self, relation: K) {
-        self.waiting.retain(|(known, _, _)| *known != relation);
+        self.waiting.retain(|waiting| waiting.relation != relation);
     }
 }
 
@@ -197,7 +245,6 @@ fn refuse_all(request: &[u8], number: u16, out: &mut [u8]) -> Result<usize, Refu
 mod tests {
     use super::*;
     use crate::model::AKD;
-    use profidrive::parameter::ParameterAccess;
 
     const READ_922: [u8; 10] = [1, 1, 0, 1, 0x10, 1, 0x03, 0x9A, 0, 0];
     const NOW: Instant = Instant::ZERO;

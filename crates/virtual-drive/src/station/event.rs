@@ -1,6 +1,7 @@
 //! What a station has to tell.
 
 use profidrive::catalogue::Catalogue;
+use profidrive::parameter::SaveId;
 use profidrive::state::State;
 use profinet::MacAddress;
 use profinet::device::{SetRefusal, Stored};
@@ -20,6 +21,8 @@ pub enum StationEvent {
         text: String,
         /// Somebody asked for it. Else the drive keeps what it counts, which nobody has to hear of.
         asked: bool,
+        /// Number of the save, for the `report_save` of the station.
+        save: SaveId,
     },
     /// The saved parameters could not be used; the drive has the values as delivered.
     ParametersIgnored(ImageError),
@@ -86,7 +89,7 @@ impl From<DriveEvent> for StationEvent {
             DriveEvent::Fault { number } => Self::Fault { number },
             DriveEvent::Acknowledged => Self::Acknowledged,
             DriveEvent::Warning { number, active } => Self::Warning { number, active },
-            DriveEvent::Save { text, asked } => Self::PersistParameters { text, asked },
+            DriveEvent::Save { text, asked, save } => Self::PersistParameters { text, asked, save },
             DriveEvent::Blink => Self::Blink,
         }
     }

@@ -6,6 +6,8 @@ mod event;
 mod record;
 mod remember;
 #[cfg(test)]
+mod saving_tests;
+#[cfg(test)]
 mod tests;
 
 pub use event::StationEvent;
@@ -15,7 +17,10 @@ use std::collections::VecDeque;
 use std::net::SocketAddrV4;
 
 use profidrive::catalogue::RecordView;
-use profinet::device::{ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, ResetMode, Stored};
+use profidrive::parameter::{ParameterAccess, SaveId, SaveState};
+use profinet::device::{
+    ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, ResetMode, Stored, Token,
+};
 use profinet::wire::PnioStatus;
 use profinet::wire::rt::Iops;
 use profinet::wire::status::{abort, record as code1};
@@ -96,6 +101,8 @@ pub struct Station {
     place: (u16, u16),
     network: Stored,
     channels: Channels<ArKey>,
+    /// Writes of records that are answered when their save has ended.
+    unanswered: Vec<(Token, SaveId)>,
     controller: Option<ArKey>,
     inputs: [u8; LONGEST_TELEGRAM],
     input_length: usize,
@@ -119,6 +126,7 @@ impl Station {
             place: (0, 0),
             network: config.network,
             channels: Channels::default(),
+            unanswered: Vec::new(),
             controller: None,
             inputs: [0; LONGEST_TELEGRAM],
             input_length: 0,
@@ -176,6 +184,33 @@ impl Station {
     /// Lets the parameter manager answer wrongly, late or not at all, from the next request on.
     pub fn set_answer_fault(&mut self, fault: AnswerFault) {
         self.channels.set_fault(fault);
+    }
+
+    /// Makes the drive wait for its owner: changes that are to be saved are answered only when
+    /// [`report_save`](Self::report_save) says what became of them. Without this call they are answered at once.
+    pub fn confirm_saves(&mut self) {
+        self.drive.confirm_saves();
+    }
+
+    /// Reports that the text of a [`StationEvent::PersistParameters`] is stored, or that it could not be; the report counts
+    /// for every earlier save too. Answers that waited for it are ready then; those to a save that failed are errors.
+    pub fn report_save(&mut self, now: Instant, save: SaveId, stored: bool) {
+        self.drive.report_save(save, stored);
+        self.channels.settle(&self.drive);
+        let ended: Vec<(Token, SaveState)> = self
+            .unanswered
+            .extract_if(.., |(_, save)| self.drive.save_state(*save) != SaveState::Pending)
+            .map(|(token, save)| (token, self.drive.save_state(save)))
+            .collect();
+        for (token, state) in ended {
+            let refused = PnioStatus::write(code1::WRITE_ERROR);
+            let written = if state == SaveState::Failed {
+                Err(refused)
+            } else {
+                Ok(())
+            };
+            self.device.answer_write(now, token, written);
+        }
     }
 
     /// The PROFINET device.
@@ -297,9 +332,14 @@ impl Station {
                     Some(view) => self.drive.write_record(view, address.index, &data),
                     None => self
                         .check(address, PnioStatus::write)
-                        .and_then(|()| self.channels.write(now, ar, &data, &mut self.drive)),
+                        .and_then(|()| self.channels.write(now, ar, &data, &mut self.drive))
+                        .map(|()| None),
                 };
-                self.device.answer_write(now, token, written);
+                if let Ok(Some(save)) = written {
+                    self.unanswered.push((token, save));
+                } else {
+                    self.device.answer_write(now, token, written.map(|_| ()));
+                }
             }
             DeviceEvent::ProviderState { .. } | DeviceEvent::AlarmAcknowledged { .. } => {}
         }

@@ -3,7 +3,7 @@
 //! Source: Vacon 100 PROFINET manual 5.4.4, OPTEA manual p. 116 (ID 102 is 0x1388 in 16 bits and 0x0007A120 in 32).
 
 use profidrive::catalogue::RecordView;
-use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess};
+use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess, SaveId};
 use profinet::wire::PnioStatus;
 use profinet::wire::status::record as code1;
 
@@ -45,13 +45,15 @@ impl Drive {
         Ok(octets.get(from..).unwrap_or_default().to_vec())
     }
 
-    /// Sets the value of a record. A Vacon keeps it. What is finer than the value is kept is refused, not cut; that is ours.
+    /// Sets the value of a record. A Vacon saves it: the result names the save that the answer waits for. A value finer than
+    /// the step of the parameter is refused, not cut; that is our reading.
     pub(super) fn write_record(
         &mut self,
         view: RecordView,
         index: u16,
         data: &[u8],
-    ) -> Result<(), PnioStatus> {
+    ) -> Result<Option<SaveId>, PnioStatus> {
+        let _ = self.started_save();
         let refuse = PnioStatus::write;
         let found = self.of_record(view, index);
         let (pnu, subindex, signed, factor) = found.ok_or(refuse(code1::INVALID_INDEX))?;
@@ -76,6 +78,7 @@ impl Drive {
             (false, true) => Err(refuse(code1::INVALID_PARAMETER)),
             (true, true) => self
                 .write(pnu, subindex, raw.cast_unsigned(), Keep::Permanent)
+                .map(|()| self.started_save())
                 .map_err(|number| refuse(refusal(number))),
         }
     }
@@ -101,7 +104,7 @@ mod tests {
         assert_eq!(drive.read_record(SHORT, 102), Ok(vec![0x13, 0x88]));
         assert_eq!(drive.read_record(LONG, 102), Ok(vec![0x00, 0x07, 0xA1, 0x20]));
         assert_eq!(drive.read_record(LONG, 600), Ok(vec![0, 0, 0, 0]));
-        assert_eq!(drive.write_record(LONG, 102, &[0x00, 0x04, 0x93, 0xE0]), Ok(()));
+        assert_eq!(drive.write_record(LONG, 102, &[0x00, 0x04, 0x93, 0xE0]), Ok(None));
         assert_eq!(drive.read_record(SHORT, 102), Ok(vec![0x0B, 0xB8])); // 30 Hz
         let refused = |code| Err(PnioStatus::write(code));
         // 60.0001 Hz cannot be kept, and what cannot be kept is not taken

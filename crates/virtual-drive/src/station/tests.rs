@@ -25,19 +25,23 @@ fn suite(last: u8) -> IpSuite {
     }
 }
 
-struct Plant {
-    now: Instant,
-    station: Station,
-    controller: Controller,
-    events: Vec<Event>,
+pub(super) struct Plant {
+    pub(super) now: Instant,
+    pub(super) station: Station,
+    pub(super) controller: Controller,
+    pub(super) events: Vec<Event>,
     happenings: Vec<StationEvent>,
     /// The cable is plugged.
     cable: bool,
 }
 
 impl Plant {
-    fn new() -> Self {
-        let mut config = StationConfig::new(&AKD, DRIVE);
+    pub(super) fn new() -> Self {
+        Self::of(&AKD)
+    }
+
+    pub(super) fn of(model: &'static Model) -> Self {
+        let mut config = StationConfig::new(model, DRIVE);
         config.network = Stored {
             name: "akd-1".into(),
             ip: suite(1),
@@ -85,8 +89,17 @@ impl Plant {
             .extend(core::iter::from_fn(|| self.station.poll_event()));
     }
 
+    /// The saves that the station has asked its owner for.
+    pub(super) fn saves(&self) -> Vec<SaveId> {
+        let save = |event: &StationEvent| match event {
+            StationEvent::PersistParameters { save, .. } => Some(*save),
+            _ => None,
+        };
+        self.happenings.iter().filter_map(save).collect()
+    }
+
     /// Lets time pass.
-    fn run(&mut self, time: Duration) {
+    pub(super) fn run(&mut self, time: Duration) {
         let end = self.now + time;
         self.carry();
         loop {
@@ -105,11 +118,11 @@ impl Plant {
         self.now = end;
     }
 
-    fn seconds(&mut self, seconds: f64) {
+    pub(super) fn seconds(&mut self, seconds: f64) {
         self.run(Duration::from_secs_f64(seconds));
     }
 
-    fn connect(&mut self, telegram: u16) -> profinet::controller::ArId {
+    pub(super) fn connect(&mut self, telegram: u16) -> profinet::controller::ArId {
         let ar = self.begin(telegram);
         self.seconds(0.5);
         assert!(self.events.contains(&Event::Running { ar }), "{:?}", self.events);
@@ -118,7 +131,7 @@ impl Plant {
 
     /// Only asks for the connection.
     fn begin(&mut self, telegram: u16) -> profinet::controller::ArId {
-        let device = &AKD.catalogue.device;
+        let device = &self.station.drive().model().catalogue.device;
         let module = device.telegram(telegram).unwrap();
         let sub = |subslot, ident| SubmoduleConfig {
             subslot,
@@ -163,7 +176,13 @@ impl Plant {
         self.controller.connect(self.now, target, config).unwrap()
     }
 
-    fn send(&mut self, ar: profinet::controller::ArId, control: u16, speed: i16, seconds: f64) -> (u16, i16) {
+    pub(super) fn send(
+        &mut self,
+        ar: profinet::controller::ArId,
+        control: u16,
+        speed: i16,
+        seconds: f64,
+    ) -> (u16, i16) {
         let [a, b] = control.to_be_bytes();
         let [c, d] = speed.to_be_bytes();
         self.controller.set_output(ar, 1, 1, &[a, b, c, d]).unwrap();

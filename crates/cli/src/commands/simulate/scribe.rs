@@ -89,7 +89,7 @@ impl Scribe {
     pub fn happened(&self, drive: &Arc<Keeping>, at: Duration, event: StationEvent) {
         match event {
             StationEvent::PersistNetwork(network) => self.keep.network(drive, at, network),
-            StationEvent::PersistParameters { text, asked } => self.keep.parameters(drive, at, text, asked),
+            StationEvent::PersistParameters { text, asked, .. } => self.keep.parameters(drive, at, text, asked),
             said => {
                 let warning = matches!(said, StationEvent::ParametersIgnored(_));
                 if let Some(text) = said.words(drive.model.catalogue) {

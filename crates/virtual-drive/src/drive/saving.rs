@@ -1,0 +1,116 @@
+//! Saves on their way to non-volatile memory, which the owner of the drive writes.
+//!
+//! Each save has a number. The owner stores the newest image and reports the number; a report counts for all saves up to
+//! that number. Whoever waits for a save looks at its state, so nothing here blocks.
+
+use std::collections::VecDeque;
+use std::ops::RangeInclusive;
+
+use profidrive::parameter::{SaveId, SaveState};
+
+use super::Event;
+
+/// Most failures that are remembered for those who still wait.
+const MOST_FAILURES: usize = 8;
+
+/// Images of the saved parameters: in non-volatile memory, on their way there, and not yet given to the owner.
+#[derive(Debug, Default)]
+pub(super) struct Saving {
+    /// The owner reports what became of every save; otherwise a save counts as done at once.
+    confirmed: bool,
+    /// Number of the newest save.
+    issued: u64,
+    /// Highest number that the owner has reported.
+    reported: u64,
+    /// Numbers of saves that failed.
+    failed: VecDeque<RangeInclusive<u64>>,
+    /// Image in non-volatile memory.
+    stored: Option<String>,
+    /// Images that the owner is storing, the newest last.
+    under_way: VecDeque<(u64, String)>,
+    /// Image that the owner has not fetched, and whether somebody asked for it to be saved.
+    due: Option<(String, bool)>,
+    /// Newest save that a channel has not looked at.
+    started: Option<SaveId>,
+}
+
+impl Saving {
+    /// The drive has started with this image.
+    pub fn start(&mut self, image: String) {
+        self.stored = Some(image);
+    }
+
+    /// The owner reports every save from now on.
+    pub fn confirm(&mut self) {
+        self.confirmed = true;
+    }
+
+    /// The newest image.
+    pub fn newest(&self) -> Option<&str> {
+        let due = self.due.as_ref().map(|(image, _)| image);
+        let under_way = || self.under_way.back().map(|(_, image)| image);
+        due.or_else(under_way)
+            .or(self.stored.as_ref())
+            .map(String::as_str)
+    }
+
+    /// Saves an image. It takes the place of one that the owner has not fetched.
+    pub fn save(&mut self, image: String, asked: bool) {
+        self.issued += 1;
+        let asked = asked || self.due.as_ref().is_some_and(|(_, asked)| *asked);
+        self.due = Some((image, asked));
+        self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed);
+    }
+
+    /// The image that the owner is to store.
+    pub fn poll(&mut self) -> Option<Event> {
+        let (text, asked) = self.due.take()?;
+        if self.confirmed {
+            self.under_way.push_back((self.issued, text.clone()));
+        } else {
+            self.stored = Some(text.clone());
+        }
+        let save = SaveId(self.issued);
+        Some(Event::Save { text, asked, save })
+    }
+
+    /// The owner has stored the image of this save, or could not. After a failure the values stored before count again.
+    pub fn report(&mut self, SaveId(number): SaveId, stored: bool) {
+        if number <= self.reported || number > self.issued {
+            return;
+        }
+        if !stored {
+            if self.failed.len() >= MOST_FAILURES {
+                self.failed.pop_front();
+            }
+            self.failed.push_back(self.reported + 1..=number);
+        }
+        self.reported = number;
+        let reported = self
+            .under_way
+            .iter()
+            .take_while(|(under_way, _)| *under_way <= number)
+            .count();
+        if let Some((_, image)) = self.under_way.drain(..reported).next_back().filter(|_| stored) {
+            self.stored = Some(image);
+        }
+    }
+
+    /// What became of a save.
+    pub fn state(&self, SaveId(number): SaveId) -> SaveState {
+        if !self.confirmed {
+            SaveState::Stored
+        } else if number > self.reported {
+            SaveState::Pending
+        } else if self.failed.iter().any(|failed| failed.contains(&number)) {
+            SaveState::Failed
+        } else {
+            SaveState::Stored
+        }
+    }
+
+    /// The newest save since the last call, where somebody has to wait for it.
+    pub fn take_started(&mut self) -> Option<SaveId> {
+        self.started.take()
+    }
+}
