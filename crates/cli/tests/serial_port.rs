@@ -99,6 +99,15 @@ fn a_line_that_is_unplugged_ends_a_motion_with_words_and_in_time() {
 }
 
 #[test]
+fn a_simulation_without_its_port_is_never_called_ready() {
+    let output = profidrive(&["simulate", "--model", "akd", "--serial", "/dev/ttyNOWHERE"]);
+    assert_ne!(output.status.code(), Some(0));
+    let told = stdout(&output) + &stderr(&output);
+    assert!(told.contains("there is no serial port /dev/ttyNOWHERE"), "{told}");
+    assert!(!told.contains("ready"), "{told}");
+}
+
+#[test]
 fn what_is_not_there_is_told() {
     let cable = Cable::lay();
     let output = profidrive(&["read", "fc:/dev/ttyNOWHERE/1", "930"]);

@@ -17,7 +17,7 @@ use virtual_drive::serial::{SerialConfig, SerialStation};
 use super::mailbox::Mailbox;
 use super::maker::Maker;
 use super::plans::plans;
-use super::scribe::Scribe;
+use super::scribe::{SaveReport, Scribe};
 use super::{Keeping, RETRY, count};
 use crate::args::Simulate;
 use crate::carrier::settings;
@@ -227,7 +227,9 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
         drives: Vec::new(),
         ends: Vec::new(),
     };
-    let scribe = Scribe::new(output.clone());
+    let bell = Bell::new()
+        .map_err(|error| Failure::new(Exit::Failed, format!("cannot wait for requests: {error}")))?;
+    let scribe = Scribe::new(output.clone(), bell.clone());
     let start = now();
     let maker = Maker::of(args, None, output)?;
     for (plan, number) in plans(args, maker.model, None)?
@@ -246,8 +248,11 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
             model: plan.drive.model,
             state,
         });
-        scribe.say(&keeping, now() - start, format!("ready: address {number}"));
-        lineup.drives.push((keeping, SerialStation::new(config)));
+        let mut station = SerialStation::new(config);
+        if keeping.state.is_kept() {
+            station.confirm_saves();
+        }
+        lineup.drives.push((keeping, station));
     }
     let name = LineAddress::path(port);
     let open = || Port::open(&name, settings(args.line.baud, args.line.parity));
@@ -259,8 +264,6 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
         line
     };
     let mut line = Some(at(open()?));
-    let bell = Bell::new()
-        .map_err(|error| Failure::new(Exit::Failed, format!("cannot wait for requests: {error}")))?;
     let mailbox = Mailbox::open(bell);
     if let Err(failure) = &mailbox {
         output.warn(&format!(
@@ -272,6 +275,10 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
         protocol: args.line.protocol,
         port: name.clone(),
     };
+    for (keeping, station) in &lineup.drives {
+        let number = station.number();
+        scribe.say(keeping, now() - start, format!("ready: address {number}"));
+    }
     output.say(&format!("{} at {name}; Ctrl-C ends", count(lineup.drives.len())));
     let end = args.time.map(|time| start + time);
     let mut next_try = start;
@@ -310,6 +317,12 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
                 }
                 Question::Drives(_) => Answer::Drives(Vec::new()),
             });
+        }
+        while let Some(SaveReport { drive, save, stored }) = scribe.report() {
+            let mut drives = lineup.drives.iter_mut();
+            if let Some((_, station)) = drives.find(|(keeping, _)| Arc::ptr_eq(keeping, &drive)) {
+                station.report_save(save, stored);
+            }
         }
         for (drive, injection) in lineup.end(now()) {
             if let Some((keeping, _)) = lineup.drives.get(drive) {

@@ -39,7 +39,7 @@ use mailbox::Mailbox;
 use maker::Maker;
 pub use maker::model_of;
 use plans::{Plan, plans};
-use scribe::Scribe;
+use scribe::{SaveReport, Scribe};
 use taken::Wanted;
 
 /// How long to sleep while nothing happens.
@@ -114,19 +114,26 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     let start = now();
     let end = time.map(|time| start + time);
     let mut drives: BTreeMap<StationId, Running> = BTreeMap::new();
-    let scribe = Scribe::new(output.clone());
+    let bell = Bell::new()
+        .map_err(|error| Failure::new(Exit::Failed, format!("cannot wait for requests: {error}")))?;
+    runner.set_bell(bell.clone())?;
+    let scribe = Scribe::new(output.clone(), bell.clone());
+    let mut ready = Vec::new();
     for (number, (plan, (state, config))) in plans.iter().zip(configs).enumerate() {
         let key = plan.key();
         let told = told(&config.network, plan.drive.mac);
         let unit = plan.drive.build(config, seed.wrapping_add(number as u64));
-        let unit = unit.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+        let mut unit = unit.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
+        if state.is_kept() {
+            unit.inner_mut().endpoint_mut().confirm_saves();
+        }
         let id = runner.attach(Box::new(unit))?;
         let keeping = Arc::new(Keeping {
             key,
             model: plan.drive.model,
             state,
         });
-        scribe.say(&keeping, now() - start, format!("ready: {told}"));
+        ready.push((Arc::clone(&keeping), format!("ready: {told}")));
         drives.insert(
             id,
             Running {
@@ -135,9 +142,6 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             },
         );
     }
-    let bell = Bell::new()
-        .map_err(|error| Failure::new(Exit::Failed, format!("cannot wait for requests: {error}")))?;
-    runner.set_bell(bell.clone())?;
     // without it everything works but `inject`
     let mailbox = Mailbox::open(bell);
     if let Err(failure) = &mailbox {
@@ -145,6 +149,9 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             "`profidrive inject` will not reach these drives: {}",
             failure.message
         ));
+    }
+    for (keeping, text) in ready {
+        scribe.say(&keeping, now() - start, text);
     }
     output.say(&format!("{} on {interface}; Ctrl-C ends", count(plans.len())));
     let (mut away, mut next_try) = (false, now());
@@ -173,6 +180,14 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             question.tell(&mut runner, output)?;
         }
         if turn == Turn::Rung {
+            while let Some(SaveReport { drive, save, stored }) = scribe.report() {
+                let id = drives
+                    .iter()
+                    .find(|(_, running)| Arc::ptr_eq(&running.keeping, &drive));
+                if let Some(unit) = id.and_then(|(id, _)| runner.station_mut::<Unit>(*id)) {
+                    unit.inner_mut().endpoint_mut().report_save(now(), save, stored);
+                }
+            }
             while let Some((question, answer)) = mailbox.as_ref().ok().and_then(Mailbox::take) {
                 // whoever asked may be gone
                 let _ = answer.send(match question {

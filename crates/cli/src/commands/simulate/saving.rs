@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use profidrive::parameter::SaveId;
 use profinet::device::Stored;
 
 use super::Keeping;
@@ -15,6 +16,8 @@ pub struct Parameters {
     pub text: String,
     /// Somebody asked for it.
     pub asked: bool,
+    /// Number of the save, which counts for those before it too.
+    pub save: SaveId,
 }
 
 /// The newest state of one drive that is not on the disk yet.
@@ -50,10 +53,10 @@ impl Queue {
     }
 
     /// Keeps the parameters of a drive, instead of those that wait.
-    pub fn parameters(&self, drive: &Arc<Keeping>, at: Duration, text: String, asked: bool) {
+    pub fn parameters(&self, drive: &Arc<Keeping>, at: Duration, mut parameters: Parameters) {
         self.put(drive, at, |job| {
-            let asked = asked || job.parameters.as_ref().is_some_and(|earlier| earlier.asked);
-            job.parameters = Some(Parameters { text, asked });
+            parameters.asked |= job.parameters.as_ref().is_some_and(|earlier| earlier.asked);
+            job.parameters = Some(parameters);
         });
     }
 
@@ -146,7 +149,12 @@ mod tests {
         for number in 0..100_000_u32 {
             let at = Duration::from_millis(number.into());
             queue.network(&one, at, named(format!("name-{number}")));
-            queue.parameters(&two, at, number.to_string(), number == 7);
+            let parameters = Parameters {
+                text: number.to_string(),
+                asked: number == 7,
+                save: SaveId(number.into()),
+            };
+            queue.parameters(&two, at, parameters);
         }
         assert_eq!(queue.lock().jobs.len(), 2);
         let job = queue.next().unwrap();
@@ -155,6 +163,7 @@ mod tests {
         assert!(job.parameters.is_none());
         let parameters = queue.next().unwrap().parameters.unwrap();
         assert_eq!((parameters.text.as_str(), parameters.asked), ("99999", true));
+        assert_eq!(parameters.save, SaveId(99_999));
     }
 
     #[test]

@@ -3,14 +3,16 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 
+use network::linux::Bell;
+use profidrive::parameter::SaveId;
 use virtual_drive::station::StationEvent;
 
 use super::Keeping;
-use super::saving::{Job, Queue};
+use super::saving::{Job, Parameters, Queue};
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
@@ -45,17 +47,31 @@ impl Voice {
     }
 }
 
+/// What became of a save, which answers of the drive wait for.
+pub struct SaveReport {
+    pub drive: Arc<Keeping>,
+    pub save: SaveId,
+    pub stored: bool,
+}
+
+/// The way of reports to the thread that carries the frames.
+struct Reports {
+    sender: Sender<SaveReport>,
+    bell: Bell,
+}
+
 /// One thread that saves, in order, and one that prints.
 pub struct Scribe {
     keep: Arc<Queue>,
+    reports: Receiver<SaveReport>,
     voice: Voice,
     talker: JoinHandle<()>,
     output: Output,
 }
 
 impl Scribe {
-    /// Starts both.
-    pub fn new(output: Output) -> Self {
+    /// Starts both; `bell` rings for every report.
+    pub fn new(output: Output, bell: Bell) -> Self {
         let keep = Arc::new(Queue::default());
         let (lines, spoken) = sync_channel(WAITING);
         let left_out = Arc::new(AtomicU64::new(0));
@@ -64,11 +80,14 @@ impl Scribe {
             left_out: Arc::clone(&left_out),
         };
         let (kept, keeper_voice) = (Arc::clone(&keep), voice.clone());
-        spawn(move || keep_all(&kept, &keeper_voice));
+        let (sender, reports) = channel();
+        let to_drives = Reports { sender, bell };
+        spawn(move || keep_all(&kept, &keeper_voice, &to_drives));
         let talked = output.clone();
         let talker = spawn(move || talk(&spoken, &left_out, &talked));
         Self {
             keep,
+            reports,
             voice,
             talker,
             output,
@@ -89,7 +108,9 @@ impl Scribe {
     pub fn happened(&self, drive: &Arc<Keeping>, at: Duration, event: StationEvent) {
         match event {
             StationEvent::PersistNetwork(network) => self.keep.network(drive, at, network),
-            StationEvent::PersistParameters { text, asked, .. } => self.keep.parameters(drive, at, text, asked),
+            StationEvent::PersistParameters { text, asked, save } => {
+                self.keep.parameters(drive, at, Parameters { text, asked, save });
+            }
             said => {
                 let warning = matches!(said, StationEvent::ParametersIgnored(_));
                 if let Some(text) = said.words(drive.model.catalogue) {
@@ -102,6 +123,11 @@ impl Scribe {
                 }
             }
         }
+    }
+
+    /// The next report of a save. Only drives with a state folder wait for theirs.
+    pub fn report(&self) -> Option<SaveReport> {
+        self.reports.try_recv().ok()
     }
 
     /// Waits until everything is saved and printed, but not for ever: a disk or a terminal may take nothing.
@@ -124,7 +150,7 @@ impl Scribe {
     }
 }
 
-fn keep_all(jobs: &Queue, voice: &Voice) {
+fn keep_all(jobs: &Queue, voice: &Voice, reports: &Reports) {
     while let Some(job) = jobs.next() {
         let Job {
             drive,
@@ -153,6 +179,13 @@ fn keep_all(jobs: &Queue, voice: &Voice) {
         }
         if let Some(parameters) = parameters {
             let result = drive.state.write_parameters(&parameters.text);
+            // nobody waits for it when the program ends
+            let _ = reports.sender.send(SaveReport {
+                drive: Arc::clone(&drive),
+                save: parameters.save,
+                stored: result.is_ok(),
+            });
+            reports.bell.ring();
             if result.is_err() || parameters.asked {
                 voice.say(told(&drive, at, result, "parameters saved"));
             }
