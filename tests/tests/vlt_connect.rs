@@ -1,5 +1,6 @@
 //! The connection that a real Danfoss VLT with PROFINET option was seen to have, with the virtual one: PPO type 4 in subslot
-//! 2, every 4 ms; a ModuleDiffBlock although nothing differs, an alarm data length and a FrameID of its own. The dissector
+//! 2, every 4 ms; a ModuleDiffBlock that says substitute, an alarm data length and a FrameID of its own, an
+//! ApplicationReady in little-endian with ArgsMaximum 120. The dissector
 //! reads every frame of it. Source: captures of cisagov/icsnpp-profinet-io-cm.
 
 use drive_client::modules_of;
@@ -57,6 +58,9 @@ fn the_frames_of_a_vlt_connection_are_read_by_the_dissector_as_they_are_meant() 
         "pn_io.submodule_ident_number",
         "pn_io.maxalarmdatalength",
         "pn_io.frame_id",
+        "dcerpc.drep.byteorder",
+        "pn_io.args_max",
+        "pn_io.submodule_state.ident_info",
     ];
     let rows = judge::fields(&file, "pn_io.module_state", &names);
     let told = ["0x0002", "0x8800,0x8800", "0x00000100", "0x0000ffff,0x00000068"];
@@ -67,4 +71,9 @@ fn the_frames_of_a_vlt_connection_are_read_by_the_dissector_as_they_are_meant() 
     }
     assert_eq!(rows[0][5], "1432");
     assert!(rows[0][6].contains("0x8010"), "{rows:?}");
+    for row in &rows {
+        assert_eq!(row[9], "0x0001,0x0001", "substitute: {row:?}");
+    }
+    // ApplicationReady as the real drive sends it
+    assert_eq!(rows[1][7..9], ["1", "120"], "{rows:?}");
 }

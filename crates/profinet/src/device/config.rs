@@ -4,6 +4,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::time::Duration;
 
+use crate::wire::ByteOrder;
 use crate::wire::dcp::{IpRule, NameRule, check_ip, check_name};
 use crate::{IpSuite, MacAddress};
 
@@ -157,6 +158,10 @@ pub struct DeviceConfig {
     /// Refuses another name and a reset by DCP (block error 6, "in operation") while the application
     /// [operates](super::Device::set_operating) under a controller: both would end the connection.
     pub refuses_in_operation: bool,
+    /// Byte order of the ApplicationReady call: of its RPC header and of the NDR lengths.
+    pub ready_order: ByteOrder,
+    /// ArgsMaximum of the ApplicationReady call, octets. A call that is longer states its own length.
+    pub ready_arguments: u32,
     /// How long the application may take to answer a record before the engine refuses it.
     pub answer_limit: Duration,
 }
@@ -189,6 +194,8 @@ impl DeviceConfig {
             max_alarm_data: 200,
             always_told: Vec::new(),
             refuses_in_operation: true,
+            ready_order: ByteOrder::Big,
+            ready_arguments: 1024,
             answer_limit: Duration::from_secs(30),
         }
     }

@@ -28,8 +28,6 @@ use crate::{Instant, MAX_FRAME, RPC_PORT};
 
 /// A relation for record access that was silent for so long gives way to a new one of its own initiator.
 const FORSAKEN: Duration = Duration::from_secs(2);
-/// Octets of blocks taken as answer to ApplicationReady.
-const READY_ARGS: u32 = 1024;
 
 fn same_initiator(a: &ArRequest, b: &ArRequest) -> bool {
     a.initiator_mac == b.initiator_mac && a.initiator_object == b.initiator_object
@@ -471,13 +469,16 @@ impl Device {
         // a device that starts again with the same seed must not repeat the activities of its former life
         self.uuids.stir(&io.request.ar_uuid);
         let activity = self.uuids.uuid();
-        let header = Header::request(
-            io.request.initiator_object,
-            Uuid::CONTROLLER_INTERFACE,
-            activity,
-            0,
-            operation::CONTROL,
-        );
+        let header = Header {
+            order: self.config.ready_order,
+            ..Header::request(
+                io.request.initiator_object,
+                Uuid::CONTROLLER_INTERFACE,
+                activity,
+                0,
+                operation::CONTROL,
+            )
+        };
         let mut blocks = Vec::new();
         ControlBlock::new(
             BlockType::APPLICATION_READY,
@@ -492,7 +493,7 @@ impl Device {
         let mut stub = Vec::new();
         let args_length = u32::try_from(blocks.len()).unwrap_or(u32::MAX);
         NdrRequest {
-            args_maximum: READY_ARGS.max(args_length),
+            args_maximum: self.config.ready_arguments.max(args_length),
             args_length,
         }
         .encode(&mut stub, header.order);

@@ -1,6 +1,7 @@
 //! What differs in the process data, and on PROFINET around them.
 
 use profidrive::state::ControlWords;
+use profinet::wire::ByteOrder;
 
 /// What the process data of a model are.
 #[derive(Debug, Clone, Copy)]
@@ -101,6 +102,10 @@ pub struct Wire {
     pub max_alarm_data: u16,
     /// Slots whose modules the ModuleDiffBlock names even when nothing differs.
     pub always_told: &'static [u16],
+    /// Byte order of its ApplicationReady call: of the RPC header and of the NDR lengths.
+    pub ready_order: ByteOrder,
+    /// ArgsMaximum of its ApplicationReady call, octets.
+    pub ready_arguments: u32,
 }
 
 impl Wire {
@@ -109,5 +114,7 @@ impl Wire {
         output_frame_ids: [0xC000, 0x8000],
         max_alarm_data: 200,
         always_told: &[],
+        ready_order: ByteOrder::Big,
+        ready_arguments: 1024,
     };
 }

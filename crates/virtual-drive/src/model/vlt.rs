@@ -10,6 +10,7 @@ use profidrive::parameter::Dialect;
 use profidrive::pkw::PkwDialect;
 use profidrive::state::ControlWords;
 use profidrive::telegram::signal;
+use profinet::wire::ByteOrder;
 
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Action, Live, Quantity, Sensor, Table};
@@ -41,6 +42,8 @@ pub static VLT: Model = Model {
         output_frame_ids: [0xC000, 0x8010],
         max_alarm_data: 1432,
         always_told: &[1],
+        ready_order: ByteOrder::Little,
+        ready_arguments: 120,
     },
     conditions: CONDITIONS,
     fault_actions: &[],

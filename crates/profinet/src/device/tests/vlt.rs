@@ -3,6 +3,8 @@
 
 use super::*;
 use crate::wire::block::{DiffModule, DiffSubmodule, ModuleDiff, ModuleState, SubmoduleState};
+use crate::wire::rpc::NdrRequest;
+use crate::wire::{ByteOrder, Reader};
 
 /// The modules of the drive; the telegram is PPO type 4.
 fn vlt() -> DeviceConfig {
@@ -42,6 +44,8 @@ fn vlt() -> DeviceConfig {
     config.output_frame_ids[1] = 0x8010;
     config.max_alarm_data = 1432;
     config.always_told = vec![1];
+    config.ready_order = ByteOrder::Little;
+    config.ready_arguments = 120;
     config
 }
 
@@ -138,6 +142,12 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
     assert_eq!(frame_ids, [0x8061, 0x8010]);
     assert_eq!(response.alarm_cr.unwrap().max_alarm_data_length, 1432);
     assert_eq!(response.diff, Some(told()));
+    // the block says substitute, and data is exchanged all the same
+    let state = told().modules[0].submodules[0].state;
+    assert_eq!(
+        (state, state.ident_info(), state.is_usable()),
+        (SubmoduleState::SUBSTITUTE, 1, true)
+    );
     assert_eq!(rig.device.send_interval().unwrap().as_millis(), 4);
     assert_eq!(rig.device.watchdog().unwrap().as_millis(), 12);
 
@@ -155,7 +165,10 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
     assert!(rig.device.set_input(1, 2, &[7; 12], Iops::GOOD));
     assert!(rig.device.application_ready(rig.now, ar));
     let sent = rig.drain();
-    let (_, body) = ready_request(&sent).unwrap();
+    let (header, body) = ready_request(&sent).unwrap();
+    assert_eq!(header.order, ByteOrder::Little);
+    let ndr = NdrRequest::decode(&mut Reader::new(&body), header.order).unwrap();
+    assert_eq!(ndr.args_maximum, 120);
     // NDR header, control block, and the same difference again
     let mut diff = Vec::new();
     told().encode(&mut diff);
