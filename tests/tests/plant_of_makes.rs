@@ -140,7 +140,7 @@ fn a_device_description_says_which_model_it_is_or_is_told() {
     );
     let drive = simulate(&lab, &[&strange[..], &["--model", "vlt"]].concat());
     assert!(
-        drive.err().contains("of vendor 0x0ABC, inside a VLT"),
+        drive.err().contains("of vendor 0x0ABC, inside model VLT"),
         "{}",
         drive.err()
     );

@@ -384,7 +384,7 @@ mod tests {
         );
         let other = drive.read_parameters(&VLT).unwrap().warning.unwrap();
         assert!(
-            other.contains("of a AKD") && other.contains("akd-1.parameters.broken"),
+            other.contains("of model AKD") && other.contains("akd-1.parameters.broken"),
             "{other}"
         );
         fs::write(&parameters, saved.replace("checksum", "checksun")).unwrap();

@@ -195,7 +195,9 @@ pub enum Error {
         present: String,
     },
     /// A drive without positions was to go to one. Nothing was sent.
-    #[error("{drive} controls speed only: the telegrams of a {model} carry no positions, tasks or homing")]
+    #[error(
+        "{drive} controls speed only: the telegrams of model {model} carry no positions, tasks or homing"
+    )]
     SpeedOnly {
         /// The drive.
         drive: String,
@@ -342,7 +344,7 @@ pub enum Error {
     },
     /// A make without a parameter that stops it, while its controller has the control word.
     #[error(
-        "{drive}: a {make} has no parameter that stops it, and controller \"{controller}\" has its control word"
+        "{drive}: model {make} has no parameter that stops it, and controller \"{controller}\" has its control word"
     )]
     NoStopBeside {
         /// The drive.

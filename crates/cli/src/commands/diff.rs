@@ -48,7 +48,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     };
     if left.header.model != right.header.model {
         let message = format!(
-            "{} is of a {}, {} of a {}: parameters of two models cannot be compared",
+            "{} is of model {}, {} of model {}: parameters of two models cannot be compared",
             args.left, left.header.model, args.right, right.header.model
         );
         return Err(Failure::usage(message));

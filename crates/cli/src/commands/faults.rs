@@ -214,7 +214,7 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         .and_then(|tables| tables.with_role(Role::ClearFaults))
         .ok_or_else(|| {
             let message = format!(
-                "{}: a {} has no parameter that clears its faults",
+                "{}: model {} has no parameter that clears its faults",
                 drive.label(),
                 drive.model.name
             );

@@ -64,7 +64,7 @@ impl Header {
         let same_name = self.model.is_empty() || self.model == drive.model.name;
         (!(same_numbers && same_name)).then(|| {
             format!(
-                "the settings are of a {} (vendor 0x{:04X}, device 0x{:04X}), {} is a {} (vendor 0x{:04X}, device 0x{:04X})",
+                "the settings are of model {} (vendor 0x{:04X}, device 0x{:04X}), {} is model {} (vendor 0x{:04X}, device 0x{:04X})",
                 self.model,
                 self.vendor_id,
                 self.device_id,

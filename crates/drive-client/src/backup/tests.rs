@@ -359,7 +359,7 @@ fn settings_of_another_model_do_not_fit_whatever_its_numbers() {
         model: "VLT".into(),
         ..header()
     };
-    assert!(vlt.misfit(&drive).unwrap().contains("of a VLT"));
+    assert!(vlt.misfit(&drive).unwrap().contains("of model VLT"));
     let unnamed = Header {
         model: String::new(),
         ..header()

@@ -67,7 +67,7 @@ pub enum ImageError {
         text: String,
     },
     /// The state belongs to another model.
-    #[error("the saved state is of a {found}, not of a {expected}")]
+    #[error("the saved state is of model {found}, not of model {expected}")]
     Model {
         /// Model in the text.
         found: String,

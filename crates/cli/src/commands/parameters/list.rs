@@ -75,10 +75,10 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
         output.line(&line);
     }
     let wide = parameters.iter().filter(|parameter| parameter.wide).count();
-    let also = if wide > 0 {
-        format!("; {wide} of them have 64 bits and take the next number too")
-    } else {
-        String::new()
+    let also = match wide {
+        0 => String::new(),
+        1 => "; 1 of them has 64 bits and takes the next number too".to_owned(),
+        _ => format!("; {wide} of them have 64 bits and take the next number too"),
     };
     output.say(&format!("{}{also}", counted(parameters.len())));
     Ok(())

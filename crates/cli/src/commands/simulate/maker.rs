@@ -61,7 +61,7 @@ impl Maker {
         };
         if !made_by(model) {
             output.say(&format!(
-                "to others a drive of vendor 0x{vendor:04X}, inside a {}",
+                "to others a drive of vendor 0x{vendor:04X}, inside model {}",
                 model.catalogue.model
             ));
         }
