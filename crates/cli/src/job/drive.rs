@@ -4,7 +4,9 @@ use drive_client::Model;
 use drive_client::parameter::{Interpretation, Parameters, Reading, Selection, take_scale};
 use profidrive::catalogue::{Catalogue, Parameter, Part, RecordView, Scale};
 use profidrive::notation::{Elements, Notation, ParameterReference, Prefix, Target};
-use profidrive::parameter::{CodeSpace, ErrorNames, Format, ParameterAddress, ValueBlock, pnu};
+use profidrive::parameter::{
+    CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, Request, ValueBlock, objections, pnu,
+};
 use profidrive::pkw::PkwDialect;
 use profidrive::state::{Mode, Profile};
 use profidrive::telegram::Telegram;
@@ -22,13 +24,18 @@ pub struct JobDrive {
     mode: Option<Mode>,
     /// What the parameter that chooses the maker's own control word has, once it was seen.
     chosen: Option<i64>,
+    /// Nobody said what it is.
+    assumed: bool,
 }
 
 impl Default for JobDrive {
     /// Nobody said what it is: its numbers are read as those of an AKD.
     fn default() -> Self {
         let device = &profidrive::catalogue::AKD.device;
-        Self::of(device.vendor_id, device.device_id)
+        Self {
+            assumed: true,
+            ..Self::of(device.vendor_id, device.device_id)
+        }
     }
 }
 
@@ -46,7 +53,25 @@ impl JobDrive {
             known: Vec::new(),
             mode: None,
             chosen: None,
+            assumed: false,
         }
+    }
+
+    /// The rules of its requests; those of the profile where nobody said what it is.
+    pub const fn dialect(&self) -> &'static Dialect {
+        if self.assumed {
+            &Dialect::STANDARD
+        } else {
+            self.model.dialect
+        }
+    }
+
+    /// What its dialect forbids in a request.
+    pub fn objections(&self, request: &Request<'_>) -> Vec<Objection> {
+        objections(request, self.dialect(), |address| {
+            let known = self.parameter(address).filter(|_| !self.assumed);
+            known.map(Parameter::attributes)
+        })
     }
 
     /// The drive that the object of a remote procedure call names; `None` where it names no vendor.

@@ -242,7 +242,14 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
     let mut lines = vec![(Weight::Normal, head)];
     let mut parameters = Vec::new();
     let mut values = job.values();
-    for address in job.addresses() {
+    let objections = drive.objections(&job);
+    let name = drive.dialect().name;
+    let objected = |place: Option<usize>| {
+        let these = objections.iter().filter(move |one| one.parameter == place);
+        these.map(|one| (Weight::Error, format!("  not allowed ({name}): {one}")))
+    };
+    lines.extend(objected(None));
+    for (place, address) in job.addresses().enumerate() {
         let mut fields = address_json(drive, address);
         let mut text = label(drive, address);
         if job.id().is_change() {
@@ -260,12 +267,21 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
             }
         }
         lines.push((Weight::Normal, format!("  {text}")));
+        lines.extend(objected(Some(place)).map(|(weight, text)| (weight, format!("  {text}"))));
         parameters.push(Value::Object(fields));
     }
-    let fields = fields! {
+    let mut fields = fields! {
         "side": "request", "reference": job.reference(), "id": job.id().octet(), "axis": job.axis(),
         "parameters": parameters,
     };
+    if !objections.is_empty() {
+        let objections = objections.iter().map(|one| {
+            Value::Object(fields! {
+                "parameter": one.parameter, "text": one.to_string(), "error": one.answer.map(|number| number.0),
+            })
+        });
+        fields.insert("not_allowed".into(), objections.collect());
+    }
     Ok(Decoded { lines, fields })
 }
 

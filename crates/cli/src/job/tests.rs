@@ -345,3 +345,45 @@ proptest::proptest! {
         let _ = response_job(&mut drive, &data, request.as_deref());
     }
 }
+
+/// What the tables of the dialect forbid is named where it stands, with the number that the drive answers.
+#[test]
+fn what_the_dialect_forbids_is_named() {
+    let lines = |model: &str, hex: &str| -> Vec<String> {
+        let octets: Vec<u8> = hex
+            .split(' ')
+            .map(|octet| u8::from_str_radix(octet, 16).unwrap())
+            .collect();
+        let mut drive = JobDrive::new(drive_client::Model::by_name(model).unwrap());
+        let decoded = decode(&mut drive, &octets, Some(Side::Request), None).unwrap();
+        let lines = decoded.lines.into_iter();
+        lines
+            .filter(|(weight, _)| *weight == Weight::Error)
+            .map(|(_, line)| line)
+            .collect()
+    };
+    assert_eq!(
+        lines("vacon", "01 01 05 02 10 01 03 9A 00 00 10 EB 03 AF 00 00"),
+        [
+            "  not allowed (Vacon): axis 5 does not exist, only 1: answered with error 0x19",
+            "    not allowed (Vacon): 235 elements, 1 to 234 are allowed: answered with error 0x16",
+        ]
+    );
+    assert_eq!(
+        lines("vacon", "01 01 01 00"),
+        ["  not allowed (Vacon): 0 parameters, 1 to 39 are allowed: answered with error 0x68"]
+    );
+    assert_eq!(
+        lines("akd", "01 01 01 01 10 01 03 9A 00 00"),
+        ["  not allowed (AKD): axis 1 does not exist, only 0: answered with error 0x19"]
+    );
+    assert_eq!(
+        lines("standard", "01 01 07 01 10 01 03 9A 00 00"),
+        <[&str; 0]>::default()
+    );
+    let unknown = words("01 01 07 01 10 01 03 9A 00 00", None);
+    assert!(
+        unknown.iter().all(|line| !line.contains("not allowed")),
+        "{unknown:?}"
+    );
+}

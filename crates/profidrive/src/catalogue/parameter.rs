@@ -5,7 +5,7 @@ use alloc::string::String;
 use core::ops::RangeInclusive;
 
 use crate::notation::{Position, Quantity, UnitMismatch};
-use crate::parameter::Format;
+use crate::parameter::{Attributes, Format};
 use crate::unit;
 use crate::unit::Variable;
 pub use crate::unit::akd::{Scale, Scaling};
@@ -169,6 +169,25 @@ impl Parameter {
                 Ok(turns * unit.per_revolution)
             }
             _ => direct,
+        }
+    }
+
+    /// Returns the facts that decide which requests for it are legal.
+    #[must_use]
+    pub fn attributes(&self) -> Attributes {
+        let writable = self.access != Access::ReadOnly;
+        let attributes = match (self.length, self.is_array()) {
+            (0, array) => Attributes {
+                elements: if array { self.elements } else { 0 },
+                ..Attributes::simple(self.format, self.size.octets(), writable)
+            },
+            (length, false) => Attributes::string(length, writable),
+            (length, true) => Attributes::strings(self.elements, length, writable),
+        };
+        Attributes {
+            format: self.format,
+            first: self.base.unwrap_or(0),
+            ..attributes
         }
     }
 

@@ -32,6 +32,7 @@ mod error;
 mod format;
 mod generated_errors;
 mod generated_formats;
+mod objection;
 mod plan;
 pub mod pnu;
 mod request;
@@ -48,6 +49,7 @@ pub use description::{Description, Identifier};
 pub use dialect::{ChangeResponse, Dialect, Saving};
 pub use error::{ERRORS, ErrorInfo, ErrorNames, ErrorNumber, ParameterError};
 pub use format::{CodeSpace, FORMATS, Format, FormatInfo, Kind, Octets};
+pub use objection::{Forbidden, Objection, objections};
 pub use plan::{plan_changes, plan_reads, split_array};
 pub use request::{
     EncodeError, NewValue, Request, encode_change, encode_change_as, encode_read, encode_read_as,
