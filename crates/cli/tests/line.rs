@@ -438,6 +438,36 @@ fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
 }
 
 #[test]
+fn strings_travel_over_fc_with_tables_and_without() {
+    let (mut session, bus) = bench_of(&model::VLT, Protocol::Fc, &[1], Line::default());
+    let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
+    let outcomes = session
+        .write(&mut drive, &["0-37=HELLO".parse().unwrap()], WriteMode::Save)
+        .unwrap();
+    assert!(
+        matches!(outcomes[0].written, Some(Ok(()))) && !outcomes[0].differs(),
+        "{outcomes:?}"
+    );
+    let events: Vec<StationEvent> =
+        std::iter::from_fn(|| bus.0.borrow_mut().drives[0].poll_event()).collect();
+    let is_saved = |event: &StationEvent| matches!(event, StationEvent::PersistParameters { text, .. } if text.contains("\n0-37 = HELLO\n"));
+    assert!(events.iter().any(is_saved), "{events:?}");
+    // a drive without tables reports numbers as words and text as text
+    drive.model = Model::by_name("standard").unwrap();
+    drive.parameters.catalogue = None;
+    for (number, expected) in [("37", "Text(\"HELLO\")"), ("1540", "Text(\"FC-302\")")] {
+        let selection = select(&drive, number);
+        let reading = session.read_one(&mut drive, &selection).unwrap();
+        assert_eq!(format!("{:?}", reading.content), expected);
+    }
+    let selection = select(&drive, "1");
+    assert_eq!(
+        session.read_one(&mut drive, &selection).unwrap().number(),
+        Some(0.0)
+    );
+}
+
+#[test]
 fn a_vlt_runs_by_the_words_that_8_10_chooses() {
     for (choice, stopped) in [(0, 0x043C), (1, 0x047E)] {
         let (mut session, bus) = bench_of(&model::VLT, Protocol::Fc, &[1], Line::default());

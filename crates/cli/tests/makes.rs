@@ -141,6 +141,31 @@ fn the_same_calls_read_and_write_every_make() {
 }
 
 #[test]
+fn a_string_of_a_vlt_is_written_and_reads_back() {
+    let mut session = makes();
+    let mut drive = find(&mut session, "vlt-1").expect("there");
+    for (text, expected) in [
+        ("0-37=HELLO", "HELLO"),
+        ("0-37=\"PUMP 3, NORTH\"", "PUMP 3, NORTH"),
+        ("0-37=42", "42"),
+        ("0-37=\"\"", ""),
+    ] {
+        write(&mut session, &mut drive, text, WriteMode::Save).expect(text);
+        let selection = select(&drive, "0-37");
+        let reading = session.read_one(&mut drive, &selection).expect("a string");
+        assert_eq!(reading.content, Content::Text(expected.into()));
+    }
+    for (text, words) in [
+        ("15-40=FC-301", "read-only"),
+        ("0-37=12345678901234567890123456", "holds 25 characters"),
+        ("0-37=Zürich", "printable ASCII"),
+    ] {
+        let error = write(&mut session, &mut drive, text, WriteMode::Write).expect_err(text);
+        assert!(error.to_string().contains(words), "{error}");
+    }
+}
+
+#[test]
 fn texts_and_selections_are_told_in_words() {
     let mut session = makes();
     let mut drive = find(&mut session, "vlt-1").expect("there");

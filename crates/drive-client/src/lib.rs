@@ -39,6 +39,7 @@ pub use modules::{MakerModule, modules_of};
 pub use session::{
     AtWork, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, Described, DescribedLimits, Enabled,
     FaultEntry, FaultReport, GoesOn, Identity, Info, JogSpeed, LoggedFault, ModeBefore, Peer, PlannedChange,
-    PutBack, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher, WriteMode,
+    PlannedValue, PutBack, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher,
+    WriteMode,
 };
 pub use wire::Wire;

@@ -20,7 +20,9 @@ fn asked(line: &mut Line, request: [u8; 8]) -> Vec<u8> {
 
 fn is_saved(line: &mut Line, text: &str) -> bool {
     std::iter::from_fn(|| line.station.poll_event()).any(|event| match event {
-        StationEvent::PersistParameters { text: kept, asked, .. } => asked && kept.contains(text),
+        StationEvent::PersistParameters {
+            text: kept, asked, ..
+        } => asked && kept.contains(text),
         _ => false,
     })
 }
@@ -151,8 +153,9 @@ fn request_header_and_addresses_of_a_vlt() {
         bench.ask("01 01 00 01 10 03 01 36 00 01"),
         [1, 1, 0, 1, 3, 3, 0, 0, 0x03, 0xE8, 0x07, 0xD0]
     );
-    // formats in decimal as the parameters are: 3, 4, 5, 6, 7, 9, 10, 33, 35
+    // formats in decimal as the parameters are: 2, 3, 4, 5, 6, 7, 9, 10, 33, 35, 54
     for (parameter, format) in [
+        ("07 6C", 2),
         ("00 A2", 3),
         ("06 41", 4),
         ("03 2A", 5),
@@ -166,6 +169,7 @@ fn request_header_and_addresses_of_a_vlt() {
         let answer = bench.ask(&format!("01 01 00 01 10 00 {parameter} 00 00"));
         assert_eq!((answer[1], answer[4]), (1, format), "{parameter}");
     }
+    assert_eq!(bench.ask("01 01 00 01 10 01 05 28 00 00")[4], 54);
     // more or less data than asked for
     for data in ["07 01 00 00 01", "07 01 00 00 01 F4 00 00", "07 02 00 00 01 F4"] {
         let answer = bench.ask(&format!("01 02 00 01 10 01 01 55 00 00 {data}"));

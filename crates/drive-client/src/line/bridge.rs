@@ -179,7 +179,10 @@ impl Bridge {
         let answer = match outcome {
             Ok(answer) => answer,
             Err(JobError::Refused(number)) => {
-                self.refuse(number.to_parameter(self.names));
+                let number = number.to_parameter(self.names);
+                if !self.is_text_instead(number) {
+                    self.refuse(number);
+                }
                 return Ok(());
             }
             Err(JobError::NoRights) => {
@@ -233,6 +236,21 @@ impl Bridge {
             _ => {}
         }
         Ok(())
+    }
+
+    /// A parameter without tables whose value has another data type may be text, which has a request of its own. True
+    /// when that request is to be tried.
+    fn is_text_instead(&mut self, number: ErrorNumber) -> bool {
+        let Some(part) = self.parts.get_mut(self.at).filter(|part| part.shape.is_none()) else {
+            return false;
+        };
+        match part.steps.as_slice() {
+            &[Step::Read { pnu, .. }] if number == ErrorNumber::DATA_TYPE => {
+                part.steps = vec![Step::ReadText { pnu }];
+                true
+            }
+            _ => false,
+        }
     }
 
     fn refuse(&mut self, number: ErrorNumber) {

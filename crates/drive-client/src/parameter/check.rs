@@ -103,20 +103,7 @@ impl Parameters {
     /// # Errors
     /// What is wrong, before anything is sent.
     pub fn check(&self, selection: &Selection, given: &Given) -> Result<CheckedValue, ParameterProblem> {
-        if selection
-            .parameter
-            .is_some_and(|parameter| parameter.access == Access::ReadOnly)
-        {
-            return Err(ParameterProblem::ReadOnly {
-                parameter: selection.label(),
-            });
-        }
-        if selection.count != 1 {
-            return Err(ParameterProblem::ManyElements {
-                parameter: selection.label(),
-                count: selection.count,
-            });
-        }
+        writable(selection)?;
         if selection.parameter.is_some_and(|parameter| parameter.length > 0) {
             return Err(ParameterProblem::Text {
                 parameter: selection.label(),
@@ -153,6 +140,36 @@ impl Parameters {
             asked,
             unit: parameter.unit_in(&self.scaling),
         })
+    }
+
+    /// The characters to send for a string, `None` for a parameter that is not one.
+    ///
+    /// # Errors
+    /// When the string cannot be written, does not hold so many characters, or one of them is not printable ASCII.
+    pub fn check_text(
+        &self,
+        selection: &Selection,
+        given: &Given,
+    ) -> Result<Option<String>, ParameterProblem> {
+        let Some(parameter) = selection.parameter.filter(|parameter| parameter.is_text()) else {
+            return Ok(None);
+        };
+        writable(selection)?;
+        let text = given.text();
+        if let Some(character) = text.chars().find(|one| !matches!(one, ' '..='~')) {
+            return Err(ParameterProblem::Character {
+                parameter: selection.label(),
+                character,
+            });
+        }
+        if text.len() > usize::from(parameter.length) {
+            return Err(ParameterProblem::TextLength {
+                parameter: selection.label(),
+                length: text.len(),
+                most: parameter.length,
+            });
+        }
+        Ok(Some(text.to_owned()))
     }
 
     fn check_engineering(
@@ -251,6 +268,25 @@ impl Parameters {
             maximum.map_or(high, |limit| limit.min(high)),
         )
     }
+}
+
+/// Refuses what cannot be written, and one value for several elements.
+fn writable(selection: &Selection) -> Result<(), ParameterProblem> {
+    if selection
+        .parameter
+        .is_some_and(|parameter| parameter.access == Access::ReadOnly)
+    {
+        return Err(ParameterProblem::ReadOnly {
+            parameter: selection.label(),
+        });
+    }
+    if selection.count != 1 {
+        return Err(ParameterProblem::ManyElements {
+            parameter: selection.label(),
+            count: selection.count,
+        });
+    }
+    Ok(())
 }
 
 fn unknown_parameter(selection: &Selection, quantity: &Quantity) -> Result<CheckedValue, ParameterProblem> {

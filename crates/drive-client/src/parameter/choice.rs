@@ -64,6 +64,12 @@ impl Given {
         self.quantity.as_ref().ok()
     }
 
+    /// The characters that were given, without quotation marks.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// The number that was given.
     pub(super) fn quantity(&self, parameter: &str) -> Result<Quantity, ParameterProblem> {
         self.quantity

@@ -124,10 +124,30 @@ pub enum ParameterProblem {
         parameter: String,
     },
     /// A number for something that is none.
-    #[error("{parameter} is text: only numbers can be written")]
+    #[error("{parameter} is text: a number cannot be written to it")]
     Text {
         /// The parameter.
         parameter: String,
+    },
+    /// More characters than a string holds.
+    #[error("{parameter} holds {most} characters, not {length}")]
+    TextLength {
+        /// The parameter.
+        parameter: String,
+        /// Characters given.
+        length: usize,
+        /// Characters that fit.
+        most: u16,
+    },
+    /// A character that a VisibleString cannot have.
+    #[error(
+        "{parameter}: {character:?} is not a printable ASCII character, which is all that a string of a drive has"
+    )]
+    Character {
+        /// The parameter.
+        parameter: String,
+        /// The first such character.
+        character: char,
     },
     /// One value for several elements.
     #[error("{parameter}: one value for {count} elements; write them one by one")]

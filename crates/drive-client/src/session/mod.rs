@@ -46,7 +46,7 @@ pub use jog::JogSpeed;
 pub use mode::{ModeBefore, PutBack};
 pub use monitor::Snapshot;
 pub(crate) use parameters::format_of;
-pub use parameters::{ChangeOutcome, PlannedChange, WriteMode};
+pub use parameters::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
 pub use scaling::take_scale;
 pub use stop::{StopOutcome, StopWay};
 

@@ -15,7 +15,7 @@ use super::Session;
 use crate::parameter::{Interpretation, Reading, Selection, join, split};
 use crate::{Drive, Error, Refusal, Wire};
 
-pub use write::{ChangeOutcome, PlannedChange, WriteMode};
+pub use write::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
 pub(super) use write::{Outgoing, saver};
 
 /// Octets of the largest request any dialect allows.

@@ -428,6 +428,7 @@ impl Server {
         Ok(Reply::Text(length))
     }
 
+    /// Text has no request that changes it in RAM only, so it is saved (our reading).
     fn change_text(
         &self,
         address: PkwAddress,
@@ -444,7 +445,7 @@ impl Server {
             return Err(Refusal::Number(PkwErrorNumber::LIMIT));
         }
         drive
-            .write_text(address.pnu, first, text, Keep::Volatile)
+            .write_text(address.pnu, first, text, Keep::Permanent)
             .map_err(|number| self.refusal(number))
     }
 

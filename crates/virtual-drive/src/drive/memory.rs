@@ -8,7 +8,7 @@ use profidrive::parameter::{ErrorNumber, SaveId};
 
 use super::Drive;
 use super::settings::Settings;
-use crate::store::{Image, ImageError, Values, is_saved};
+use crate::store::{Image, ImageError, Values, is_saved, key};
 
 /// Address mode: the address as DCP set it (IP.MODE 1, AKD PROFINET manual 3.4.1).
 const BY_DCP: i64 = 1;
@@ -148,9 +148,20 @@ impl Drive {
         if !is_saved(parameter) {
             return;
         }
+        let mut image = self.saved_image();
+        if let Some(text) = self.values.text_at(position) {
+            let key = key(self.model.catalogue, position, 0);
+            if image
+                .entries()
+                .any(|entry| entry == (key.as_str(), text.as_str()))
+            {
+                return;
+            }
+            image.set_text(&key, &text);
+            return self.keep_saved(&image);
+        }
         let key = self.saved_key(position, element);
         let raw = self.stored(position, element);
-        let mut image = self.saved_image();
         if image.set_as(&key, parameter, raw, &self.settings.scaling) {
             self.keep_saved(&image);
         }

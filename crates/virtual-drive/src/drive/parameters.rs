@@ -58,20 +58,7 @@ impl ParameterAccess for Drive {
         let parameter = self
             .place(pnu, subindex)
             .map_or_else(|_| high(), |(_, _, parameter)| Some(parameter))?;
-        let writable = parameter.access != Access::ReadOnly;
-        let attributes = match (parameter.length, parameter.is_array()) {
-            (0, array) => Attributes {
-                elements: if array { parameter.elements } else { 0 },
-                ..Attributes::simple(parameter.format, parameter.size.octets(), writable)
-            },
-            (length, false) => Attributes::string(length, writable),
-            (length, true) => Attributes::strings(parameter.elements, length, writable),
-        };
-        Some(Attributes {
-            format: parameter.format,
-            first: parameter.base.unwrap_or(0),
-            ..attributes
-        })
+        Some(parameter.attributes())
     }
 
     fn exists(&self, pnu: u16) -> bool {

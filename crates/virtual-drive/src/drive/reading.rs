@@ -1,6 +1,6 @@
 //! What a parameter reads as.
 
-use profidrive::catalogue::{Parameter, Size};
+use profidrive::catalogue::{Access, Parameter, Size};
 
 use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Mapping;
@@ -46,7 +46,10 @@ impl Drive {
     fn number(&self, position: usize, parameter: &Parameter, element: u16) -> i64 {
         let live = self.live.get(position).copied().unwrap_or(Live::Stored);
         match live {
-            Live::Stored if parameter.is_text() => text_octet(parameter, element),
+            Live::Stored if parameter.is_text() && parameter.access == Access::ReadOnly => {
+                text_octet(parameter, element)
+            }
+            Live::Stored if parameter.is_text() => self.stored(position, element),
             Live::Stored if parameter.length > 0 => octet(self.values.at(position), parameter, element),
             Live::Stored | Live::Mode if parameter.size != Size::Command => self.stored(position, element),
             Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(_) => 0,

@@ -254,8 +254,8 @@ impl Drive {
         Signal::find(number, self.model.catalogue.device.vendor_id)?;
         let of = self.model.process.signals.parameter(number)?;
         let parameter = self.model.numbered(of)?;
-        // an application id is a subindex of the number that collects them
-        (parameter.name != RESERVED).then_some(parameter.pnu)
+        // an application id is a subindex of a number that is no parameter by itself
+        (parameter.name != RESERVED && parameter.base.is_none()).then_some(parameter.pnu)
     }
 }
 

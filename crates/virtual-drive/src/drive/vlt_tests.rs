@@ -522,3 +522,73 @@ fn a_blocked_shaft_warns_and_a_protected_motor_trips() {
         bench.drive.fault_number(0)
     );
 }
+
+/// 0-37, a string of 25 characters: in RAM by request 2, saved by request 0x42, and back with the power.
+#[test]
+fn a_string_is_written_saved_and_starts_with_the_drive() {
+    let change = |id: u8, text: &str| {
+        let mut request = vec![7, id, 0, 1, 0x10, 1, 0, 37, 0, 0, 9, 25];
+        request.extend(format!("{text:25}").into_bytes());
+        request.push(0);
+        request
+    };
+    let read = |drive: &mut Drive| {
+        let mut out = [0; 240];
+        let length = drive
+            .serve(&[7, 1, 0, 1, 0x10, 1, 0, 37, 0, 0], &mut out)
+            .unwrap();
+        String::from_utf8(out[6..length.min(31)].to_vec()).unwrap()
+    };
+    let saved = |drive: &mut Drive| {
+        std::iter::from_fn(|| drive.poll_event()).find_map(|event| match event {
+            Event::Save {
+                text, asked: true, ..
+            } => Some(text),
+            _ => None,
+        })
+    };
+    let mut drive = Drive::new(&VLT);
+    assert_eq!(read(&mut drive), " ".repeat(25));
+    drive.serve(&change(2, "IN RAM"), &mut [0; 240]).unwrap();
+    assert_eq!(read(&mut drive), format!("{:25}", "IN RAM"));
+    assert_eq!(saved(&mut drive), None);
+    drive
+        .serve(&change(0x42, "PUMP #3 = NORTH"), &mut [0; 240])
+        .unwrap();
+    let text = saved(&mut drive).expect("saved");
+    assert!(text.contains("\n0-37 = PUMP%20%233%20%3D%20NORTH\n"), "{text}");
+    let mut again = Drive::new(&VLT);
+    assert_eq!(again.start_with(text.as_bytes()), Ok(0));
+    assert_eq!(read(&mut again), format!("{:25}", "PUMP #3 = NORTH"));
+    again.reset_to_delivery();
+    assert_eq!(read(&mut again), " ".repeat(25));
+}
+
+/// The formats 2 and 54 of MG06G102 5.8: an Integer8 and a time difference without date.
+#[test]
+fn an_integer8_and_a_time_difference_have_their_formats() {
+    let mut drive = Drive::new(&VLT);
+    let mut ask = |request: &[u8]| {
+        let mut out = [0; 240];
+        let length = drive.serve(request, &mut out).unwrap();
+        out[..length].to_vec()
+    };
+    assert_eq!(
+        ask(&[7, 2, 0, 1, 0x10, 1, 0x07, 0x6C, 0, 0, 2, 1, 0x9C, 0]),
+        [7, 2, 0, 1]
+    );
+    assert_eq!(
+        ask(&[7, 1, 0, 1, 0x10, 1, 0x07, 0x6C, 0, 0]),
+        [7, 1, 0, 1, 2, 1, 0x9C, 0],
+        "19-00 is -100"
+    );
+    assert_eq!(
+        ask(&[7, 2, 0, 1, 0x10, 1, 0x05, 0x28, 0, 1, 54, 1, 0, 0, 0x05, 0xDC]),
+        [7, 2, 0, 1]
+    );
+    assert_eq!(
+        ask(&[7, 1, 0, 1, 0x10, 3, 0x05, 0x28, 0, 0]),
+        [7, 1, 0, 1, 54, 3, 0, 0, 0, 0, 0, 0, 0x05, 0xDC, 0, 0, 0, 0],
+        "13-20[1] is 1.5 s"
+    );
+}

@@ -163,10 +163,7 @@ fn a_record_of_a_vacon_is_acknowledged_when_it_is_stored() {
             index: 102,
         };
         plant.events.clear();
-        plant
-            .controller
-            .write(plant.now, ar, at, &[0x0B, 0xB8])
-            .unwrap();
+        plant.controller.write(plant.now, ar, at, &[0x0B, 0xB8]).unwrap();
         plant.run(Duration::from_millis(500));
         let done = |plant: &Plant| {
             plant.events.iter().find_map(|event| match event {

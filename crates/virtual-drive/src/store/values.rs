@@ -8,8 +8,8 @@ use profidrive::notation::Notation;
 use super::{Image, ImageError};
 use crate::model::numbered;
 
-/// One number per parameter of a catalogue, as on the wire, and the elements of arrays that can be written. Strings and
-/// measured values are not here.
+/// One number per parameter of a catalogue, as on the wire, and the elements of arrays and the octets of strings that can
+/// be written. Other strings and measured values are not here.
 #[derive(Debug, Clone)]
 pub struct Values {
     catalogue: &'static Catalogue,
@@ -32,10 +32,9 @@ impl Values {
         let mut arrays = Vec::new();
         let mut elements = Vec::new();
         for (position, parameter) in catalogue.parameters.iter().enumerate() {
-            if parameter.is_array() && parameter.length == 0 && parameter.access == Access::ReadWrite {
+            if (parameter.is_array() || parameter.is_text()) && parameter.access == Access::ReadWrite {
                 arrays.push((position, elements.len()));
-                let fresh = parameter.raw_default(scaling);
-                elements.extend(std::iter::repeat_n(fresh, parameter.elements.into()));
+                elements.extend((0..cells(parameter)).map(|element| fresh(parameter, element, scaling)));
             }
         }
         Self {
@@ -53,7 +52,7 @@ impl Values {
             .arrays
             .binary_search_by_key(&position, |(position, _)| *position);
         let (_, first) = self.arrays.get(found.ok()?)?;
-        (element < parameter.elements).then_some(first + usize::from(element))
+        (element < cells(parameter)).then_some(first + usize::from(element))
     }
 
     /// One element of an array by its position in the catalogue; the number itself of a parameter that is none.
@@ -127,13 +126,12 @@ impl Values {
         let Some(parameter) = self.catalogue.parameters.get(position) else {
             return false;
         };
-        let fresh = parameter.raw_default(&self.catalogue.scaling);
-        let count = if self.cell(position, 0).is_some() {
-            parameter.elements
-        } else {
-            1
-        };
-        (0..count).any(|element| self.element_at(position, element) != fresh)
+        let scaling = &self.catalogue.scaling;
+        if self.cell(position, 0).is_none() {
+            return self.at(position) != parameter.raw_default(scaling);
+        }
+        (0..cells(parameter))
+            .any(|element| self.element_at(position, element) != fresh(parameter, element, scaling))
     }
 
     /// Puts every writable parameter back to the value as delivered (DRV.RSTVAR).
@@ -152,7 +150,9 @@ impl Values {
     pub fn image(&self, scaling: &Scaling) -> Image {
         let mut image = Image::new(self.catalogue.model);
         for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
-            if is_saved(parameter) {
+            if let Some(text) = self.text_at(position).filter(|_| is_saved(parameter)) {
+                image.push_text(&key(self.catalogue, position, 0), &text);
+            } else if is_saved(parameter) {
                 for element in 0..self.stored_elements(position) {
                     let raw = self.element_at(position, element);
                     image.push_as(&key(self.catalogue, position, element), parameter, raw, scaling);
@@ -162,11 +162,40 @@ impl Values {
         image
     }
 
+    /// The octets of a string as text: printable ASCII as it is, everything else as `%` with two hexadecimal digits. The
+    /// blanks behind its end are left out.
+    pub(crate) fn text_at(&self, position: usize) -> Option<String> {
+        let parameter = self.catalogue.parameters.get(position)?;
+        let count = cells(parameter);
+        let octet = |element| u8::try_from(self.element_at(position, element)).unwrap_or(b' ');
+        let length = (0..count).rev().find(|element| octet(*element) != b' ');
+        parameter.is_text().then(|| {
+            let octets = (0..length.map_or(0, |last| last + 1)).map(octet);
+            octets.map(written).collect()
+        })
+    }
+
+    /// Sets a string from its text; false when it is not one, or too long.
+    fn set_text_at(&mut self, position: usize, text: &str) -> bool {
+        let Some(parameter) = self.catalogue.parameters.get(position) else {
+            return false;
+        };
+        let count = cells(parameter);
+        let octets = match read(text) {
+            Some(octets) if octets.len() <= usize::from(count) => octets,
+            _ => return false,
+        };
+        for (element, octet) in (0..count).zip(octets.into_iter().chain(std::iter::repeat(b' '))) {
+            self.set_element_at(position, element, octet.into());
+        }
+        true
+    }
+
     /// Elements that are kept: none of an array that only seems to be stored.
     fn stored_elements(&self, position: usize) -> u16 {
         match self.catalogue.parameters.get(position) {
             Some(parameter) if parameter.is_array() && self.cell(position, 0).is_none() => 0,
-            Some(parameter) => parameter.elements.max(1),
+            Some(parameter) => cells(parameter).max(1),
             None => 0,
         }
     }
@@ -202,8 +231,18 @@ impl Values {
         for first in [true, false] {
             let scaling = scaling(self);
             for (name, text) in image.entries() {
+                let string = known
+                    .get(name)
+                    .filter(|(position, _)| first && self.text_at(*position).is_some());
+                if let Some((position, _)) = string {
+                    taken += usize::from(self.set_text_at(*position, text));
+                    continue;
+                }
                 let value = known.get(name).and_then(|(position, element)| {
                     let parameter = self.catalogue.parameters.get(*position)?;
+                    if parameter.is_text() {
+                        return None;
+                    }
                     let raw = image.number(parameter, text, &scaling)?;
                     let (low, high) = parameter.raw_limits(&scaling);
                     let fits = (low..=high).contains(&raw) && (parameter.scale == Scale::Raw) == first;
@@ -225,7 +264,12 @@ impl Values {
         let mut keys = HashMap::new();
         for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
             if is_saved(parameter) {
-                for element in 0..self.stored_elements(position) {
+                let count = if parameter.is_text() {
+                    1
+                } else {
+                    self.stored_elements(position)
+                };
+                for element in 0..count {
                     keys.insert(key(self.catalogue, position, element), (position, element));
                 }
             }
@@ -253,13 +297,67 @@ pub(crate) fn key(catalogue: &Catalogue, position: usize, element: u16) -> Strin
 
 /// True for what a drive keeps when it saves. The mapping of free telegrams of an AKD is not (its table has it so).
 pub(crate) fn is_saved(parameter: &Parameter) -> bool {
-    parameter.saved && parameter.access == Access::ReadWrite && parameter.length == 0
+    let is_kept = parameter.length == 0 || (parameter.is_text() && !parameter.is_array());
+    parameter.saved && parameter.access == Access::ReadWrite && is_kept
+}
+
+/// Places for the elements of an array, or the octets of a string.
+const fn cells(parameter: &Parameter) -> u16 {
+    match (parameter.length, parameter.elements) {
+        (0, elements) => elements,
+        (length, 0) => length,
+        (length, elements) => length.saturating_mul(elements),
+    }
+}
+
+/// Element of an array, or octet of a string, as delivered.
+fn fresh(parameter: &Parameter, element: u16, scaling: &Scaling) -> i64 {
+    if parameter.is_text() {
+        let place = usize::from(element % parameter.length.max(1));
+        parameter
+            .text
+            .as_bytes()
+            .get(place)
+            .copied()
+            .unwrap_or(b' ')
+            .into()
+    } else {
+        parameter.raw_default(scaling)
+    }
+}
+
+/// An octet of a string in an image, which has marks of its own.
+fn written(octet: u8) -> String {
+    if octet.is_ascii_alphanumeric() || b"-_.,:;/+*()".contains(&octet) {
+        char::from(octet).to_string()
+    } else {
+        format!("%{octet:02X}")
+    }
+}
+
+/// The octets of such a text; none where it is not one.
+fn read(text: &str) -> Option<Vec<u8>> {
+    let mut octets = Vec::new();
+    let mut rest = text.as_bytes();
+    while let Some((&octet, after)) = rest.split_first() {
+        rest = after;
+        if octet == b'%' {
+            let (digits, after) = rest.split_at_checked(2)?;
+            let digits = core::str::from_utf8(digits).ok()?;
+            octets.push(u8::from_str_radix(digits, 16).ok()?);
+            rest = after;
+        } else {
+            octets.push(octet);
+        }
+    }
+    Some(octets)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::AKD;
+    use profidrive::catalogue::{AKD, VLT};
+    use proptest::prelude::*;
 
     #[test]
     fn values_as_delivered() {
@@ -309,6 +407,25 @@ mod tests {
         );
         assert_eq!(values.restore(&image, |_| Scaling::default()).unwrap(), 0);
         assert_eq!((values.get(2108), values.get(3065)), (5_000_500, 400));
+    }
+
+    proptest! {
+        #[test]
+        fn a_string_of_any_octets_survives(octets in proptest::collection::vec(any::<u8>(), 0..30)) {
+            let position = VLT.parameters.iter().position(|parameter| parameter.pnu == 37).unwrap();
+            let mut values = Values::new(&VLT);
+            let text: String = octets.iter().copied().map(written).collect();
+            let fits = octets.len() <= 25;
+            prop_assert_eq!(values.set_text_at(position, &text), fits);
+            let mut image = values.image(&VLT.scaling);
+            image = Image::decode(image.encode().as_bytes()).unwrap();
+            let mut again = Values::new(&VLT);
+            prop_assert_eq!(again.restore(&image, |_| VLT.scaling).unwrap(), 0);
+            for (element, octet) in (0..25).zip(octets.iter().filter(|_| fits)) {
+                prop_assert_eq!(again.element_at(position, element), i64::from(*octet));
+            }
+            prop_assert_eq!(again.is_changed(position), fits && octets.iter().any(|octet| *octet != b' '));
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `profidrive write`
 
 use drive_client::parameter::Assignment;
-use drive_client::{ChangeOutcome, Drive, WriteMode};
+use drive_client::{ChangeOutcome, Drive, PlannedValue, WriteMode};
 use profidrive::catalogue::{Role, Size};
 use profidrive::parameter::Saving;
 use serde_json::{Map, Value};
@@ -245,7 +245,7 @@ fn listed(names: &[String]) -> String {
 /// A number in hexadecimal is the one on the wire: what that is in the unit of the parameter.
 fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
     let raw = assignment.value.raw()?;
-    let value = outcome.change.value;
+    let value = outcome.change.value.number()?;
     (!value.unit.is_empty()).then(|| {
         let label = outcome.change.selection.label();
         format!(
@@ -258,7 +258,7 @@ fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> 
 
 /// What becomes of a value between two that the drive can hold.
 fn rounded(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
-    let value = outcome.change.value;
+    let value = outcome.change.value.number()?;
     let asked = assignment.value.number()?;
     let unit = asked.unit.as_deref().unwrap_or(value.unit);
     let (asked, written) = (number(asked.number.as_f64()), wanted(outcome));
@@ -278,7 +278,8 @@ fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
         None => "-".into(),
     };
     let parameter = selection.parameter;
-    let text = parameter.and_then(|parameter| parameter.choice(outcome.change.value.raw));
+    let number = outcome.change.value.number();
+    let text = number.and_then(|value| parameter?.choice(value.raw));
     let result = match (&outcome.written, &outcome.new) {
         (None, _) => "would be written".into(),
         (Some(Err(refusal)), _) => format!("refused: {}", refusal.words()),
@@ -296,7 +297,7 @@ fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
         old,
         "->".into(),
         with_text(wanted(outcome), text),
-        outcome.change.value.unit.to_owned(),
+        number.map_or_else(String::new, |value| value.unit.to_owned()),
         result,
     ]
 }
@@ -311,7 +312,10 @@ fn with_text(value: String, text: Option<&str>) -> String {
 
 /// The new value as the drive will show it: rounded to its own steps.
 fn wanted(outcome: &ChangeOutcome) -> String {
-    let value = outcome.change.value.engineering;
+    let value = match &outcome.change.value {
+        PlannedValue::Number(value) => value.engineering,
+        PlannedValue::Text(text) => return text.clone(),
+    };
     match outcome.change.selection.parameter {
         Some(parameter) => {
             let text = format!("{value:.*}", usize::from(parameter.decimals()));
@@ -330,10 +334,15 @@ fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
     let mut fields = fields! {
         "pnu": selection.pnu, "index": selection.shown(0).index,
         "name": selection.parameter.map(|parameter| parameter.name),
-        "value": outcome.change.value.engineering, "asked": outcome.change.value.asked,
-        "rounded": outcome.change.value.is_rounded(), "raw": outcome.change.value.raw, "unit": outcome.change.value.unit,
         "written": matches!(outcome.written, Some(Ok(()))), "differs": outcome.differs(),
     };
+    fields.extend(match &outcome.change.value {
+        PlannedValue::Number(value) => fields! {
+            "value": value.engineering, "asked": value.asked, "rounded": value.is_rounded(), "raw": value.raw,
+            "unit": value.unit,
+        },
+        PlannedValue::Text(text) => fields! { "value": text.as_str(), "asked": text.as_str() },
+    });
     if let Some(old) = &outcome.old {
         fields.insert("old".into(), reading_json(old));
     }
@@ -362,6 +371,7 @@ mod tests {
             let assignment: Assignment = text.parse().unwrap();
             let selection = tables.select(&assignment.reference).unwrap();
             let value = tables.check(&selection, &assignment.value).unwrap();
+            let value = PlannedValue::Number(value);
             let outcome = ChangeOutcome {
                 change: drive_client::PlannedChange { selection, value },
                 old: None,

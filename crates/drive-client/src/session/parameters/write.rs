@@ -29,7 +29,39 @@ pub struct PlannedChange {
     /// Where to.
     pub selection: Selection,
     /// What.
-    pub value: CheckedValue,
+    pub value: PlannedValue,
+}
+
+/// A new value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PlannedValue {
+    /// A number.
+    Number(CheckedValue),
+    /// Characters of a string; blanks fill the rest.
+    Text(String),
+}
+
+impl PlannedValue {
+    /// The number; `None` for a string.
+    #[must_use]
+    pub const fn number(&self) -> Option<CheckedValue> {
+        match self {
+            Self::Number(value) => Some(*value),
+            Self::Text(_) => None,
+        }
+    }
+
+    /// True when a drive that reads like this has the value.
+    fn is_in(&self, content: &Content) -> bool {
+        match (self, content) {
+            (Self::Number(value), Content::Number { raw, .. }) => *raw == value.raw,
+            (Self::Number(value), Content::Float(read)) => {
+                (read - value.engineering).abs() <= read.abs() * 1e-6
+            }
+            (Self::Text(text), Content::Text(read)) => read.trim_end() == text.trim_end(),
+            _ => false,
+        }
+    }
 }
 
 /// What became of a change.
@@ -52,7 +84,7 @@ impl ChangeOutcome {
     #[must_use]
     pub fn is_same(&self) -> bool {
         let old = self.old.as_ref().and_then(|old| old.as_ref().ok());
-        !self.acts && old.and_then(Reading::raw) == Some(self.change.value.raw)
+        !self.acts && old.is_some_and(|old| self.change.value.is_in(&old.content))
     }
 
     /// True when the value read back is another one than written; never for something that acts.
@@ -62,11 +94,7 @@ impl ChangeOutcome {
             return false;
         }
         let Some(Ok(new)) = &self.new else { return false };
-        match new.content {
-            Content::Number { raw, .. } => raw != self.change.value.raw,
-            Content::Float(value) => (value - self.change.value.engineering).abs() > value.abs() * 1e-6,
-            Content::Text(_) | Content::Octets => true,
-        }
+        !self.change.value.is_in(&new.content)
     }
 }
 
@@ -112,7 +140,10 @@ impl<M: Wire> Session<M> {
             if needs_scaling(&selection) {
                 self.read_scaling(drive)?;
             }
-            let value = drive.parameters.check(&selection, &assignment.value)?;
+            let value = match drive.parameters.check_text(&selection, &assignment.value)? {
+                Some(text) => PlannedValue::Text(text),
+                None => PlannedValue::Number(drive.parameters.check(&selection, &assignment.value)?),
+            };
             if changes.iter().any(|other: &PlannedChange| {
                 (other.selection.pnu, other.selection.first) == (selection.pnu, selection.first)
             }) {
@@ -204,13 +235,7 @@ impl<M: Wire> Session<M> {
     ) -> Result<(), Error> {
         let mut encoded = Vec::new();
         for outcome in outcomes.iter() {
-            let (format, octets) = encode(outcome, &drive.model)?;
-            encoded.push(Outgoing {
-                selection: outcome.change.selection,
-                format,
-                count: 1,
-                octets,
-            });
+            encoded.push(outgoing(outcome, &drive.model)?);
         }
         let sizes: Vec<usize> = encoded.iter().map(|value| value.octets.len()).collect();
         for group in plan_changes(&sizes, drive.model.dialect) {
@@ -297,12 +322,12 @@ impl<M: Wire> Session<M> {
 fn save_command(drive: &Drive) -> Result<ChangeOutcome, Error> {
     let parameter = saver(drive)?;
     let selection = Selection::of(parameter, drive.parameters.notation());
-    let value = CheckedValue {
+    let value = PlannedValue::Number(CheckedValue {
         raw: 1,
         engineering: 1.0,
         asked: 1.0,
         unit: "",
-    };
+    });
     Ok(ChangeOutcome {
         change: PlannedChange { selection, value },
         old: None,
@@ -341,9 +366,33 @@ fn is_command(selection: &Selection) -> bool {
         .is_some_and(|parameter| parameter.size == Size::Command)
 }
 
-/// Format and octets of a value: by the table, else as the drive sent the old one.
-fn encode(outcome: &ChangeOutcome, model: &Model) -> Result<(Format, Vec<u8>), Error> {
-    let CheckedValue { raw, engineering, .. } = outcome.change.value;
+/// A new value as it is sent.
+fn outgoing(outcome: &ChangeOutcome, model: &Model) -> Result<Outgoing, Error> {
+    let selection = outcome.change.selection;
+    let (format, count, octets) = match &outcome.change.value {
+        PlannedValue::Number(value) => {
+            let (format, octets) = encode(outcome, *value, model)?;
+            (format, 1, octets)
+        }
+        PlannedValue::Text(text) => {
+            let length = selection.parameter.map_or(0, |parameter| parameter.length);
+            let mut octets = text.clone().into_bytes();
+            octets.resize(length.into(), b' ');
+            let count = u8::try_from(octets.len()).unwrap_or(u8::MAX);
+            (Format::VISIBLE_STRING, count, octets)
+        }
+    };
+    Ok(Outgoing {
+        selection,
+        format,
+        count,
+        octets,
+    })
+}
+
+/// Format and octets of a number: by the table, else as the drive sent the old one.
+fn encode(outcome: &ChangeOutcome, value: CheckedValue, model: &Model) -> Result<(Format, Vec<u8>), Error> {
+    let CheckedValue { raw, engineering, .. } = value;
     let (format, width) = match (outcome.change.selection.parameter, &outcome.old) {
         // a description does not say in which format the drive takes the value
         (Some(_), Some(Ok(old))) if model.learned => (Format(old.format), old.octets.len()),
@@ -390,6 +439,11 @@ mod tests {
         Model::by_name("akd").unwrap()
     }
 
+    fn sent(outcome: &ChangeOutcome, model: &Model) -> (Format, Vec<u8>) {
+        let value = outgoing(outcome, model).unwrap();
+        (value.format, value.octets)
+    }
+
     fn outcome(text: &str) -> ChangeOutcome {
         outcome_of(&AKD, text)
     }
@@ -401,7 +455,10 @@ mod tests {
         };
         let assignment: Assignment = text.parse().unwrap();
         let selection = tables.select(&assignment.reference).unwrap();
-        let value = tables.check(&selection, &assignment.value).unwrap();
+        let value = match tables.check_text(&selection, &assignment.value).unwrap() {
+            Some(text) => PlannedValue::Text(text),
+            None => PlannedValue::Number(tables.check(&selection, &assignment.value).unwrap()),
+        };
         ChangeOutcome {
             change: PlannedChange { selection, value },
             old: None,
@@ -413,29 +470,27 @@ mod tests {
 
     #[test]
     fn values_travel_in_the_size_of_their_parameter() {
+        assert_eq!(sent(&outcome("930=2"), &akd()), (Format::WORD, vec![0, 2]));
+        assert_eq!(sent(&outcome("DRV.OPMODE=1"), &akd()), (Format::BYTE, vec![1]));
         assert_eq!(
-            encode(&outcome("930=2"), &akd()).unwrap(),
-            (Format::WORD, vec![0, 2])
-        );
-        assert_eq!(
-            encode(&outcome("DRV.OPMODE=1"), &akd()).unwrap(),
-            (Format::BYTE, vec![1])
-        );
-        assert_eq!(
-            encode(&outcome("DRV.ACC=5000"), &akd()).unwrap(),
+            sent(&outcome("DRV.ACC=5000"), &akd()),
             (Format::DOUBLE_WORD, vec![0, 0, 0, 0, 0, 0x4C, 0x4B, 0x40])
         );
-        assert_eq!(encode(&outcome("1004=-60"), &akd()).unwrap().1, [0xFF, 0x5C]);
+        assert_eq!(sent(&outcome("1004=-60"), &akd()).1, [0xFF, 0x5C]);
     }
 
     #[test]
     fn values_travel_in_the_formats_of_their_make() {
-        let vlt = |text: &str| encode(&outcome_of(&VLT, text), &Model::by_name("vlt").unwrap()).unwrap();
+        let vlt = |text: &str| sent(&outcome_of(&VLT, text), &Model::by_name("vlt").unwrap());
         assert_eq!(vlt("3-41=5s"), (Format::UNSIGNED32, vec![0, 0, 0x01, 0xF4]));
         assert_eq!(vlt("8-10=1"), (Format::UNSIGNED8, vec![1]));
+        assert_eq!(
+            vlt("0-37=HELLO WORLD"),
+            (Format::VISIBLE_STRING, b"HELLO WORLD              ".to_vec())
+        );
+        assert_eq!(vlt("0-37=\"\"").1, [b' '; 25]);
         assert_eq!(vlt("1-20=0.75kW"), (Format::UNSIGNED32, vec![0, 0, 0, 75]));
-        let vacon =
-            |text: &str| encode(&outcome_of(&VACON, text), &Model::by_name("vacon").unwrap()).unwrap();
+        let vacon = |text: &str| sent(&outcome_of(&VACON, text), &Model::by_name("vacon").unwrap());
         assert_eq!(vacon("ID103=5s"), (Format::WORD, vec![0, 50]));
         assert_eq!(vacon("102=50Hz"), (Format::WORD, vec![0x13, 0x88]));
         let error = |text: &str| {
@@ -445,11 +500,13 @@ mod tests {
             };
             let assignment: Assignment = text.parse().unwrap();
             let selection = tables.select(&assignment.reference).unwrap();
-            tables
-                .check(&selection, &assignment.value)
-                .unwrap_err()
-                .to_string()
+            let text = tables.check_text(&selection, &assignment.value);
+            let problem = text.and_then(|_| tables.check(&selection, &assignment.value));
+            problem.unwrap_err().to_string()
         };
+        assert!(error("0-37=Grüße").contains("'ü' is not a printable ASCII character"));
+        assert!(error("0-37=12345678901234567890123456").contains("holds 25 characters, not 26"));
+        assert!(error("15-41=x").contains("is read-only"));
         assert!(
             error("15-40=1").contains("(15-40) is read-only"),
             "{}",
