@@ -234,9 +234,7 @@ impl Info {
 /// The one relation that is no parameter tool.
 fn controller(data: &[u8]) -> Option<Option<String>> {
     const DEVICE_ACCESS: u16 = 6;
-    let relations = decode_relations(&mut Reader::new(data)).ok()?;
-    // the one that asks is in it; without it the record is in another form
-    relations.first()?;
+    let relations = decode_relations(&mut Reader::new(data)).ok()??;
     let owner = relations
         .iter()
         .find(|relation| relation.ar_type != DEVICE_ACCESS);

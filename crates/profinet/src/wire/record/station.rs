@@ -143,34 +143,38 @@ pub fn encode_ar_data(relations: &[ArData<'_>], out: &mut impl Writer) {
 /// Who has a relation with a device, out of ARData.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Relation<'a> {
+    /// ARUUID.
+    pub ar_uuid: Uuid,
     /// ARType: 1 an IO controller, 6 device access.
     pub ar_type: u16,
     /// Name of the initiator.
     pub station_name: &'a [u8],
 }
 
-/// Reads the relations of ARData, block version 1.1; empty for another block or version.
+/// Reads the relations of ARData, block version 1.1; `None` for another block or version.
 ///
 /// # Errors
 /// When the data end before a relation does.
-pub fn decode_relations<'a>(r: &mut Reader<'a>) -> Result<Vec<Relation<'a>>, DecodeError> {
-    const UUIDS: usize = 3 * 16;
+pub fn decode_relations<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<Relation<'a>>>, DecodeError> {
+    const OBJECTS: usize = 2 * 16;
     const IOCR: usize = 12;
     let start = r.position();
     let block = Block::decode(r)?;
     let mut relations = Vec::new();
     if block.block_type != BlockType::AR_DATA || block.version != (1, 1) {
-        return Ok(relations);
+        return Ok(None);
     }
     let mut r = block.body;
     let align = |r: &mut Reader<'a>| r.skip((4 - (r.position() - start) % 4) % 4, "padding");
     for _ in 0..r.u16("NumberOfARs")? {
-        r.skip(UUIDS + 4, "identifiers of the AR")?;
+        let ar_uuid = Uuid::decode(&mut r, ByteOrder::Big, "ARUUID")?;
+        r.skip(OBJECTS + 4, "identifiers of the AR")?;
         let ar_type = r.u16("ARType")?;
         r.skip(10, "alarm channel and ports")?;
         let length = r.u16("InitiatorStationNameLength")?;
         let station_name = r.bytes(length.into(), "CMInitiatorStationName")?;
         relations.push(Relation {
+            ar_uuid,
             ar_type,
             station_name,
         });
@@ -183,5 +187,5 @@ pub fn decode_relations<'a>(r: &mut Reader<'a>) -> Result<Vec<Relation<'a>>, Dec
         let apis = r.u16("NumberOfAPIs")?;
         r.skip(2 + 4 * usize::from(apis) + 4, "APIs")?;
     }
-    Ok(relations)
+    Ok(Some(relations))
 }

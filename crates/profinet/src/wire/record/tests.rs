@@ -138,7 +138,7 @@ fn relations_come_back_and_cut_records_are_errors() {
         ],
         &mut record,
     );
-    let relations = decode_relations(&mut Reader::new(&record)).unwrap();
+    let relations = decode_relations(&mut Reader::new(&record)).unwrap().unwrap();
     let seen: Vec<_> = relations.iter().map(|ar| (ar.ar_type, ar.station_name)).collect();
     assert_eq!(seen, [(1, &b"plc-1"[..]), (6, &b"tool"[..])]);
     for cut in 0..record.len() {
