@@ -58,9 +58,14 @@ impl Phase {
             .map(|row| row.2)
     }
 
-    /// True when the controller may write records.
+    /// Returns true when the controller may write records: always, except between PrmEnd and ApplicationReady.
     pub(super) const fn takes_writes(self) -> bool {
-        matches!(self, Self::Parameters | Self::Data)
+        !matches!(self, Self::Preparing)
+    }
+
+    /// Returns true until the first valid output ends the start-up.
+    pub(super) const fn is_start_up(self) -> bool {
+        !matches!(self, Self::Data)
     }
 }
 

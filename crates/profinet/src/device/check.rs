@@ -12,7 +12,7 @@ use crate::wire::ethernet::ETHERTYPE;
 use crate::wire::{PnioStatus, Reader};
 
 /// ErrorCode1: faulty ARBlockReq.
-const AR: u8 = 0x01;
+pub(super) const AR: u8 = 0x01;
 /// ErrorCode1: faulty IOCRBlockReq.
 const IOCR: u8 = 0x02;
 /// ErrorCode1: faulty ExpectedSubmoduleBlockReq.

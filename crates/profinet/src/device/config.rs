@@ -4,8 +4,8 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::time::Duration;
 
-use crate::wire::ByteOrder;
 use crate::wire::dcp::{IpRule, NameRule, check_ip, check_name};
+use crate::wire::{ByteOrder, PnioStatus};
 use crate::{IpSuite, MacAddress};
 
 /// Who the device is; told by DCP, I&M0 and the endpoint mapper.
@@ -122,6 +122,22 @@ impl ResetMode {
     }
 }
 
+/// Services that a device refuses, each with the status of its answer; `None` accepts the service.
+///
+/// Real devices differ in how they can be reached beside a PLC: many accept no device access connection, some no reads
+/// outside of a connection, some no records before data is exchanged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Refusals {
+    /// Connect for record access (ARType 6 with device access).
+    pub device_access: Option<PnioStatus>,
+    /// Read without a relation (Read Implicit).
+    pub implicit_read: Option<PnioStatus>,
+    /// Connect of a controller.
+    pub controller: Option<PnioStatus>,
+    /// Write of a controller before data is exchanged.
+    pub start_up_write: Option<PnioStatus>,
+}
+
 /// Everything fixed about a device.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DeviceConfig {
@@ -140,8 +156,10 @@ pub struct DeviceConfig {
     pub min_device_interval: u16,
     /// Resets offered by DCP; [`ResetMode::Communication`] is mandatory.
     pub reset_modes: Vec<ResetMode>,
-    /// DeviceAccess relations at once, beside the one controller.
+    /// DeviceAccess relations at once, beside the one controller; with 0 their ARType is refused as not known.
     pub max_device_access: usize,
+    /// Services that the device refuses.
+    pub refusals: Refusals,
     /// Sends each input frame right behind the controller's output frame where that is at most a quarter of the interval
     /// early, see [`Provider::follow`](crate::cyclic::Provider::follow): one wake-up in a cycle instead of two.
     pub follow_controller: bool,
@@ -188,6 +206,7 @@ impl DeviceConfig {
             min_device_interval: 32,
             reset_modes: alloc::vec![ResetMode::Communication],
             max_device_access: 4,
+            refusals: Refusals::default(),
             follow_controller: false,
             neighbourhood: true,
             output_frame_ids: [0xC000, 0x8000],

@@ -8,7 +8,7 @@ use core::time::Duration;
 
 use super::Device;
 use super::ar::{AccessAr, Activity, IoAr, Phase, Trigger};
-use super::check::{CheckedConnect, CheckedCyclic, RPC, UNKNOWN_BLOCKS, check};
+use super::check::{AR, CheckedConnect, CheckedCyclic, RPC, UNKNOWN_BLOCKS, check};
 use super::event::{ArKey, ArKind, Event};
 use super::slots::differs;
 use crate::alarm::{AlarmConfig, Alarms, emit_error};
@@ -55,6 +55,17 @@ impl Device {
         reader: Reader<'_>,
     ) -> Result<Vec<u8>, PnioStatus> {
         let checked = check(reader, self.config.min_device_interval)?;
+        let refusals = &self.config.refusals;
+        let refused = match checked.cyclic {
+            None if self.config.max_device_access == 0 => {
+                refusals.device_access.or(Some(PnioStatus::connect(AR, 4)))
+            }
+            None => refusals.device_access,
+            Some(_) => refusals.controller,
+        };
+        if let Some(status) = refused {
+            return Err(status);
+        }
         let in_use = |request: &ArRequest| request.ar_uuid == checked.ar.ar_uuid;
         let own = self.controller.as_ref().is_some_and(|ar| in_use(&ar.request));
         if own || self.tools.iter().any(|ar| in_use(&ar.request)) {

@@ -22,7 +22,7 @@ mod slots;
 
 pub use crate::wire::block::RecordAddress;
 pub use config::{
-    DeviceConfig, Identity, ImRecords, ModuleDescription, ResetMode, Stored, StoredError,
+    DeviceConfig, Identity, ImRecords, ModuleDescription, Refusals, ResetMode, Stored, StoredError,
     SubmoduleDescription,
 };
 pub use event::{ArKey, ArKind, Event, SetRefusal, Token};

@@ -94,10 +94,12 @@ impl Device {
             Ok(request) => request,
             Err(error) => return self.answer(now, call, args_maximum, Err(header_fault(0xDE, &error))),
         };
-        let ar = match self.access(now, call, request.ar_uuid, implicit) {
-            Ok((ar, _)) => ar,
-            Err((code1, code2)) => {
-                let status = PnioStatus::new(0xDE, 0x81, code1, code2);
+        let refused = self.config.refusals.implicit_read.filter(|_| implicit);
+        let ar = match (refused, self.access(now, call, request.ar_uuid, implicit)) {
+            (None, Ok((ar, _))) => ar,
+            (refused, other) => {
+                let (code1, code2) = other.err().unwrap_or_default();
+                let status = refused.unwrap_or(PnioStatus::new(0xDE, 0x81, code1, code2));
                 return self.answer_read_call(now, call.key, call.order, args_maximum, &request, Err(status));
             }
         };
@@ -130,28 +132,34 @@ impl Device {
         self.answer_read_call(now, call.key, call.order, args_maximum, &request, result);
     }
 
-    /// Finds the relation of a record access and restarts its activity time. The second value is true while the
-    /// relation takes writes.
+    /// Finds the relation of a record access and restarts its activity time. The second value is why the relation takes
+    /// no writes now, if it does not.
     fn access(
         &mut self,
         now: Instant,
         call: &Call,
         ar_uuid: Uuid,
         implicit: bool,
-    ) -> Result<(Option<ArKey>, bool), (u8, u8)> {
+    ) -> Result<(Option<ArKey>, Option<PnioStatus>), (u8, u8)> {
+        let conflict = Some(PnioStatus::write(record::STATE_CONFLICT));
+        let start_up = self.config.refusals.start_up_write;
         match (implicit, ar_uuid.is_nil()) {
-            (true, true) => return Ok((None, false)),
+            (true, true) => return Ok((None, conflict)),
             (true, false) => return Err((RPC, 5)),
             (false, true) => return Err((RECORD_HEADER_FAULT, 5)),
             (false, false) => {}
         }
         if let Some(tool) = self.tool(ar_uuid, call) {
             tool.activity.restart(now);
-            return Ok((Some(tool.key), true));
+            return Ok((Some(tool.key), None));
         }
         let io = self.io_ar(ar_uuid, call).ok_or((RPC, 5))?;
         io.activity.restart(now);
-        Ok((Some(io.key), io.phase.takes_writes()))
+        let refused = start_up.filter(|_| io.phase.is_start_up());
+        Ok((
+            Some(io.key),
+            refused.or(conflict.filter(|_| !io.phase.takes_writes())),
+        ))
     }
 
     fn job(
@@ -194,8 +202,8 @@ impl Device {
         };
         let refused = match self.access(now, call, request.ar_uuid, false) {
             Err((code1, code2)) => Some(PnioStatus::new(0xDF, 0x81, code1, code2)),
-            Ok((_, false)) => Some(PnioStatus::write(record::STATE_CONFLICT)),
-            Ok((ar, true)) if request.index == MULTIPLE_WRITE => {
+            Ok((_, Some(refused))) => Some(refused),
+            Ok((ar, None)) if request.index == MULTIPLE_WRITE => {
                 writes.outer = Some(request);
                 let items: Result<VecDeque<_>, _> = WriteItems::new(Reader::new(data))
                     .map(|item| item.map(|(item, data)| (item, data.to_vec())))
@@ -208,7 +216,7 @@ impl Device {
                     Err(_) => Some(PnioStatus::write(record::LENGTH)),
                 }
             }
-            Ok((ar, true)) => {
+            Ok((ar, None)) => {
                 writes.waiting.push_back((request, data.to_vec()));
                 return self.go_on_writing(now, call.key, call.order, args_maximum, ar, writes);
             }

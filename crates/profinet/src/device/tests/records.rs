@@ -404,10 +404,95 @@ fn a_multiple_write_answers_every_record() {
         (0xAFF0, 0xDF80_B600),
     ];
     assert_eq!(statuses, expected);
-    // between PrmEnd and the end of start-up nothing is written
+    // between PrmEnd and ApplicationReady nothing is written
     rig.prm_end(&wish);
     assert_eq!(rig.write(ar, DRIVE_API, (1, 1, 1), b"z"), PnioStatus::write(0xB5));
     assert!(rig.read(ar, 0, 0, 1, 0xAFF0).is_ok());
+}
+
+/// A controller may begin as soon as it has been told that the device is ready, before its first valid output.
+#[test]
+fn records_are_written_between_application_ready_and_the_first_output() {
+    let mut rig = Rig::new(config());
+    let wish = Wish::controller(1);
+    let ar = wish.ar.ar_uuid;
+    let location = |rig: &mut Rig, text: &[u8; 54]| {
+        let mut record = Vec::new();
+        encode_im(1, text, &mut record);
+        rig.write(ar, 0, (0, 1, 0xAFF1), &record)
+    };
+    rig.connect(&wish).unwrap();
+    rig.prm_end(&wish);
+    assert_eq!(location(&mut rig, &[b'a'; 54]), PnioStatus::write(0xB5));
+    let key = rig.device.controller().unwrap();
+    assert!(rig.device.application_ready(rig.now, key));
+    let sent = rig.drain();
+    assert_eq!(
+        location(&mut rig, &[b'b'; 54]),
+        PnioStatus::OK,
+        "sent, not confirmed"
+    );
+    rig.confirm(&wish, &sent);
+    assert!(!rig.device.is_exchanging());
+    assert_eq!(location(&mut rig, &[b'c'; 54]), PnioStatus::OK, "no output yet");
+    assert_eq!(rig.device.im().im1, [b'c'; 54]);
+}
+
+#[test]
+fn services_that_the_device_refuses_are_answered_with_its_status() {
+    let mut config = config();
+    config.refusals = Refusals {
+        device_access: Some(PnioStatus::connect(0x40, 3)),
+        implicit_read: Some(PnioStatus::new(0xDE, 0x81, 0x40, 5)),
+        controller: None,
+        start_up_write: Some(PnioStatus::write(0xB5)),
+    };
+    let mut rig = Rig::new(config.clone());
+    assert_eq!(
+        rig.connect(&Wish::tool(1)).map(|_| ()),
+        Err(PnioStatus::connect(0x40, 3))
+    );
+    assert_eq!(
+        rig.read(NIL, 0, 0, 1, 0xAFF0),
+        Err(PnioStatus::new(0xDE, 0x81, 0x40, 5))
+    );
+    let wish = Wish::controller(2);
+    rig.connect(&wish).unwrap();
+    let ar = wish.ar.ar_uuid;
+    assert!(
+        rig.read(ar, 0, 0, 1, 0xAFF0).is_ok(),
+        "over the relation it is read"
+    );
+    let record = rig.write(ar, DRIVE_API, (1, 1, 1), b"z");
+    assert_eq!(record, PnioStatus::write(0xB5));
+    assert_eq!(rig.release(&wish), PnioStatus::OK);
+    rig.exchange(&Wish::controller(3));
+    let mut im1 = Vec::new();
+    encode_im(1, &[b'x'; 54], &mut im1);
+    assert_eq!(
+        rig.write(Uuid([3; 16]), 0, (0, 1, 0xAFF1), &im1),
+        PnioStatus::OK,
+        "once data is exchanged"
+    );
+    config.refusals.controller = Some(PnioStatus::connect(0x3D, 1));
+    let mut rig = Rig::new(config);
+    assert_eq!(
+        rig.connect(&Wish::controller(4)).map(|_| ()),
+        Err(PnioStatus::connect(0x3D, 1))
+    );
+}
+
+#[test]
+fn a_device_without_relations_for_record_access_does_not_know_their_type() {
+    let mut config = config();
+    config.max_device_access = 0;
+    let mut rig = Rig::new(config);
+    assert_eq!(
+        rig.connect(&Wish::tool(1)).map(|_| ()),
+        Err(PnioStatus::connect(1, 4)),
+        "faulty ARBlockReq: ARType"
+    );
+    assert!(rig.connect(&Wish::controller(2)).is_ok());
 }
 
 #[test]
