@@ -83,6 +83,8 @@ pub(super) struct Ar {
     pub consumer: Option<Consumer>,
     pub alarms: Option<Alarms>,
     pub run: bool,
+    /// PrmEnd waits until the caller wants it.
+    held: bool,
     early_ready: Option<Option<ModuleDiff>>,
     running: bool,
     /// Writes wait until then: the outputs that end the start-up are on their way first.
@@ -101,6 +103,7 @@ impl Ar {
         purpose: Purpose,
     ) -> Self {
         let run = matches!(&purpose, Purpose::Cyclic { config, .. } if config.run);
+        let held = matches!(&purpose, Purpose::Cyclic { config, .. } if config.hold_start_up);
         Self {
             id,
             phase: Phase::Resolve,
@@ -121,6 +124,7 @@ impl Ar {
             consumer: None,
             alarms: None,
             run,
+            held,
             early_ready: None,
             running: false,
             writes_from: None,
@@ -149,8 +153,22 @@ impl Ar {
         let Purpose::Cyclic { config, .. } = &self.purpose else {
             return;
         };
-        if self.phase == Phase::Parameterize && number + 1 == config.records.len() {
+        if self.phase == Phase::Parameterize && number + 1 == config.records.len() && !self.held {
             self.ops.push_back(Op::PrmEnd);
+        }
+    }
+
+    /// Returns true while the start-up is held and records travel in it.
+    pub(super) const fn is_held(&self) -> bool {
+        self.held && matches!(self.phase, Phase::Parameterize)
+    }
+
+    /// Ends a start-up that is held: PrmEnd goes out behind what waits already.
+    pub(super) fn end_start_up(&mut self, shared: &mut Shared<'_>) {
+        if self.is_held() {
+            self.held = false;
+            self.ops.push_back(Op::PrmEnd);
+            self.next_call(shared);
         }
     }
 
@@ -160,7 +178,7 @@ impl Ar {
             return;
         };
         self.ops.extend((0..config.records.len()).map(Op::Startup));
-        if config.records.is_empty() {
+        if config.records.is_empty() && !self.held {
             self.ops.push_back(Op::PrmEnd);
         }
     }

@@ -230,6 +230,9 @@ pub struct ConnectConfig {
     /// Outputs are valid (run, IOPS good) as soon as the device is ready; else after
     /// [`set_run`](super::Controller::set_run).
     pub run: bool,
+    /// Stays in the start-up, where records are read and written, until
+    /// [`end_start_up`](super::Controller::end_start_up). The device exchanges no data until then.
+    pub hold_start_up: bool,
 }
 
 impl ConnectConfig {
@@ -251,10 +254,22 @@ impl ConnectConfig {
             rta_retries: 3,
             max_alarm_length: 200,
             run: true,
+            hold_start_up: false,
         }
     }
 
-    /// The same with legacy start-up and class 1.
+    /// A connection for the records of a device that accepts none for records alone: the start-up is held, and the
+    /// outputs never become valid (IOPS bad, provider stopped). A device thus has no control word to follow, not even
+    /// one that says stop, and sees no change from run to stop when the connection is released.
+    #[must_use]
+    pub const fn for_records(modules: Vec<ModuleConfig>, timing: Timing) -> Self {
+        let mut config = Self::new(modules, timing);
+        config.run = false;
+        config.hold_start_up = true;
+        config
+    }
+
+    /// As [`new`](Self::new) with legacy start-up and class 1.
     #[must_use]
     pub const fn legacy(modules: Vec<ModuleConfig>, timing: Timing) -> Self {
         let mut config = Self::new(modules, timing);

@@ -3,6 +3,7 @@
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::net::SocketAddrV4;
+use core::time::Duration;
 
 use super::Controller;
 use super::ar::Owner;
@@ -99,18 +100,27 @@ impl Controller {
         at: RecordAddress,
         request: &[u8],
     ) -> Result<CallId, Misuse> {
+        self.parameter_job_within(now, ar, at, request, self.config.timeouts.parameter_job)
+    }
+
+    /// As [`parameter_job`](Self::parameter_job), but the device may be "not ready" for no longer than `limit`.
+    ///
+    /// # Errors
+    /// When there is no such connection, it takes no records at present, or too many requests wait.
+    pub fn parameter_job_within(
+        &mut self,
+        now: Instant,
+        ar: ArId,
+        at: RecordAddress,
+        request: &[u8],
+        limit: Duration,
+    ) -> Result<CallId, Misuse> {
         if request.len() > MAX_RECORD as usize {
             return Err(Misuse::Range("record length"));
         }
         let index = self.records_index(ar)?;
         let call = self.new_call();
-        let job = Job::new(
-            now,
-            call,
-            at,
-            request.to_vec(),
-            self.config.timeouts.parameter_job,
-        );
+        let job = Job::new(now, call, at, request.to_vec(), limit);
         let taken = self.with(now, index, |ar, shared| ar.push_job(shared, job));
         if taken {
             Ok(call)

@@ -44,6 +44,9 @@ use crate::wire::rpc::operation;
 use crate::wire::{Uuid, UuidSource};
 use crate::{Instant, IpSuite};
 
+/// What makes the initiator of a connection for records another one than that of a controller.
+const RECORDS_INSTANCE: u16 = 0x8000;
+
 /// A controller.
 ///
 /// ```
@@ -179,6 +182,25 @@ impl Controller {
         )
     }
 
+    /// Ends a start-up that is [held](ConnectConfig::hold_start_up). Events: `Ready`, `Running`, or `Lost`.
+    ///
+    /// # Errors
+    /// When there is no such connection, or its start-up is not held.
+    pub fn end_start_up(&mut self, now: Instant, ar: ArId) -> Result<(), Misuse> {
+        let index = self.index(ar)?;
+        if !self.get(ar).is_some_and(Ar::is_held) {
+            return Err(Misuse::NotOpenYet);
+        }
+        self.with(now, index, Ar::end_start_up);
+        Ok(())
+    }
+
+    /// Returns the ARUUID of a connection, as the device lists it in ARData.
+    #[must_use]
+    pub fn ar_uuid(&self, ar: ArId) -> Option<Uuid> {
+        self.get(ar).map(|ar| ar.identity.ar_uuid)
+    }
+
     fn open(
         &mut self,
         now: Instant,
@@ -202,11 +224,14 @@ impl Controller {
         check_name(&station_name)?;
         let id = self.place()?;
         self.session = self.session.wrapping_add(1);
+        // a device ends the relation of an initiator that connects again: another program on this computer may control it
+        let records = matches!(&purpose, Purpose::Cyclic { config, .. } if config.hold_start_up);
+        let instance = self.config.instance ^ if records { RECORDS_INSTANCE } else { 0 };
         let identity = ArIdentity {
             ar_uuid: self.uuids.uuid(),
             session_key: self.session,
             mac: self.config.mac,
-            object: Uuid::object(self.config.instance, self.config.device_id, self.config.vendor_id),
+            object: Uuid::object(instance, self.config.device_id, self.config.vendor_id),
             station_name,
         };
         let mut ar = Ar::new(now, id, target, identity, self.uuids.uuid(), purpose);

@@ -257,3 +257,64 @@ fn calls_end_with_the_connection() {
     assert_eq!(p.b.aborted, Some(PnioStatus::aborted(0x0D)));
     assert_eq!(p.a.set_output(ar, 1, 1, &[0; 4]), Err(Misuse::UnknownConnection));
 }
+
+/// For a device that accepts no connection for records alone: nothing valid is ever sent to it.
+#[test]
+fn a_connection_for_records_holds_the_start_up_and_never_sends_valid_outputs() {
+    let mut p = pair();
+    let modules = config().modules;
+    let timing = Timing::for_interval(Duration::from_millis(64)).unwrap();
+    let records = ConnectConfig::for_records(modules, timing);
+    let ar = p.a.connect(p.now, target(), records).unwrap();
+    assert_eq!(event(&mut p, SECOND), Some(Event::Connected { ar, diff: None }));
+    let request = p.b.ar.clone().unwrap();
+    assert_eq!(p.a.ar_uuid(ar), Some(request.ar_uuid));
+    let own = Uuid::object(1, 1, 0xFFFF);
+    assert_ne!(
+        request.initiator_object, own,
+        "another initiator than a controller of this program"
+    );
+    let job = p.a.parameter_job(p.now, ar, CHANNEL, b"one").unwrap();
+    let done = |call, text: &[u8]| {
+        Some(Event::RecordDone {
+            call,
+            result: Ok(text.to_vec()),
+        })
+    };
+    assert_eq!(event(&mut p, SECOND), done(job, b"one!"));
+    // no PrmEnd, kept alive by reads
+    p.run(60 * SECOND);
+    assert_eq!(p.a.phase(ar), Some(Phase::Parameterize));
+    assert!(p.b.reads.iter().filter(|index| **index == 0xFBFF).count() > 5);
+    // a device that wants data first gets it, but not one valid word
+    p.a.end_start_up(p.now, ar).unwrap();
+    assert_eq!(event(&mut p, SECOND), Some(Event::Ready { ar, diff: None }));
+    assert_eq!(event(&mut p, SECOND), Some(Event::Running { ar }));
+    assert_eq!(p.a.end_start_up(p.now, ar), Err(Misuse::NotOpenYet));
+    p.run(SECOND);
+    assert!(p.b.last_output.len() > 10);
+    for (status, iops, data) in &p.b.last_output {
+        assert!(!status.is_run() && !iops.is_good(), "{status:?} {iops:?}");
+        assert_eq!(data, &[0; 4]);
+    }
+    let job = p.a.parameter_job(p.now, ar, CHANNEL, b"two").unwrap();
+    assert_eq!(event(&mut p, SECOND), done(job, b"two!"));
+    p.a.release(p.now, ar).unwrap();
+    assert_eq!(event(&mut p, SECOND), Some(Event::Released { ar }));
+    assert!(p.b.released && p.b.aborted.is_none());
+}
+
+#[test]
+fn a_job_may_have_a_time_of_its_own() {
+    let mut p = pair();
+    let ar = connected(&mut p, config());
+    p.b.not_ready = u32::MAX;
+    let begin = p.now;
+    let limit = Duration::from_millis(500);
+    p.a.parameter_job_within(p.now, ar, CHANNEL, b"x", limit).unwrap();
+    let Some(Event::RecordDone { result, .. }) = event(&mut p, 20 * SECOND) else {
+        panic!("no end")
+    };
+    assert!(matches!(result, Err(ServiceError::NotReady { .. })), "{result:?}");
+    assert!(p.now - begin < SECOND);
+}
