@@ -193,10 +193,14 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
     /// One signal lasts about three seconds.
     const EVERY: Duration = Duration::from_secs(3);
     let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
-    output.say(&format!("{} blinks", describe(&drive.station)));
     let end = session.now() + args.time;
+    let mut told = false;
     loop {
         session.blink(&drive)?;
+        // only the answer says that it does
+        if !std::mem::replace(&mut told, true) {
+            output.say(&format!("{} blinks", describe(&drive.station)));
+        }
         let next = (session.now() + EVERY).min(end);
         let pause = next - session.now();
         if pause.is_zero() {
