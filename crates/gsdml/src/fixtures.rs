@@ -119,7 +119,7 @@ fn access_point() -> AccessPoint {
             multiple_write: true,
             check_device_id: true,
             lldp_nod: true,
-            device_access: true,
+            device_access: Some(true),
             ..Features::default()
         },
         address_assignment: vec!["DCP".into()],

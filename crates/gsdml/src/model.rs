@@ -161,8 +161,8 @@ pub struct Features {
     pub name_not_transferable: bool,
     /// `LLDP_NoD_Supported`: names its ports in the newer form.
     pub lldp_nod: bool,
-    /// `DeviceAccessSupported`: connections for record access.
-    pub device_access: bool,
+    /// `DeviceAccessSupported`: connections for record access; none where the file says nothing, which means no.
+    pub device_access: Option<bool>,
     /// `SharedDeviceSupported`.
     pub shared_device: bool,
     /// `SharedInputSupported`.

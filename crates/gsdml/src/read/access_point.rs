@@ -40,7 +40,7 @@ impl Reader<'_> {
             check_device_id: self.flag(node, "CheckDeviceID_Allowed"),
             name_not_transferable: self.flag(node, "NameOfStationNotTransferable"),
             lldp_nod: self.flag(node, "LLDP_NoD_Supported"),
-            device_access: self.flag(node, "DeviceAccessSupported"),
+            device_access: self.given_flag(node, "DeviceAccessSupported"),
             shared_device: self.flag(node, "SharedDeviceSupported"),
             shared_input: self.flag(node, "SharedInputSupported"),
         };

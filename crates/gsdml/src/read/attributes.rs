@@ -104,6 +104,12 @@ impl Reader<'_> {
         self.flag_or(node, name, false)
     }
 
+    /// Yes or no, where it is given.
+    pub(super) fn given_flag(&mut self, node: Node<'_, '_>, name: &str) -> Option<bool> {
+        attribute(node, name)?;
+        Some(self.flag(node, name))
+    }
+
     /// Yes or no.
     pub(super) fn flag_or(&mut self, node: Node<'_, '_>, name: &str, default: bool) -> bool {
         let Some(attribute) = attribute(node, name) else {

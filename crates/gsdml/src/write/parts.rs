@@ -130,7 +130,7 @@ fn access_point(w: &mut Writer, point: &AccessPoint) {
         w.attribute("ObjectUUID_LocalIndex", point.object_instance);
         w.optional("RequiredSchemaVersion", point.required_schema);
         w.attribute("MultipleWriteSupported", features.multiple_write);
-        w.attribute("DeviceAccessSupported", features.device_access);
+        w.optional("DeviceAccessSupported", features.device_access);
         w.optional("NumberOfDeviceAccessAR", point.device_access_ars);
         w.attribute("SharedDeviceSupported", features.shared_device);
         w.attribute("SharedInputSupported", features.shared_input);

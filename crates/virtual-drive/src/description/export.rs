@@ -167,7 +167,7 @@ fn access_point(
             multiple_write: true,
             check_device_id: true,
             lldp_nod: true,
-            device_access: config.max_device_access > 0,
+            device_access: Some(config.max_device_access > 0),
             ..Features::default()
         },
         address_assignment: vec!["DCP".to_owned()],

@@ -208,6 +208,8 @@ impl Description {
                 api: own.api,
                 min_device_interval: shortest.unwrap_or(own.min_device_interval),
                 reset_modes: reset_modes(first),
+                // older files leave the attribute out though the device has them
+                device_access: first.features.device_access != Some(false),
             },
             left_out,
         })

@@ -52,6 +52,8 @@ pub struct Description {
     pub min_device_interval: u16,
     /// Resets by DCP.
     pub reset_modes: Vec<ResetMode>,
+    /// Accepts connections for record access (ARType 6) beside its controller.
+    pub device_access: bool,
 }
 
 /// A module with a telegram in it.
@@ -156,6 +158,7 @@ impl Description {
                 ResetMode::AllStored,
                 ResetMode::Device,
             ],
+            device_access: true,
         }
     }
 

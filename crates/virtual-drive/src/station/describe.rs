@@ -8,7 +8,14 @@ use super::StationConfig;
 pub(crate) fn device_config(config: &StationConfig) -> DeviceConfig {
     let description = &config.description;
     let identity = description.identity_of(config.mac);
+    let usual = DeviceConfig::new(config.mac, identity, description.modules());
     DeviceConfig {
+        max_device_access: if description.device_access {
+            usual.max_device_access
+        } else {
+            0
+        },
+        refusals: config.refusals,
         follow_controller: config.follow_controller,
         refuses_in_operation: config.refuses_in_operation,
         min_device_interval: config
@@ -20,6 +27,6 @@ pub(crate) fn device_config(config: &StationConfig) -> DeviceConfig {
         always_told: config.model.wire.always_told.to_vec(),
         ready_order: config.model.wire.ready_order,
         ready_arguments: config.model.wire.ready_arguments,
-        ..DeviceConfig::new(config.mac, identity, description.modules())
+        ..usual
     }
 }

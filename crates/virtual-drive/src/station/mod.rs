@@ -19,7 +19,7 @@ use std::net::SocketAddrV4;
 use profidrive::catalogue::RecordView;
 use profidrive::parameter::{ParameterAccess, SaveId, SaveState};
 use profinet::device::{
-    ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, ResetMode, Stored, Token,
+    ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, Refusals, ResetMode, Stored, Token,
 };
 use profinet::wire::PnioStatus;
 use profinet::wire::rt::Iops;
@@ -63,6 +63,8 @@ pub struct StationConfig {
     pub network: Stored,
     /// Text of the saved parameters from the last run.
     pub parameters: Option<Vec<u8>>,
+    /// Services that its device refuses.
+    pub refusals: Refusals,
 }
 
 impl StationConfig {
@@ -79,6 +81,7 @@ impl StationConfig {
             plant: None,
             network: Stored::default(),
             parameters: None,
+            refusals: Refusals::default(),
         }
     }
 }
