@@ -229,6 +229,9 @@ pub struct Drive {
     pub maker_modules: Vec<MakerModule>,
     /// The update times that this device description allows; empty where none was read.
     pub maker_timings: Vec<Timing>,
+    /// Whether its device description declares connections for records (`DeviceAccessSupported`); `None` where there is
+    /// no description, or it says nothing.
+    pub device_access: Option<bool>,
     /// Where it is at a serial line.
     pub(crate) slave: Option<SlaveId>,
 }
@@ -253,6 +256,7 @@ impl Drive {
             scaled: false,
             maker_modules: Vec::new(),
             maker_timings: Vec::new(),
+            device_access: None,
             slave: None,
         }
     }

@@ -15,14 +15,14 @@ use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
 use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
 use crate::parameter::ParameterProblem;
-use crate::{AtWork, DriveAddress};
+use crate::{AtWork, ClosedRoute, DriveAddress};
 
 pub use refusal::Refusal;
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
-    holders_text, in_place, join, local_text, objections_text, once, others, owner_text, speed_text,
-    telegram_text, unit_text,
+    closed_text, holders_text, in_place, join, local_text, objections_text, once, others, owner_text,
+    speed_text, telegram_text, unit_text,
 };
 
 /// Why something did not come about.
@@ -138,6 +138,30 @@ pub enum Error {
         controller: Option<String>,
         /// What the drive said.
         cause: String,
+    },
+    /// The device accepts no connection beside that of its controller, and parameters need one.
+    #[error("{drive}: parameters can be neither read nor written: {} has its only connection{}", owner_text(.controller.as_deref()), closed_text(.closed))]
+    ParametersOwned {
+        /// The drive.
+        drive: String,
+        /// Station name of the controller, where the device reports it.
+        controller: Option<String>,
+        /// Ways that the device refuses.
+        closed: Vec<ClosedRoute>,
+    },
+    /// The device refuses every way to its records.
+    #[error("{drive}: no way to its records{}", closed_text(.closed))]
+    NoRoute {
+        /// The drive.
+        drive: String,
+        /// Ways that were tried.
+        closed: Vec<ClosedRoute>,
+    },
+    /// The device has no module of the drive profile, so it has no parameters.
+    #[error("{drive} is not a drive: no module of the drive profile (API 0x3A00) is plugged")]
+    NotADrive {
+        /// The device.
+        drive: String,
     },
     /// A connection ended that was wanted.
     #[error("{drive}: connection lost: {cause}")]

@@ -37,9 +37,9 @@ pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::{MakerModule, modules_of};
 pub use session::{
-    AtWork, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, Described, DescribedLimits, Enabled,
-    FaultEntry, FaultReport, GoesOn, Identity, Info, JogSpeed, LoggedFault, ModeBefore, Peer, PlannedChange,
-    PlannedValue, PutBack, Session, Snapshot, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher,
-    WriteMode,
+    AtWork, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described, DescribedLimits,
+    Enabled, FaultEntry, FaultReport, GoesOn, Identity, Info, JogSpeed, LoggedFault, ModeBefore, Peer,
+    PlannedChange, PlannedValue, PutBack, Route, RouteNotice, Session, Snapshot, StopOutcome, StopWay,
+    WarningEntry, WarningWatcher, Watcher, WriteMode,
 };
 pub use wire::Wire;

@@ -66,6 +66,17 @@ impl Error {
             Self::OwnedByController { .. } => {
                 "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
             }
+            Self::ParametersOwned { .. } => {
+                "identity, plugged modules, neighbours and diagnosis can be read beside the controller; disconnect the controller to read or write parameters"
+                    .into()
+            }
+            Self::NoRoute { .. } => {
+                "the device description of the vendor declares which connections the device accepts; a controller that is connected may have the last one"
+                    .into()
+            }
+            Self::NotADrive { .. } => {
+                "its identity and plugged modules can be read; parameters, state and motion are those of drives".into()
+            }
             Self::Connect {
                 cause: LostCause::Service(ServiceError::Refused { status, .. }),
                 ..

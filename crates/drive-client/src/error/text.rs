@@ -5,8 +5,8 @@ use profidrive::state::Mode;
 use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
 
-use crate::DriveAddress;
 use crate::axis::{Objection, SpeedUnit};
+use crate::{ClosedRoute, DriveAddress};
 
 /// What was heard instead of an answer.
 pub(super) fn in_place(telegrams: u64, noise: u64) -> String {
@@ -23,6 +23,15 @@ pub(super) fn owner_text(controller: Option<&str>) -> String {
         Some(name) if !name.is_empty() => format!("controller \"{}\"", name.escape_debug()),
         _ => "another controller".into(),
     }
+}
+
+/// The ways that were tried, each with its reason.
+pub(super) fn closed_text(closed: &[ClosedRoute]) -> String {
+    let texts: Vec<String> = closed.iter().map(ToString::to_string).collect();
+    if texts.is_empty() {
+        return String::new();
+    }
+    format!(" ({})", texts.join("; "))
 }
 
 /// Several devices with one address.

@@ -1,13 +1,14 @@
-//! Records: over the cyclic connection where there is one, else over a connection for record access.
+//! Records: over the connection of an axis where there is one, else on the first [way](super::Route) that is open.
 
 use std::time::Duration;
 
 use profinet::controller::{ArId, CallId, LostCause, Misuse, RecordAddress, Resolve, ServiceError, Target};
-use profinet::wire::PnioStatus;
+use profinet::wire::{PnioStatus, Uuid};
 use profinet::{Instant, MacAddress};
 use std::net::Ipv4Addr;
 
 use super::Session;
+use super::route::{Route, RouteNotice, is_no_service, refusal};
 use crate::{Client, Connection, Drive, Error, Link, Wire};
 
 /// Longer than a connect may take with its repetitions.
@@ -30,31 +31,45 @@ pub struct Access {
     ip: Ipv4Addr,
     /// The connection.
     pub ar: ArId,
-    /// True for a cyclic one, which belongs to an axis.
+    /// True for one that belongs to an axis.
     pub cyclic: bool,
+    /// The way that it is.
+    pub route: Route,
 }
 
 impl Access {
-    const fn of(drive: &Drive, ar: ArId, cyclic: bool) -> Self {
+    const fn of(drive: &Drive, ar: ArId, cyclic: bool, route: Route) -> Self {
         Self {
             mac: drive.station.mac,
             ip: drive.station.ip.address,
             ar,
             cyclic,
+            route,
         }
     }
 
-    fn is_to(&self, drive: &Drive) -> bool {
+    pub fn is_to(&self, drive: &Drive) -> bool {
         self.mac == drive.station.mac && self.ip == drive.station.ip.address
     }
 }
 
 /// How to reach a drive for records.
-fn target(drive: &Drive) -> Target {
+pub(super) fn target(drive: &Drive) -> Target {
     Target {
         // without discovery the MAC address is learned from the answer
         mac: Some(drive.station.mac).filter(|mac| *mac != MacAddress::default()),
         ..Target::of(&drive.station)
+    }
+}
+
+/// The record of the parameter channel.
+pub(super) const fn channel(drive: &Drive) -> RecordAddress {
+    let channel = drive.model.channel;
+    RecordAddress {
+        api: channel.api,
+        slot: channel.slot,
+        subslot: channel.subslot,
+        index: channel.index,
     }
 }
 
@@ -67,45 +82,76 @@ impl<M: Wire> Session<M> {
         if drive.is_on_line() {
             return Ok(());
         }
-        self.access(drive).map(|_| ())
+        self.for_records(drive).map(|_| ())
     }
 
-    pub(super) fn access(&mut self, drive: &Drive) -> Result<ArId, Error> {
+    /// Returns the connection that records are read over, opened if necessary; `None` where they are read without one.
+    fn for_records(&mut self, drive: &Drive) -> Result<Option<ArId>, Error> {
+        if let Some(ar) = self.beside_controller(drive)? {
+            return Ok(Some(ar));
+        }
+        if !self.is_closed(drive, Route::Implicit) {
+            return Ok(None);
+        }
+        self.as_controller(drive).map(Some)
+    }
+
+    /// Returns the connection for parameter jobs, opened if necessary.
+    pub(super) fn for_parameters(&mut self, drive: &Drive) -> Result<ArId, Error> {
+        match self.beside_controller(drive)? {
+            Some(ar) => Ok(ar),
+            None => self.as_controller(drive),
+        }
+    }
+
+    /// Returns a connection that is open already, else device access; `None` where the device refuses that.
+    fn beside_controller(&mut self, drive: &Drive) -> Result<Option<ArId>, Error> {
         if let Some(known) = self.access.iter().find(|access| access.is_to(drive)).copied() {
             match self.client.connection(known.ar) {
                 Connection::Lost(_) | Connection::Silent | Connection::Released => self.drop_access(known.ar),
                 // begun by a call that was interrupted
-                Connection::Opening => {
-                    self.connected(drive, known.ar)?;
-                    return Ok(known.ar);
-                }
-                Connection::Open | Connection::Running => return Ok(known.ar),
+                Connection::Opening => return self.opened(drive, known),
+                Connection::Open | Connection::Running => return Ok(Some(known.ar)),
             }
         }
         if !drive.station.ip.is_set() {
             return Err(Error::NoIpAddress { drive: drive.label() });
+        }
+        let route = Route::DeviceAccess;
+        if self.is_closed(drive, route) {
+            return Ok(None);
+        }
+        if drive.device_access == Some(false) {
+            self.close_route(drive, route, "its device description declares none".into());
+            return Ok(None);
         }
         let now = self.now();
         let ar = self
             .client
             .controller()
             .connect_device_access(now, target(drive), Resolve::Trust)?;
-        // known before it is open: whoever interrupts the wait leaves nothing behind at the drive
-        self.access.push(Access::of(drive, ar, false));
-        self.connected(drive, ar)?;
-        Ok(ar)
+        let access = self.remember(drive, ar, route);
+        self.opened(drive, access)
     }
 
-    /// The connections for record access to a drive.
-    pub(super) fn accesses(&self, drive: &Drive) -> Vec<ArId> {
-        let own = self.access.iter();
-        own.filter(|access| !access.cyclic && access.is_to(drive))
-            .map(|access| access.ar)
-            .collect()
+    /// Notes a connection for records. It is known before it is open: whoever interrupts the wait leaves nothing behind
+    /// at the drive.
+    pub(super) fn remember(&mut self, drive: &Drive, ar: ArId, route: Route) -> Access {
+        let access = Access::of(drive, ar, false, route);
+        self.access.push(access);
+        access
     }
 
-    /// Waits until a connection is open.
-    fn connected(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
+    /// The ARUUIDs of the connections for records to a drive.
+    pub(super) fn record_relations(&self, drive: &Drive) -> Vec<Uuid> {
+        let controller = self.client.controller_ref();
+        let own = self.accesses(drive).into_iter();
+        own.filter_map(|ar| controller.ar_uuid(ar)).collect()
+    }
+
+    /// Waits until a connection for records is open; `None` when the device refuses this kind of connection.
+    pub(super) fn opened(&mut self, drive: &Drive, access: Access) -> Result<Option<ArId>, Error> {
+        let Access { ar, route, .. } = access;
         let end = self.wait(CONNECT_LIMIT, |client| match client.connection(ar) {
             Connection::Opening => None,
             other => Some(other),
@@ -113,9 +159,23 @@ impl<M: Wire> Session<M> {
         match end {
             Some(Connection::Lost(cause)) => {
                 self.drop_access(ar);
-                Err(self.connect_error(drive, cause, None))
+                // who has the one connection may go: the way is not closed by that
+                let owned = route == Route::Controller && is_owned(&cause);
+                match refusal(&cause).filter(|_| !owned) {
+                    Some(reason) => {
+                        self.close_route(drive, route, reason);
+                        Ok(None)
+                    }
+                    None => Err(self.connect_error(drive, cause, None)),
+                }
             }
-            Some(_) => Ok(()),
+            Some(_) => {
+                let details = String::new();
+                if route == Route::DeviceAccess {
+                    self.tell_route(drive, &RouteNotice::Taken { route, details });
+                }
+                Ok(Some(ar))
+            }
             None => {
                 self.release(ar.into())?;
                 Err(Error::Timeout {
@@ -127,10 +187,19 @@ impl<M: Wire> Session<M> {
         }
     }
 
+    /// The connections for record access to a drive.
+    pub(super) fn accesses(&self, drive: &Drive) -> Vec<ArId> {
+        let own = self.access.iter();
+        own.filter(|access| !access.cyclic && access.is_to(drive))
+            .map(|access| access.ar)
+            .collect()
+    }
+
     /// Remembers the cyclic connection of an axis: records of its drive go through it too.
     pub(super) fn share(&mut self, drive: &Drive, ar: ArId) {
         self.access.retain(|access| access.ar != ar);
-        self.access.insert(0, Access::of(drive, ar, true));
+        self.access
+            .insert(0, Access::of(drive, ar, true, Route::Controller));
     }
 
     pub(super) fn drop_access(&mut self, ar: ArId) {
@@ -158,6 +227,16 @@ impl<M: Wire> Session<M> {
             self.release_within(ar, limit)?;
         }
         Ok(())
+    }
+
+    /// Releases the connection as IO controller that was opened for records: the place is needed for an axis.
+    pub(super) fn make_way(&mut self, drive: &Drive) -> Result<(), Error> {
+        let own =
+            |access: &&Access| !access.cyclic && access.route == Route::Controller && access.is_to(drive);
+        match self.access.iter().find(own).map(|access| access.ar) {
+            Some(ar) => self.release_within(ar, RELEASE_LIMIT),
+            None => Ok(()),
+        }
     }
 
     /// Releases a connection and waits for its end.
@@ -204,9 +283,53 @@ impl<M: Wire> Session<M> {
                 at.index, at.slot, at.subslot
             )
         };
-        self.call(drive, &what, |client, now, ar| {
-            client.controller().read(now, ar, at, MAX_RECORD)
-        })
+        loop {
+            if let Some(ar) = self.for_records(drive)? {
+                return self.call(drive, ar, &what, |client, now, ar| {
+                    client.controller().read(now, ar, at, MAX_RECORD)
+                });
+            }
+            match self.read_implicitly(drive, at)? {
+                Ok(data) => return Ok(data),
+                // the next way is tried
+                Err(_) if self.is_closed(drive, Route::Implicit) => {}
+                Err(error) => {
+                    return Err(Error::Record {
+                        drive: drive.label(),
+                        what: what(),
+                        error,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Reads a record without a connection. A device that serves no such reads closes this way.
+    pub(super) fn read_implicitly(
+        &mut self,
+        drive: &Drive,
+        at: RecordAddress,
+    ) -> Result<Result<Vec<u8>, ServiceError>, Error> {
+        let now = self.now();
+        let call = self
+            .client
+            .controller()
+            .read_implicit(now, &target(drive), at, MAX_RECORD)?;
+        let result = self.wait(RECORD_LIMIT, |client| client.take_record(call))?;
+        let result = result.unwrap_or(Err(ServiceError::Timeout {
+            what: "implicit read",
+        }));
+        match &result {
+            Err(error) if is_no_service(error) => self.close_route(drive, Route::Implicit, error.to_string()),
+            // a device that is there and never answers this service does not serve it
+            Err(error @ ServiceError::Timeout { .. }) => {
+                if !self.reads_implicitly(drive) {
+                    self.close_route(drive, Route::Implicit, error.to_string());
+                }
+            }
+            _ => self.take_implicit(drive),
+        }
+        Ok(result)
     }
 
     /// One parameter job over the parameter channel of the drive.
@@ -214,26 +337,22 @@ impl<M: Wire> Session<M> {
         if let Some(slave) = drive.slave {
             return self.line_job(drive, slave, request);
         }
-        let channel = drive.model.channel;
-        let at = RecordAddress {
-            api: channel.api,
-            slot: channel.slot,
-            subslot: channel.subslot,
-            index: channel.index,
-        };
         let what = || "parameter access".to_owned();
-        self.call(drive, &what, |client, now, ar| {
-            client.controller().parameter_job(now, ar, at, request)
+        let ar = self.for_parameters(drive)?;
+        self.call(drive, ar, &what, |client, now, ar| {
+            client
+                .controller()
+                .parameter_job(now, ar, channel(drive), request)
         })
     }
 
     fn call(
         &mut self,
         drive: &Drive,
+        ar: ArId,
         what: &dyn Fn() -> String,
         start: impl FnOnce(&mut Client, Instant, ArId) -> Result<CallId, Misuse>,
     ) -> Result<Vec<u8>, Error> {
-        let ar = self.access(drive)?;
         let now = self.now();
         let call = start(&mut self.client, now, ar)?;
         match self.wait(RECORD_LIMIT, |client| client.take_record(call))? {
@@ -322,7 +441,7 @@ impl<M: Wire> Session<M> {
 }
 
 /// Somebody has the one cyclic connection.
-fn is_owned(cause: &LostCause) -> bool {
+pub(super) fn is_owned(cause: &LostCause) -> bool {
     match cause {
         LostCause::Service(ServiceError::Refused { status, .. }) => out_of_relations(*status),
         LostCause::AbortedByPeer(status) => out_of_relations(*status),

@@ -5,10 +5,11 @@ use profidrive::parameter::pnu;
 use profidrive::telegram::signal;
 use profinet::MacAddress;
 use profinet::controller::RecordAddress;
-use profinet::wire::record::{Im0, ImText, PortPeer, PortReal, decode_relations, index};
-use profinet::wire::{DecodeError, Reader};
+use profinet::wire::record::{IdentifiedModule, Im0, ImText, PortPeer, PortReal, decode_relations, index};
+use profinet::wire::{DecodeError, Reader, Uuid};
 
 use super::Session;
+use super::route::Route;
 use super::told::places;
 use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
@@ -80,6 +81,10 @@ pub struct Info {
     pub controller: Option<Option<String>>,
     /// Who is at the other end of its first cable; empty when it does not tell.
     pub peers: Vec<Peer>,
+    /// The modules that are plugged; empty when the device does not report them.
+    pub modules: Vec<IdentifiedModule>,
+    /// The way on which its records were read; `None` when no record was.
+    pub route: Option<Route>,
     /// Records and parameters the device refused, with its reason.
     pub refused: Vec<String>,
     /// The page of identifying parameters, refused ones left out.
@@ -87,18 +92,60 @@ pub struct Info {
 }
 
 impl<M: Wire> Session<M> {
-    /// Reads who a drive is and in which state. A drive that does not have something of it does not fail for that.
+    /// Reads who a device is and in which state. A device that does not have something of it does not fail for that: one
+    /// that is no drive, or whose parameters cannot be reached now, still has its identity and its modules.
     ///
     /// # Errors
-    /// When the drive cannot be reached.
+    /// When the device cannot be reached.
     pub fn info(&mut self, drive: &mut Drive) -> Result<Info, Error> {
         let mut info = Info {
             identity: None,
             controller: None,
             peers: Vec::new(),
+            modules: Vec::new(),
+            route: None,
             refused: Vec::new(),
             readings: Vec::new(),
         };
+        match self.read_records(drive, &mut info) {
+            Err(error @ Error::NoRoute { .. }) => info.refused.push(error.to_string()),
+            other => other?,
+        }
+        info.route = self.route(drive);
+        if !info.is_drive(drive) {
+            let error = Error::NotADrive { drive: drive.label() };
+            info.refused.push(error.to_string());
+            return Ok(info);
+        }
+        let readings = match self.page(drive).and_then(|page| self.read(drive, &page)) {
+            Ok(readings) => readings,
+            // a device without a parameter channel still has its identity
+            Err(Error::Record { what, error, .. }) => {
+                info.refused.push(format!("{what}: {error}"));
+                Vec::new()
+            }
+            Err(
+                error @ (Error::NoRoute { .. } | Error::ParametersOwned { .. } | Error::NotADrive { .. }),
+            ) => {
+                let told = error.to_string();
+                if !info.refused.contains(&told) {
+                    info.refused.push(told);
+                }
+                Vec::new()
+            }
+            Err(error) => return Err(error),
+        };
+        for reading in readings {
+            match reading {
+                Ok(reading) => info.readings.push(reading),
+                Err(refusal) => info.refused.push(Refusal::to_string(&refusal)),
+            }
+        }
+        Ok(info)
+    }
+
+    /// What stands in records, which need no parameters.
+    fn read_records(&mut self, drive: &Drive, info: &mut Info) -> Result<(), Error> {
         let records = if drive.is_on_line() { 0 } else { 4_u8 };
         for number in 0..records {
             let at = RecordAddress {
@@ -119,22 +166,8 @@ impl<M: Wire> Session<M> {
         }
         info.controller = self.owner(drive)?;
         info.peers = self.peers(drive)?;
-        let readings = match self.page(drive).and_then(|page| self.read(drive, &page)) {
-            Ok(readings) => readings,
-            // a device without a parameter channel still has its identity
-            Err(Error::Record { what, error, .. }) => {
-                info.refused.push(format!("{what}: {error}"));
-                Vec::new()
-            }
-            Err(error) => return Err(error),
-        };
-        for reading in readings {
-            match reading {
-                Ok(reading) => info.readings.push(reading),
-                Err(refusal) => info.refused.push(Refusal::to_string(&refusal)),
-            }
-        }
-        Ok(info)
+        info.modules = self.modules(drive)?;
+        Ok(())
     }
 
     /// What tells who and how a drive is: by its tables, else the numbers of the profile that it has.
@@ -183,8 +216,11 @@ impl<M: Wire> Session<M> {
             index: index::AR_DATA,
         };
         match self.read_record(drive, at) {
-            Ok(data) => Ok(controller(&data)),
-            // many devices do not tell
+            Ok(data) => {
+                let own = self.record_relations(drive);
+                Ok(controller_of(&data, &own))
+            }
+            // many devices do not report it
             Err(Error::Record { .. } | Error::NotOnLine { .. }) => Ok(None),
             Err(error) => Err(error),
         }
@@ -224,6 +260,13 @@ fn peers(port: &PortReal<'_>) -> Vec<Peer> {
 }
 
 impl Info {
+    /// Returns false for a device that reports its modules and has none of the drive profile.
+    #[must_use]
+    pub fn is_drive(&self, drive: &Drive) -> bool {
+        let mut modules = self.modules.iter();
+        self.modules.is_empty() || modules.any(|module| module.api == drive.model.channel.api)
+    }
+
     /// The first value of a parameter.
     #[must_use]
     pub fn raw(&self, pnu: u16) -> Option<i64> {
@@ -231,13 +274,14 @@ impl Info {
     }
 }
 
-/// The one relation that is no parameter tool.
-fn controller(data: &[u8]) -> Option<Option<String>> {
+/// The one relation that is no parameter tool, our `own` connections for records left out; `None` when the record has
+/// another form.
+pub(super) fn controller_of(data: &[u8], own: &[Uuid]) -> Option<Option<String>> {
     const DEVICE_ACCESS: u16 = 6;
     let relations = decode_relations(&mut Reader::new(data)).ok()??;
     let owner = relations
         .iter()
-        .find(|relation| relation.ar_type != DEVICE_ACCESS);
+        .find(|relation| relation.ar_type != DEVICE_ACCESS && !own.contains(&relation.ar_uuid));
     Some(owner.map(|relation| text(relation.station_name)))
 }
 

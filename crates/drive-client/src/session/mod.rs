@@ -18,9 +18,11 @@ mod learn;
 mod line;
 mod mode;
 mod monitor;
+mod neutral;
 mod parameters;
 mod plugged;
 mod prepare;
+mod route;
 mod scaling;
 mod status;
 mod stop;
@@ -47,6 +49,7 @@ pub use mode::{ModeBefore, PutBack};
 pub use monitor::Snapshot;
 pub(crate) use parameters::format_of;
 pub use parameters::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
+pub use route::{ClosedRoute, Route, RouteNotice};
 pub use scaling::take_scale;
 pub use stop::{StopOutcome, StopWay};
 
@@ -98,6 +101,10 @@ pub struct Session<M: Wire> {
     /// True while a stop is carried out that must not be interrupted.
     stopping: bool,
     access: Vec<access::Access>,
+    /// What turned out about the ways to drives.
+    routes: Vec<route::Routes>,
+    /// Follows the steps on these ways.
+    route_follower: RouteFollower,
     reference: u8,
     discovery: bool,
     /// When somebody who waits for an answer is to be told that there is none, and how.
@@ -109,6 +116,9 @@ struct Silence {
     due: Instant,
     tell: Box<dyn FnMut()>,
 }
+
+/// Takes the name of a drive and a step on the way to its records.
+type RouteFollower = Box<dyn FnMut(&str, &RouteNotice)>;
 
 /// How long a session that is left may still wait for each drive.
 const FAREWELL: Duration = Duration::from_secs(1);
@@ -153,6 +163,8 @@ impl<M: Wire> Session<M> {
             hurried: false,
             stopping: false,
             access: Vec::new(),
+            routes: Vec::new(),
+            route_follower: Box::new(|_, _| {}),
             reference: 0,
             discovery: true,
             silence: None,

@@ -4,12 +4,15 @@ use profidrive::catalogue::{Device, TelegramModule};
 use profinet::controller::{ModuleConfig, RecordAddress, SubmoduleConfig};
 use profinet::wire::Reader;
 use profinet::wire::block::BlockType;
-use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodule, index};
+use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodule, decode_apis, index};
 
 use super::Session;
 use crate::drive::PROFIDRIVE_API;
 use crate::modules::{MakerModule, PLACE, UNKNOWN, modules_of, place_of};
 use crate::{Drive, Error, Wire};
+
+/// Application processes of a device whose modules are read.
+const MOST_APIS: usize = 16;
 
 /// What is plugged, as far as the device tells (RealIdentificationData).
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -31,16 +34,41 @@ pub(super) struct Layout {
 impl<M: Wire> Session<M> {
     /// Reads what is plugged. A device that does not tell has nothing to be known.
     pub(super) fn plugged(&mut self, drive: &Drive) -> Result<Plugged, Error> {
-        Ok(Plugged {
-            access_point: self
-                .modules_of(drive, 0, (0, 1))?
-                .into_iter()
-                .find(|module| module.slot == 0),
-            drive: self
-                .modules_of(drive, PROFIDRIVE_API, PLACE)?
-                .into_iter()
-                .find(|module| !module.submodules.is_empty()),
-        })
+        let own = self.modules_of(drive, 0, (0, 1))?;
+        Ok(Plugged::new(own, self.modules_of(drive, PROFIDRIVE_API, PLACE)?))
+    }
+
+    /// Returns the modules that are plugged, of all application processes; empty when the device does not report them.
+    ///
+    /// # Errors
+    /// When the device cannot be reached.
+    pub fn modules(&mut self, drive: &Drive) -> Result<Vec<IdentifiedModule>, Error> {
+        if drive.is_on_line() {
+            return Ok(Vec::new());
+        }
+        let at = RecordAddress {
+            api: 0,
+            slot: 0,
+            subslot: 1,
+            index: index::API_DATA,
+        };
+        let apis = match self.read_record(drive, at) {
+            Ok(data) => decode_apis(Reader::new(&data)).unwrap_or_default(),
+            Err(Error::Record { .. }) => Vec::new(),
+            Err(error) => return Err(error),
+        };
+        let apis = if apis.is_empty() {
+            vec![0, PROFIDRIVE_API]
+        } else {
+            apis
+        };
+        let mut modules = Vec::new();
+        for api in apis.into_iter().take(MOST_APIS) {
+            let place = if api == 0 { (0, 1) } else { PLACE };
+            modules.extend(self.modules_of(drive, api, place)?);
+        }
+        modules.sort_by_key(|module| (module.slot, module.api));
+        Ok(modules)
     }
 
     fn modules_of(
@@ -56,18 +84,57 @@ impl<M: Wire> Session<M> {
             index: index::REAL_IDENTIFICATION_API,
         };
         match self.read_record(drive, at) {
-            Ok(data) => {
-                let found = Identification::decode(&mut Reader::new(&data), BlockType::REAL_IDENTIFICATION);
-                let modules = found.map_or_else(|_| Vec::new(), |found| found.modules);
-                Ok(modules.into_iter().filter(|module| module.api == api).collect())
-            }
+            Ok(data) => Ok(modules_in(&data, api)),
             Err(Error::Record { .. }) => Ok(Vec::new()),
             Err(error) => Err(error),
         }
     }
 }
 
+/// The modules of one API in RealIdentificationData.
+pub(super) fn modules_in(data: &[u8], api: u32) -> Vec<IdentifiedModule> {
+    let found = Identification::decode(&mut Reader::new(data), BlockType::REAL_IDENTIFICATION);
+    let modules = found.map_or_else(|_| Vec::new(), |found| found.modules);
+    modules.into_iter().filter(|module| module.api == api).collect()
+}
+
 impl Plugged {
+    /// From the modules of API 0 and of the drive profile.
+    pub(super) fn new(own: Vec<IdentifiedModule>, profile: Vec<IdentifiedModule>) -> Self {
+        Self {
+            access_point: own.into_iter().find(|module| module.slot == 0),
+            drive: profile.into_iter().find(|module| !module.submodules.is_empty()),
+        }
+    }
+
+    /// The modules of a connection for records: those that are plugged, so that nothing changes. `None` when slot 0 is
+    /// not known. The module of the drive is left out where nobody knows how long its data is.
+    pub(super) fn for_records(&self, device: &Device, makers: &[MakerModule]) -> Option<Vec<ModuleConfig>> {
+        let of_tables = (device.access_point_module != UNKNOWN).then(|| ModuleConfig {
+            api: 0,
+            slot: 0,
+            ident: device.access_point_module,
+            submodules: device
+                .access_point()
+                .map(|(subslot, ident)| plain(subslot, ident))
+                .collect(),
+        });
+        let mut access_point = of_tables.or_else(|| {
+            self.access_point.as_ref().map(|module| ModuleConfig {
+                api: 0,
+                slot: 0,
+                ident: module.ident,
+                submodules: Vec::new(),
+            })
+        })?;
+        self.take_access_point(&mut access_point);
+        let mut modules = vec![access_point];
+        if let Some(module) = &self.drive {
+            modules.extend(known_module(device, makers, module));
+        }
+        Some(modules)
+    }
+
     /// The telegram that is plugged, where the tables know its module.
     pub(super) fn telegram(&self, device: &Device) -> Option<u16> {
         let module = self.drive.as_ref().filter(|module| is_ours(device, module))?;
@@ -162,6 +229,38 @@ impl Plugged {
                 .collect();
         }
     }
+}
+
+/// A plugged module with the lengths of its data, one entry for each API; empty where they are not known.
+fn known_module(device: &Device, makers: &[MakerModule], module: &IdentifiedModule) -> Vec<ModuleConfig> {
+    let has = |subslot, ident| {
+        let same = |own: &&IdentifiedSubmodule| (own.subslot, own.ident) == (subslot, ident);
+        module.submodules.iter().any(|own| same(&own))
+    };
+    let carrier = device.layout.telegram;
+    let mut known = device.telegrams.iter();
+    let own = known.find(|known| known.module == module.ident && has(carrier, known.submodule));
+    if let Some(telegram) = own {
+        let submodules = module.submodules.iter().map(|submodule| {
+            let mut config = plain(submodule.subslot, submodule.ident);
+            if submodule.subslot == carrier {
+                (config.input_length, config.output_length) = (telegram.inputs, telegram.outputs);
+            }
+            config
+        });
+        return vec![ModuleConfig {
+            api: module.api,
+            slot: module.slot,
+            ident: module.ident,
+            submodules: submodules.collect(),
+        }];
+    }
+    let plugged = makers.iter().find(|maker| {
+        let here = maker.modules.iter().filter(|config| config.slot == module.slot);
+        let mut ours = here.filter(|config| config.api == module.api && config.ident == module.ident);
+        ours.any(|config| config.submodules.iter().all(|sub| has(sub.subslot, sub.ident)))
+    });
+    plugged.map_or_else(Vec::new, |maker| maker.modules.clone())
 }
 
 /// A submodule without cyclic data.

@@ -104,6 +104,7 @@ impl<M: Wire> Session<M> {
         };
         let telegram = wiring.telegram();
         let control = AxisControl::in_mode(limits, mode);
+        self.make_way(drive)?;
         let now = self.now();
         // from here on the object below sees to the end of the connection
         let mut waiting = None;

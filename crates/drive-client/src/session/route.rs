@@ -1,0 +1,227 @@
+//! How the records of a drive are reached: the ways there are, which of them a device refuses, and the one in use.
+
+use std::fmt;
+use std::net::Ipv4Addr;
+
+use profinet::MacAddress;
+use profinet::controller::{LostCause, ServiceError};
+use profinet::wire::PnioStatus;
+use profinet::wire::status::{DECODE_RECORD, record};
+
+use super::Session;
+use crate::{Drive, Error, Wire};
+
+/// A way to the records of a drive. The ways are tried in this order; the choice holds for the session.
+///
+/// Reads of records (identification, plugged modules, diagnosis) need no connection. Parameter jobs and writes belong to
+/// a connection: the answer to a job is read by the connection that wrote the request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Route {
+    /// A connection for records only (ARType 6, device access), beside any controller.
+    DeviceAccess,
+    /// Reads without a connection (Read Implicit), beside any controller.
+    Implicit,
+    /// A connection as IO controller whose outputs are never valid.
+    Controller,
+}
+
+impl Route {
+    /// Returns the name of the way for messages and programs.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::DeviceAccess => "device access",
+            Self::Implicit => "implicit reads",
+            Self::Controller => "connection as IO controller",
+        }
+    }
+}
+
+impl fmt::Display for Route {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A way that is closed, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClosedRoute {
+    /// The way.
+    pub route: Route,
+    /// What the device answered, or what its device description declares.
+    pub reason: String,
+}
+
+impl fmt::Display for ClosedRoute {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.route, self.reason)
+    }
+}
+
+/// A step on the way to the records of a drive, for people who want to follow it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum RouteNotice {
+    /// A way is taken.
+    Taken {
+        /// The way.
+        route: Route,
+        /// Particulars; empty for none.
+        details: String,
+    },
+    /// A way is closed; the next one is tried.
+    Closed(ClosedRoute),
+    /// The device accepts parameter jobs only while cyclic data is exchanged.
+    StartUpEnded,
+}
+
+impl fmt::Display for RouteNotice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Taken { route, details } => {
+                let what = match route {
+                    Route::DeviceAccess => "records and parameters over device access (ARType 6)",
+                    Route::Implicit => "records by implicit reads, without a connection",
+                    Route::Controller => "parameters over a connection as IO controller with invalid outputs",
+                };
+                f.write_str(what)?;
+                if details.is_empty() {
+                    Ok(())
+                } else {
+                    write!(f, ": {details}")
+                }
+            }
+            Self::Closed(closed) => write!(f, "no {closed}"),
+            Self::StartUpEnded => f.write_str(
+                "the device accepts no parameter jobs during start-up: start-up ended, outputs stay invalid",
+            ),
+        }
+    }
+}
+
+/// What is known about the ways to one drive.
+#[derive(Debug, Clone)]
+pub(super) struct Routes {
+    mac: MacAddress,
+    ip: Ipv4Addr,
+    closed: Vec<ClosedRoute>,
+    /// Implicit reads are in use and were reported.
+    implicit: bool,
+}
+
+impl Routes {
+    fn is_to(&self, drive: &Drive) -> bool {
+        self.mac == drive.station.mac && self.ip == drive.station.ip.address
+    }
+}
+
+impl<M: Wire> Session<M> {
+    /// Reports each step on the way to the records of a drive to `follow`: the drive's name and what happened.
+    pub fn follow_routes(&mut self, follow: impl FnMut(&str, &RouteNotice) + 'static) {
+        self.route_follower = Box::new(follow);
+    }
+
+    /// Returns the way on which records of a drive are read, once one was taken.
+    #[must_use]
+    pub fn route(&self, drive: &Drive) -> Option<Route> {
+        let open = self.access.iter().find(|access| access.is_to(drive));
+        let implicit = || self.reads_implicitly(drive).then_some(Route::Implicit);
+        open.map(|access| access.route).or_else(implicit)
+    }
+
+    /// Returns the ways to a drive that turned out to be closed, in the order in which they were tried.
+    #[must_use]
+    pub fn closed_routes(&self, drive: &Drive) -> &[ClosedRoute] {
+        self.routes_to(drive).map_or(&[], |routes| &routes.closed)
+    }
+
+    fn routes_to(&self, drive: &Drive) -> Option<&Routes> {
+        self.routes.iter().find(|routes| routes.is_to(drive))
+    }
+
+    fn routes_mut(&mut self, drive: &Drive) -> &mut Routes {
+        let known = self.routes.iter().position(|routes| routes.is_to(drive));
+        let at = known.unwrap_or_else(|| {
+            self.routes.push(Routes {
+                mac: drive.station.mac,
+                ip: drive.station.ip.address,
+                closed: Vec::new(),
+                implicit: false,
+            });
+            self.routes.len() - 1
+        });
+        &mut self.routes[at]
+    }
+
+    pub(super) fn is_closed(&self, drive: &Drive, route: Route) -> bool {
+        self.closed_routes(drive)
+            .iter()
+            .any(|closed| closed.route == route)
+    }
+
+    /// Notes that a way is closed for the rest of the session.
+    pub(super) fn close_route(&mut self, drive: &Drive, route: Route, reason: String) {
+        let closed = ClosedRoute { route, reason };
+        self.tell_route(drive, &RouteNotice::Closed(closed.clone()));
+        self.routes_mut(drive).closed.push(closed);
+    }
+
+    /// Implicit reads worked before.
+    pub(super) fn reads_implicitly(&self, drive: &Drive) -> bool {
+        self.routes_to(drive).is_some_and(|routes| routes.implicit)
+    }
+
+    /// Notes that implicit reads work.
+    pub(super) fn take_implicit(&mut self, drive: &Drive) {
+        let routes = self.routes_mut(drive);
+        if !std::mem::replace(&mut routes.implicit, true) {
+            let (route, details) = (Route::Implicit, String::new());
+            self.tell_route(drive, &RouteNotice::Taken { route, details });
+        }
+    }
+
+    pub(super) fn tell_route(&mut self, drive: &Drive, notice: &RouteNotice) {
+        (self.route_follower)(&drive.label(), notice);
+    }
+
+    /// Every way is closed.
+    pub(super) fn no_route(&self, drive: &Drive) -> Error {
+        Error::NoRoute {
+            drive: drive.label(),
+            closed: self.closed_routes(drive).to_vec(),
+        }
+    }
+}
+
+/// The device answered a connect, but with a refusal: another kind of connection may be accepted.
+pub(super) fn refusal(cause: &LostCause) -> Option<String> {
+    match cause {
+        LostCause::Service(error @ (ServiceError::Refused { .. } | ServiceError::Call { .. })) => {
+            Some(error.to_string())
+        }
+        LostCause::AbortedByPeer(_) => Some(cause.to_string()),
+        _ => None,
+    }
+}
+
+/// The device does not serve implicit reads at all; a refusal of the record itself is an answer.
+pub(super) const fn is_no_service(error: &ServiceError) -> bool {
+    match error {
+        ServiceError::Refused { status, .. } => status.decode != DECODE_RECORD,
+        ServiceError::Call { .. } => true,
+        _ => false,
+    }
+}
+
+/// The state of the connection forbids the write: the device may want cyclic data first.
+pub(super) const fn wants_data(error: &ServiceError) -> bool {
+    const WRITE: u8 = 0xDF;
+    const fn forbids(status: PnioStatus) -> bool {
+        status.code == WRITE
+            && status.decode == DECODE_RECORD
+            && matches!(status.code1, record::STATE_CONFLICT | record::ACCESS_DENIED)
+    }
+    match error {
+        ServiceError::NotReady { status, .. } | ServiceError::Refused { status, .. } => forbids(*status),
+        _ => false,
+    }
+}
