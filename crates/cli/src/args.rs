@@ -82,6 +82,9 @@ pub struct Interface {
     /// What the drive is to be taken for, where the person said so
     #[arg(skip)]
     pub model: Option<drive_client::Model>,
+    /// The device description of the drive's vendor, where the person has one
+    #[arg(skip)]
+    pub gsdml: Option<PathBuf>,
 }
 
 /// What a drive is taken for.
@@ -90,6 +93,10 @@ pub struct Kind {
     /// Takes the drive for an `akd`, `vlt` or `vacon` whatever it says it is, or by the profile alone: `standard`
     #[arg(long, value_name = "MODEL", value_parser = model)]
     pub model: Option<drive_client::Model>,
+    /// Device description of the vendor: ident numbers of modules that are not in the tables, and whether the drive accepts
+    /// connections for records
+    #[arg(long, value_name = "FILE")]
+    pub gsdml: Option<PathBuf>,
 }
 
 /// A command that speaks to a drive.
@@ -121,6 +128,9 @@ pub struct Global {
     /// Print data only, no talk
     #[arg(short, long, global = true)]
     pub quiet: bool,
+    /// Also say how the drive is reached: which connection it accepts and which it refuses
+    #[arg(short, long, global = true, conflicts_with = "quiet")]
+    pub verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -211,9 +221,6 @@ pub struct Cyclic {
     /// Update times without data after which both sides stop, together at most 1.92 s; at least 100 ms when left out
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=255))]
     pub watchdog: Option<u16>,
-    /// Take the ident numbers of modules that are not in the tables from this device description of the maker
-    #[arg(long, value_name = "FILE")]
-    pub gsdml: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -221,7 +228,7 @@ pub struct Ack {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
     /// By a parameter (DRV.CLRFAULTS) instead of the control word: takes no control, works beside a controller
-    #[arg(long, conflicts_with_all = ["cycle", "watchdog", "gsdml"])]
+    #[arg(long, conflicts_with_all = ["cycle", "watchdog"])]
     pub by_parameter: bool,
     #[command(flatten)]
     pub cyclic: Cyclic,
@@ -317,6 +324,7 @@ mod tests {
             "profidrive ip akd-1 10.0.0.2/24 --gateway 10.0.0.1 --temporary",
             "profidrive reset akd-1 --mode communication --yes",
             "profidrive read akd-1 DRV.ACC p930 r947[0..7] --json",
+            "profidrive read akd-1 DRV.ACC -v --gsdml GSDML-V2.3-Vendor-Drive-20200101.xml",
             "profidrive write akd-1 DRV.ACC=5000rpm/s --dry-run",
             "profidrive run akd-1 --velocity -60rpm --for 5s --cycle 16ms",
             "profidrive move akd-1 --to -10rev --velocity 300rpm --acceleration 3000rpm/s",

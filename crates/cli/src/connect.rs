@@ -3,7 +3,7 @@
 use std::net::Ipv4Addr;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use drive_client::{Drive, DriveAddress, LineAddress, LineConfig, Session};
+use drive_client::{Drive, DriveAddress, Error, LineAddress, LineConfig, Session};
 use indicatif::{ProgressBar, ProgressStyle};
 use network::linux::{
     Error as NetworkError, InterfaceInfo, PacketMedium, Patience, ServerPort, Stop, UdpMedium,
@@ -13,9 +13,11 @@ use profinet::{IpSuite, MacAddress};
 
 use crate::args::Interface;
 use crate::carrier::{self, Carrier};
+use crate::commands::maker;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::reach::{Reach, far, reach};
+use crate::render::table::clean;
 
 /// What a command needs of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +26,8 @@ pub enum Need {
     Discovery,
     /// Records; UDP is enough for a drive given by IP address.
     Records,
+    /// Records of a device that need not be a drive.
+    Identity,
     /// Cyclic data.
     Cyclic,
 }
@@ -41,11 +45,14 @@ pub fn session(
     // what moves an axis may take long to bring it to rest: the second signal is a quick stop
     let patience = match need {
         Need::Cyclic => Patience::Third,
-        Need::Discovery | Need::Records => Patience::Second,
+        Need::Discovery | Need::Records | Need::Identity => Patience::Second,
     };
     let stop = Stop::on_signals_with(patience)
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
-    let by_ip = matches!((need, drive), (Need::Records, Some(DriveAddress::Ip(_))));
+    let by_ip = matches!(
+        (need, drive),
+        (Need::Records | Need::Identity, Some(DriveAddress::Ip(_)))
+    );
     let mut session = match (self::interface(interface)?, by_ip) {
         (Some(name), _) => match PacketMedium::open(&name, server(need)) {
             Err(NetworkError::NoPermission { .. }) if by_ip => {
@@ -66,6 +73,8 @@ pub fn session(
         (None, false) => return Err(no_interface()),
     };
     let (flag, urgent, told) = (stop.clone(), stop, output.clone());
+    let details = output.clone();
+    session.follow_routes(move |drive, notice| details.detail(&clean(&format!("{drive}: {notice}"))));
     let reader = output.clone();
     session.interrupt_with(move || flag.is_stopped() || reader.is_closed());
     session.hurry_with(move || {
@@ -82,7 +91,7 @@ fn server(need: Need) -> ServerPort {
     match need {
         // devices call back on this port when a cyclic connection becomes ready
         Need::Cyclic => ServerPort::Required,
-        Need::Records => ServerPort::IfFree,
+        Need::Records | Need::Identity => ServerPort::IfFree,
         // left to a controller that starts meanwhile
         Need::Discovery => ServerPort::None,
     }
@@ -191,6 +200,9 @@ pub fn drive(
         Some(model) => drive.taken_for(model),
         None => drive,
     };
+    if let Some(file) = &interface.gsdml {
+        maker::describe(file, &mut drive)?;
+    }
     if let (Carrier::Packet(medium), true) = (session.medium(), need != Need::Discovery) {
         let info = medium.interface();
         match reach(&info.name, &info.addresses, &drive.label(), drive.station.ip)? {
@@ -198,17 +210,23 @@ pub fn drive(
             Reach::Routed(words) => output.warn(&words),
         }
     }
-    match (need, interface.model) {
-        (Need::Discovery, _) => {}
-        (_, None) => learn(&mut session, &mut drive, output)?,
+    let known = match (need, interface.model) {
+        (Need::Discovery, _) => Ok(()),
+        (_, None) => learn(&mut session, &mut drive, output),
         // without tables only the drive knows its axis
-        (_, Some(_)) => session.find_channel(&mut drive)?,
+        (_, Some(_)) => session.find_channel(&mut drive),
+    };
+    match known {
+        // a device without parameters still has its identity
+        Err(Error::NotADrive { .. } | Error::NoRoute { .. } | Error::ParametersOwned { .. })
+            if need == Need::Identity => {}
+        other => other?,
     }
     Ok((session, drive))
 }
 
 /// A drive of which there are no tables is asked for them.
-fn learn(session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
+fn learn(session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Error> {
     if drive.model.catalogue.is_some() {
         return Ok(());
     }
@@ -252,7 +270,7 @@ fn at_line(
 }
 
 /// Nobody answered; without discovery the address may be the reason.
-fn not_found(error: drive_client::Error, medium: &Carrier, address: &DriveAddress) -> Failure {
+fn not_found(error: Error, medium: &Carrier, address: &DriveAddress) -> Failure {
     let failure = Failure::from(error);
     let (Carrier::Udp(_), DriveAddress::Ip(ip)) = (medium, address) else {
         return failure;

@@ -185,6 +185,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
             ..
         }
         | Error::OwnedByController { .. }
+        | Error::ParametersOwned { .. }
         | Error::Record {
             error: ServiceError::Refused { .. },
             ..
@@ -202,6 +203,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::NoIpAddress { .. }
         | Error::Dcp { .. }
         | Error::Connect { .. }
+        | Error::NoRoute { .. }
         | Error::ConnectionLost { .. }
         | Error::Record { .. }
         | Error::Timeout { .. } => Exit::Unreachable,

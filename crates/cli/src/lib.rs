@@ -33,7 +33,9 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return misunderstood(&error),
     };
-    let output = Output::new(cli.global.json, cli.global.quiet).about(commands::drive(&cli.command));
+    let output = Output::new(cli.global.json, cli.global.quiet)
+        .with_details(cli.global.verbose)
+        .about(commands::drive(&cli.command));
     let result = commands::run(&cli, &output);
     output.end(result.as_ref().err());
     let lost = output.lost();

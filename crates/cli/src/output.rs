@@ -47,6 +47,7 @@ impl Colour {
 pub struct Output {
     json: bool,
     quiet: bool,
+    verbose: bool,
     colour_out: bool,
     colour_err: bool,
     live: bool,
@@ -76,6 +77,7 @@ impl Output {
         Self {
             json,
             quiet,
+            verbose: false,
             colour_out: colour && io::stdout().is_terminal(),
             colour_err: colour && io::stderr().is_terminal(),
             live: io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb"),
@@ -90,6 +92,18 @@ impl Output {
     pub fn about(mut self, drive: Option<&str>) -> Self {
         self.drive = drive.map(str::to_owned);
         self
+    }
+
+    /// The same, which also says how drives are reached if `verbose`.
+    #[must_use]
+    pub const fn with_details(mut self, verbose: bool) -> Self {
+        self.verbose = verbose;
+        self
+    }
+
+    /// True when particulars are wanted.
+    pub const fn verbose(&self) -> bool {
+        self.verbose
     }
 
     /// True when data goes out as JSON.
@@ -220,6 +234,13 @@ impl Output {
     /// Says something to the person, not to a program that reads along.
     pub fn say(&self, text: &str) {
         if !self.quiet {
+            write_err(&format!("{text}\n"));
+        }
+    }
+
+    /// Says a particular, where these are wanted.
+    pub fn detail(&self, text: &str) {
+        if self.verbose {
             write_err(&format!("{text}\n"));
         }
     }

@@ -87,23 +87,15 @@ pub fn left(place: Option<f64>, now: Option<f64>) -> Option<f64> {
 /// How far an axis may be away from where it was before that is told, turns.
 const LEFT: f64 = 0.01;
 
-/// The settings of an axis; the drive takes the modules of a device description that is named.
-pub fn settings(
-    cyclic: &Cyclic,
-    drive: &mut Drive,
-    purpose: Purpose,
-    limit: f64,
-) -> Result<AxisSettings, Failure> {
-    if let Some(file) = &cyclic.gsdml {
-        super::maker::describe(file, drive)?;
-    }
-    Ok(AxisSettings {
+/// The settings of an axis.
+pub fn settings(cyclic: &Cyclic, purpose: Purpose, limit: f64) -> AxisSettings {
+    AxisSettings {
         purpose,
         cycle: cyclic.cycle,
         watchdog: cyclic.watchdog,
         speed_limit: limit,
         ..AxisSettings::default()
-    })
+    }
 }
 
 /// Warns of a limit switch that the drive is told to turn into.

@@ -42,7 +42,7 @@ pub fn run(args: &Home, interface: &Interface, output: &Output) -> Result<(), Fa
 fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
     const END: End = End::Target("the axis is not homed");
     let procedure = procedure(session, drive)?;
-    let settings = axis::settings(&args.cyclic, drive, Purpose::Home, f64::INFINITY)?;
+    let settings = axis::settings(&args.cyclic, Purpose::Home, f64::INFINITY);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
         "this moves the axis: {} homes{procedure}, telegram {}; Ctrl-C stops it",

@@ -1,7 +1,8 @@
 //! `profidrive info DRIVE`
 
 use drive_client::parameter::Reading;
-use drive_client::{FaultEntry, Identity, Info, describe};
+use drive_client::{FaultEntry, Identity, Info, PROFIDRIVE_API, describe};
+use profinet::wire::record::IdentifiedModule;
 use serde_json::Value;
 
 use crate::args;
@@ -18,10 +19,15 @@ const ZSW1: u16 = 2;
 const STW1: u16 = 1;
 
 pub fn run(args: &args::Drive, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Identity, &args.drive, output)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
     let info = session.info(&mut drive);
-    let faults = session.faults(&mut drive);
+    let readable = info.as_ref().is_ok_and(|info| !info.readings.is_empty());
+    let faults = if readable {
+        session.faults(&mut drive)
+    } else {
+        Ok(Vec::new())
+    };
     spinner.finish_and_clear();
     let info = info?;
     let faults = faults.unwrap_or_default();
@@ -30,9 +36,19 @@ pub fn run(args: &args::Drive, interface: &Interface, output: &Output) -> Result
         output.document("info", json(&drive, &info, &faults));
         return Ok(());
     }
-    output.line(&format!("{} ({})", describe(&drive.station), drive.model.name));
+    let kind = if info.is_drive(&drive) {
+        drive.model.name
+    } else {
+        "not a drive"
+    };
+    output.line(&format!("{} ({kind})", describe(&drive.station)));
     for line in lines(&info, &faults) {
         output.line(&line);
+    }
+    if output.verbose() || !info.is_drive(&drive) || info.readings.is_empty() {
+        for line in module_lines(&info) {
+            output.line(&line);
+        }
     }
     if let Some(zsw1) = word(&info, ZSW1) {
         let colour = match zsw1 {
@@ -121,6 +137,36 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         );
     }
     lines
+}
+
+/// What is plugged where, by ident numbers.
+fn module_lines(info: &Info) -> Vec<String> {
+    let line = |module: &IdentifiedModule| {
+        let submodules: Vec<String> = module
+            .submodules
+            .iter()
+            .map(|submodule| {
+                let place = match submodule.subslot {
+                    0x8000.. => format!("0x{:04X}", submodule.subslot),
+                    subslot => subslot.to_string(),
+                };
+                format!("{place}: 0x{:08X}", submodule.ident)
+            })
+            .collect();
+        let api = match module.api {
+            0 => String::new(),
+            PROFIDRIVE_API => ", drive profile".into(),
+            api => format!(", API 0x{api:X}"),
+        };
+        format!(
+            "{:<12} slot {}{api}: module 0x{:08X}, subslots {}",
+            "module",
+            module.slot,
+            module.ident,
+            submodules.join(", ")
+        )
+    };
+    info.modules.iter().map(line).collect()
 }
 
 fn identity_lines(identity: &Identity) -> [(&'static str, String); 8] {
@@ -259,6 +305,18 @@ fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serd
         })
         .collect();
     fields.insert("neighbours".into(), peers.into());
+    let modules = info.modules.iter().map(|module| {
+        let submodules = module.submodules.iter().map(|submodule| {
+            Value::Object(fields! { "subslot": submodule.subslot, "ident": submodule.ident })
+        });
+        let submodules: Vec<Value> = submodules.collect();
+        Value::Object(fields! {
+            "api": module.api, "slot": module.slot, "ident": module.ident, "submodules": submodules,
+        })
+    });
+    fields.insert("modules".into(), modules.collect::<Vec<Value>>().into());
+    fields.insert("route".into(), info.route.map(drive_client::Route::name).into());
+    fields.insert("drive".into(), info.is_drive(drive).into());
     let readings: Vec<Value> = info.readings.iter().map(value::json).collect();
     fields.insert("parameters".into(), readings.into());
     let faults: Vec<Value> = faults

@@ -116,7 +116,7 @@ fn try_out(
     } else {
         Purpose::Jog
     };
-    let settings = axis::settings(&args.cyclic, drive, purpose, limit)?;
+    let settings = axis::settings(&args.cyclic, purpose, limit);
     let tried = rehearse::axis(session, drive, &settings, None, output)?;
     let speed = match wanted.filter(|_| args.real_time) {
         Some(speed) => speed,
@@ -179,7 +179,7 @@ fn go(
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
     let facts = session.motion_facts(drive)?;
-    let settings = axis::settings(&args.cyclic, drive, Purpose::Jog, limit)?;
+    let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     let (inner, own) = taken.session();
     let JogSpeed {
@@ -272,7 +272,7 @@ fn real_time(
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
     axis::warn_switch(speed, &session.motion_facts(drive)?, output);
-    let settings = axis::settings(&args.cyclic, drive, Purpose::RealTimeJog, limit)?;
+    let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",

@@ -13,7 +13,8 @@ use virtual_drive::model;
 use crate::failure::{Exit, Failure};
 use crate::render::table::clean;
 
-/// Gives the drive the modules of its telegrams and the update times of a device description.
+/// Gives the drive what a device description says of it: the modules of its telegrams, its update times, and whether it
+/// accepts connections for records.
 pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
     let file = super::gsdml::read(path)?;
     let (name, vendor) = (path.display(), file.identity.vendor_id);
@@ -40,7 +41,15 @@ pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
     })?;
     drive.maker_modules = import.description.telegrams.iter().map(of).collect();
     drive.maker_timings = timings(&file.access_points);
+    drive.device_access = device_access(&file.access_points);
     Ok(())
+}
+
+/// What every access point of a description declares: which one is plugged is the project's choice.
+fn device_access(points: &[AccessPoint]) -> Option<bool> {
+    let mut declared = points.iter().map(|point| point.features.device_access);
+    let first = declared.next().flatten()?;
+    declared.all(|other| other == Some(first)).then_some(first)
 }
 
 /// The update times that every access point of a description allows: which one is plugged is the project's choice.
@@ -100,6 +109,7 @@ mod tests {
         };
         let mut drive = Drive::new(station);
         describe(&file, &mut drive).unwrap();
+        assert_eq!(drive.device_access, None, "the file says nothing");
         let mut modules = drive.maker_modules.iter();
         let nine = modules.find(|module| module.telegram == 9).unwrap();
         assert_eq!(nine.lengths(), (20, 10));

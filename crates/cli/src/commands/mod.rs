@@ -14,7 +14,7 @@ mod home;
 mod info;
 mod inject;
 mod jog;
-mod maker;
+pub mod maker;
 mod motion;
 mod r#move;
 mod parameters;
@@ -144,6 +144,7 @@ const fn offline(command: &Command) -> Option<&'static str> {
 fn towards<T: clap::Args>(cli: &Cli, on: &OnDrive<T>) -> Interface {
     Interface {
         model: on.kind.model,
+        gsdml: on.kind.gsdml.clone(),
         ..interface(cli, &on.interface).clone()
     }
 }

@@ -45,7 +45,7 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
         Err(error) => return Err(error.into()),
     }
     output.say("acknowledging by an edge of STW1 bit 7");
-    let settings = axis::settings(&args.cyclic, &mut drive, Purpose::Control, 0.0)?;
+    let settings = axis::settings(&args.cyclic, Purpose::Control, 0.0);
     let mut taken = session.take_axis(&mut drive, settings)?;
     axis::watch(&mut taken, "ack", false, output);
     let result = taken.ready_or_fault().and_then(|()| taken.acknowledge());

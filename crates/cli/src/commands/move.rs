@@ -96,7 +96,7 @@ fn go(
     const END: End = End::Target("the target was not reached");
     let plan = session.plan_move(drive, order, limit)?;
     permitted(&plan, drive)?;
-    let settings = axis::settings(&args.cyclic, drive, Purpose::Move, limit)?;
+    let settings = axis::settings(&args.cyclic, Purpose::Move, limit);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
         "this moves the axis: {} {}, telegram {}; Ctrl-C stops it",

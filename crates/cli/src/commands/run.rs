@@ -150,7 +150,7 @@ pub fn run(args: &Run, interface: &Interface, output: &Output) -> Result<(), Fai
 fn try_out(args: &Run, wish: &Wish, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     permitted(args, wish, &mut session, &mut drive, output)?;
-    let settings = settings(args, wish, &mut drive)?;
+    let settings = settings(args, wish, &drive)?;
     let needed = Some((Mode::Velocity, &args.mode));
     let tried = rehearse::axis(&mut session, &mut drive, &settings, needed, output)?;
     session.close()?;
@@ -183,12 +183,12 @@ fn time_told(args: &Run) -> String {
     )
 }
 
-fn settings(args: &Run, wish: &Wish, drive: &mut Drive) -> Result<AxisSettings, Failure> {
+fn settings(args: &Run, wish: &Wish, drive: &Drive) -> Result<AxisSettings, Failure> {
     Ok(AxisSettings {
         telegram: args.telegram.map(|name| name.number(drive)).transpose()?,
         unit: wish.unit,
         reference_speed: wish.reference_speed,
-        ..axis::settings(&args.cyclic, drive, Purpose::Speed, wish.limit)?
+        ..axis::settings(&args.cyclic, Purpose::Speed, wish.limit)
     })
 }
 

@@ -43,7 +43,7 @@ fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
     session.check_mode(drive, Mode::Position)?;
     session.check_control(drive)?;
     session.check_task(drive, args.number)?;
-    let settings = axis::settings(&args.cyclic, drive, Purpose::Task, f64::INFINITY)?;
+    let settings = axis::settings(&args.cyclic, Purpose::Task, f64::INFINITY);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
         "this moves the axis: {} carries out its motion task {}, telegram {}; Ctrl-C stops it",
