@@ -9,12 +9,15 @@ use std::time::Duration;
 
 use bench::{Bench, bench_of, command, drive_at, drive_mut, find, ip, other_controller, select};
 use drive_client::{
-    AxisSettings, Client, Drive, Error, Route, RouteNotice, Session, StopWay, WriteMode, modules_of,
+    AxisSettings, Client, Drive, Error, MakerModule, Route, RouteNotice, Session, StopWay, WriteMode,
+    modules_of,
 };
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive::parameter::{Keep, ParameterAccess};
-use profinet::controller::{ArId, ConnectConfig, ControllerConfig, RecordAddress, Resolve, Target};
+use profinet::controller::{
+    ArId, ConnectConfig, ControllerConfig, ModuleConfig, RecordAddress, Resolve, SubmoduleConfig, Target,
+};
 use profinet::cyclic::Timing;
 use profinet::device::{
     Device, DeviceConfig, Identity, ModuleDescription, Refusals, Stored, SubmoduleDescription,
@@ -447,6 +450,61 @@ fn a_device_description_that_declares_no_device_access_skips_the_try() {
     let tried = events(&mut session, id);
     let connected = |event: &StationEvent| matches!(event, StationEvent::Connected { .. });
     assert!(!tried.iter().any(connected), "{tried:?}");
+}
+
+/// Ident numbers that no table has: the vendor's device description gives the lengths, without it the module is left out.
+#[test]
+fn the_device_description_completes_modules_that_are_not_in_the_tables() {
+    let file = "GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
+    let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
+    config.description = bench::description(file);
+    config.refusals.device_access = Some(NO_AR_TYPE);
+    config.network = Stored {
+        name: "drive-1".into(),
+        ip: ip(1),
+        ..Stored::default()
+    };
+    let makers: Vec<MakerModule> = config
+        .description
+        .telegrams
+        .iter()
+        .map(|telegram| MakerModule {
+            telegram: telegram.telegram,
+            place: (telegram.slot, telegram.subslot),
+            modules: vec![ModuleConfig {
+                api: config.description.api,
+                slot: telegram.slot,
+                ident: telegram.module.ident,
+                submodules: telegram
+                    .module
+                    .submodules
+                    .iter()
+                    .map(|submodule| SubmoduleConfig {
+                        subslot: submodule.subslot,
+                        ident: submodule.ident,
+                        input_length: submodule.input_length,
+                        output_length: submodule.output_length,
+                    })
+                    .collect(),
+            }],
+        })
+        .collect();
+    for (makers, complete) in [(makers, true), (Vec::new(), false)] {
+        let (mut session, ids) = bench_of(vec![Box::new(Host::new(Station::new(config.clone())))]);
+        let notices = follow(&mut session);
+        let mut drive = find(&mut session, "drive-1").expect("there");
+        drive.maker_modules = makers;
+        let plugged = drive_at(&session, ids[0]).device().plugged(1);
+        write(&mut session, &mut drive, "DRV.ACC", "4000").expect("written");
+        let expected = notices.borrow().iter().any(|notice| {
+            matches!(notice, RouteNotice::Taken { route: Route::Controller, details } if details.contains("slot 1 "))
+        });
+        assert_eq!(expected, complete);
+        session.close().expect("closed");
+        let station = drive_at(&session, ids[0]);
+        assert_eq!(station.device().plugged(1), plugged, "nothing is plugged anew");
+        assert!(!station.drive().has_fault());
+    }
 }
 
 /// The one place for a controller is given to the axis, and taken again for parameters afterwards.

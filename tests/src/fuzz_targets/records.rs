@@ -60,7 +60,7 @@ pub fn records(data: &[u8]) {
         blocks += 1;
         assert!(blocks <= data.len(), "a block without octets");
     }
-    if let Ok(relations) = decode_relations(&mut Reader::new(data)) {
+    if let Ok(Some(relations)) = decode_relations(&mut Reader::new(data)) {
         assert!(relations.len() <= data.len());
     }
 }

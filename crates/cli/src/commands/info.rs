@@ -92,16 +92,7 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         }
     }
     if let Some(controller) = &info.controller {
-        let text = controller.as_ref().map_or_else(
-            || "nobody: no controller is connected, `profidrive run` can take it".into(),
-            |name| {
-                format!(
-                    "controller \"{}\"; reading and `profidrive monitor` work beside it",
-                    clean(name)
-                )
-            },
-        );
-        line("control", text);
+        line("control", control(controller.as_deref(), info));
     }
     for peer in &info.peers {
         let station = match &peer.station[..] {
@@ -137,6 +128,19 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         );
     }
     lines
+}
+
+/// Who commands the device, and what can be done beside that.
+fn control(controller: Option<&str>, info: &Info) -> String {
+    // a device that has state and mode is a drive whose parameters can be reached now
+    match (controller.map(clean), info.readings.is_empty()) {
+        (None, false) => "nobody: no controller is connected, `profidrive run` can take it".into(),
+        (None, true) => "nobody: no controller is connected".into(),
+        (Some(name), false) => {
+            format!("controller \"{name}\"; reading and `profidrive monitor` work beside it")
+        }
+        (Some(name), true) => format!("controller \"{name}\"; identity and diagnosis can be read beside it"),
+    }
 }
 
 /// What is plugged where, by ident numbers.

@@ -75,7 +75,9 @@ impl<M: Wire> Session<M> {
         }
         let profile = modules.pop().unwrap_or_default();
         let plugged = Plugged::new(modules.pop().unwrap_or_default(), profile);
-        let Some(modules) = plugged.for_records(&device, &drive.maker_modules) else {
+        let known = tables.filter(|_| !drive.model.learned);
+        let known = known.map(|tables| &tables.device);
+        let Some(modules) = plugged.for_records(known, &drive.maker_modules) else {
             let reason = "the plugged modules are not known: the device does not report them".into();
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));

@@ -109,8 +109,12 @@ impl Plugged {
 
     /// The modules of a connection for records: those that are plugged, so that nothing changes. `None` when slot 0 is
     /// not known. The module of the drive is left out where nobody knows how long its data is.
-    pub(super) fn for_records(&self, device: &Device, makers: &[MakerModule]) -> Option<Vec<ModuleConfig>> {
-        let of_tables = (device.access_point_module != UNKNOWN).then(|| ModuleConfig {
+    pub(super) fn for_records(
+        &self,
+        device: Option<&Device>,
+        makers: &[MakerModule],
+    ) -> Option<Vec<ModuleConfig>> {
+        let of_tables = device.map(|device| ModuleConfig {
             api: 0,
             slot: 0,
             ident: device.access_point_module,
@@ -232,15 +236,22 @@ impl Plugged {
 }
 
 /// A plugged module with the lengths of its data, one entry for each API; empty where they are not known.
-fn known_module(device: &Device, makers: &[MakerModule], module: &IdentifiedModule) -> Vec<ModuleConfig> {
+fn known_module(
+    device: Option<&Device>,
+    makers: &[MakerModule],
+    module: &IdentifiedModule,
+) -> Vec<ModuleConfig> {
     let has = |subslot, ident| {
         let same = |own: &&IdentifiedSubmodule| (own.subslot, own.ident) == (subslot, ident);
         module.submodules.iter().any(|own| same(&own))
     };
-    let carrier = device.layout.telegram;
-    let mut known = device.telegrams.iter();
-    let own = known.find(|known| known.module == module.ident && has(carrier, known.submodule));
-    if let Some(telegram) = own {
+    let own = device.and_then(|device| {
+        let carrier = device.layout.telegram;
+        let mut telegrams = device.telegrams.iter();
+        let own = telegrams.find(|own| own.module == module.ident && has(carrier, own.submodule))?;
+        Some((carrier, own))
+    });
+    if let Some((carrier, telegram)) = own {
         let submodules = module.submodules.iter().map(|submodule| {
             let mut config = plain(submodule.subslot, submodule.ident);
             if submodule.subslot == carrier {
