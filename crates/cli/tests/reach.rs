@@ -185,6 +185,9 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
             let all = [implicit.to_vec(), vec![(Route::Controller, true)]].concat();
             assert_eq!(steps(&notices), all);
             assert_eq!(relations(&session, id), 1);
+            let device = drive_at(&session, id).device();
+            assert!(device.send_interval() >= Some(Duration::from_millis(16)));
+            assert!(device.watchdog() >= Some(Duration::from_millis(100)));
             // idle for longer than any time-out of the connection
             session.pass(Duration::from_secs(70)).expect("time passes");
             read(&mut session, &mut drive, name).expect("still open");

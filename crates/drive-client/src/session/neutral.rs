@@ -9,10 +9,9 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::Device;
 use profidrive::parameter::{ParameterAddress, encode_read, pnu};
-use profinet::controller::{ArId, ConnectConfig, Misuse, RecordAddress, Resolve};
-use profinet::cyclic::{TICK, Timing};
+use profinet::controller::{ArId, ConnectConfig, RecordAddress, Resolve};
+use profinet::cyclic::TICK;
 use profinet::wire::Reader;
 use profinet::wire::record::{decode_apis, index};
 
@@ -21,35 +20,18 @@ use super::access::{channel, target};
 use super::info::controller_of;
 use super::plugged::{Plugged, modules_in};
 use super::route::{Route, RouteNotice, wants_data};
+use crate::axis::Cycle;
 use crate::drive::PROFIDRIVE_API;
 use crate::learn::device_of;
 use crate::modules::PLACE;
 use crate::{Connection, Drive, Error, Wire};
 
-/// Shortest update time that an ordinary computer keeps under load.
-const CALM_CYCLE: Duration = Duration::from_millis(16);
-/// Shortest time without data that counts as a lost connection there.
-const CALM_WATCHDOG: Duration = Duration::from_millis(100);
-/// Fewest update times without data.
-const FEWEST: u16 = 3;
 /// How long a device may take to become ready.
 const READY_LIMIT: Duration = Duration::from_secs(30);
 /// How long a device may refuse a job in the start-up before the start-up is ended for it.
 const START_UP_JOB: Duration = Duration::from_secs(2);
 /// Largest request of one parameter.
 const ONE_PARAMETER: usize = 32;
-
-/// Returns update time and watchdog factor that an ordinary computer keeps while it has other work, within what the device
-/// allows.
-pub(super) fn calm(device: &Device) -> Result<(Timing, u16), Misuse> {
-    let least = TICK * u32::from(device.min_device_interval);
-    let timing = Timing::for_interval(least.max(CALM_CYCLE)).ok_or(Misuse::Range("cycle"))?;
-    let times = CALM_WATCHDOG
-        .as_nanos()
-        .div_ceil(timing.interval().as_nanos().max(1));
-    let factor = u16::try_from(times).unwrap_or(FEWEST).max(FEWEST);
-    Ok((timing, factor))
-}
 
 impl<M: Wire> Session<M> {
     /// Opens a connection as IO controller for the records of a drive.
@@ -82,18 +64,19 @@ impl<M: Wire> Session<M> {
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));
         };
-        let (timing, watchdog) = calm(&device)?;
+        let least = TICK * u32::from(device.min_device_interval);
+        let cycle = Cycle::choose(&drive.maker_timings, least, None, None)?;
         let slots: Vec<String> = modules
             .iter()
             .map(|module| format!("slot {} 0x{:08X}", module.slot, module.ident))
             .collect();
-        let details = format!("{}, update time {:?}", slots.join(", "), timing.interval());
+        let details = format!("{}, update time {:?}", slots.join(", "), cycle.interval());
         let config = ConnectConfig {
-            watchdog_factor: watchdog,
-            data_hold_factor: watchdog,
+            watchdog_factor: cycle.watchdog,
+            data_hold_factor: cycle.watchdog,
             resolve: Resolve::Trust,
             ready_limit: READY_LIMIT,
-            ..ConnectConfig::for_records(modules, timing)
+            ..ConnectConfig::for_records(modules, cycle.timing)
         };
         let now = self.now();
         let ar = self.client.controller().connect(now, target(drive), config)?;
@@ -186,27 +169,6 @@ impl<M: Wire> Session<M> {
                 self.close_route(drive, Route::Controller, "no cyclic data came".into());
                 Err(self.no_route(drive))
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use profidrive::catalogue::{AKD, VACON, VLT};
-
-    #[test]
-    fn the_calm_cycle_is_within_what_each_device_allows() {
-        for tables in [&AKD, &VLT, &VACON] {
-            let (timing, factor) = calm(&tables.device).unwrap();
-            let least = TICK * u32::from(tables.device.min_device_interval);
-            assert!(timing.interval() >= least.max(CALM_CYCLE), "{}", tables.model);
-            assert!(timing.hold_time(factor) >= CALM_WATCHDOG, "{}", tables.model);
-            assert!(
-                timing
-                    .check(factor, factor, tables.device.min_device_interval)
-                    .is_ok()
-            );
         }
     }
 }
