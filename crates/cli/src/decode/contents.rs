@@ -332,7 +332,10 @@ fn port_block(
 }
 
 fn relations(data: &[u8]) -> Result<Content, DecodeError> {
-    let found = decode_relations(&mut Reader::new(data))?;
+    let Some(found) = decode_relations(&mut Reader::new(data))? else {
+        let text = "connections in another version of the record".to_owned();
+        return Ok(normal(text, json!({ "connections": null })));
+    };
     let texts: Vec<String> = found
         .iter()
         .map(|relation| {
