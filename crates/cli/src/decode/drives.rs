@@ -32,12 +32,13 @@ impl Drives {
 
     /// The drive at an address.
     pub fn at(&mut self, ip: Ipv4Addr) -> &mut JobDrive {
-        let fresh = self.model.map_or_else(JobDrive::default, JobDrive::new);
+        let model = self.model;
+        let fresh = || model.map_or_else(JobDrive::default, JobDrive::new);
         if self.known.len() >= MAX_DRIVES && !self.known.contains_key(&ip) {
-            self.other = fresh;
+            self.other = fresh();
             return &mut self.other;
         }
-        self.known.entry(ip).or_insert(fresh)
+        self.known.entry(ip).or_insert_with(fresh)
     }
 
     /// The object of a call tells which vendor and device are at an address.

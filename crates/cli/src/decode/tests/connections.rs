@@ -323,3 +323,29 @@ fn words_and_speeds_are_numbers() {
     assert_eq!(event.weight, Weight::Error);
     assert_eq!(capture.walker.summary()[0].faults, 1);
 }
+
+/// Most frames of a capture are cyclic data in which nothing happens but a speed that moves.
+#[test]
+fn cyclic_data_without_an_event_is_decoded_without_allocation() {
+    let mut capture = Capture::default();
+    connect(&mut capture, 0);
+    let frame = |cycle: u16| {
+        let [high, low] = cycle.to_be_bytes();
+        let data = [0x02, 0x40, high, low, 0x80];
+        cyclic(DRIVE, PLC, INPUTS, &data, cycle.wrapping_mul(128), GOOD)
+    };
+    let frames: Vec<_> = (1..500_u16)
+        .map(|cycle| (u64::from(cycle) * 4, frame(cycle)))
+        .collect();
+    let (first, rest) = frames.split_at(5);
+    for (at, frame) in first {
+        capture.at(*at, frame);
+    }
+    let mut events = 0;
+    let made = allocations::made_by(|| {
+        for (at, frame) in rest {
+            events += capture.walker.frame(Duration::from_millis(*at), frame).len();
+        }
+    });
+    assert_eq!((events, made), (0, 0));
+}
