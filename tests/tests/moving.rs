@@ -387,7 +387,10 @@ fn local_operation_is_respected() {
         let refused = client(&lab, order);
         assert_eq!(refused.code, Some(6), "{order:?}: {refused:?}");
         assert!(
-            refused.err.contains("is in local operation: it is enabled (S4)"),
+            refused
+                .err
+                .contains("is in local operation (ZSW1 bit 9 is 0): its service channel has enabled it")
+                && refused.err.contains("`profidrive stop akd-1 --disable`"),
             "{order:?}: {refused:?}"
         );
         assert!(!refused.err.contains("this moves the axis"), "{refused:?}");

@@ -30,6 +30,8 @@ pub enum Need {
     Identity,
     /// Cyclic data.
     Cyclic,
+    /// Records, and cyclic data where the drive has no other means to be stopped; beside a controller on this computer too.
+    Stop,
 }
 
 /// A session on a real network, or a serial line.
@@ -44,14 +46,17 @@ pub fn session(
 ) -> Result<Live, Failure> {
     // what moves an axis may take long to bring it to rest: the second signal is a quick stop
     let patience = match need {
-        Need::Cyclic => Patience::Third,
+        Need::Cyclic | Need::Stop => Patience::Third,
         Need::Discovery | Need::Records | Need::Identity => Patience::Second,
     };
     let stop = Stop::on_signals_with(patience)
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     let by_ip = matches!(
         (need, drive),
-        (Need::Records | Need::Identity, Some(DriveAddress::Ip(_)))
+        (
+            Need::Records | Need::Identity | Need::Stop,
+            Some(DriveAddress::Ip(_))
+        )
     );
     let mut session = match (self::interface(interface)?, by_ip) {
         (Some(name), _) => match PacketMedium::open(&name, server(need)) {
@@ -91,7 +96,7 @@ fn server(need: Need) -> ServerPort {
     match need {
         // devices call back on this port when a cyclic connection becomes ready
         Need::Cyclic => ServerPort::Required,
-        Need::Records | Need::Identity => ServerPort::IfFree,
+        Need::Records | Need::Identity | Need::Stop => ServerPort::IfFree,
         // left to a controller that starts meanwhile
         Need::Discovery => ServerPort::None,
     }
@@ -312,6 +317,8 @@ mod tests {
     fn only_cyclic_data_needs_the_port_of_the_controller() {
         assert_eq!(server(Need::Discovery), ServerPort::None);
         assert_eq!(server(Need::Records), ServerPort::IfFree);
+        // a client on this computer that runs a drive must not keep it from being stopped
+        assert_eq!(server(Need::Stop), ServerPort::IfFree);
         assert_eq!(server(Need::Cyclic), ServerPort::Required);
     }
 }

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde_json::{Map, Value};
 
+use crate::advice;
 use crate::carrier::CarrierError;
 use crate::fields;
 
@@ -146,11 +147,20 @@ impl From<drive_client::Error> for Failure {
             };
         }
         let failure = Self::new(exit_of(&error), error.to_string());
-        match error.hint() {
+        match hint(&error, error.hint()) {
             Some(hint) => failure.hint(hint),
             None => failure,
         }
     }
+}
+
+/// What to do about an error: what its kind says, and its action as a command.
+pub fn hint(error: &drive_client::Error, of_kind: Option<String>) -> Option<String> {
+    let action = error
+        .action()
+        .and_then(|action| advice::sentence(&action, "DRIVE"));
+    let all: Vec<String> = of_kind.into_iter().chain(action).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 impl From<drive_client::parameter::ParameterProblem> for Failure {
@@ -170,7 +180,8 @@ fn exit_of(error: &drive_client::Error) -> Exit {
             ..
         }
         | Error::AtWork { .. }
-        | Error::LocalOperation { .. } => Exit::Safety,
+        | Error::LocalOperation { .. }
+        | Error::Ownerless { .. } => Exit::Safety,
         Error::Held { error, .. } => exit_of(error),
         Error::Dcp {
             error: DcpError::Refused { .. } | DcpError::NotSupported,

@@ -4,6 +4,7 @@
 //! [`main`].
 #![forbid(unsafe_code)]
 
+mod advice;
 mod args;
 mod carrier;
 mod commands;

@@ -10,7 +10,7 @@ use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_dri
 use drive_client::axis::{Move, Objection, Purpose, Trouble};
 use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
-use drive_client::{AxisSettings, Drive, Error, MakerModule, StopWay, WriteMode};
+use drive_client::{AxisSettings, Drive, Error, LocalControl, MakerModule, StopWay, WriteMode};
 use profidrive::notation::Position;
 use profidrive::parameter::{Keep, ParameterAccess};
 use profidrive::state::{Mode, State};
@@ -564,7 +564,13 @@ fn local_operation_is_refused_before_control_is_taken() {
             .map(|_| ())
             .expect_err("local operation");
         assert!(
-            matches!(error, Error::LocalOperation { enabled: true, .. }),
+            matches!(
+                error,
+                Error::LocalOperation {
+                    by: LocalControl::ServiceChannel,
+                    ..
+                }
+            ),
             "{purpose:?}: {error}"
         );
     }

@@ -119,6 +119,28 @@ struct AxisLink {
 const ANSWER: u64 = 4;
 
 impl AxisLink {
+    /// Puts the present command into the outputs, if it is not there.
+    fn send(&mut self, controller: &mut Controller, line: Option<&mut Line>) {
+        let command = self.control.command();
+        if self.sent == Some(command) {
+            return;
+        }
+        let data = self.wiring.encode(&command);
+        let sent = match self.link {
+            Link::Relation(ar) => controller.set_output(ar, self.slot, self.subslot, data).is_ok(),
+            Link::Slave(slave) => match (line, data.try_into()) {
+                (Some(line), Ok(outputs)) => {
+                    line.set_outputs(slave, outputs);
+                    true
+                }
+                _ => false,
+            },
+        };
+        if sent {
+            self.sent = Some(command);
+        }
+    }
+
     /// The drive has answered the present control word: by another status word, or by saying the same for some cycles.
     fn note_answer(&mut self, received: u64) {
         let word = self.control.command().stw1;
@@ -367,6 +389,16 @@ impl Client {
             answered: Stw1(0),
             since: (0, None),
         });
+        self.take_over();
+    }
+
+    /// An axis that is taken over in operation is commanded from the first output on, not from the first input.
+    fn take_over(&mut self) {
+        for axis in &mut self.axes {
+            if axis.control.goal() == Goal::Keep && axis.sent.is_none() {
+                axis.send(&mut self.controller, self.line.as_mut());
+            }
+        }
     }
 
     /// Sets what is wanted of the axis of a connection.
@@ -422,6 +454,7 @@ impl Client {
         while let Some(event) = self.controller.poll_event() {
             self.take(event);
         }
+        self.take_over();
         for axis in &mut self.axes {
             let received = match axis.link {
                 Link::Relation(ar) => self.controller.statistics(ar).map_or(0, |counts| counts.received),
@@ -454,26 +487,7 @@ impl Client {
             if command.stw1 != before {
                 axis.since = (received, axis.seen.map(|seen| seen.zsw1));
             }
-            if axis.sent == Some(command) {
-                continue;
-            }
-            let data = axis.wiring.encode(&command);
-            let sent = match axis.link {
-                Link::Relation(ar) => self
-                    .controller
-                    .set_output(ar, axis.slot, axis.subslot, data)
-                    .is_ok(),
-                Link::Slave(slave) => match (&mut self.line, data.try_into()) {
-                    (Some(line), Ok(outputs)) => {
-                        line.set_outputs(slave, outputs);
-                        true
-                    }
-                    _ => false,
-                },
-            };
-            if sent {
-                axis.sent = Some(command);
-            }
+            axis.send(&mut self.controller, self.line.as_mut());
         }
     }
 

@@ -15,13 +15,14 @@ use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
 use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
 use crate::parameter::ParameterProblem;
-use crate::{AtWork, ClosedRoute, DriveAddress};
+use crate::session::{LocalControl, LossReaction};
+use crate::{Action, AtWork, ClosedRoute, DriveAddress};
 
 pub use refusal::Refusal;
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
-    closed_text, holders_text, in_place, join, local_text, objections_text, once, others, owner_text,
+    closed_text, holders_text, in_place, join, objections_text, once, others, owner_text, reaction_text,
     speed_text, telegram_text, unit_text,
 };
 
@@ -74,10 +75,12 @@ pub enum Error {
         noise: u64,
     },
     /// A drive at a serial line does not answer any more.
-    #[error("{drive} does not answer any more")]
+    #[error("{drive} does not answer any more{}", reaction_text(.reaction))]
     LineSilent {
         /// The drive.
         drive: String,
+        /// What the drive does without its master, where an axis was under control.
+        reaction: Option<Box<LossReaction>>,
     },
     /// The parameter channel of a serial line did not do what was wanted.
     #[error("{drive}: {error}")]
@@ -164,12 +167,14 @@ pub enum Error {
         drive: String,
     },
     /// A connection ended that was wanted.
-    #[error("{drive}: connection lost: {cause}")]
+    #[error("{drive}: connection lost: {cause}{}", reaction_text(.reaction))]
     ConnectionLost {
         /// The drive.
         drive: String,
         /// Why.
         cause: LostCause,
+        /// What the drive does without its controller, where an axis was under control.
+        reaction: Option<Box<LossReaction>>,
     },
     /// A record could not be read or written.
     #[error("{drive}: {}", once(.what, .error))]
@@ -249,12 +254,22 @@ pub enum Error {
         wanted: u16,
     },
     /// Somebody at the drive itself commands it; nothing was sent.
-    #[error("{drive} is in local operation: {}", local_text(*.enabled))]
+    #[error("{drive} is in local operation (ZSW1 bit 9 is 0): {by}")]
     LocalOperation {
         /// The drive.
         drive: String,
-        /// It is enabled (S4) from there.
-        enabled: bool,
+        /// Who.
+        by: LocalControl,
+    },
+    /// The drive is in operation though no controller commands it; nothing was sent.
+    #[error(
+        "{drive} is in operation (S4) though no controller is connected: its last control word is still in force"
+    )]
+    Ownerless {
+        /// The drive.
+        drive: String,
+        /// What brings it to rest.
+        stop: Action,
     },
     /// The drive is at work, which this would disturb; nothing was sent.
     #[error("{drive} is not {undone}: {works}")]

@@ -14,6 +14,7 @@
 //! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
 #![forbid(unsafe_code)]
 
+mod action;
 mod address;
 pub mod axis;
 pub mod backup;
@@ -29,6 +30,7 @@ mod session;
 pub mod status;
 mod wire;
 
+pub use action::Action;
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
@@ -37,9 +39,9 @@ pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::{MakerModule, modules_of};
 pub use session::{
-    AtWork, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described, DescribedLimits,
-    Enabled, FaultEntry, FaultReport, GoesOn, Identity, Info, JogSpeed, LoggedFault, ModeBefore, Peer,
-    PlannedChange, PlannedValue, PutBack, Route, RouteNotice, Session, Snapshot, StopOutcome, StopWay,
-    WarningEntry, WarningWatcher, Watcher, WriteMode,
+    AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described,
+    DescribedLimits, Enabled, FaultEntry, FaultReport, Identity, Info, JogSpeed, LocalControl, LoggedFault,
+    LossAction, LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, Route, RouteNotice,
+    Session, Snapshot, StopMeans, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher, WriteMode,
 };
 pub use wire::Wire;

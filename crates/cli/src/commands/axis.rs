@@ -8,17 +8,18 @@ use clap::Args;
 use drive_client::axis::{Cycle, Goal, MotionFacts, Purpose, SpeedUnit, Strained, Trouble};
 use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
 use drive_client::{
-    AxisSettings, AxisStatus, Drive, Error, FaultEntry, GoesOn, ModeBefore, PutBack, WarningEntry,
+    AxisSettings, AxisStatus, Drive, Error, FaultEntry, LossAction, ModeBefore, PutBack, WarningEntry,
 };
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
 use profinet::cyclic::Timing;
 use serde_json::{Map, Value};
 
+use crate::advice;
 use crate::args::{Cyclic, Interface};
 use crate::carrier::Carrier;
 use crate::connect::{self, Live, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::{self, Exit, Failure};
 use crate::fields;
 use crate::output::Output;
 use crate::render::live::{AxisView, LiveView};
@@ -205,26 +206,32 @@ pub fn tell_alone(
     command: &str,
     output: &Output,
 ) -> Result<(), Failure> {
-    let Some(goes_on) = session.goes_on_alone(drive)? else {
+    let loss = session.loss_reaction(drive)?;
+    if loss.action.stops() {
+        return Ok(());
+    }
+    let (Some(parameter), Some(setting)) = (&loss.parameter, &loss.setting) else {
         return Ok(());
     };
-    let GoesOn {
-        parameter,
-        setting,
-        stops,
-        stops_text,
-    } = goes_on;
-    let does = stops_text.map_or_else(
-        || "makes it stop".to_owned(),
-        |text| format!("makes it stop ({text})"),
-    );
-    let advice = format!("profidrive write {} {parameter}={stops}", drive.label());
+    let label = drive.label();
+    let remedy = loss.remedy.as_ref();
     if output.json() {
-        let alone = fields! { "parameter": parameter.as_str(), "setting": setting.as_str(), "advice": advice.as_str() };
+        let command_line = remedy.and_then(|action| advice::command(action, &label));
+        let alone = fields! {
+            "parameter": parameter.as_str(), "setting": setting.as_str(), "action": loss.action.id(),
+            "advice": command_line,
+        };
         output.event(command, fields! { "goes_on_alone": alone });
     }
+    let does = match loss.action {
+        LossAction::KeepsTurning => "the drive goes on",
+        _ => "it is not known whether the drive stops",
+    };
+    let advice = remedy
+        .and_then(|action| advice::sentence(action, &label))
+        .map_or_else(String::new, |advice| format!("; {advice}"));
     output.warn(&format!(
-        "{parameter} is {setting}: should this program be killed or the line break, the drive goes on; `{advice}` {does}"
+        "{parameter} is {setting}: should this program be killed or the line break, {does}{advice}"
     ));
     Ok(())
 }
@@ -428,7 +435,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
             ..
         }
     );
-    let hint = error.hint_for(drive);
+    let hint = failure::hint(&error, error.hint_for(drive));
     let mut failure = Failure::from(error);
     failure.hint = hint;
     if !asked {
@@ -447,7 +454,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
     // the axis is released by now: that nobody commands it is no news
     if diagnosis.verdict == Verdict::Held && status.faults.is_empty() && !held {
         failure.message = format!("{}; {}", failure.message, diagnosis.sentence);
-        failure.hint = diagnosis.next.or(failure.hint);
+        failure.hint = advice::next(&diagnosis, &drive.label()).or(failure.hint);
     }
     // by now it is off: what turns it then no command of ours holds, and a fault that comes of it stays
     let turns = |note: &Note| note.id == Cause::MovedFromOutside.id();

@@ -1,12 +1,14 @@
 //! `profidrive status`
 
 use clap::Args;
+use drive_client::LossReaction;
 use drive_client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
 use profidrive::catalogue::{Catalogue, Part};
 use profidrive::state::{Mode, Profile};
 use serde_json::{Map, Value};
 
 use super::axis::{told, warned};
+use crate::advice;
 use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
@@ -53,8 +55,8 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
         };
         let sentence = format!("{}: {}", drive.label(), clean(&diagnosis.sentence));
         output.line(&output.paint(colour, &sentence));
-        if let Some(next) = &diagnosis.next {
-            output.line(&format!("  next: {}", clean(next)));
+        if let Some(next) = advice::next(&diagnosis, &drive.label()) {
+            output.line(&format!("  next: {}", clean(&next)));
         }
         for note in &diagnosis.notes {
             output.line(&output.paint(Colour::Warning, &format!("  also: {}", clean(&note.sentence))));
@@ -141,6 +143,11 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
     let rpm = |speed: Option<f64>| speed.map(|speed| format!("{speed:.2} rpm"));
     line("speed set", rpm(status.speed_set));
     line("speed", rpm(status.speed_actual));
+    let lost = status
+        .loss
+        .as_ref()
+        .filter(|loss| !loss.action.stops() && loss.parameter.is_some());
+    line("if lost", lost.map(ToString::to_string));
     line("position", status.position.map(|turns| format!("{turns:.3} rev")));
     line(
         "following",
@@ -243,7 +250,7 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
         .collect();
     let mut fields = fields! {
         "drive": status.drive.as_str(), "verdict": diagnosis.verdict.to_string(), "cause": diagnosis.cause.id(),
-        "sentence": diagnosis.sentence.as_str(), "next": diagnosis.next.as_deref(),
+        "sentence": diagnosis.sentence.as_str(), "next": advice::next(diagnosis, &status.drive), "actions": advice::json(diagnosis, &status.drive),
         "state": status.zsw1.map(|zsw1| words::state_number(zsw1.0, status.stw1.map(|stw1| stw1.0))),
         "telegram": status.telegram, "mode": status.mode, "command_source": status.command_source,
         "disable_sources": status.disable_sources, "motion_disable_sources": status.motion_disable_sources,
@@ -254,6 +261,9 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
         "following_error": status.following_error, "bus_voltage": status.bus_voltage, "notes": notes,
         "faults": faults, "warnings": warnings,
     };
+    if let Some(loss) = &status.loss {
+        fields.insert("on_loss".into(), Value::Object(on_loss(loss)));
+    }
     if let Some(controller) = &status.controller {
         fields.insert("controller".into(), controller.as_deref().into());
     }
@@ -270,6 +280,14 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
         );
     }
     fields
+}
+
+/// What the drive does when its controller is lost.
+fn on_loss(loss: &LossReaction) -> Map<String, Value> {
+    fields! {
+        "action": loss.action.id(), "parameter": loss.parameter.as_deref(), "setting": loss.setting.as_deref(),
+        "after": loss.after.map(|after| after.as_secs_f64()),
+    }
 }
 
 fn entry(number: u32, meaning: Option<&str>, remedy: Option<&str>) -> Value {

@@ -17,7 +17,8 @@ use crate::render::table::clean;
 pub struct Stop {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS
     pub drive: String,
-    /// Switch the power stage off too (DRV.DIS); its controller needs OFF and ON afterwards
+    /// Switch the power stage off too (AKD: DRV.DIS; all others are always switched off); its controller needs OFF and ON
+    /// afterwards
     #[arg(long)]
     pub disable: bool,
     /// How long the axis may take to come to rest
@@ -26,7 +27,7 @@ pub struct Stop {
 }
 
 pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Failure> {
-    let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
+    let (mut session, mut drive) = connect::drive(interface, Need::Stop, &args.drive, output)?;
     let way = if args.disable {
         StopWay::Disable
     } else {
@@ -38,6 +39,11 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
     session.close()?;
     let label = drive.label();
     let command = way.command(&drive);
+    // of a drive that is stopped by its control word there is nothing stronger
+    let has_disable = drive
+        .model
+        .catalogue
+        .is_some_and(|tables| tables.part(StopWay::Disable.part()).is_some());
     if output.json() {
         output.document(
             "stop",
@@ -74,7 +80,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
             command
         ),
     )
-    .hint(if args.disable {
+    .hint(if args.disable || !has_disable {
         "stop it at its controller or with its safety circuit; this command is no emergency stop"
     } else {
         "--disable switches the power stage off; this command is no emergency stop"

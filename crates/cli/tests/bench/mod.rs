@@ -3,7 +3,9 @@
 // each test program uses a part of it
 #![allow(dead_code)]
 
+pub mod line;
 pub mod watched;
+pub mod world;
 
 use std::net::Ipv4Addr;
 use std::path::Path;

@@ -102,6 +102,23 @@ impl AxisControl {
         }
     }
 
+    /// With control of a drive that is in operation: what it obeys now goes on until the first goal.
+    #[must_use]
+    pub fn taking_over(limits: Limits, mode: Mode, present: Command) -> Self {
+        let position = mode == Mode::Position;
+        let stw1 = if position {
+            present.stw1.without(Stw1::ACTIVATE_TASK)
+        } else {
+            present.stw1
+        };
+        Self {
+            goal: Goal::Keep,
+            command: Command { stw1, ..present },
+            may_turn: true,
+            ..Self::in_mode(limits, mode)
+        }
+    }
+
     /// Sets what is wanted from now on.
     pub fn pursue(&mut self, now: Instant, goal: Goal) {
         // a new setpoint while running is no new start
@@ -274,6 +291,10 @@ impl AxisControl {
             Goal::Released => {
                 self.progress = Progress::Reached;
                 word(RELEASED)
+            }
+            Goal::Keep => {
+                self.progress = Progress::Reached;
+                self.command
             }
             Goal::Ready => self.make_ready(now, seen),
             Goal::Enabled => self.enabled(now, seen),

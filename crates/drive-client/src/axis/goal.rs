@@ -32,6 +32,9 @@ impl Jog {
 pub enum Goal {
     /// Nothing: control is not taken.
     Released,
+    /// What the drive obeyed before control of it was taken goes on. Only where an axis begins with it
+    /// ([`AxisControl::taking_over`](super::AxisControl::taking_over)).
+    Keep,
     /// Control taken, standing, ready for switching on (S2).
     Ready,
     /// Operation (S4), standing: speed setpoint 0, no task. A task under way is stopped along its ramp and discarded.

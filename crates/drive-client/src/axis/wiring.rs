@@ -1,6 +1,6 @@
 //! Where the signals of an axis are in the cyclic data.
 
-use profidrive::state::Profile;
+use profidrive::state::{Profile, Stw1};
 use profidrive::telegram::{Direction, Mapping, MappingError, SetError, Telegram, signal};
 
 use super::command::Command;
@@ -59,6 +59,8 @@ pub struct Wiring {
     image: Vec<u8>,
     /// Whose bits the words in the places of STW1 and ZSW1 have.
     words: Profile,
+    /// Bits of the control word beside STW1 that stand in it as long as control is taken.
+    kept: u16,
     /// The control word sent last.
     sent: u16,
     /// Words of the setpoints with a parameter that settings of the drive choose: index behind the parameter channel
@@ -92,6 +94,7 @@ impl Wiring {
             setpoint,
             actual,
             words: Profile::default(),
+            kept: 0,
             sent: 0,
             chosen: Vec::new(),
         })
@@ -115,6 +118,18 @@ impl Wiring {
     pub fn with_words(mut self, words: Profile) -> Self {
         self.words = words;
         self
+    }
+
+    /// Whose bits the control and status words have.
+    #[must_use]
+    pub const fn words(&self) -> Profile {
+        self.words
+    }
+
+    /// Keeps the bits of this control word that STW1 has no bit for ([`Profile::beside`]) as long as control is taken: a
+    /// drive that turns by that word is not to change its direction, ramp or set-up.
+    pub fn keep_bits(&mut self, word: u16) {
+        self.kept = self.words.beside(word);
     }
 
     /// A telegram whose signals are fixed, or the default of a free one.
@@ -141,6 +156,7 @@ impl Wiring {
             actual: Mapping::of(&telegram.actual),
             image: vec![0; usize::from(telegram.setpoint.octets).min(MOST_OCTETS)],
             words: Profile::default(),
+            kept: 0,
             sent: 0,
             chosen: telegram.parameter_words(&telegram.setpoint).collect(),
         }
@@ -228,7 +244,12 @@ impl Wiring {
     /// The octets of a command. Does not allocate.
     pub fn encode(&mut self, command: &Command) -> &[u8] {
         let task = &command.traverse;
-        self.sent = self.words.control(command.stw1);
+        let kept = if command.stw1.has(Stw1::CONTROL_BY_PLC) {
+            self.kept
+        } else {
+            0
+        };
+        self.sent = self.words.control(command.stw1) | kept;
         let values = [
             (signal::STW1, i64::from(self.sent)),
             (signal::NSOLL_A, i64::from(command.nsoll_a)),
@@ -284,7 +305,7 @@ const fn wrapped(value: i64) -> i32 {
 mod tests {
     use super::*;
     use crate::axis::Traverse;
-    use profidrive::state::{Stw1, Zsw1};
+    use profidrive::state::Zsw1;
     use profidrive::telegram::{DANFOSS, KOLLMORGEN};
 
     fn akd(number: u16) -> Wiring {

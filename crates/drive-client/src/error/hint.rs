@@ -7,10 +7,33 @@ use profinet::controller::{LostCause, ServiceError};
 use profinet::wire::PnioStatus;
 
 use super::Error;
-use crate::Drive;
 use crate::axis::{Objection, SpeedUnit, Trouble};
+use crate::session::LocalControl;
+use crate::{Action, Drive};
 
 impl Error {
+    /// The next thing to do about it, where that is one action. A front end words it.
+    #[must_use]
+    pub fn action(&self) -> Option<Action> {
+        match self {
+            Self::Ownerless { stop, .. } => Some(stop.clone()),
+            Self::LocalOperation {
+                by: LocalControl::ServiceChannel,
+                ..
+            } => Some(Action::Disable),
+            Self::ConnectionLost {
+                reaction: Some(reaction),
+                ..
+            }
+            | Self::LineSilent {
+                reaction: Some(reaction),
+                ..
+            } if !reaction.action.stops() => Some(Action::Stop),
+            Self::ConnectionLost { .. } | Self::LineSilent { .. } => Some(Action::Status),
+            _ => None,
+        }
+    }
+
     /// What to do about it, with the parameters that a drive of this make has for it.
     #[must_use]
     pub fn hint_for(&self, drive: &Drive) -> Option<String> {
@@ -140,9 +163,7 @@ impl Error {
             Self::UnknownModel { .. } => {
                 "if it is one of the known drives under another number, --model akd|vlt|vacon takes it for that".into()
             }
-            Self::LocalOperation { drive, .. } => format!(
-                "switch it off there (service channel: `profidrive stop {drive} --disable`) and hand control over to the field bus"
-            ),
+            Self::LocalOperation { by, .. } => by.remedy(),
             Self::SpeedLost { .. } => {
                 "something else stopped or limits it (`profidrive stop`, a limit of the drive, a limit switch) or the load holds it".into()
             }
@@ -176,16 +197,10 @@ impl Error {
                 _ => "check baud rate and parity (VLT: 8-32, 8-33), and the termination of the line",
             }
             .into(),
-            Self::LineSilent { .. } => {
-                "check line and adapter; the drive stops by itself only where its time-out is set to that (VLT: 8-03, 8-04)"
-                    .into()
-            }
+            Self::LineSilent { .. } => "check line and adapter".into(),
             Self::Channel { error, .. } => error.remedy(PkwErrorNames::Profile).into(),
             Self::OtherWire { .. } => {
                 "fc:PORT/ADDRESS and uss:PORT/ADDRESS are at a serial line, all others on a network".into()
-            }
-            Self::ConnectionLost { .. } => {
-                "the drive stops by itself, as it is set for a lost connection; `profidrive ack DRIVE` once it is reachable again".into()
             }
             _ => return None,
         })

@@ -6,6 +6,7 @@ use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
 
 use crate::axis::{Objection, SpeedUnit};
+use crate::session::LossReaction;
 use crate::{ClosedRoute, DriveAddress};
 
 /// What was heard instead of an answer.
@@ -60,12 +61,11 @@ pub(super) fn once(what: &str, error: &ServiceError) -> String {
     }
 }
 
-pub(super) fn local_text(enabled: bool) -> &'static str {
-    if enabled {
-        "it is enabled (S4) though no controller commands it"
-    } else {
-        "it does not ask for control by the field bus (ZSW1 bit 9 is 0)"
-    }
+/// What the drive does without its controller.
+pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
+    reaction
+        .as_ref()
+        .map_or_else(String::new, |reaction| format!("; {reaction}"))
 }
 
 pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {

@@ -112,6 +112,8 @@ struct Slave {
     outputs: [u8; PROCESS],
     /// What came last, until it is taken.
     inputs: Option<[u8; PROCESS]>,
+    /// What came last: status word and actual value, which are in every reply.
+    latest: Option<[u8; PROCESS]>,
 }
 
 /// The master of a line: asks only those drives of which somebody wants something, and is silent else.
@@ -166,6 +168,7 @@ impl Line {
             cyclic: false,
             outputs: [0; PROCESS],
             inputs: None,
+            latest: None,
         });
         Some(id)
     }
@@ -271,6 +274,12 @@ impl Line {
         self.get_mut(id)?.inputs.take()
     }
 
+    /// Status word and actual value of the last reply.
+    pub fn latest(&self, id: SlaveId) -> Option<[u16; 2]> {
+        let [high, low, rest @ ..] = self.get(id)?.latest?;
+        Some([u16::from_be_bytes([high, low]), u16::from_be_bytes(rest)])
+    }
+
     pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
         self.master.handle_octets(time(now), octets);
         self.work(time(now));
@@ -296,6 +305,7 @@ impl Line {
                         continue;
                     };
                     slave.inputs = parts.pzd.try_into().ok();
+                    slave.latest = slave.inputs;
                     match parts.pkw {
                         [] => None,
                         pkw => slave.channel.handle(now, pkw),

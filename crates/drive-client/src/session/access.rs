@@ -202,9 +202,14 @@ impl<M: Wire> Session<M> {
             .insert(0, Access::of(drive, ar, true, Route::Controller));
     }
 
+    /// Records do not go through a connection any more. What became of the connection of an axis stays known until the
+    /// axis is released.
     pub(super) fn drop_access(&mut self, ar: ArId) {
+        let of_axis = self.access.iter().any(|access| access.ar == ar && access.cyclic);
         self.access.retain(|access| access.ar != ar);
-        self.client.forget(ar);
+        if !of_axis {
+            self.client.forget(ar);
+        }
     }
 
     /// Closes every connection for record access.
@@ -265,6 +270,7 @@ impl<M: Wire> Session<M> {
             end?;
         }
         self.drop_access(ar);
+        self.client.forget(ar);
         Ok(())
     }
 
@@ -354,20 +360,17 @@ impl<M: Wire> Session<M> {
         start: impl FnOnce(&mut Client, Instant, ArId) -> Result<CallId, Misuse>,
     ) -> Result<Vec<u8>, Error> {
         let now = self.now();
-        let call = start(&mut self.client, now, ar)?;
+        let call = match start(&mut self.client, now, ar) {
+            Ok(call) => call,
+            // it ended meanwhile: no mistake of the caller
+            Err(Misuse::UnknownConnection | Misuse::NotOpenYet) => {
+                return Err(self.lost_access(drive, ar, "record access"));
+            }
+            Err(misuse) => return Err(misuse.into()),
+        };
         match self.wait(RECORD_LIMIT, |client| client.take_record(call))? {
             Some(Ok(data)) => Ok(data),
-            Some(Err(ServiceError::Closed { what: service })) => {
-                let cause = match self.client.connection(ar) {
-                    Connection::Lost(cause) => cause,
-                    _ => LostCause::Service(ServiceError::Closed { what: service }),
-                };
-                self.drop_access(ar);
-                Err(Error::ConnectionLost {
-                    drive: drive.label(),
-                    cause,
-                })
-            }
+            Some(Err(ServiceError::Closed { what: service })) => Err(self.lost_access(drive, ar, service)),
             Some(Err(error)) => Err(Error::Record {
                 drive: drive.label(),
                 what: what(),
@@ -378,6 +381,20 @@ impl<M: Wire> Session<M> {
                 what: "record access",
                 limit: RECORD_LIMIT,
             }),
+        }
+    }
+
+    /// The error of a call whose connection is gone.
+    fn lost_access(&mut self, drive: &Drive, ar: ArId, what: &'static str) -> Error {
+        let cause = match self.client.connection(ar) {
+            Connection::Lost(cause) => cause,
+            _ => LostCause::Service(ServiceError::Closed { what }),
+        };
+        self.drop_access(ar);
+        Error::ConnectionLost {
+            drive: drive.label(),
+            cause,
+            reaction: None,
         }
     }
 
@@ -401,7 +418,10 @@ impl<M: Wire> Session<M> {
             }
             Some(Connection::Silent) => {
                 self.client.forget(link);
-                Err(Error::LineSilent { drive: drive.label() })
+                Err(Error::LineSilent {
+                    drive: drive.label(),
+                    reaction: None,
+                })
             }
             _ => {
                 self.client.forget(link);

@@ -7,13 +7,14 @@ mod rest;
 use std::time::Duration;
 
 use profidrive::state::Mode;
-use profinet::controller::Misuse;
+use profinet::controller::{LostCause, ServiceError};
 use profinet::cyclic::CyclicStatistics;
 
 use super::Session;
 use super::enabled::Enabled;
 use super::faults::WarningEntry;
 use super::keep::Kept;
+use super::loss::LossReaction;
 use super::warnings::Warnings;
 use crate::axis::{
     Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, SpeedScale, SpeedUnit, Strained,
@@ -171,6 +172,8 @@ pub struct Axis<'s, M: Wire> {
     pub(super) evidence: Option<Evidence>,
     /// What the telegram writes in coarser steps than the drive has them.
     kept: Kept,
+    /// What the drive does when this connection is lost.
+    loss: Box<LossReaction>,
     /// Where the move under way leads, in turns.
     pub(super) target: Option<f64>,
     taken: profinet::Instant,
@@ -475,16 +478,13 @@ impl<'s, M: Wire> Axis<'s, M> {
         if let (Some(watcher), Some(status)) = (&mut self.watcher, &status) {
             watcher(status);
         }
-        let drive = || self.drive.label();
-        match self.session.client.connection(self.link) {
-            Connection::Lost(cause) => {
-                let drive = drive();
-                return Err(Error::ConnectionLost { drive, cause });
-            }
-            Connection::Silent => return Err(Error::LineSilent { drive: drive() }),
-            _ => {}
+        if let Some(error) = self.lost() {
+            return Err(error);
         }
-        let status = status.ok_or(Misuse::UnknownConnection)?;
+        let Some(status) = status else {
+            let what = "cyclic data";
+            return Err(self.connection_lost(LostCause::Service(ServiceError::Closed { what })));
+        };
         let ramp = status.view.goal == Goal::Stop && !status.view.quick_stop && !status.view.at_rest;
         if ramp && self.session.hurries() {
             let now = self.session.now();
@@ -502,6 +502,32 @@ impl<'s, M: Wire> Axis<'s, M> {
                 self.look_for_warnings(&status);
                 Ok(status)
             }
+        }
+    }
+
+    /// What the drive does when the connection of the axis is lost, by its settings at the time control was taken.
+    #[must_use]
+    pub const fn loss_reaction(&self) -> &LossReaction {
+        &self.loss
+    }
+
+    /// The error of a connection that is gone.
+    pub(super) fn lost(&self) -> Option<Error> {
+        match self.session.client.connection(self.link) {
+            Connection::Lost(cause) => Some(self.connection_lost(cause)),
+            Connection::Silent => Some(Error::LineSilent {
+                drive: self.drive.label(),
+                reaction: Some(self.loss.clone()),
+            }),
+            _ => None,
+        }
+    }
+
+    fn connection_lost(&self, cause: LostCause) -> Error {
+        Error::ConnectionLost {
+            drive: self.drive.label(),
+            cause,
+            reaction: Some(self.loss.clone()),
         }
     }
 

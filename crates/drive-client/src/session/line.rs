@@ -119,6 +119,24 @@ impl<M: Wire> Session<M> {
         dialects
     }
 
+    /// Status word and actual value of a drive at the line, from a reply that comes now. `None` where it does not answer
+    /// with them.
+    pub(super) fn line_words(&mut self, drive: &Drive, slave: SlaveId) -> Result<Option<[u16; 2]>, Error> {
+        let cyclic = self.client.line().is_some_and(|line| line.is_cyclic(slave));
+        if !cyclic {
+            if let Some(line) = self.client.line() {
+                line.ask(slave);
+            }
+            if self.wait(ASK_LIMIT, |client| client.line()?.answers(slave))? != Some(true) {
+                return Err(Error::LineSilent {
+                    drive: drive.label(),
+                    reaction: None,
+                });
+            }
+        }
+        Ok(self.client.line().and_then(|line| line.latest(slave)))
+    }
+
     fn speak(&mut self, slave: SlaveId, dialect: PkwDialect) {
         if let Some(line) = self.client.line() {
             line.speak(slave, dialect);
@@ -162,7 +180,10 @@ impl<M: Wire> Session<M> {
         }
         match end? {
             Some(Ok(response)) => Ok(response),
-            Some(Err(JobError::Lost)) => Err(Error::LineSilent { drive: drive.label() }),
+            Some(Err(JobError::Lost)) => Err(Error::LineSilent {
+                drive: drive.label(),
+                reaction: None,
+            }),
             Some(Err(error)) => Err(Error::Channel {
                 drive: drive.label(),
                 error,

@@ -1,8 +1,8 @@
 //! The blocking facade: one call per wish, over any medium.
 
 mod access;
-mod alone;
 mod at_work;
+mod authority;
 mod axis;
 mod backup;
 mod describe;
@@ -16,6 +16,7 @@ mod jog;
 mod keep;
 mod learn;
 mod line;
+mod loss;
 mod mode;
 mod monitor;
 mod neutral;
@@ -26,6 +27,7 @@ mod route;
 mod scaling;
 mod status;
 mod stop;
+mod takeover;
 mod tasks;
 mod told;
 mod warnings;
@@ -37,21 +39,22 @@ use profinet::controller::ControllerConfig;
 
 use crate::{Client, Drive, Error, LineConfig, Wire};
 
-pub use alone::GoesOn;
 pub use at_work::AtWork;
+pub use authority::{Authority, LocalControl};
 pub use axis::{Axis, AxisPlan, AxisSettings, AxisStatus, WarningWatcher, Watcher};
 pub use describe::{Described, DescribedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
 pub use info::{Identity, Info, Peer};
 pub use jog::JogSpeed;
+pub use loss::{LossAction, LossReaction};
 pub use mode::{ModeBefore, PutBack};
 pub use monitor::Snapshot;
 pub(crate) use parameters::format_of;
 pub use parameters::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
 pub use route::{ClosedRoute, Route, RouteNotice};
 pub use scaling::take_scale;
-pub use stop::{StopOutcome, StopWay};
+pub use stop::{StopMeans, StopOutcome, StopWay};
 
 /// How often a caller's wish to stop is looked at while nothing happens.
 const GLANCE: Duration = Duration::from_millis(50);

@@ -9,14 +9,14 @@ use profidrive::telegram::Telegram;
 use super::mode::mode_of;
 use super::plugged::Layout;
 use super::told::Told;
-use super::{AxisSettings, Session};
+use super::{Authority, AxisSettings, Session, takeover};
 use crate::axis::{
     ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit, Wiring,
     choose_telegram, named_telegram, plan_move, process_words,
 };
 use crate::error::mode_words;
 use crate::parameter::{Reading, Selection};
-use crate::{Drive, Error, Wire};
+use crate::{Action, Drive, Error, Wire};
 
 /// What matters for a move, and what a converter's ramps follow from.
 const MOTION: [Part; 30] = [
@@ -78,6 +78,8 @@ pub(super) struct Prepared {
     pub layout: Option<Layout>,
     /// The telegram the drive has now (PNU 922).
     pub reported: Option<u16>,
+    /// The drive is in operation: what it obeys is to be kept when control is taken.
+    pub kept: bool,
     /// What the numbers of its speeds mean.
     pub scale: SpeedScale,
     /// DRV.ACC in the unit of the speeds a second.
@@ -189,7 +191,9 @@ impl<M: Wire> Session<M> {
         let (told_mode, reported) = self.mode_and_telegram(drive)?;
         let told = self.ask(drive, &CONTROL)?;
         let telegram = drive.telegram_in_use(reported.number);
-        self.not_local(drive, zsw1_of(drive, &told, telegram))?;
+        let word = zsw1_of(drive, &told, telegram);
+        self.free(drive, word, purpose)?;
+        let kept = takeover::is_kept(word);
         let mode = self.mode_for(drive, told_mode, purpose)?;
         if drive.is_on_line() {
             let wiring = process_words(device, purpose).map_err(|problem| Error::Telegram {
@@ -210,6 +214,7 @@ impl<M: Wire> Session<M> {
                 wiring: wiring.with_words(profile),
                 layout: None,
                 reported: telegram,
+                kept,
                 scale,
                 acceleration: ramps[0],
                 deceleration: ramps[1],
@@ -260,6 +265,7 @@ impl<M: Wire> Session<M> {
             wiring: choice.wiring.with_words(profile),
             layout: Some(layout),
             reported: reported.number,
+            kept,
             scale,
             acceleration: ramps[0],
             deceleration: ramps[1],
@@ -299,17 +305,14 @@ impl<M: Wire> Session<M> {
         Ok(())
     }
 
-    /// Says whether somebody at the drive itself commands it: a panel, or its service channel. Reads only.
+    /// Checks that nobody at the drive itself commands it, and that it is not in operation without a controller. Reads
+    /// only.
     ///
     /// # Errors
-    /// When somebody does, or the drive cannot be reached.
+    /// [`Error::LocalOperation`], [`Error::Ownerless`], and when the drive cannot be reached.
     pub fn check_control(&mut self, drive: &mut Drive) -> Result<(), Error> {
-        let telegram = self.telegram_now(drive)?;
-        let told = self.ask(
-            drive,
-            &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
-        )?;
-        self.not_local(drive, zsw1_of(drive, &told, telegram))
+        let authority = self.authority(drive)?;
+        permitted(drive, authority)
     }
 
     /// The telegram of a drive's process data: what PNU 922 says, or that of its line.
@@ -320,23 +323,13 @@ impl<M: Wire> Session<M> {
         Ok(drive.telegram_in_use(reported))
     }
 
-    fn not_local(&mut self, drive: &Drive, word: Option<Zsw1>) -> Result<(), Error> {
-        let Some(word) = word else {
-            return Ok(());
-        };
-        let enabled = word.has(Zsw1::READY_TO_OPERATE | Zsw1::OPERATION_ENABLED);
-        let local = !word.has(Zsw1::CONTROL_REQUESTED);
-        if !local && !enabled {
-            return Ok(());
+    /// Checks that control can be taken for a purpose. Control alone can be taken of a drive that is in operation without
+    /// a controller; a motion is never begun on one.
+    fn free(&mut self, drive: &mut Drive, word: Option<Zsw1>, purpose: Purpose) -> Result<(), Error> {
+        match self.authority_by(drive, word)? {
+            Authority::Ownerless if purpose == Purpose::Control => Ok(()),
+            authority => permitted(drive, authority),
         }
-        // what another controller has enabled is refused with its name when connecting
-        if !local && self.owner(drive)? != Some(None) {
-            return Ok(());
-        }
-        Err(Error::LocalOperation {
-            drive: drive.label(),
-            enabled,
-        })
     }
 
     /// The mode, if it is the one that the purpose needs.
@@ -358,6 +351,34 @@ impl<M: Wire> Session<M> {
                 ),
             }),
         }
+    }
+}
+
+/// Whether an axis of a drive with this authority may be taken; one that another controller has is refused with its name
+/// when connecting.
+fn permitted(drive: &Drive, authority: Authority) -> Result<(), Error> {
+    match authority {
+        Authority::Local(by) => Err(Error::LocalOperation {
+            drive: drive.label(),
+            by,
+        }),
+        Authority::Ownerless => Err(ownerless(drive)),
+        Authority::Controller(_) | Authority::Nobody | Authority::Unknown => Ok(()),
+    }
+}
+
+/// The refusal of a motion of a drive that is in operation without a controller.
+pub(super) fn ownerless(drive: &Drive) -> Error {
+    let tables = drive.model.catalogue;
+    let by_parameter = tables.is_some_and(|tables| tables.part(Part::Disable).is_some());
+    Error::Ownerless {
+        drive: drive.label(),
+        // a stop by parameter leaves the power stage on
+        stop: if by_parameter {
+            Action::Disable
+        } else {
+            Action::Stop
+        },
     }
 }
 

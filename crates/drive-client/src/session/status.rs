@@ -5,7 +5,7 @@ use profidrive::parameter::pnu;
 use profidrive::state::{State, Zsw1};
 use profidrive::telegram::{Telegram, signal};
 
-use super::Session;
+use super::{Session, loss};
 use crate::axis::Wiring;
 use crate::parameter::Reading;
 use crate::status::DriveStatus;
@@ -52,7 +52,7 @@ impl<M: Wire> Session<M> {
     pub fn status(&mut self, drive: &mut Drive) -> Result<DriveStatus, Error> {
         let controller = self.owner(drive)?;
         let readings = self.read_numbers(drive, &PROFILE)?;
-        let told = self.ask(drive, &PARTS)?;
+        let told = self.ask(drive, &[&PARTS[..], &loss::PARTS[..]].concat())?;
         let word = |pnu| {
             let found = readings.iter().find(|reading| reading.pnu == pnu);
             let raw = found.and_then(Reading::raw);
@@ -74,6 +74,10 @@ impl<M: Wire> Session<M> {
             Err(Error::Refused { .. } | Error::Changing { .. }) => (Vec::new(), Vec::new()),
             Err(error) => return Err(error),
         };
+        let local = match zsw1.filter(|word| !word.has(Zsw1::CONTROL_REQUESTED)) {
+            Some(word) => Some(self.local_control(drive, word)?),
+            None => None,
+        };
         let wiring = wiring(drive, &readings);
         let carries = |signal| wiring.as_ref().map(|wiring| wiring.commands(signal));
         let turns = |part: Part| {
@@ -89,6 +93,7 @@ impl<M: Wire> Session<M> {
             controller,
             stw1: control.map(|control| profile.orders(control, state).stw1),
             zsw1,
+            local,
             telegram,
             carries_speed: carries(signal::NSOLL_A),
             carries_tasks: carries(signal::SATZANW),
@@ -112,6 +117,10 @@ impl<M: Wire> Session<M> {
                 .rpm(Part::SpeedSetpoint)
                 .filter(|_| carries(signal::NSOLL_A) == Some(true)),
             speed_actual: told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual)),
+            loss: drive
+                .model
+                .catalogue
+                .map(|tables| loss::reaction(tables, drive.is_on_line(), &told)),
             position: turns(Part::Position),
             following_error: turns(Part::FollowingError),
         })

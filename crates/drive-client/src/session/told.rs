@@ -19,11 +19,18 @@ const WITHOUT_TABLES: [(Part, u16); 6] = [
     (Part::SpeedActual, 6),
 ];
 
+/// What every reply of a serial line carries, also where its parameter channel cannot carry the parameter.
+const IN_EVERY_REPLY: [Part; 3] = [Part::StatusWord, Part::SpeedActual, Part::Speed];
+/// Actual value as it travels (N2) up to which the axis stands: 0.2 % of its reference.
+const STANDS: u16 = 0x4000 / 500;
+
 /// Values, by the part that their parameter has.
 #[derive(Debug)]
 pub(super) struct Told {
     rows: Vec<(Part, Reading)>,
     scaling: Scaling,
+    /// Status word and actual value of a serial line, where no parameter has them.
+    line: Option<[u16; 2]>,
 }
 
 impl<M: Wire> Session<M> {
@@ -42,9 +49,16 @@ impl<M: Wire> Session<M> {
             let of = wanted.iter().filter(|(_, selection)| is(selection));
             rows.extend(of.map(|(part, _)| (*part, reading.clone())));
         }
+        let found = |part: Part| rows.iter().any(|(of, _)| *of == part);
+        let lacks = |part: &Part| parts.contains(part) && !found(*part);
+        let line = match drive.slave.filter(|_| IN_EVERY_REPLY.iter().any(lacks)) {
+            Some(slave) => self.line_words(drive, slave)?,
+            None => None,
+        };
         Ok(Told {
             rows,
             scaling: drive.parameters.scaling,
+            line,
         })
     }
 }
@@ -102,8 +116,24 @@ impl Told {
     }
 
     pub fn word(&self, part: Part) -> Option<u16> {
-        let raw = self.raw(part)?;
-        u16::try_from(raw & 0xFFFF).ok()
+        match (self.raw(part), self.line) {
+            (Some(raw), _) => u16::try_from(raw & 0xFFFF).ok(),
+            (None, Some([status, _])) if part == Part::StatusWord => Some(status),
+            _ => None,
+        }
+    }
+
+    /// The actual value of a serial line as it travels, where no parameter has the speed.
+    pub fn line_speed(&self) -> Option<i16> {
+        self.line.map(|[_, actual]| actual.cast_signed())
+    }
+
+    /// Whether the axis stands: slower than `rpm`, else by the actual value as it travels.
+    pub fn stands(&self, rpm: f64) -> Option<bool> {
+        let speed = self.rpm(Part::Speed).map(|speed| speed.abs() < rpm);
+        let actual = || self.word(Part::SpeedActual).map(u16::cast_signed);
+        let actual = || actual().or_else(|| self.line_speed());
+        speed.or_else(|| actual().map(|actual| actual.unsigned_abs() <= STANDS))
     }
 
     pub fn double_word(&self, part: Part) -> Option<u32> {

@@ -35,11 +35,6 @@ const ADVICE: &[(&str, Cause, &str)] = &[
     ),
     (
         "AKD",
-        Cause::TurnsAlone,
-        "`profidrive stop DRIVE` stops its service motion, --disable switches it off",
-    ),
-    (
-        "AKD",
         Cause::NotReady,
         "`profidrive read DRIVE DRV.DISSOURCES` may tell more",
     ),
@@ -72,11 +67,6 @@ const ADVICE: &[(&str, Cause, &str)] = &[
         "AKD",
         Cause::DoesNotTurn,
         "`profidrive read DRIVE IL.FB IL.LIMITP VL.LIMITP VL.LIMITN`",
-    ),
-    (
-        "VLT",
-        Cause::TurnsAlone,
-        "`profidrive stop DRIVE` stops it; `profidrive write DRIVE 8-04=5` makes it trip when its controller is gone",
     ),
     ("VLT", Cause::Sto, "close the safety circuit: 24 V at terminal 37"),
     (

@@ -8,7 +8,7 @@ use std::fmt;
 
 use profidrive::state::{Mode, Profile, State, Stw1, Zsw1};
 
-use crate::{FaultEntry, WarningEntry};
+use crate::{Action, FaultEntry, LocalControl, LossReaction, WarningEntry};
 
 pub use notes::Note;
 pub use rules::{Cause, moved_advice};
@@ -33,6 +33,8 @@ pub struct DriveStatus {
     pub stw1: Option<Stw1>,
     /// Status word.
     pub zsw1: Option<Zsw1>,
+    /// Who at the drive itself commands it, while ZSW1 bit 9 is 0.
+    pub local: Option<LocalControl>,
     /// PNU 922.
     pub telegram: Option<u16>,
     /// True when the telegram carries a speed setpoint.
@@ -75,6 +77,8 @@ pub struct DriveStatus {
     pub speed_set: Option<f64>,
     /// Speed in rpm.
     pub speed_actual: Option<f64>,
+    /// What the drive does when its controller is lost.
+    pub loss: Option<LossReaction>,
     /// Position in turns.
     pub position: Option<f64>,
     /// Position command minus position, in turns.
@@ -113,6 +117,8 @@ pub struct Diagnosis {
     pub sentence: String,
     /// What to do next, where something is to be done.
     pub next: Option<String>,
+    /// What to do next as actions, in their order; what [`next`](Self::next) says is besides.
+    pub actions: Vec<Action>,
     /// What else stands in the way, or is about to.
     pub notes: Vec<Note>,
 }

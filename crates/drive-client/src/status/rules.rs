@@ -4,7 +4,7 @@ use profidrive::catalogue::Cleared;
 use profidrive::state::{Start, State, Stw1, Zsw1};
 
 use super::{Diagnosis, DriveStatus, Verdict, makes, notes};
-use crate::FaultEntry;
+use crate::{Action, FaultEntry};
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
@@ -123,7 +123,10 @@ causes! {
     /// ZSW1 bit 9.
     LocalOperation = "local-operation", Held,
         |s| !s.has(Zsw1::CONTROL_REQUESTED),
-        |_| "local operation: the drive does not ask for control by the field bus (ZSW1 bit 9 is 0)".into(),
+        |s| match &s.local {
+            Some(local) => format!("local operation (ZSW1 bit 9 is 0): {local}"),
+            None => "local operation: the drive does not ask for control by the field bus (ZSW1 bit 9 is 0)".into(),
+        },
         "hand control over to the field bus at the drive or in its software";
     /// PNU 930 is neither 1 nor 2.
     OtherMode = "other-mode", Held,
@@ -133,6 +136,11 @@ causes! {
             s.mode.unwrap_or_default()
         ),
         "`profidrive write DRIVE 930=1` (speed) or `930=2` (position) while it is disabled";
+    /// Nobody is connected, and it stands in operation.
+    EnabledAlone = "enabled-alone", Held,
+        |s| s.controller == Some(None) && s.state() == Some(State::S4) && !turns(s),
+        |s| format!("its power stage is on though no controller is connected: {}", in_force(s)),
+        "";
     /// Nobody is connected.
     NoController = "no-controller", Waits,
         |s| s.controller == Some(None) && !turns(s),
@@ -149,14 +157,9 @@ causes! {
         |s| format!(
             "it turns at {:.1} rpm though no controller is connected: {}",
             s.speed_actual.unwrap_or_default(),
-            match s.control_word {
-                Some(word) if s.sent(Stw1::CONTROL_BY_PLC | Stw1::ON) => format!(
-                    "the last control word, 0x{word:04X}, is still in force, or it is commanded at the drive itself"
-                ),
-                _ => "it is commanded at the drive itself".to_owned(),
-            }
+            in_force(s)
         ),
-        "stop it where it is commanded: panel, inputs or service software";
+        "";
     /// STW1 bit 10.
     NoControl = "no-control", Waits,
         |s| s.lacks(Stw1::CONTROL_BY_PLC),
@@ -358,6 +361,7 @@ pub(super) fn first(status: &DriveStatus) -> Diagnosis {
             verdict: Verdict::Runs,
             sentence: String::new(),
             next: None,
+            actions: Vec::new(),
             notes: Vec::new(),
         };
     };
@@ -366,12 +370,36 @@ pub(super) fn first(status: &DriveStatus) -> Diagnosis {
         verdict: rule.verdict,
         sentence: (rule.sentence)(status),
         next: advice(rule, status),
+        actions: actions(rule.cause, status),
         notes: notes::beside(rule.cause, status),
+    }
+}
+
+/// What to do about a cause as actions.
+fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
+    let by_parameter = makes::disable(status.make).is_some();
+    // a stop by parameter leaves the power stage on
+    let stop = if by_parameter {
+        Action::Disable
+    } else {
+        Action::Stop
+    };
+    match cause {
+        Cause::TurnsAlone | Cause::EnabledAlone => {
+            let remedy = status.loss.as_ref().and_then(|loss| loss.remedy.clone());
+            [Some(stop), remedy].into_iter().flatten().collect()
+        }
+        // what its service channel has enabled a parameter switches off
+        Cause::LocalOperation if by_parameter && status.has(Zsw1::OPERATION_ENABLED) => vec![stop],
+        _ => Vec::new(),
     }
 }
 
 /// What to do about a cause: as the make of the drive has it, else what holds for all.
 pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<String> {
+    if let (Cause::LocalOperation, Some(local)) = (rule.cause, &status.local) {
+        return Some(local.remedy());
+    }
     let own = makes::advice(rule.cause, status.make);
     let general = || makes::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
     let next = own.map_or_else(general, str::to_owned);
@@ -412,6 +440,16 @@ pub(super) fn moved(status: &DriveStatus) -> String {
         "it turns at {:.1} rpm with its power stage off: it coasts, or something outside moves it (a load that hangs on it, a brake that does not hold)",
         status.speed_actual.unwrap_or_default()
     )
+}
+
+/// What commands a drive that nobody is connected to.
+fn in_force(status: &DriveStatus) -> String {
+    match status.control_word {
+        Some(word) if status.sent(Stw1::CONTROL_BY_PLC | Stw1::ON) => {
+            format!("the last control word, 0x{word:04X}, is still in force")
+        }
+        _ => "what commanded it last is still in force".to_owned(),
+    }
 }
 
 fn bus_is_low(status: &DriveStatus) -> bool {

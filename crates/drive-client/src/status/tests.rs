@@ -149,6 +149,12 @@ const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
         "59.7 rpm though no controller",
     ),
     (
+        Cause::EnabledAlone,
+        Verdict::Held,
+        |s| (s.controller, s.speed_actual) = (Some(None), Some(0.0)),
+        "its power stage is on though no controller is connected",
+    ),
+    (
         Cause::MovedFromOutside,
         Verdict::Held,
         |s| {
@@ -381,7 +387,7 @@ fn every_cause_has_its_sentence() {
             assert!(found.sentence.contains(words), "{cause:?}: {}", found.sentence);
             assert!(!found.sentence.contains('\n') && !found.sentence.ends_with('.'));
             assert!(
-                found.verdict != Verdict::Held || found.next.is_some(),
+                found.verdict != Verdict::Held || found.next.is_some() || !found.actions.is_empty(),
                 "{cause:?}: what is to be done?"
             );
             assert!(
@@ -518,11 +524,16 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     // beside a fault it is a note
     words(&mut status, 0, 0x0248);
     assert_eq!(ids(&status), (Cause::Fault, vec!["moved-from-outside"]));
-    // and what the service channel moves can be stopped
+    // and what nobody commands any more can be stopped
     words(&mut status, 0, 0x0337);
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::TurnsAlone);
-    assert!(found.next.unwrap().contains("`profidrive stop akd-1`"));
+    assert_eq!(found.actions, [Action::Disable]);
+    // standing in operation it is no drive that waits
+    status.speed_actual = Some(0.0);
+    let found = diagnose(&status);
+    assert_eq!((found.cause, found.verdict), (Cause::EnabledAlone, Verdict::Held));
+    assert_eq!(found.actions, [Action::Disable]);
 }
 
 /// Followed to the letter, what is told about a VLT that does not start must not start it: 0x047E is a start there.

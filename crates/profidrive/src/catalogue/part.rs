@@ -149,9 +149,28 @@ parts! {
     MotorPoles = "motor-poles";
     /// Which bits the control word of the maker's own telegrams has.
     ControlProfile = "control-profile";
-    /// What becomes of a drive whose controller or master is gone. The values of the row make it stop; with another one it
-    /// goes on.
+    /// Decides what the drive does when its controller is lost. With the values of the row it stops.
     LostController = "lost-controller";
+    /// When its controller is lost, the drive keeps turning with these values. The values of this part and of the other
+    /// `loss` parts are those of one parameter; a row without values holds for every value.
+    LossKeepsTurning = "loss-keeps-turning";
+    /// When its controller is lost, the drive stops along its ramp with these values.
+    LossRamp = "loss-ramp";
+    /// When its controller is lost, the drive does a quick stop with these values.
+    LossQuickStop = "loss-quick-stop";
+    /// When its controller is lost, the drive switches its power stage off and coasts with these values.
+    LossCoast = "loss-coast";
+    /// When its controller is lost, the drive stops with these values, and no source says how.
+    LossStop = "loss-stop";
+    /// When its controller is lost, the drive stops by its stop function ([`StopFunction`](Self::StopFunction)) with these
+    /// values.
+    LossStopFunction = "loss-stop-function";
+    /// Time from the last control word until the drive counts its controller as lost, s.
+    LossTime = "loss-time";
+    /// How the drive stops: along its ramp with the values of the row, else it coasts.
+    StopFunction = "stop-function";
+    /// Who may command the drive. With the values of the row the field bus may not.
+    ControlSite = "control-site";
     /// Writing it stops all motion on the ramp.
     Stop = "stop";
     /// Writing it switches the power stage off.

@@ -31,6 +31,14 @@ impl Bench {
         }
     }
 
+    /// Lets a time in ms pass without a controller.
+    pub fn alone(&mut self, milliseconds: usize) {
+        for _ in 0..milliseconds / 4 {
+            self.now += CYCLE;
+            self.drive.tick(self.now, None, &mut []);
+        }
+    }
+
     /// Octet at which the control word is.
     fn at(&self) -> usize {
         if self

@@ -1,8 +1,10 @@
-//! A drive that stands without its controller and watches the age of the control word itself (VLT 8-03, 8-04).
+//! A drive that stands without its controller and watches the age of the control word itself (VLT 8-03, 8-04; Vacon
+//! ID 733).
 
 use std::time::Duration;
 
 use profidrive::catalogue::Parameter;
+use profidrive::state::FaultReaction;
 
 use super::faults::Keeper;
 use super::velocity::on_ramp;
@@ -22,7 +24,10 @@ pub(super) enum Alone {
 impl Alone {
     /// The last control word is as good as one of a controller.
     pub(super) const fn holds(self) -> bool {
-        !matches!(self, Self::Acts(Deserted::Stops | Deserted::Trips))
+        !matches!(
+            self,
+            Self::Acts(Deserted::Stops | Deserted::Trips | Deserted::TripsCoasting)
+        )
     }
 }
 
@@ -36,7 +41,7 @@ impl Drive {
     const fn control_word_rule(&self) -> Option<&'static ControlTimeout> {
         match self.model.connection_lost {
             Lost::After(rule) => Some(rule),
-            Lost::Always | Lost::From(..) => None,
+            Lost::Always => None,
         }
     }
 
@@ -52,20 +57,18 @@ impl Drive {
         let number = self.model.connection_lost_fault;
         match self.model.connection_lost {
             Lost::Always => self.raise(number),
-            Lost::From(parameter, least) => {
-                if self.values.get(parameter) < least {
-                    self.keep(number, Keeper::Action, true);
-                } else {
-                    self.raise(number);
-                }
-            }
             Lost::After(rule) => {
-                // a line has no connection whose loss could be told
-                if cause != Disconnect::Silent {
-                    self.keep(number, Keeper::Action, true);
-                }
                 let left = self.time_of(rule).unwrap_or_default().saturating_sub(age);
                 self.alone = Some(Alone::Waits(left));
+                let at_once = rule.time == 0;
+                if at_once {
+                    self.act_alone(rule);
+                }
+                // a line has no connection whose loss could be told
+                let told = at_once || cause != Disconnect::Silent;
+                if told && self.alone.is_some_and(Alone::holds) {
+                    self.keep(number, Keeper::Action, true);
+                }
             }
         }
     }
@@ -89,6 +92,11 @@ impl Drive {
             self.alone = Some(Alone::Waits(left));
             return;
         }
+        self.act_alone(rule);
+    }
+
+    /// Does what the parameter says.
+    fn act_alone(&mut self, rule: &ControlTimeout) {
         let function = self.values.get(rule.function);
         let action = rule.actions.iter().find(|(value, _)| *value == function);
         let action = action.map_or(Deserted::GoesOn, |(_, action)| *action);
@@ -96,6 +104,10 @@ impl Drive {
         match action {
             Deserted::GoesOn => {}
             Deserted::Trips => self.raise(rule.number),
+            Deserted::TripsCoasting => {
+                self.raise(rule.number);
+                self.reaction = Some(FaultReaction::Coast);
+            }
             _ => self.keep(rule.number, Keeper::Action, true),
         }
     }
@@ -111,7 +123,7 @@ impl Drive {
             Deserted::Freezes => (self.axis.speed_command(), settings.ramps),
             Deserted::Jogs => (inverter.jog, settings.jog_ramps),
             Deserted::RunsAtMaximum => (inverter.fastest(), settings.ramps),
-            Deserted::GoesOn | Deserted::Stops | Deserted::Trips => return None,
+            Deserted::GoesOn | Deserted::Stops | Deserted::Trips | Deserted::TripsCoasting => return None,
         };
         self.target = target;
         Some(on_ramp(target, ramps))

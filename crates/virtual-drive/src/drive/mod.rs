@@ -297,8 +297,13 @@ impl Drive {
     /// # Errors
     /// When the model has no such telegram.
     pub fn connect(&mut self, telegram: u16, watchdog: Duration) -> Result<(), UnknownTelegram> {
+        let in_force = (self.process.speed, self.process.current);
         if !self.choose_telegram(telegram) {
             return Err(UnknownTelegram(telegram));
+        }
+        if self.alone.is_some_and(Alone::holds) {
+            // The last control word counts until this controller takes control, and so does the setpoint beside it.
+            (self.process.speed, self.process.current) = in_force;
         }
         self.keep(self.model.connection_lost_fault, Keeper::Action, false);
         self.take_command_source();

@@ -145,17 +145,33 @@ fn the_fault_history_has_eight_entries() {
 
 #[test]
 fn a_lost_fieldbus_is_what_id_733_says() {
-    for (response, trips) in [(1, false), (2, true)] {
+    for (response, trips, goes_on) in [
+        (0, false, true),
+        (1, false, true),
+        (2, true, false),
+        (3, true, false),
+    ] {
         let mut bench = Bench::new(&VACON, 148);
         bench.write(733, response).unwrap();
         bench.send(0x047E, 0, 40);
-        bench.send(0x047F, 5000, 4000);
+        bench.send(0x047F, 5000, 8000);
+        let before = bench.drive.axis().speed();
         bench.drive.disconnect(Disconnect::Lost);
         assert_eq!(
             (bench.drive.has_fault(), bench.drive.has_warning()),
             (trips, !trips)
         );
         assert_eq!(bench.read(37), if trips { 53 } else { 0 });
+        bench.alone(500);
+        let kept = bench.drive.axis().speed() > before * 0.95;
+        assert_eq!(
+            kept,
+            goes_on,
+            "{response}: {} of {before}",
+            bench.drive.axis().speed()
+        );
+        // a fault with 3 takes the power stage off at once, with 2 it ends a ramp
+        assert_eq!(bench.drive.is_enabled(), response != 3, "{response}");
     }
 }
 

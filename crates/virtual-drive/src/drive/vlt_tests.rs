@@ -592,3 +592,27 @@ fn an_integer8_and_a_time_difference_have_their_formats() {
         "13-20[1] is 1.5 s"
     );
 }
+
+/// 8-04 is off: until the next controller takes control, connecting changes nothing.
+#[test]
+fn a_new_connection_leaves_the_last_word_and_setpoint_in_force() {
+    for (control, speed) in [(0x047F, 0x2000), (0x047F, -0x1000), (0x057F & !0x10, 0)] {
+        let mut bench = profidrive();
+        bench.write(300, 1).unwrap();
+        bench.write(410, 2).unwrap();
+        bench.send(0x047E, 0, 40);
+        bench.send(control, speed, 8000);
+        let before = bench.drive.axis().speed();
+        assert!(before.abs() > 100.0, "{before}");
+        bench.drive.disconnect(Disconnect::Lost);
+        bench.alone(2000);
+        bench.drive.connect(1, 3 * CYCLE).unwrap();
+        // start-up takes its time, then data come that take no control
+        bench.alone(500);
+        bench.send(0, 0, 500);
+        let after = bench.drive.axis().speed();
+        assert!((after - before).abs() < 2.0, "{control:04X}: {before} -> {after}");
+        bench.send(0x047E, 0, 8000);
+        assert!(!bench.drive.is_enabled() && bench.drive.axis().is_at_rest());
+    }
+}

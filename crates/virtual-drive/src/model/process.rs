@@ -57,22 +57,20 @@ pub enum Chosen {
 pub enum Lost {
     /// Always.
     Always,
-    /// While this parameter has this value or a higher one.
-    From(u16, i64),
     /// Never at once: the last control word holds until its time is over.
     After(&'static ControlTimeout),
 }
 
-/// Supervision of the control word by parameters (VLT 8-03 and 8-04).
+/// Supervision of the control word by parameters (VLT 8-03 and 8-04, Vacon ID 733).
 #[derive(Debug, Clone, Copy)]
 pub struct ControlTimeout {
-    /// Parameter of the time, s.
+    /// Parameter of the time in s; 0 for a drive that acts at once.
     pub time: u16,
     /// Parameter that says what becomes of the drive then.
     pub function: u16,
     /// Its values; one that is not here leaves the drive as it is.
     pub actions: &'static [(i64, Deserted)],
-    /// Number of the warning while it does that, and of the fault of [`Deserted::Trips`].
+    /// Number of the warning while it does that, and of the fault of [`Deserted::Trips`] and [`Deserted::TripsCoasting`].
     pub number: u16,
 }
 
@@ -91,6 +89,8 @@ pub enum Deserted {
     RunsAtMaximum,
     /// It has a fault.
     Trips,
+    /// It has a fault and switches its power stage off at once.
+    TripsCoasting,
 }
 
 /// What is particular about a drive on PROFINET.

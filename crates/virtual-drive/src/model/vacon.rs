@@ -12,8 +12,8 @@ use profidrive::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles, SetUpRoles,
-    Signals, Wire,
+    Chosen, ControlTimeout, Deserted, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts,
+    RampTo, Roles, SetUpRoles, Signals, Wire,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -39,10 +39,24 @@ pub static VACON: Model = Model {
     fault_actions: &[],
     only_stopped: &[],
     connection_lost_fault: 53,
-    connection_lost: Lost::From(733, 2),
+    connection_lost: Lost::After(&FIELDBUS_FAULT),
     fault_buffer: Shape::EIGHT_SINGLE,
     texts: false,
     profile: 0x0329,
+};
+
+/// ID 733, from memory of the application manuals. That a drive without a reaction keeps its last control word is our
+/// reading of "no action"; an alarm is the same with a warning.
+const FIELDBUS_FAULT: ControlTimeout = ControlTimeout {
+    time: 0,
+    function: 733,
+    actions: &[
+        (0, Deserted::GoesOn),
+        (1, Deserted::GoesOn),
+        (2, Deserted::Trips),
+        (3, Deserted::TripsCoasting),
+    ],
+    number: 53,
 };
 
 /// Process data in 1 to 8, and the selections of process data out 1 to 8.

@@ -9,7 +9,8 @@ use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
 use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale};
 use crate::learn::device_of;
-use crate::session::prepare::Prepared;
+use crate::session::prepare::{Prepared, ownerless};
+use crate::session::takeover;
 use crate::{Drive, Error, Link, Wire};
 
 /// One unit of MinDeviceInterval and of the send clock.
@@ -67,9 +68,13 @@ impl<M: Wire> Session<M> {
     /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
     /// moves: control is taken with the first goal.
     ///
+    /// A drive that is in operation without a controller is taken over with [`Purpose::Control`] only: the control word
+    /// and the setpoint that it obeys go on until the first goal, and the axis is stopped when this object goes.
+    ///
     /// # Errors
-    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, or another
-    /// controller owns it.
+    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, somebody at the
+    /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]), or
+    /// another controller owns it.
     pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
         let tables = drive.model.catalogue;
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
@@ -77,14 +82,22 @@ impl<M: Wire> Session<M> {
         self.read_scaling(drive)?;
         let Prepared {
             mode,
-            wiring,
+            mut wiring,
             layout,
             reported,
+            kept: in_operation,
             scale,
             acceleration,
             deceleration,
         } = self.prepare(drive, &device, &settings)?;
         let kept = self.keep(drive, &wiring)?;
+        let loss = Box::new(self.loss_reaction(drive)?);
+        let taken_over = in_operation && settings.purpose == Purpose::Control;
+        let present = if taken_over {
+            Some(self.present_command(drive, &mut wiring, reported, &scale)?)
+        } else {
+            None
+        };
         let (cycle, chosen) = match self.client.line_config() {
             // the line goes as fast as it can
             Some(line) => (line.exchange(), None),
@@ -103,7 +116,10 @@ impl<M: Wire> Session<M> {
             ..Limits::default()
         };
         let telegram = wiring.telegram();
-        let control = AxisControl::in_mode(limits, mode);
+        let control = match present {
+            Some(present) => AxisControl::taking_over(limits, mode, present),
+            None => AxisControl::in_mode(limits, mode),
+        };
         self.make_way(drive)?;
         let now = self.now();
         // from here on the object below sees to the end of the connection
@@ -151,6 +167,7 @@ impl<M: Wire> Session<M> {
             fastest: 0.0,
             evidence: None,
             kept,
+            loss,
             target: None,
             taken: now,
             watcher: None,
@@ -177,6 +194,14 @@ impl<M: Wire> Session<M> {
             axis.strained = chosen.judge(axis.session.longest_delay()?);
         }
         axis.taken = axis.session.now();
+        // a device that does not report its connections says only now that nobody else had it
+        let enabled = |axis: &Axis<'_, M>| {
+            let seen = axis.status().and_then(|status| status.view.seen);
+            takeover::is_kept(seen.map(|seen| seen.zsw1))
+        };
+        if settings.purpose != Purpose::Control && enabled(&axis) {
+            return Err(ownerless(&axis.drive));
+        }
         Ok(axis)
     }
 

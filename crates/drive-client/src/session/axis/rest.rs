@@ -23,17 +23,11 @@ impl<M: Wire> Axis<'_, M> {
         }
         let connection = self.session.client.connection(self.link);
         let running = connection == Connection::Running;
-        let mut result = match connection {
-            Connection::Running => self.bring_to_rest(),
+        let mut result = match self.lost() {
             // nobody saw it stand: whatever went before, this is no end of a stop
-            Connection::Lost(cause) => Err(Error::ConnectionLost {
-                drive: self.drive.label(),
-                cause,
-            }),
-            Connection::Silent => Err(Error::LineSilent {
-                drive: self.drive.label(),
-            }),
-            _ => Ok(()),
+            Some(error) => Err(error),
+            None if running => self.bring_to_rest(),
+            None => Ok(()),
         };
         let released = self.session.release(self.link);
         if result.is_ok() {

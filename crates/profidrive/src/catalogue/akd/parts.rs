@@ -68,6 +68,7 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::Warning, pnu: 2791, base: None, values: &[] },
     PartRow { part: Part::Warning, pnu: 2792, base: None, values: &[] },
     PartRow { part: Part::Warning, pnu: 2793, base: None, values: &[] },
+    PartRow { part: Part::LossQuickStop, pnu: 2158, base: None, values: &[] },
     PartRow { part: Part::Page, pnu: 964, base: None, values: &[] },
     PartRow { part: Part::Page, pnu: 965, base: None, values: &[] },
     PartRow { part: Part::Page, pnu: 975, base: None, values: &[] },

@@ -451,6 +451,23 @@ impl Profile {
             .fold(0, |word, row| word | row.word)
     }
 
+    /// The bits of a control word that STW1 has no bit for: set-up, second ramp, direction, relays, inputs.
+    ///
+    /// ```
+    /// use profidrive::state::Profile;
+    /// assert_eq!(Profile::DanfossFc.beside(0xA47C), 0xA000); // reverse and a set-up
+    /// assert_eq!(Profile::Profidrive.beside(0xFFFF), 0);
+    /// ```
+    #[must_use]
+    pub fn beside(self, word: u16) -> u16 {
+        let facts = self.facts();
+        if facts.gives.is_none() {
+            return 0;
+        }
+        let known = facts.asks.iter().fold(0, |known, row| known | row.word);
+        word & !known
+    }
+
     /// ZSW1 that says the same as this status word, which came after this control word was sent. What the word does not
     /// tell follows from what was sent.
     #[must_use]
