@@ -229,7 +229,10 @@ impl Job<'_> {
                     form.octets * usize::from(span.count),
                     left,
                 )?;
-                for (values, index) in data.chunks_exact_mut(form.octets.max(1)).zip(span.first..) {
+                for (values, index) in data
+                    .chunks_exact_mut(form.octets.max(1))
+                    .zip(span.first..=u16::MAX)
+                {
                     let raw = drive
                         .read(pnu, index)
                         .map_err(|number| at(number, index))
@@ -387,11 +390,11 @@ impl Job<'_> {
         let keep = self.id.keep();
         if let Some(length) = span.whole {
             let texts = block.data.chunks_exact(usize::from(length).max(1));
-            for (text, first) in texts.zip((span.first..).step_by(usize::from(length).max(1))) {
+            for (text, first) in texts.zip((span.first..=u16::MAX).step_by(usize::from(length).max(1))) {
                 drive.write_text(pnu, first, text, keep)?;
             }
         } else {
-            for (index, element) in (0..usize::from(span.count)).zip(span.first..) {
+            for (index, element) in (0..usize::from(span.count)).zip(span.first..=u16::MAX) {
                 let raw = block.raw(index).ok_or(ErrorNumber::DATA_TYPE)?;
                 narrowed(raw, form.octets, &facts)
                     .and_then(|raw| drive.write(pnu, element, raw, keep))

@@ -1,6 +1,7 @@
 //! Byte examples of the manuals, the rules of the parameter manager, and damage.
 
 mod converter;
+mod edge;
 mod examples;
 mod makers;
 mod properties;
