@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use profinet::IpSuite;
 use profinet::controller::Station;
@@ -21,7 +21,7 @@ const GREETING: &str = "profidrive inject 2";
 const ROLL: &str = "profidrive drives 1";
 /// Longest question or answer, in octets.
 const LONGEST: u64 = 256 * 1024;
-/// How long either side waits for the other.
+/// How long either side waits for the other, from the first octet to the last.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// What one process asks another.
@@ -233,25 +233,65 @@ fn user() -> u32 {
 
 /// Asks one process.
 pub fn ask(socket: &Path, question: &Question) -> std::io::Result<Option<Answer>> {
-    let mut stream = UnixStream::connect(socket)?;
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    stream.write_all(question.text().as_bytes())?;
+    let stream = UnixStream::connect(socket)?;
+    Timely::new(&stream, PATIENCE).write_all(question.text().as_bytes())?;
     let mut answer = String::new();
-    stream.take(LONGEST).read_to_string(&mut answer)?;
+    // the other side waits for the request first, then for the thread that runs the drives
+    let answering = Timely::new(&stream, 2 * PATIENCE);
+    answering.take(LONGEST).read_to_string(&mut answer)?;
     Ok(Answer::read(&answer))
 }
 
 /// Takes one request and gives the answer that `decide` finds.
 pub fn serve(stream: &UnixStream, decide: impl FnOnce(Question) -> Answer) -> std::io::Result<()> {
-    stream.set_read_timeout(Some(PATIENCE))?;
-    stream.set_write_timeout(Some(PATIENCE))?;
-    let answer = Question::read(stream).map_or_else(
+    let answer = Question::read(Timely::new(stream, PATIENCE)).map_or_else(
         || Answer::Refused("this is no question of `profidrive`".into()),
         decide,
     );
-    let mut stream = stream;
-    stream.write_all(answer.text().as_bytes())
+    Timely::new(stream, PATIENCE).write_all(answer.text().as_bytes())
+}
+
+/// A stream with one deadline for everything: a time limit for each call would let a peer that sends an octet now and
+/// then stay for ever.
+struct Timely<'s> {
+    stream: &'s UnixStream,
+    until: Instant,
+}
+
+impl<'s> Timely<'s> {
+    fn new(stream: &'s UnixStream, time: Duration) -> Self {
+        Self {
+            stream,
+            until: Instant::now() + time,
+        }
+    }
+
+    /// The time that is left.
+    fn left(&self) -> std::io::Result<Option<Duration>> {
+        let left = self.until.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(std::io::ErrorKind::TimedOut.into());
+        }
+        Ok(Some(left))
+    }
+}
+
+impl Read for Timely<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.stream.set_read_timeout(self.left()?)?;
+        self.stream.read(buffer)
+    }
+}
+
+impl Write for Timely<'_> {
+    fn write(&mut self, octets: &[u8]) -> std::io::Result<usize> {
+        self.stream.set_write_timeout(self.left()?)?;
+        self.stream.write(octets)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.stream.flush()
+    }
 }
 
 #[cfg(test)]
@@ -297,6 +337,16 @@ mod tests {
             asked.join().unwrap(),
             Some(Answer::NotHere(vec!["akd-1".into(), "akd-2".into()]))
         );
+    }
+
+    #[test]
+    fn a_peer_that_sends_an_octet_now_and_then_is_left_at_the_deadline() {
+        let (mut near, far) = UnixStream::pair().unwrap();
+        near.write_all(b"profidrive inj").unwrap();
+        let mut stream = Timely::new(&far, Duration::ZERO);
+        let error = stream.read(&mut [0; 4]).unwrap_err();
+        assert_eq!(error.kind(), std::io::ErrorKind::TimedOut);
+        assert!(stream.write(b"x").is_err());
     }
 
     #[test]

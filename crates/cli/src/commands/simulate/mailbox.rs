@@ -4,7 +4,8 @@ use std::fs;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::thread::spawn;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::{Builder, sleep, spawn};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use network::linux::Bell;
@@ -14,6 +15,11 @@ use crate::failure::{Exit, Failure};
 
 /// Requests that may wait for the thread that runs the drives.
 const WAITING: usize = 16;
+/// Clients that are served at the same time; further ones wait until one is done or out of time.
+const CLIENTS: usize = 8;
+/// How long to wait before another client is accepted after that failed, at first and at most.
+const SHORTEST_REST: Duration = Duration::from_millis(50);
+const LONGEST_REST: Duration = Duration::from_secs(2);
 /// How long a request waits for that thread.
 const PATIENCE: Duration = Duration::from_secs(2);
 
@@ -45,7 +51,8 @@ impl Mailbox {
         let listener = UnixListener::bind(&path).map_err(failed)?;
         let (sender, letters) = sync_channel(WAITING);
         // ends with the process: nothing is lost with it
-        spawn(move || listen(&listener, &sender, &bell));
+        let accept = move || listener.accept().map(|(stream, _)| stream);
+        spawn(move || listen(accept, &sender, &bell, sleep));
         Ok(Self { path, letters })
     }
 
@@ -61,10 +68,64 @@ impl Drop for Mailbox {
     }
 }
 
-fn listen(listener: &UnixListener, letters: &SyncSender<Letter>, bell: &Bell) {
-    for stream in listener.incoming().flatten() {
-        // one that sends nothing holds up the others for two seconds and is left then
-        let _ = answer(&stream, letters, bell);
+/// Places for clients that are served at the same time.
+#[derive(Debug, Default)]
+struct Places {
+    taken: Mutex<usize>,
+    freed: Condvar,
+}
+
+impl Places {
+    /// Waits for a free place.
+    fn take(self: &Arc<Self>) -> Place {
+        let taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut taken = self
+            .freed
+            .wait_while(taken, |taken| *taken >= CLIENTS)
+            .unwrap_or_else(PoisonError::into_inner);
+        *taken += 1;
+        Place(Arc::clone(self))
+    }
+}
+
+/// The place of one client, free again when it is dropped.
+#[derive(Debug)]
+struct Place(Arc<Places>);
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        *self.0.taken.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+        self.0.freed.notify_one();
+    }
+}
+
+/// Serves every client in a thread of its own, so that a slow one holds up nobody. When `accept` fails (no file handle
+/// is left) `rest` waits, longer each time it fails again.
+fn listen(
+    accept: impl Fn() -> std::io::Result<UnixStream>,
+    letters: &SyncSender<Letter>,
+    bell: &Bell,
+    rest: impl Fn(Duration),
+) {
+    let places = Arc::new(Places::default());
+    let mut pause = SHORTEST_REST;
+    loop {
+        let place = places.take();
+        let Ok(stream) = accept() else {
+            rest(pause);
+            pause = (pause * 2).min(LONGEST_REST);
+            continue;
+        };
+        pause = SHORTEST_REST;
+        let (letters, bell) = (letters.clone(), bell.clone());
+        let client = move || {
+            // whoever asked may be gone
+            let _ = answer(&stream, &letters, &bell);
+            drop(place);
+        };
+        if Builder::new().name("request".into()).spawn(client).is_err() {
+            rest(pause);
+        }
     }
 }
 
@@ -78,4 +139,79 @@ fn answer(stream: &UnixStream, letters: &SyncSender<Letter>, bell: &Bell) -> std
         bell.ring();
         answer.recv_timeout(PATIENCE).unwrap_or_else(|_| busy())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::desk::{Question, ask};
+    use std::io::{self, Read};
+
+    /// A listener in a thread of its own, its socket and the requests that come in.
+    fn listening(name: &str) -> (PathBuf, Receiver<Letter>) {
+        let path = std::env::temp_dir().join(format!("profidrive-{name}-{}.sock", std::process::id()));
+        let _ = fs::remove_file(&path);
+        let listener = UnixListener::bind(&path).unwrap();
+        let (sender, letters) = sync_channel(WAITING);
+        let bell = Bell::new().unwrap();
+        let accept = move || listener.accept().map(|(stream, _)| stream);
+        spawn(move || listen(accept, &sender, &bell, sleep));
+        (path, letters)
+    }
+
+    #[test]
+    fn a_client_that_says_nothing_holds_up_nobody() {
+        let (path, letters) = listening("slow");
+        let mut slow = UnixStream::connect(&path).unwrap();
+        spawn(move || {
+            for (question, answer) in letters {
+                assert!(matches!(question, Question::Drives(_)));
+                let _ = answer.send(Answer::Drives(Vec::new()));
+            }
+        });
+        let answer = ask(&path, &Question::Drives("1/eth0".into())).unwrap();
+        assert_eq!(answer, Some(Answer::Drives(Vec::new())));
+        slow.set_nonblocking(true).unwrap();
+        let waits = slow.read(&mut [0]).map_err(|error| error.kind());
+        assert_eq!(
+            waits,
+            Err(io::ErrorKind::WouldBlock),
+            "it was not answered before the other"
+        );
+        fs::remove_file(path).unwrap();
+    }
+
+    #[test]
+    fn without_file_handles_it_rests_longer_each_time() {
+        let (sender, _letters) = sync_channel(1);
+        let (rested, rests) = sync_channel(0);
+        let bell = Bell::new().unwrap();
+        let rest = move |pause| {
+            if rested.send(pause).is_err() {
+                std::thread::park();
+            }
+        };
+        let accept = || Err(io::Error::from_raw_os_error(24)); // EMFILE
+        // ends with the test program
+        spawn(move || listen(accept, &sender, &bell, rest));
+        let rests: Vec<u128> = rests.iter().take(8).map(|pause| pause.as_millis()).collect();
+        assert_eq!(rests, [50, 100, 200, 400, 800, 1600, 2000, 2000]);
+    }
+
+    #[test]
+    fn no_more_clients_than_there_are_places() {
+        let places = Arc::new(Places::default());
+        let held: Vec<Place> = (0..CLIENTS).map(|_| places.take()).collect();
+        let (sender, got) = channel();
+        let next = Arc::clone(&places);
+        spawn(move || {
+            let place = next.take();
+            sender.send(()).unwrap();
+            drop(place);
+        });
+        assert_eq!(*places.taken.lock().unwrap(), CLIENTS);
+        assert!(got.try_recv().is_err());
+        drop(held);
+        got.recv().unwrap();
+    }
 }
