@@ -143,3 +143,34 @@ fn a_motor_that_runs_under_a_controller_keeps_its_name_and_the_drive_says_why() 
         }
     }
 }
+
+#[test]
+fn texts_of_a_drive_do_not_reach_the_terminal_as_they_are() {
+    let lab = Lab::new("hostile-text");
+    let state = lab.folder().join("kept");
+    let _ = fs::remove_dir_all(&state);
+    fs::create_dir_all(&state).unwrap();
+    let tag = format!("{:<54}", "\u{1b}[2J\u{7}\u{7f}\u{9b}31m\u{202e}gpj\u{200b}");
+    let tag: String = tag.bytes().take(54).map(|octet| format!("{octet:02x}")).collect();
+    let blank = |octets: usize| "20".repeat(octets);
+    let network = serde_json::json!({
+        "schema": "profidrive/1", "name": "akd-1", "ip": "192.168.77.50", "mask": "255.255.255.0",
+        "gateway": "0.0.0.0", "im1": tag, "im2": blank(16), "im3": blank(54), "im4": "00".repeat(54),
+    });
+    fs::write(state.join("akd-1.network.json"), network.to_string()).unwrap();
+    let _drive = simulate(&lab, &["--name", "akd-1", "--state", state.to_str().unwrap()]);
+    for arguments in [
+        &["info", "akd-1"][..],
+        &["--json", "info", "akd-1"],
+        &["-v", "scan"],
+    ] {
+        let told = client(&lab, arguments);
+        let shown = [told.out.as_str(), told.err.as_str()].concat();
+        let raw = shown
+            .chars()
+            .find(|&c| (c.is_control() && c != '\n') || ('\u{200b}'..='\u{202e}').contains(&c));
+        assert_eq!(raw, None, "{arguments:?}: {shown:?}");
+    }
+    let info = client(&lab, &["info", "akd-1"]).ok().out;
+    assert!(info.contains("\\u{1b}[2J"), "{info}");
+}

@@ -1,10 +1,9 @@
 //! From the command line to a session with a drive: which interface, which way, which rights.
 
 use std::net::Ipv4Addr;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use drive_client::{Drive, DriveAddress, Error, LineAddress, LineConfig, Session};
-use indicatif::{ProgressBar, ProgressStyle};
 use network::linux::{
     Error as NetworkError, InterfaceInfo, PacketMedium, Patience, ServerPort, Stop, UdpMedium,
 };
@@ -18,6 +17,8 @@ use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::reach::{Reach, far, reach};
 use crate::render::table::clean;
+
+pub use crate::output::{bar, spinner};
 
 /// What a command needs of the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -286,27 +287,6 @@ fn not_found(error: Error, medium: &Carrier, address: &DriveAddress) -> Failure 
         Some(words) if failure.exit == Exit::Unreachable => failure.hint(words),
         _ => failure,
     }
-}
-
-/// Something is going on; nothing where nobody watches.
-pub fn spinner(output: &Output, words: String) -> ProgressBar {
-    if !output.progress() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new_spinner().with_message(words);
-    bar.enable_steady_tick(Duration::from_millis(120));
-    bar
-}
-
-/// So many of something are done; nothing where nobody watches.
-pub fn bar(output: &Output, length: usize, words: &'static str) -> ProgressBar {
-    if !output.progress() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{msg} {bar:30} {pos}/{len}");
-    ProgressBar::new(length as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        .with_message(words)
 }
 
 #[cfg(test)]

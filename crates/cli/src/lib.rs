@@ -3,6 +3,7 @@
 //! A library so that what reads captures, which may be hostile, can be tested and fuzzed as it is; the program itself is
 //! [`main`].
 #![forbid(unsafe_code)]
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::disallowed_methods)] // only `output` prints
 
 mod advice;
 mod args;
@@ -54,8 +55,7 @@ pub fn main() -> ExitCode {
 fn misunderstood(error: &clap::Error) -> ExitCode {
     let output = Output::new(false, false);
     if error.use_stderr() {
-        // a closed stderr is nobody's mistake
-        let _ = error.print();
+        output.styled_error(&error.render());
     } else {
         output.styled(&error.render());
     }

@@ -1,13 +1,23 @@
-//! The one place that decides what may be printed: data on stdout, talk on stderr.
+//! The one place that prints: data on stdout, talk on stderr. Everything is cleaned here, so that no text from a network,
+//! a file or another program moves the cursor, hides or turns what is beside it, or passes for a line of this program.
+//! `clippy.toml` forbids all other ways to print.
 
+mod clean;
+mod progress;
+
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Map, Value};
 
+use self::clean::{clean_json, clean_lines, clean_message, clean_styled};
 use crate::failure::Failure;
 use crate::fields;
+
+pub use self::clean::clean;
+pub use self::progress::{bar, bytes, spinner};
 
 /// Name and version of the JSON form; changes only when a field changes its meaning or goes.
 pub const SCHEMA: &str = "profidrive/1";
@@ -30,6 +40,15 @@ pub enum Colour {
 }
 
 impl Colour {
+    const ALL: [Self; 6] = [
+        Self::Fault,
+        Self::Warning,
+        Self::Normal,
+        Self::Action,
+        Self::Faint,
+        Self::Strong,
+    ];
+
     const fn code(self) -> &'static str {
         match self {
             Self::Fault => "31",
@@ -51,6 +70,8 @@ pub struct Output {
     colour_out: bool,
     colour_err: bool,
     live: bool,
+    /// Stands before each colour in text that is not printed yet. It is random, so that no foreign text has it.
+    mark: Arc<str>,
     held: Arc<Mutex<Held>>,
     /// Nobody reads stdout any more, or it takes no more.
     closed: Arc<AtomicBool>,
@@ -71,6 +92,7 @@ struct Held {
 
 impl Output {
     /// From the options, the environment and what stdout and stderr are.
+    #[expect(clippy::disallowed_methods, reason = "asks only what stdout and stderr are")]
     pub fn new(json: bool, quiet: bool) -> Self {
         let colour = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
             && std::env::var_os("TERM").is_none_or(|term| term != "dumb");
@@ -81,6 +103,7 @@ impl Output {
             colour_out: colour && io::stdout().is_terminal(),
             colour_err: colour && io::stderr().is_terminal(),
             live: io::stdout().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb"),
+            mark: format!("\u{1b}{:016x}", RandomState::new().hash_one("mark")).into(),
             held: Arc::default(),
             closed: Arc::default(),
             drive: None,
@@ -117,32 +140,69 @@ impl Output {
     }
 
     /// True when progress may be drawn on stderr.
+    #[expect(clippy::disallowed_methods, reason = "asks only what stderr is")]
     pub fn progress(&self) -> bool {
         !self.quiet && !self.json && io::stderr().is_terminal()
     }
 
     /// `text` in `colour` for stdout, plain where colour is off.
     pub fn paint(&self, colour: Colour, text: &str) -> String {
-        paint(self.colour_out, colour, text)
+        if self.colour_out {
+            let mark = &self.mark;
+            format!("{mark}{};{text}{mark}0;", colour.code())
+        } else {
+            text.to_owned()
+        }
     }
 
-    /// Prints one line of data.
+    /// Prints one line of data; a line break in it is shown as `\n`.
     pub fn line(&self, text: &str) {
-        self.write_out(&format!("{text}\n"));
+        self.write_out(&format!("{}\n", self.rendered(text)));
     }
 
     /// Prints data that ends its own lines.
     pub fn raw(&self, text: &str) {
-        self.write_out(text);
+        self.write_out(&clean_lines(text));
     }
 
-    /// Prints text of the reader of the command line: help, version.
-    pub fn styled(&self, text: &clap::builder::StyledStr) {
-        if self.colour_out {
-            self.raw(&text.ansi().to_string());
+    /// Prints a view that replaces the `drawn` lines before; lines longer than the terminal are cut, not wrapped, so that
+    /// the view keeps its height.
+    pub fn picture(&self, drawn: usize, lines: &[String]) {
+        let up = if drawn > 0 {
+            format!("\x1b[{drawn}A")
         } else {
-            self.raw(&text.to_string());
+            String::new()
+        };
+        let lines = lines
+            .iter()
+            .map(|line| format!("\r\x1b[K{}\n", self.rendered(line)));
+        self.write_out(&format!("{up}\x1b[?7l{}\x1b[?7h", lines.collect::<String>()));
+    }
+
+    /// Prints text of the reader of the command line: help and version.
+    pub fn styled(&self, text: &clap::builder::StyledStr) {
+        self.write_out(&styled(text, self.colour_out));
+    }
+
+    /// Prints text of the reader of the command line that is a mistake.
+    pub fn styled_error(&self, text: &clap::builder::StyledStr) {
+        write_err(&styled(text, self.colour_err));
+    }
+
+    /// Cleans a line and puts in the colours that [`paint`](Self::paint) marked.
+    fn rendered(&self, text: &str) -> String {
+        let mut pieces = text.split(&*self.mark);
+        let mut line = clean(pieces.next().unwrap_or_default());
+        for piece in pieces {
+            let Some((code, rest)) = piece.split_once(';') else {
+                continue;
+            };
+            if code == "0" || Colour::ALL.iter().any(|colour| colour.code() == code) {
+                line += &format!("\x1b[{code}m");
+            }
+            line += &clean(rest);
         }
+        line
     }
 
     /// Takes the one JSON document of a command. It is printed when the command ends, with what went wrong in it.
@@ -150,13 +210,13 @@ impl Output {
         let earlier = self.held().document.replace(with_schema(command, fields));
         // nothing that was said is lost
         if let Some(earlier) = earlier {
-            self.write_out(&format!("{}\n", Value::Object(earlier)));
+            self.write_json(&Value::Object(earlier).to_string());
         }
     }
 
     /// Prints one JSON document of a command that says many, at once and on a line of its own (JSON Lines).
     pub fn event(&self, command: &str, fields: Map<String, Value>) {
-        self.write_out(&format!("{}\n", document(command, fields)));
+        self.write_json(&document(command, fields));
     }
 
     /// Tells something that went wrong, while the command goes on to its end, which will be another failure.
@@ -177,7 +237,7 @@ impl Output {
         if self.json
             && let Some(whole) = self.ending(failure)
         {
-            self.write_out(&format!("{}\n", Value::Object(whole)));
+            self.write_json(&Value::Object(whole).to_string());
         }
         if let Some(failure) = failure {
             self.error(&failure.message, failure.hint.as_deref());
@@ -219,6 +279,11 @@ impl Output {
         self.closed.load(Ordering::Relaxed)
     }
 
+    fn write_json(&self, json: &str) {
+        self.write_out(&format!("{}\n", clean_json(json)));
+    }
+
+    #[expect(clippy::disallowed_methods, reason = "the one place that writes to stdout")]
     fn write_out(&self, text: &str) {
         let mut out = io::stdout().lock();
         let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) else {
@@ -234,35 +299,47 @@ impl Output {
     /// Says something to the person, not to a program that reads along.
     pub fn say(&self, text: &str) {
         if !self.quiet {
-            write_err(&format!("{text}\n"));
+            write_err(&format!("{}\n", clean_message(text)));
         }
     }
 
     /// Says a particular, where these are wanted.
     pub fn detail(&self, text: &str) {
         if self.verbose {
-            write_err(&format!("{text}\n"));
+            write_err(&format!(
+                "{}
+",
+                clean_message(text)
+            ));
         }
+    }
+
+    /// Asks the person, who answers on the same line.
+    pub fn ask(&self, question: &str) {
+        write_err(&format!("{} ", clean(question)));
     }
 
     /// Says something that must be seen, also with `--quiet`.
     pub fn warn(&self, text: &str) {
         write_err(&format!(
-            "{} {text}\n",
-            paint(self.colour_err, Colour::Warning, "warning:")
+            "{} {}\n",
+            paint(self.colour_err, Colour::Warning, "warning:"),
+            clean_message(text)
         ));
     }
 
     /// Prints an error and what to do about it.
     pub fn error(&self, message: &str, hint: Option<&str>) {
         write_err(&format!(
-            "{} {message}\n",
-            paint(self.colour_err, Colour::Fault, "error:")
+            "{} {}\n",
+            paint(self.colour_err, Colour::Fault, "error:"),
+            clean_message(message)
         ));
         if let Some(hint) = hint {
             write_err(&format!(
-                "  {} {hint}\n",
-                paint(self.colour_err, Colour::Action, "hint:")
+                "  {} {}\n",
+                paint(self.colour_err, Colour::Action, "hint:"),
+                clean_message(hint)
             ));
         }
     }
@@ -298,6 +375,15 @@ fn paint(on: bool, colour: Colour, text: &str) -> String {
     }
 }
 
+fn styled(text: &clap::builder::StyledStr, colour: bool) -> String {
+    if colour {
+        clean_styled(&text.ansi().to_string())
+    } else {
+        clean_lines(&text.to_string())
+    }
+}
+
+#[expect(clippy::disallowed_methods, reason = "the one place that writes to stderr")]
 fn write_err(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
@@ -334,6 +420,19 @@ mod tests {
             (&alone["command"], alone.contains_key("errors")),
             (&"error".into(), false)
         );
+    }
+
+    #[test]
+    fn own_colours_reach_the_terminal_and_foreign_ones_do_not() {
+        let mut output = Output::new(false, false);
+        output.colour_out = true;
+        let name = "x\x1b[31m\u{1b}0123456789abcdef31;y\n";
+        let line = format!("{} {name}", output.paint(Colour::Fault, name));
+        let shown = "x\\u{1b}[31m\\u{1b}0123456789abcdef31;y\\n";
+        assert_eq!(output.rendered(&line), format!("\x1b[31m{shown}\x1b[0m {shown}"));
+        let other = Output::new(false, false);
+        assert_ne!(output.mark, other.mark);
+        assert!(!other.rendered(&line).contains('\x1b'));
     }
 
     #[test]

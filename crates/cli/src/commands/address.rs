@@ -1,6 +1,6 @@
 //! `profidrive name`, `profidrive ip`, `profidrive blink`, `profidrive reset`
 
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, BufRead, IsTerminal};
 use std::net::Ipv4Addr;
 use std::sync::mpsc;
 use std::time::Duration;
@@ -233,6 +233,7 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
         confirm(
             &mut session,
             &format!("Reset {what} of {station} to factory values?"),
+            output,
         )?;
     }
     let done = if checked {
@@ -272,15 +273,14 @@ const fn mode(mode: ResetMode) -> (u8, &'static str) {
 }
 
 /// Asks a person; without one there is no yes. Ctrl-C is a no.
-fn confirm(session: &mut Live, question: &str) -> Result<(), Failure> {
+fn confirm(session: &mut Live, question: &str, output: &Output) -> Result<(), Failure> {
     /// How often Ctrl-C is looked at.
     const GLANCE: Duration = Duration::from_millis(50);
     if !io::stdin().is_terminal() {
         return Err(Failure::new(Exit::Safety, "not reset: nobody is there to ask")
             .hint("--yes resets without asking"));
     }
-    let mut stderr = io::stderr();
-    let _ = write!(stderr, "{question} [y/N] ").and_then(|()| stderr.flush());
+    output.ask(&format!("{question} [y/N]"));
     // reading a line cannot be interrupted, so somebody else waits for it
     let (sender, receiver) = mpsc::channel();
     std::thread::spawn(move || {
@@ -298,7 +298,7 @@ fn confirm(session: &mut Live, question: &str) -> Result<(), Failure> {
         }
         match session.pass(GLANCE) {
             Err(Error::Interrupted) => {
-                let _ = writeln!(stderr);
+                output.say("");
                 return Err(Failure::new(Exit::Safety, "not reset"));
             }
             other => other?,

@@ -321,7 +321,7 @@ mod tests {
         for part in [
             "state        S4 operation",
             "ZSW1         0x2337 [READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ, STOPPED]",
-            "control      controller \"plc.[2J\"",
+            "control      controller \"plc\\u{1b}[2J\"",
             "mode         2, positioning (PNU 930)",
             "limits       positive switch, software limits (SWLS.STATE 1)",
             "homed        no (ZSW1 bit 11)",

@@ -174,21 +174,9 @@ impl LiveView {
     }
 
     fn picture(&mut self, view: &AxisView) {
-        let mut text = String::new();
-        if self.drawn > 0 {
-            text.push_str(&format!("\x1b[{}A", self.drawn));
-        }
         let lines = picture(view, &self.output);
-        // lines longer than the terminal are cut, not wrapped: the picture keeps its height
-        text.push_str("\x1b[?7l");
-        for line in &lines {
-            text.push_str("\r\x1b[K");
-            text.push_str(line);
-            text.push('\n');
-        }
-        text.push_str("\x1b[?7h");
+        self.output.picture(self.drawn, &lines);
         self.drawn = lines.len();
-        self.output.raw(&text);
     }
 }
 

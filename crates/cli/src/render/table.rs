@@ -75,12 +75,7 @@ impl Table {
     }
 }
 
-/// Text from a network must not move the cursor or change colours.
-pub fn clean(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { '.' } else { c })
-        .collect()
-}
+pub use crate::output::clean;
 
 #[cfg(test)]
 mod tests {
@@ -103,6 +98,12 @@ mod tests {
 
     #[test]
     fn hostile_text_stays_in_its_cell() {
-        assert_eq!(clean("a\x1b[2Jb\nc"), "a.[2Jb.c");
+        let mut table = Table::new(&["name", "mac"]);
+        table.row(["a\x1b[2Jb\nc".into(), "1".into()]);
+        table.row(["d".into(), "2".into()]);
+        assert_eq!(
+            table.lines(),
+            ["name            mac", "a\\u{1b}[2Jb\\nc  1", "d               2"]
+        );
     }
 }

@@ -5,7 +5,7 @@ use std::io::stdin;
 use std::path::Path;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use network::linux::{Capture, Stop};
 use network::pcap::{ReadError, Reader};
 use serde_json::{Map, Value, json};
@@ -15,7 +15,7 @@ use crate::args::{Decode, Only};
 use crate::decode::{Counts, DeviceSummary, Event, StreamSummary, Walker, Weight, seconds};
 use crate::failure::{Exit, Failure};
 use crate::fields;
-use crate::output::Output;
+use crate::output::{Output, bytes};
 
 /// Decodes a capture file, or what comes through standard input.
 pub fn file(path: &Path, args: &Decode, output: &Output) -> Result<(), Failure> {
@@ -229,11 +229,10 @@ impl<'a> Session<'a> {
 
 fn progress(size: u64, output: &Output) -> ProgressBar {
     // a terminal that shows the events needs no bar between them
-    if size < 4_000_000 || !output.progress() || output.live() {
+    if size < 4_000_000 || output.live() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{bar:30} {percent:>3}% {bytes}/{total_bytes}");
-    ProgressBar::new(size).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    bytes(output, size)
 }
 
 fn print(event: &Event, output: &Output) {

@@ -143,8 +143,9 @@ impl<'a> View<'a> {
 
     fn access_point(&self, point: &AccessPoint, output: &Output) {
         let name = clean(&format!("access point {}", point.id));
+        output.line("");
         output.line(&format!(
-            "\n{}  {}",
+            "{}  {}",
             output.paint(Colour::Strong, &name),
             clean(self.name(&point.info, &point.id))
         ));
