@@ -389,6 +389,8 @@ fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
             let remedy = status.loss.as_ref().and_then(|loss| loss.remedy.clone());
             [Some(stop), remedy].into_iter().flatten().collect()
         }
+        // nobody commands it, and whether it turns cannot be read
+        Cause::Silent if status.controller == Some(None) => vec![Action::Stop],
         // what its service channel has enabled a parameter switches off
         Cause::LocalOperation if by_parameter && status.has(Zsw1::OPERATION_ENABLED) => vec![stop],
         _ => Vec::new(),
