@@ -6,7 +6,7 @@ use binary::{onto, profidrive, profidrive_on, stderr, stdout};
 
 #[test]
 fn explain_a_control_word() {
-    let output = profidrive(&["explain", "0x047F", "--as", "stw1"]);
+    let output = profidrive(&["explain", "0x047F", "--as", "stw1", "--mode", "velocity"]);
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(
         stdout(&output),
@@ -33,6 +33,87 @@ fn explain_a_control_word() {
          \x20  15  0  BIT15         -\n"
     );
     assert_eq!(stderr(&output), "");
+}
+
+/// AKD manual 5.4 and 5.5: the words of the issue, in the mode that is named, and in both where none is.
+#[test]
+fn explain_names_the_bits_of_position_mode() {
+    let explained = |line: &[&str]| {
+        let output = profidrive(&[&["explain"], line].concat());
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        stdout(&output)
+    };
+    let control = explained(&["0x3D7F", "--as", "stw1", "--mode", "position"]);
+    assert!(
+        control.contains(
+            "\n  set    ON, EN_OP, NO_REJECT, NO_INT_STOP, START_TASK, JOG1, CTRL_PLC, HOMING, RT_JOG, RT_JOG_CCW\n"
+        ),
+        "{control}"
+    );
+    assert!(
+        !control.contains("follows the setpoint") && !control.contains("BIT11"),
+        "{control}"
+    );
+    let status = explained(&["0x2B37", "--as", "zsw1", "--mode", "position"]);
+    assert!(
+        status.contains("\n  set    READY_ON, READY_OP, OPERATION, IN_TOLERANCE, CTRL_REQ, HOMED, STOPPED\n"),
+        "{status}"
+    );
+    assert!(
+        status.contains("   8  1  IN_TOLERANCE  following error in the window\n"),
+        "{status}"
+    );
+
+    let both = explained(&["0x2B37", "--as", "zsw1"]);
+    let (velocity, position) = both.split_once("in position mode").unwrap();
+    assert!(velocity.contains("BIT11, BIT13"), "{both}");
+    assert!(
+        position.contains("HOMED, STOPPED") && !position.contains("READY_ON      "),
+        "{both}"
+    );
+    let json: serde_json::Value = serde_json::from_str(&stdout(&profidrive(&[
+        "--json", "explain", "0x3D7F", "--as", "stw1",
+    ])))
+    .unwrap();
+    assert_eq!(json["mode"], "velocity");
+    assert_eq!(json["position"]["word"]["bits"][11]["name"], "HOMING", "{json}");
+    let refused = profidrive(&["explain", "702", "--as", "fault", "--mode", "position"]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+}
+
+/// A telegram that selects traversing tasks is enough to read its words in position mode.
+#[test]
+fn decode_names_the_bits_of_telegrams_for_positioning() {
+    for (telegram, control) in [
+        ("7", "3D7F 0000"),
+        ("9", "3D7F 0000 0000 00000000 00000000 0000 0000 0000"),
+    ] {
+        let line = [
+            "decode",
+            "--hex",
+            control,
+            "--telegram",
+            telegram,
+            "--from",
+            "controller",
+        ];
+        let text = stdout(&profidrive(&line));
+        assert!(
+            text.contains("NO_REJECT, NO_INT_STOP, START_TASK, JOG1, CTRL_PLC, HOMING"),
+            "{text}"
+        );
+        assert!(!text.contains("follows the setpoint"), "{text}");
+    }
+    let text = stdout(&profidrive(&[
+        "decode",
+        "--hex",
+        "2B37 0000",
+        "--telegram",
+        "7",
+        "--from",
+        "drive",
+    ]));
+    assert!(text.contains("CTRL_REQ, HOMED, STOPPED]"), "{text}");
 }
 
 #[test]

@@ -318,6 +318,14 @@ impl Drive {
         }
     }
 
+    /// Returns the mode that decides over the bits of the control and status word, from PNU 930 and the number of the
+    /// telegram in use.
+    #[must_use]
+    pub fn word_mode(&self, operating_mode: Option<i64>, telegram: Option<u16>) -> Mode {
+        let telegram = telegram.and_then(|number| Telegram::find(number, self.station.vendor_id));
+        Mode::of(operating_mode, telegram)
+    }
+
     /// At a serial line the channel tells only how wide a value is; the rest is in the tables.
     pub(crate) fn shape(&self, pnu: u16) -> Option<Shape> {
         let tables = self.model.catalogue?;

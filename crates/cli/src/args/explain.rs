@@ -19,8 +19,20 @@ pub struct Explain {
         value_name = "stw1|zsw1|state|fault|error|format|pnio|ctw-fc|stw-fc|ctw-vlt|stw-vlt|ctw-vlt2800|stw-vlt2800|ctw-vacon|stw-vacon|pke|alarm-word|alarm-word2|warning-word|warning-word2"
     )]
     pub kind: What,
+    /// Mode of the drive, for stw1 and zsw1; without it both modes are shown
+    #[arg(long, value_enum, value_name = "MODE")]
+    pub mode: Option<WordMode>,
     #[command(flatten)]
     pub model: Kind,
+}
+
+/// Mode that decides over the bits of STW1 and ZSW1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum WordMode {
+    /// Velocity mode (PNU 930 = 1)
+    Velocity,
+    /// Position mode (PNU 930 = 2; telegrams 7, 9, 352 and 353 of an AKD)
+    Position,
 }
 
 /// What a number to explain is.

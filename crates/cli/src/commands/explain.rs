@@ -3,12 +3,13 @@
 use drive_client::Model;
 use profidrive::catalogue::{AKD, Catalogue, VLT};
 use profidrive::pkw::{PkwDialect, ReplyCode, RequestCode};
+use profidrive::state::bits::{self as state_bits, Bit};
 use profidrive::state::{Mode, Profile};
 use profidrive::telegram::DANFOSS;
 use profinet::wire::status::PnioStatus;
 use serde_json::{Map, Value};
 
-use crate::args::{Explain, What};
+use crate::args::{Explain, What, WordMode};
 use crate::failure::Failure;
 use crate::fields;
 use crate::job::{self, JobDrive};
@@ -16,7 +17,7 @@ use crate::output::Output;
 use crate::render::{hex16, states, words};
 
 pub fn run(args: &Explain, output: &Output) -> Result<(), Failure> {
-    let (lines, fields) = explain(&args.value, args.kind, args.model.model)?;
+    let (lines, fields) = explain(&args.value, args.kind, args.mode, args.model.model)?;
     if output.json() {
         output.document("explain", fields);
     } else {
@@ -34,26 +35,28 @@ fn tables(model: Option<Model>) -> &'static Catalogue {
     model.and_then(|model| model.catalogue).unwrap_or(&AKD)
 }
 
-fn explain(text: &str, kind: What, model: Option<Model>) -> Result<Explained, Failure> {
+fn explain(
+    text: &str,
+    kind: What,
+    mode: Option<WordMode>,
+    model: Option<Model>,
+) -> Result<Explained, Failure> {
     let tables = tables(model);
+    if mode.is_some() && !matches!(kind, What::Stw1 | What::Zsw1) {
+        return Err(Failure::usage("--mode goes with --as stw1 and --as zsw1"));
+    }
     Ok(match kind {
-        What::Stw1 => {
-            let word = word(text)?;
-            let means = words::stw1_meaning(word);
-            let mut fields = fields! { "as": "stw1", "meaning": means };
-            fields.insert("word".into(), words::word_json(words::stw1_bits(), word));
-            (words::word_lines("STW1", words::stw1_bits(), word, means), fields)
-        }
-        What::Zsw1 => {
-            let word = word(text)?;
-            let means = words::state(word, None);
-            let mut fields = fields! { "as": "zsw1", "meaning": means.as_str() };
-            fields.insert("word".into(), words::word_json(words::zsw1_bits(), word));
-            (
-                words::word_lines("ZSW1", words::zsw1_bits(), word, &means),
-                fields,
-            )
-        }
+        What::Stw1 => in_modes(
+            "STW1",
+            "stw1",
+            word(text)?,
+            mode,
+            state_bits::stw1,
+            |mode, word| words::stw1_meaning_in(mode, word).to_owned(),
+        ),
+        What::Zsw1 => in_modes("ZSW1", "zsw1", word(text)?, mode, state_bits::zsw1, |_, word| {
+            words::state(word, None)
+        }),
         What::CtwFc => control(Profile::DanfossFc, "ctw-fc", text)?,
         What::CtwVlt => control(Profile::DanfossProfidrive, "ctw-vlt", text)?,
         What::CtwVlt2800 => control(Profile::Vlt2800Profidrive, "ctw-vlt2800", text)?,
@@ -106,6 +109,48 @@ fn explain(text: &str, kind: What, model: Option<Model>) -> Result<Explained, Fa
             (lines, fields)
         }
     })
+}
+
+/// STW1 or ZSW1 in the mode that is named; without one in velocity mode, then what differs in position mode.
+fn in_modes(
+    title: &str,
+    kind: &str,
+    word: u16,
+    mode: Option<WordMode>,
+    table: fn(Mode) -> &'static [Bit; 16],
+    means: fn(Mode, u16) -> String,
+) -> Explained {
+    let one = |mode: Mode| {
+        let means = means(mode, word);
+        let fields = fields! {
+            "as": kind, "mode": mode.name(), "meaning": means.as_str(), "word": words::word_json(table(mode), word),
+        };
+        (means, fields)
+    };
+    let mut lines = vec![words::word_title(title, word)];
+    if let Some(mode) = mode {
+        let mode = match mode {
+            WordMode::Velocity => Mode::Velocity,
+            WordMode::Position => Mode::Position,
+        };
+        let (means, fields) = one(mode);
+        lines.extend(words::bit_lines(table(mode), table(mode).iter(), word, &means));
+        return (lines, fields);
+    }
+    let (velocity, position) = (table(Mode::Velocity), table(Mode::Position));
+    let (means, mut fields) = one(Mode::Velocity);
+    lines.push("in velocity mode".into());
+    lines.extend(words::bit_lines(velocity, velocity.iter(), word, &means));
+    let (means, other) = one(Mode::Position);
+    lines.push("in position mode (PNU 930 = 2, telegrams 7, 9, 352 and 353); the other bits as above".into());
+    let differing = position
+        .iter()
+        .zip(velocity)
+        .filter(|(position, velocity)| position != velocity)
+        .map(|(position, _)| position);
+    lines.extend(words::bit_lines(position, differing, word, &means));
+    fields.insert("position".into(), Value::Object(other));
+    (lines, fields)
 }
 
 fn control(profile: Profile, kind: &str, text: &str) -> Result<Explained, Failure> {
@@ -266,19 +311,24 @@ mod tests {
     use clap::ValueEnum;
 
     fn lines(text: &str, kind: What) -> String {
-        explain(text, kind, None).unwrap().0.join("\n")
+        explain(text, kind, None, None).unwrap().0.join("\n")
     }
 
     #[test]
     fn faults_of_the_make_that_is_named() {
-        let told = explain("13", What::Fault, Model::by_name("vlt")).unwrap();
+        let told = explain("13", What::Fault, None, Model::by_name("vlt")).unwrap();
         assert!(told.0[0].starts_with("VLT F13: "), "{:?}", told.0);
         assert_ne!(told.0[0], lines("13", What::Fault).lines().next().unwrap());
     }
 
     #[test]
     fn numbers_and_formats_of_the_make_that_is_named() {
-        let told = |text, kind, make: &str| explain(text, kind, Model::by_name(make)).unwrap().0.join("\n");
+        let told = |text, kind, make: &str| {
+            explain(text, kind, None, Model::by_name(make))
+                .unwrap()
+                .0
+                .join("\n")
+        };
         let refused = told("130", What::Error, "vlt");
         assert!(
             refused.contains("in a parameter channel (PKW) of Danfoss: "),
@@ -326,7 +376,7 @@ mod tests {
         assert_eq!(lines("0x0237", What::State), "ZSW1 0x0237: S4 operation");
         assert!(lines("S4", What::State).starts_with("S4 operation\n"));
         assert_eq!(
-            explain("s5", What::State, None).unwrap().1["states"]
+            explain("s5", What::State, None, None).unwrap().1["states"]
                 .as_array()
                 .map(Vec::len),
             Some(2)
@@ -343,7 +393,7 @@ mod tests {
             ("", What::Fault),
         ] {
             assert_eq!(
-                explain(text, kind, None).unwrap_err().exit,
+                explain(text, kind, None, None).unwrap_err().exit,
                 crate::failure::Exit::Usage,
                 "{text}"
             );
@@ -382,7 +432,7 @@ mod tests {
         }
         let words = What::value_variants().iter().filter(|kind| **kind != What::Pnio);
         for kind in words {
-            let told = explain("0x80000000", *kind, None);
+            let told = explain("0x80000000", *kind, None, None);
             assert_eq!(
                 told.is_ok(),
                 matches!(

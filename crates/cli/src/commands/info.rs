@@ -1,7 +1,9 @@
 //! `profidrive info DRIVE`
 
 use drive_client::parameter::Reading;
-use drive_client::{FaultEntry, Identity, Info, PROFIDRIVE_API, describe};
+use drive_client::{Drive, FaultEntry, Identity, Info, PROFIDRIVE_API, describe};
+use profidrive::parameter::pnu;
+use profidrive::state::{Mode, bits};
 use profinet::wire::record::IdentifiedModule;
 use serde_json::Value;
 
@@ -42,7 +44,7 @@ pub fn run(args: &args::Drive, interface: &Interface, output: &Output) -> Result
         "not a drive"
     };
     output.line(&format!("{} ({kind})", describe(&drive.station)));
-    for line in lines(&info, &faults) {
+    for line in lines(&drive, &info, &faults) {
         output.line(&line);
     }
     if output.verbose() || !info.is_drive(&drive) || info.readings.is_empty() {
@@ -71,7 +73,14 @@ fn word(info: &Info, pnu: u16) -> Option<u16> {
     info.raw(pnu).and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
 }
 
-fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
+/// Mode that decides over the bits of STW1 and ZSW1.
+fn word_mode(drive: &Drive, info: &Info) -> Mode {
+    let operating_mode = word(info, pnu::OPERATING_MODE).map(i64::from);
+    drive.word_mode(operating_mode, word(info, pnu::TELEGRAM))
+}
+
+fn lines(drive: &Drive, info: &Info, faults: &[FaultEntry]) -> Vec<String> {
+    let mode = word_mode(drive, info);
     let mut lines = Vec::new();
     let mut line = |name: &str, text: String| {
         if !text.trim().is_empty() {
@@ -103,14 +112,12 @@ fn lines(info: &Info, faults: &[FaultEntry]) -> Vec<String> {
         line("neighbour", format!("{own} leads to {port} of {station}"));
     }
     if let Some(stw1) = word(info, STW1) {
-        let set = words::set(words::stw1_bits(), stw1);
-        line(
-            "STW1",
-            format!("{} {} {set}", hex16(stw1), words::stw1_meaning(stw1)),
-        );
+        let set = words::set(bits::stw1(mode), stw1);
+        let means = words::stw1_meaning_in(mode, stw1);
+        line("STW1", format!("{} {means} {set}", hex16(stw1)));
     }
     if let Some(zsw1) = word(info, ZSW1) {
-        line("ZSW1", words::shown(words::zsw1_bits(), zsw1));
+        line("ZSW1", words::shown(bits::zsw1(mode), zsw1));
     }
     for fault in faults {
         let state = if fault.situation == 0 {
@@ -266,8 +273,9 @@ fn date(year: i64, day_month: i64) -> String {
     format!("{year:04}-{:02}-{:02}", day_month % 100, day_month / 100)
 }
 
-fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serde_json::Map<String, Value> {
+fn json(drive: &Drive, info: &Info, faults: &[FaultEntry]) -> serde_json::Map<String, Value> {
     let station = &drive.station;
+    let mode = word_mode(drive, info);
     let mut fields = fields! {
         "name": station.name.as_str(), "mac": station.mac.to_string(), "ip": station.ip.address.to_string(),
         "vendor_id": station.vendor_id, "device_id": station.device_id, "type": station.station_type.as_str(),
@@ -290,10 +298,10 @@ fn json(drive: &drive_client::Drive, info: &Info, faults: &[FaultEntry]) -> serd
             "state_meaning".into(),
             words::state(zsw1, word(info, STW1)).into(),
         );
-        fields.insert("zsw1".into(), words::word_json(words::zsw1_bits(), zsw1));
+        fields.insert("zsw1".into(), words::word_json(bits::zsw1(mode), zsw1));
     }
     if let Some(stw1) = word(info, STW1) {
-        fields.insert("stw1".into(), words::word_json(words::stw1_bits(), stw1));
+        fields.insert("stw1".into(), words::word_json(bits::stw1(mode), stw1));
     }
     if let Some(controller) = &info.controller {
         fields.insert("controller".into(), controller.as_deref().into());

@@ -76,10 +76,7 @@ fn name_bits(
     let telegram = raw(pnu::TELEGRAM).and_then(|number| u16::try_from(number).ok());
     let telegram = telegram.and_then(|number| Telegram::find(number, drive.station.vendor_id));
     let profile = drive.model.words.of(telegram, chooser.and_then(raw));
-    let mode = match raw(pnu::OPERATING_MODE) {
-        Some(2) => Mode::Position,
-        _ => Mode::Velocity,
-    };
+    let mode = Mode::of(raw(pnu::OPERATING_MODE), telegram);
     for reading in readings.iter_mut().flatten() {
         *reading = drive.parameters.in_words(reading.clone(), Some(profile), mode);
     }

@@ -86,7 +86,7 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
 
 /// The facts, one a line.
 fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
-    let mode = status.word_mode();
+    let mode = status.word_mode;
     let mut lines = Vec::new();
     let mut line = |name: &str, text: Option<String>| {
         if let Some(text) = text {
@@ -228,7 +228,7 @@ fn limits(status: &DriveStatus) -> Option<String> {
 }
 
 fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
-    let mode = status.word_mode();
+    let mode = status.word_mode;
     let faults: Vec<Value> = status
         .faults
         .iter()
@@ -311,6 +311,7 @@ mod tests {
             status_word: Some(0x2337),
             telegram: Some(9),
             mode: Some(2),
+            word_mode: Mode::Position,
             positive_switch: Some(true),
             software_limits: Some(1),
             position: Some(1.25),

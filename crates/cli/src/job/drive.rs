@@ -20,8 +20,10 @@ pub struct JobDrive {
     parameters: Parameters,
     /// Scales whose value was seen.
     known: Vec<Scale>,
-    /// The mode, once it was seen.
-    mode: Option<Mode>,
+    /// PNU 930, once it was seen.
+    operating_mode: Option<i64>,
+    /// The telegram that PNU 922 names, once it was seen.
+    selected: Option<&'static Telegram>,
     /// What the parameter that chooses the maker's own control word has, once it was seen.
     chosen: Option<i64>,
     /// Nobody said what it is.
@@ -51,7 +53,8 @@ impl JobDrive {
             parameters: Parameters::of(&model),
             model,
             known: Vec::new(),
-            mode: None,
+            operating_mode: None,
+            selected: None,
             chosen: None,
             assumed: false,
         }
@@ -107,7 +110,12 @@ impl JobDrive {
 
     /// The mode it is in, as far as it was seen.
     pub fn mode(&self) -> Mode {
-        self.mode.unwrap_or_default()
+        self.mode_in(None)
+    }
+
+    /// The mode of a word in this telegram: a telegram that selects traversing tasks is enough for position mode.
+    pub fn mode_in(&self, telegram: Option<&Telegram>) -> Mode {
+        Mode::of(self.operating_mode, telegram.or(self.selected))
     }
 
     /// Its parameter channel in the words of a PPO.
@@ -279,7 +287,12 @@ impl JobDrive {
         }
         let scaling = &self.parameters.scaling;
         Some(match scale {
-            Scale::Raw | Scale::Milli | Scale::MdiVelocity | Scale::Decimal(_) | Scale::Percent => {
+            Scale::Raw
+            | Scale::Milli
+            | Scale::MdiVelocity
+            | Scale::NominalVelocity
+            | Scale::Decimal(_)
+            | Scale::Percent => {
                 return None;
             }
             Scale::Position => format!("PN.POSSCALE {}", scaling.position),
@@ -303,11 +316,11 @@ impl JobDrive {
     /// Takes over what a reading tells about other values.
     pub fn learn_from(&mut self, reading: &Reading) {
         if reading.pnu == pnu::OPERATING_MODE {
-            self.mode = match reading.raw() {
-                Some(1) => Some(Mode::Velocity),
-                Some(2) => Some(Mode::Position),
-                _ => None,
-            };
+            self.operating_mode = reading.raw();
+        }
+        if reading.pnu == pnu::TELEGRAM {
+            let number = reading.raw().and_then(|raw| u16::try_from(raw).ok());
+            self.selected = number.and_then(|number| self.telegram(number));
         }
         let mut chooser = self
             .tables()

@@ -87,7 +87,7 @@ impl Half<'_> {
     /// What the word says. `sent` is the control word on the way to the drive.
     pub fn word_text(&self, word: u16, sent: Option<u16>) -> (Weight, String) {
         let profile = self.profile();
-        let mode = self.drive.mode();
+        let mode = self.drive.mode_in(self.telegram);
         if self.output {
             let set = words::set(profile.control_bits(mode), word);
             let means = words::control_meaning(profile, mode, word);

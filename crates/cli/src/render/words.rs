@@ -6,16 +6,6 @@ use serde_json::{Value, json};
 
 use super::{hex16, nibbles};
 
-/// The bits of control word 1 in speed control mode.
-pub fn stw1_bits() -> &'static [Bit; 16] {
-    bits::stw1(Mode::Velocity)
-}
-
-/// The bits of status word 1 in speed control mode.
-pub fn zsw1_bits() -> &'static [Bit; 16] {
-    bits::zsw1(Mode::Velocity)
-}
-
 /// A word as it is shown everywhere: hexadecimal with at least four digits.
 pub fn hex(octets: &[u8]) -> String {
     let word = octets
@@ -85,11 +75,6 @@ pub fn inverse_meanings(table: &[Bit; 16], word: u16) -> String {
         .map(|bit| meaning(word, bit))
         .collect::<Vec<_>>()
         .join(", ")
-}
-
-/// What the whole control word does in speed control mode.
-pub fn stw1_meaning(word: u16) -> &'static str {
-    stw1_meaning_in(Mode::Velocity, word)
 }
 
 /// What the whole control word does in this mode.
@@ -246,14 +231,30 @@ fn profile_state(zsw1: u16, sent: Option<u16>) -> Option<State> {
 
 /// Everything about a control or status word as lines.
 pub fn word_lines(title: &str, table: &[Bit; 16], word: u16, means: &str) -> Vec<String> {
+    let mut lines = vec![word_title(title, word)];
+    lines.extend(bit_lines(table, table.iter(), word, means));
+    lines
+}
+
+/// The word as a heading: `STW1 0x047F   0000 0100 0111 1111`.
+pub fn word_title(title: &str, word: u16) -> String {
+    format!("{title} {}   {}", hex16(word), nibbles(word))
+}
+
+/// Returns the lines below the heading: what the word means, the bits that are set, then `shown` of the bits one by one.
+pub fn bit_lines<'a>(
+    table: &[Bit; 16],
+    shown: impl Iterator<Item = &'a Bit>,
+    word: u16,
+    means: &str,
+) -> Vec<String> {
     let mut lines = vec![
-        format!("{title} {}   {}", hex16(word), nibbles(word)),
         format!("  means  {means}"),
         format!("  set    {}", set_names(table, word)),
         format!("  stops  {}", inverse_meanings(table, word)),
     ];
     lines.push("  bit".into());
-    for bit in table {
+    for bit in shown {
         let value = u8::from(is_set(word, bit));
         lines.push(
             format!(
@@ -294,7 +295,7 @@ mod tests {
 
     #[test]
     fn tables_are_in_order() {
-        for table in [stw1_bits(), zsw1_bits()] {
+        for table in [bits::stw1(Mode::Velocity), bits::zsw1(Mode::Velocity)] {
             for (at, bit) in table.iter().enumerate() {
                 assert_eq!(usize::from(bit.number), at);
             }
@@ -312,7 +313,7 @@ mod tests {
             (0x047B, "quick stop (OFF3)"),
             (0x0000, "no control by the PLC: the drive ignores the word"),
         ] {
-            assert_eq!(stw1_meaning(word), means, "{word:#06x}");
+            assert_eq!(stw1_meaning_in(Mode::Velocity, word), means, "{word:#06x}");
         }
         for (word, means) in [
             (0x043E, "ready: OFF, ramp stop if turning (OFF1)"),
@@ -327,29 +328,29 @@ mod tests {
             assert_eq!(stw1_meaning_in(Mode::Position, word), means, "{word:#06x}");
         }
         assert_eq!(
-            set_names(stw1_bits(), 0x047F),
+            set_names(bits::stw1(Mode::Velocity), 0x047F),
             "ON, EN_OP, EN_RAMP, UNFREEZE, EN_SETPOINT, CTRL_PLC"
         );
         assert_eq!(
-            inverse_meanings(stw1_bits(), 0x047F),
+            inverse_meanings(bits::stw1(Mode::Velocity), 0x047F),
             "OFF2 not active, OFF3 not active"
         );
         assert_eq!(
-            inverse_meanings(zsw1_bits(), 0x0213),
+            inverse_meanings(bits::zsw1(Mode::Velocity), 0x0213),
             "OFF2 not active, OFF3 active: quick stop"
         );
     }
 
     #[test]
     fn a_bit_that_is_0_is_no_set_bit() {
-        let document = set_json(stw1_bits(), 0x0000);
+        let document = set_json(bits::stw1(Mode::Velocity), 0x0000);
         assert_eq!(document["set"], json!([]));
         let stops = document["stops"].as_array().unwrap();
         assert!(
             stops.len() == 2 && stops[0].as_str().unwrap().starts_with("OFF2"),
             "{document}"
         );
-        let document = set_json(stw1_bits(), 0x047F);
+        let document = set_json(bits::stw1(Mode::Velocity), 0x047F);
         assert_eq!(document["stops"], json!([]));
         assert_eq!(document["set"][0], "ON");
     }

@@ -88,6 +88,7 @@ impl<M: Wire> Session<M> {
             drive: drive.label(),
             make: drive.model.name,
             profile,
+            word_mode: drive.word_mode(word(pnu::OPERATING_MODE).map(i64::from), telegram),
             control_word: control,
             status_word: status,
             controller,

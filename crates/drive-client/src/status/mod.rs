@@ -27,6 +27,8 @@ pub struct DriveStatus {
     pub control_word: Option<u16>,
     /// The status word as it is sent.
     pub status_word: Option<u16>,
+    /// Mode that decides over the bits of both words, from PNU 930 and the telegram.
+    pub word_mode: Mode,
     /// Name of the controller that has the cyclic connection: `Some(None)` when nobody has it.
     pub controller: Option<Option<String>>,
     /// Control word the drive was sent last.
@@ -161,16 +163,6 @@ impl DriveStatus {
     #[must_use]
     pub fn state(&self) -> Option<State> {
         self.zsw1?.state(self.stw1.unwrap_or_default())
-    }
-
-    /// PNU 930 as the mode of the words; velocity where the drive does not tell.
-    #[must_use]
-    pub fn word_mode(&self) -> Mode {
-        if self.mode == Some(2) {
-            Mode::Position
-        } else {
-            Mode::Velocity
-        }
     }
 
     /// `controller "plc"`, or `nobody`, or `the controller`.

