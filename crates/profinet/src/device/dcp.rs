@@ -327,7 +327,7 @@ impl Device {
         };
         match (block.option, value) {
             (_, Value::Name(name)) => self.set_name(now, name, qualifier),
-            (_, Value::Ip(suite) | Value::FullIp { suite, .. }) => self.set_ip(suite, qualifier),
+            (_, Value::Ip(suite) | Value::FullIp { suite, .. }) => self.set_ip(now, suite, qualifier),
             (_, Value::Signal(_)) => {
                 if self.dcp.blinking.is_none_or(|until| now >= until) {
                     self.dcp.blinking = Some(now + BLINK);
@@ -378,14 +378,19 @@ impl Device {
         BlockError::Ok
     }
 
-    fn set_ip(&mut self, suite: IpSuite, qualifier: Qualifier) -> BlockError {
+    /// Sets the address. An IO connection keeps it; parameter tools are disconnected. Source: AKD PROFINET manual 3.4.
+    fn set_ip(&mut self, now: Instant, suite: IpSuite, qualifier: Qualifier) -> BlockError {
         if check_ip(&suite).is_err() {
             return BlockError::NotSet;
         }
         let permanent = qualifier.is_permanent();
         let changed = self.ip != suite;
-        if changed && (self.controller.is_some() || !self.tools.is_empty()) {
+        if changed && self.controller.is_some() {
             return BlockError::InOperation;
+        }
+        if changed {
+            // tools that read and write parameters connect again at the new address
+            self.close_all(now, PnioStatus::aborted(abort::CLOSED));
         }
         self.ip = suite;
         if changed {

@@ -283,15 +283,34 @@ fn names_and_addresses_are_set_for_good_or_for_now() {
 }
 
 #[test]
-fn a_running_relation_keeps_its_address_but_not_its_name() {
+fn an_io_connection_keeps_its_address_and_tools_are_disconnected() {
     let mut rig = Rig::new(config());
-    let wish = Wish::tool(1);
-    rig.connect(&wish).unwrap();
-    let same = rig.device.ip;
+    rig.connect(&Wish::tool(1)).unwrap();
+    rig.connect(&Wish::tool(2)).unwrap();
+    rig.events();
     assert_eq!(
         set(&mut rig, Qualifier::PERMANENT, Value::Ip(suite(2))),
+        BlockError::Ok
+    );
+    assert_eq!(rig.device.ip(), suite(2));
+    let closed = PnioStatus::aborted(abort::CLOSED);
+    let events = rig.events();
+    let ended = |event: &&Event| matches!(event, Event::Disconnected { cause, .. } if *cause == closed);
+    assert_eq!(events.iter().filter(ended).count(), 2, "{events:?}");
+    let kept = Event::IpChanged {
+        suite: suite(2),
+        permanent: true,
+    };
+    assert!(events.contains(&kept), "{events:?}");
+
+    rig.connect(&Wish::controller(3)).unwrap();
+    rig.connect(&Wish::tool(4)).unwrap();
+    let same = rig.device.ip;
+    assert_eq!(
+        set(&mut rig, Qualifier::PERMANENT, Value::Ip(suite(5))),
         BlockError::InOperation
     );
+    assert_eq!(rig.device.tools.len(), 1, "a refused address disconnects nobody");
     assert_eq!(
         set(&mut rig, Qualifier::PERMANENT, Value::Ip(same)),
         BlockError::Ok
@@ -300,6 +319,10 @@ fn a_running_relation_keeps_its_address_but_not_its_name() {
         set(&mut rig, Qualifier::PERMANENT, Value::Name(b"drive-1")),
         BlockError::Ok
     );
+}
+
+#[test]
+fn another_name_ends_a_running_connection() {
     let mut rig = Rig::new(config());
     rig.exchange(&Wish::controller(1));
     let mut payload = Vec::new();
