@@ -6,6 +6,7 @@ use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Note, diagnose};
 use drive_client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
 use profidrive::catalogue::{Cleared, Role};
+use profidrive::fault::Counting;
 use serde_json::{Map, Value};
 
 use crate::args::Interface;
@@ -130,9 +131,11 @@ fn lines(report: &FaultReport, history: bool) -> Vec<Line> {
             lines.push(Line::Plain(logged(fault)));
         }
         let counter = report.counter;
-        lines.push(Line::Plain(format!(
-            "{counter} changes of the fault buffer so far (PNU 944)"
-        )));
+        let counted = match report.counting {
+            Counting::Changes => "changes of the fault buffer",
+            Counting::Situations => "fault situations",
+        };
+        lines.push(Line::Plain(format!("{counter} {counted} so far (PNU 944)")));
     }
     lines
 }
@@ -281,6 +284,7 @@ mod tests {
 
     fn report(faults: Vec<FaultEntry>, zsw1: u16) -> FaultReport {
         FaultReport {
+            counting: Counting::Changes,
             counter: 3,
             shape: Shape::EIGHT_BY_EIGHT,
             faults,
@@ -293,6 +297,7 @@ mod tests {
     #[test]
     fn what_only_a_restart_clears_is_not_to_be_acknowledged() {
         let report = |cleared: &[Cleared]| FaultReport {
+            counting: Counting::Changes,
             counter: 1,
             shape: Shape::EIGHT_BY_EIGHT,
             faults: cleared

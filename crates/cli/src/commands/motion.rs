@@ -6,7 +6,7 @@ use drive_client::axis::Purpose;
 use drive_client::parameter::{ParameterProblem, Selection};
 use drive_client::{Drive, Error, Snapshot};
 use profidrive::notation::ParameterReference;
-use profidrive::state::{Mode, State, Zsw1};
+use profidrive::state::{State, Zsw1};
 use serde_json::Value;
 
 use super::axis::{self, End, FOR_EVER, told};
@@ -80,7 +80,7 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
     output.say(&format!("watching {}, reads only; Ctrl-C ends", drive.label()));
     let start = session.now();
     let end = start + args.time.unwrap_or(FOR_EVER);
-    let mut faults_seen = None;
+    let (mut counted, mut shown) = (None, Vec::new());
     loop {
         let begin = session.now();
         let snapshot = match answered(&mut session, &mut drive, &more, output) {
@@ -93,12 +93,16 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
             }
         };
         show_snapshot(begin - start, &snapshot, args.raw, output);
-        if faults_seen != snapshot.fault_counter {
-            faults_seen = snapshot.fault_counter;
+        // PNU 944 may count situations only: a further fault of one is in the buffer alone
+        let again = counted != snapshot.fault_counter;
+        counted = snapshot.fault_counter;
+        if again || general(&snapshot).is_some_and(|(zsw1, _)| words::has_fault(zsw1)) {
             let faults = session.faults(&mut drive).unwrap_or_default();
-            for fault in faults.iter().filter(|fault| fault.situation == 0) {
+            let present = || faults.iter().filter(|fault| fault.situation == 0);
+            for fault in present().filter(|fault| again || !shown.contains(&fault.number)) {
                 output.warn(&told(fault));
             }
+            shown = present().map(|fault| fault.number).collect();
         }
         let next = (begin + args.every).min(end);
         match session.pass(next - session.now()) {
@@ -166,7 +170,7 @@ fn general(snapshot: &Snapshot) -> Option<(u16, Option<u16>)> {
 
 /// The bits of both words as the make calls them.
 fn snapshot_words(snapshot: &Snapshot) -> Value {
-    let mode = Mode::default();
+    let mode = snapshot.mode;
     let profile = snapshot.profile;
     let stw1 = snapshot
         .stw1
@@ -183,12 +187,13 @@ fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output
         let mut fields = fields! {
             "time": time.as_secs_f64(), "stw1": snapshot.stw1, "zsw1": snapshot.zsw1,
             "state": state.map(|(zsw1, stw1)| words::state_number(zsw1, stw1)), "fault_counter": snapshot.fault_counter,
-            "profile": snapshot.profile.name(),
+            "profile": snapshot.profile.name(), "mode": snapshot.mode.name(),
             "words": snapshot_words(snapshot),
         };
         for (name, reading) in [
             ("speed_set", &snapshot.speed_set),
             ("speed_actual", &snapshot.speed_actual),
+            ("position", &snapshot.position),
         ] {
             if let Some(reading) = reading {
                 fields.insert(name.into(), value::json(reading));
@@ -214,6 +219,9 @@ fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output
         speed(&snapshot.speed_set),
         speed(&snapshot.speed_actual),
     );
+    if let Some(position) = &snapshot.position {
+        line = format!("{line}  position {:>12}", value::full(position));
+    }
     for reading in &snapshot.readings {
         match reading {
             Ok(reading) => {

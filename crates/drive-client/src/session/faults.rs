@@ -1,7 +1,7 @@
 //! What is wrong with a drive, and what was: fault buffer and warnings, beside any controller.
 
 use profidrive::catalogue::{Catalogue, Cleared, Fault, Part, Reaction};
-use profidrive::fault::{ConsistentRead, Next, Shape};
+use profidrive::fault::{ConsistentRead, Counting, Next, Shape};
 use profidrive::notation::{Notation, ParameterReference};
 use profidrive::parameter::pnu;
 
@@ -85,11 +85,14 @@ pub struct WarningEntry {
 /// Faults and warnings of a drive at one moment.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FaultReport {
-    /// Changes of the fault buffer so far (PNU 944).
+    /// Fault message counter (PNU 944): changes of the fault buffer, or fault situations, as
+    /// [`counting`](Self::counting) says.
     pub counter: u16,
+    /// What that counts.
+    pub counting: Counting,
     /// How the buffer is divided.
     pub shape: Shape,
-    /// The buffer, newest situation first, of one moment: the counter did not change while it was read. With it faults
+    /// The buffer, newest situation first, of one moment. With it faults
     /// that are present and have no place in it, where the drive has their numbers elsewhere.
     pub faults: Vec<FaultEntry>,
     /// The warnings that are present; `None` where the drive has no numbers for them.
@@ -162,6 +165,7 @@ impl<M: Wire> Session<M> {
         }
         Ok(FaultReport {
             counter,
+            counting: drive.model.dialect.fault_counter,
             shape,
             faults,
             warnings: warnings(drive, &told),
@@ -229,7 +233,13 @@ impl<M: Wire> Session<M> {
                             None => Vec::new(),
                         };
                     }
-                    order.buffer();
+                    // a counter of situations says nothing of an acknowledge between two parts of the buffer
+                    let one_answer = parts.iter().flatten().count() == 1;
+                    if one_answer || self.read(drive, &[numbers])? == buffers[0] {
+                        order.buffer();
+                    } else {
+                        order.torn();
+                    }
                 }
                 Next::Done => break,
                 Next::GiveUp => {

@@ -404,7 +404,9 @@ mod tests {
         for fault in AKD.faults {
             assert_eq!(fault.warning, fault.reaction == Reaction::None, "{fault:?}");
             assert_eq!(fault.warning, fault.cleared == Cleared::ByItself, "{fault:?}");
-            assert!((8..110).contains(&fault.remedy.len()), "{fault:?}");
+            // manual 8.1 has a list of solutions for 702
+            let most = if fault.number == 702 { 400 } else { 110 };
+            assert!((8..most).contains(&fault.remedy.len()), "{fault:?}");
             assert_eq!(AKD.fault(fault.number, fault.warning), Some(fault), "{fault:?}");
         }
         let reaction = |number| AKD.fault(number, false).unwrap().reaction;

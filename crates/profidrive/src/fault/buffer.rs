@@ -1,6 +1,6 @@
 //! The buffer in the drive.
 
-use super::{Place, Shape};
+use super::{Counting, Place, Shape};
 
 /// Most elements a buffer can have.
 const CAPACITY: usize = 64;
@@ -34,6 +34,7 @@ impl Fault {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FaultBuffer {
     shape: Shape,
+    counting: Counting,
     elements: [Fault; CAPACITY],
     /// Faults in situation 0.
     active: usize,
@@ -53,6 +54,7 @@ impl FaultBuffer {
     pub const fn new() -> Self {
         Self {
             shape: Shape::EIGHT_BY_EIGHT,
+            counting: Counting::Changes,
             elements: [Fault::NONE; CAPACITY],
             active: 0,
             counter: 0,
@@ -65,6 +67,13 @@ impl FaultBuffer {
     pub fn with_shape(shape: Shape) -> Option<Self> {
         let possible = (1..=CAPACITY).contains(&usize::from(shape.elements()));
         possible.then(|| Self { shape, ..Self::new() })
+    }
+
+    /// The same buffer with another rule of the fault message counter.
+    #[must_use]
+    pub const fn with_counting(mut self, counting: Counting) -> Self {
+        self.counting = counting;
+        self
     }
 
     /// How it is divided, PNU 950.
@@ -83,11 +92,10 @@ impl FaultBuffer {
             return false;
         };
         *place = fault;
-        if self.active == 0 {
-            self.situations = self.situations.saturating_add(1);
-        }
+        let new_situation = self.active == 0;
+        self.situations = self.situations.saturating_add(new_situation.into());
         self.active += 1;
-        self.counter = self.counter.wrapping_add(1);
+        self.count(new_situation);
         true
     }
 
@@ -107,8 +115,15 @@ impl FaultBuffer {
                 .for_each(|fault| *fault = Fault::NONE);
         }
         self.active = 0;
-        self.counter = self.counter.wrapping_add(1);
+        self.count(false);
         true
+    }
+
+    /// Counts a change of the buffer.
+    fn count(&mut self, new_situation: bool) {
+        if new_situation || self.counting == Counting::Changes {
+            self.counter = self.counter.wrapping_add(1);
+        }
     }
 
     /// Writing 0 to PNU 952: forgets all acknowledged situations and counts situations from 0 again. Faults that are not
@@ -120,12 +135,13 @@ impl FaultBuffer {
             *fault = Fault::NONE;
         }
         if self.elements != before || self.situations != 0 {
-            self.counter = self.counter.wrapping_add(1);
+            self.count(false);
         }
         self.situations = 0;
     }
 
-    /// Fault message counter, PNU 944: one more with every change of the buffer, 0 follows 65535.
+    /// Fault message counter, PNU 944: one more with every change of the buffer, or with every situation
+    /// ([`Counting`]); 0 follows 65535.
     #[must_use]
     pub const fn counter(&self) -> u16 {
         self.counter
@@ -214,6 +230,21 @@ mod tests {
             .collect();
         assert_eq!(places[..3], [(1, 9), (1, 109), (2, 8)]);
         assert_eq!(places.len(), 14);
+    }
+
+    #[test]
+    fn situations_can_be_counted_in_the_place_of_changes() {
+        let mut buffer = FaultBuffer::new().with_counting(Counting::Situations);
+        for situation in 1..=3 {
+            for number in 1..=3 {
+                buffer.raise(fault(number));
+                assert_eq!(buffer.counter(), situation);
+            }
+            buffer.acknowledge();
+            assert_eq!(buffer.counter(), situation);
+        }
+        buffer.clear();
+        assert_eq!((buffer.counter(), buffer.situations()), (3, 0));
     }
 
     #[test]

@@ -23,6 +23,16 @@ mod read;
 pub use buffer::{Fault, FaultBuffer};
 pub use read::{ConsistentRead, Next};
 
+/// What the fault message counter (PNU 944) of a drive counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Counting {
+    /// Every change of the buffer: each fault and each acknowledge. Source: profile 6.3.8 by way of OPTE9.
+    #[default]
+    Changes,
+    /// Fault situations: the first fault after an acknowledge, and nothing else. Source: AKD PROFINET manual 5.14.
+    Situations,
+}
+
 /// How a fault buffer is divided.
 /// Source: PNU 950, present when it is not eight by eight; Vacon OPTCP manual p. 37. The order of its two elements is
 /// as remembered, no public text confirms it.

@@ -72,6 +72,20 @@ impl ConsistentRead {
         self.before = Some(value);
     }
 
+    /// The buffer was read, and its parts are not of one moment although the counter did not change: a counter of
+    /// situations ([`Counting`](super::Counting)) does not tell an acknowledge. Has no effect when something else was due.
+    pub fn torn(&mut self) {
+        if self.next == Next::Buffer {
+            self.attempts -= 1;
+            self.before = None;
+            self.next = if self.attempts == 0 {
+                Next::GiveUp
+            } else {
+                Next::Counter
+            };
+        }
+    }
+
     /// The buffer was read. Has no effect when something else was due.
     pub fn buffer(&mut self) {
         if self.next == Next::Buffer {
@@ -109,6 +123,22 @@ mod tests {
         assert_eq!(run(5, &[65535, 0, 0]), (Next::Done, 3, 2));
         assert_eq!(run(2, &[1, 2, 3]), (Next::GiveUp, 3, 2));
         assert_eq!(run(0, &[1, 2]), (Next::GiveUp, 2, 1));
+    }
+
+    #[test]
+    fn a_torn_buffer_is_read_again() {
+        let mut read = ConsistentRead::new(2);
+        for torn in [true, false] {
+            read.counter(4);
+            assert_eq!(read.next(), Next::Buffer);
+            if torn { read.torn() } else { read.buffer() }
+        }
+        read.counter(4);
+        assert_eq!(read.next(), Next::Done);
+        let mut read = ConsistentRead::new(1);
+        read.counter(4);
+        read.torn();
+        assert_eq!(read.next(), Next::GiveUp);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::access::Keep;
 use super::address::RequestId;
 use super::error::{ErrorNames, ErrorNumber};
 use super::format::CodeSpace;
+use crate::fault::Counting;
 
 /// How a positive answer to a change request looks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -88,6 +89,8 @@ pub struct Dialect {
     pub error_info: bool,
     /// Error number for the reserved reference 0; `None`: it is mirrored like any other.
     pub bad_reference: Option<ErrorNumber>,
+    /// What the fault message counter (PNU 944) counts.
+    pub fault_counter: Counting,
     /// Meanings of manufacturer-specific error numbers.
     pub error_names: ErrorNames,
 }
@@ -120,16 +123,18 @@ impl Dialect {
         not_saved: ErrorNumber::NOT_NOW,
         error_info: true,
         bad_reference: None,
+        fault_counter: Counting::Changes,
         error_names: ErrorNames::Profile,
     };
 
-    /// Kollmorgen AKD: axis 0, formats 0x41 to 0x43, six-octet positive change response.
+    /// Kollmorgen AKD: axis 0, formats 0x41 to 0x43, six-octet positive change response, PNU 944 counts situations.
     pub const AKD: Self = Self {
         name: "AKD",
         axis: 0,
         axis_checked: true,
         change_response: ChangeResponse::HeaderAndZero,
         substitution_only: true,
+        fault_counter: Counting::Situations,
         ..Self::STANDARD
     };
 

@@ -173,7 +173,7 @@ fn d_profile_parameters() {
     check(bench, "43 01 00 01 10 01 03 B0 00 00", "43 01 00 01 42 01 00 00"); // 67
     bench.drive.inject_fault(301, false);
     bench.drive.inject_fault(304, false);
-    check(bench, "43 01 00 01 10 01 03 B0 00 00", "43 01 00 01 42 01 00 02");
+    check(bench, "43 01 00 01 10 01 03 B0 00 00", "43 01 00 01 42 01 00 01");
     check(
         bench,
         "43 01 00 01 10 02 03 B3 00 00",

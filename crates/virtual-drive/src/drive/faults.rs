@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 use profidrive::catalogue::Cleared;
-use profidrive::fault::{Fault, FaultBuffer, Shape};
+use profidrive::fault::{Counting, Fault, FaultBuffer, Shape};
 use profidrive::state::FaultReaction;
 use profinet::Instant;
 
@@ -112,9 +112,10 @@ pub(super) struct Faults {
 }
 
 impl Faults {
-    pub fn new(shape: Shape) -> Self {
+    pub fn new(shape: Shape, counting: Counting) -> Self {
+        let buffer = FaultBuffer::with_shape(shape).unwrap_or_default();
         Self {
-            buffer: FaultBuffer::with_shape(shape).unwrap_or_default(),
+            buffer: buffer.with_counting(counting),
             active: Numbers::NONE,
             lasting: Numbers::NONE,
             warnings: Numbers::NONE,

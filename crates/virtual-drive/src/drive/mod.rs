@@ -248,7 +248,7 @@ impl Drive {
             channel: SetpointChannel::default(),
             reaction: None,
             alone: None,
-            faults: Faults::new(model.fault_buffer),
+            faults: Faults::new(model.fault_buffer, model.dialect.fault_counter),
             outside: Outside::default(),
             terminals: Terminals::default(),
             axis: Axis::new(model.plant),

@@ -245,7 +245,7 @@ fn faults_are_acknowledged_by_an_edge_and_the_buffer_shifts() {
     bench.send(0x047F, 163, 20);
     assert_eq!(bench.drive.state(), State::S1);
     assert_eq!(bench.status & 0x0008, 0x0008);
-    assert_eq!(bench.read("944"), counter + 2);
+    assert_eq!(bench.read("944"), counter + 1);
     assert_eq!((bench.element("947", 0), bench.element("947", 1)), (301, 304));
     assert_eq!(
         (
@@ -266,7 +266,7 @@ fn faults_are_acknowledged_by_an_edge_and_the_buffer_shifts() {
         ),
         (0, 301, 304)
     );
-    assert_eq!(bench.read("944"), counter + 3);
+    assert_eq!(bench.read("944"), counter + 1);
     bench.send(0x047E, 0, 2);
     assert_eq!(bench.status & MASK, 0x0031);
     // Level 1 does nothing more.
