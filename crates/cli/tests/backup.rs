@@ -15,14 +15,15 @@ use drive_client::Error;
 use drive_client::backup::{Backup, Choice, Journal, Saved, Step, compare};
 use network::segment::Conditions;
 use profidrive::catalogue::{AKD, Phase, Role, Size};
+use profidrive::fault::Counting;
 use profidrive::parameter::{Keep, ParameterAccess};
 use proptest::prelude::*;
 use virtual_drive::station::AnswerFault;
 
 /// Settings that differ from those as delivered, of every phase, with numbers that fit.
 const OTHER: [(u16, u64); 14] = [
-    (3064, 1000),      // PN.VELSCALING
-    (1004, 328),       // Jog v1
+    (3065, 1000),      // PN.ACCSCALING
+    (1006, 328),       // Jog Acc
     (2135, 0),         // DRV.OPMODE
     (2439, 2_500_000), // VL.LIMITP_32
     (2231, 5_000),     // IL.LIMITP
@@ -37,7 +38,7 @@ const OTHER: [(u16, u64); 14] = [
     (2117, 1), // DRV.DIR, which the drive does not save
 ];
 
-/// Jog v2 too has another number: it is scaled by PN.VELSCALING.
+/// Jog Dec too has another number: it is scaled by PN.ACCSCALING.
 const CHANGES: usize = OTHER.len() + 1;
 
 /// What the drive would say if its settings were those.
@@ -465,7 +466,7 @@ fn faults_situation_by_situation_of_one_moment() {
         .collect();
     assert_eq!(seen, [(0, 0, 702), (0, 1, 302), (1, 0, 439)]);
     assert_eq!(report.present().count(), 2);
-    assert_eq!(report.counter, 4);
+    assert_eq!((report.counter, report.counting), (2, Counting::Situations));
     let lost = &report.faults[0];
     assert!(
         lost.meaning

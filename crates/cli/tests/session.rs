@@ -192,15 +192,15 @@ fn a_write_shows_old_and_new_and_reads_back() {
         Some(5000.0)
     );
     // the scale of speeds changed with it, and is used at once
-    let jog = select(&drive, "1004");
+    let setpoint = select(&drive, "5");
     session
         .write(
             &mut drive,
-            &["1004=10rpm".parse().expect("an assignment")],
+            &["5=10rpm".parse().expect("an assignment")],
             WriteMode::Write,
         )
         .expect("written");
-    let reading = session.read_one(&mut drive, &jog).expect("read");
+    let reading = session.read_one(&mut drive, &setpoint).expect("read");
     assert_eq!(
         (reading.raw(), drive.parameters.scaling.velocity),
         (Some(45), 1000)

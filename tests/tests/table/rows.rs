@@ -75,6 +75,7 @@ impl Row {
             "acceleration" => 1.0 / 763.0,
             "current" => 16_384.0 / 9.0,
             "singleturn" => 65_536.0,
+            "nominal-velocity" => 32_768.0 / 12_000.0,
             "mdi-velocity" => 4_294_967_296.0 / 12_000.0,
             other => panic!("{other}"),
         }

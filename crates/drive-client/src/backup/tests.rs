@@ -112,11 +112,11 @@ fn a_value_that_its_unit_cannot_say_exactly_has_its_raw_number() {
     let text = drive(Scaling::default(), &[("Jog v1", 164)]).to_string();
     let line = text.lines().find(|line| line.starts_with("p1004 ")).unwrap();
     assert!(
-        line.starts_with("p1004 Jog v1 = 60.044 rpm (raw 0x00A4) "),
+        line.starts_with("p1004 Jog v1 = 60.059 rpm (raw 0x00A4) "),
         "{line}"
     );
     assert_eq!(
-        file("p1004 Jog v1 = 60.044 rpm (raw 0x00A4)").readings()[0].raw(),
+        file("p1004 Jog v1 = 60.059 rpm (raw 0x00A4)").readings()[0].raw(),
         Some(164)
     );
     assert_eq!(file("Jog v1 = -60 rpm").readings()[0].raw(), Some(-164));
@@ -195,8 +195,8 @@ fn mistakes_are_told_with_their_lines() {
             "line 1: a backup of form 2, this program reads form 1",
         ),
         (
-            "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\np1004 = 60 rpm\n",
-            "line 5: Jog v1 (p1004): the line `scaling:` of the head is needed",
+            "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\np1006 = 7630 rpm/s\n",
+            "line 5: Jog Acc (p1006): the line `scaling:` of the head is needed",
         ),
     ] {
         let error = Backup::parse(text).unwrap_err().to_string();
@@ -374,10 +374,10 @@ fn settings_of_another_model_do_not_fit_whatever_its_numbers() {
 
 #[test]
 fn scalings_go_first_and_what_they_scale_follows_in_its_unit() {
-    let present = drive(Scaling::default(), &[("Jog v1", 164)]);
+    let present = drive(Scaling::default(), &[("Jog Acc", 10)]);
     // as the file was made, the drive had coarser steps
     let text = with_head(
-        "p1004 Jog v1 = 60.044 rpm\np3064 PN.VELSCALING = 100\np2382 SWLS.EN = 3\np2439 = 2000 rpm",
+        "p1006 Jog Acc = 7630 rpm/s\np3065 PN.ACCSCALING = 109\np2382 SWLS.EN = 3\np2439 = 2000 rpm",
     );
     let plan = Plan::new(&Backup::parse(&text).unwrap(), &present, &Choice::default());
     let order: Vec<(&str, Phase)> = plan
@@ -388,14 +388,14 @@ fn scalings_go_first_and_what_they_scale_follows_in_its_unit() {
     assert_eq!(
         order,
         [
-            ("PN.VELSCALING", Phase::Scaling),
+            ("PN.ACCSCALING", Phase::Scaling),
             ("VL.LIMITP_32", Phase::Limit),
-            ("Jog v1", Phase::Value),
+            ("Jog Acc", Phase::Value),
             ("SWLS.EN", Phase::Enable)
         ]
     );
-    // 60.044 rpm in steps of 100 * 60 * 16000 / 2^32 rpm
-    assert_eq!(plan.changes[2].new.raw(), Some(2686));
+    // 7630 rpm/s in steps of 109 rpm/s
+    assert_eq!(plan.changes[2].new.raw(), Some(70));
     // without the scaling the number of the drive stays what it is
     let choice = Choice {
         only: vec!["Jog*".parse().unwrap()],
@@ -468,9 +468,9 @@ fn old_and_new_values_are_each_in_the_unit_of_their_time() {
 
 #[test]
 fn differences_are_in_units_and_say_what_is_missing() {
-    let left = file("p2108 = 3000 rpm/s\np2115 = 1000 rpm/s\np1004 = 60 rpm");
-    let coarse =
-        with_head("p2108 = 4000 rpm/s\np2117 = 1\np1004 = 60 rpm").replace("velocity 1638", "velocity 819");
+    let left = file("p2108 = 3000 rpm/s\np2115 = 1000 rpm/s\np1006 = 7630 rpm/s");
+    let coarse = with_head("p2108 = 4000 rpm/s\np2117 = 1\np1006 = 7630 rpm/s")
+        .replace("acceleration 763", "acceleration 109");
     let right = Backup::parse(&coarse).unwrap();
     assert_ne!(left.readings()[0].raw(), right.readings()[0].raw());
     let differences = compare(&left, &right);

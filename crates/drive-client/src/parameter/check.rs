@@ -431,7 +431,7 @@ mod tests {
         // steps of 0.366 rpm
         let near = check("1004=99rpm").unwrap();
         assert_eq!((near.raw, near.asked, near.is_rounded()), (270, 99.0, true));
-        assert!((near.engineering - 98.853).abs() < 1e-3, "{near:?}");
+        assert!((near.engineering - 98.877).abs() < 1e-3, "{near:?}");
         let slow = check("1004=5").unwrap();
         assert_eq!((slow.raw, slow.is_rounded()), (14, true));
         assert!(!check("DRV.ACC=5000rpm/s").unwrap().is_rounded());

@@ -363,6 +363,7 @@ impl Parameter {
             Scale::Current => (1 << 14, String::from(", which is DRV.IPEAK")),
             Scale::Singleturn => (1_i64 << bits, format!(", PNU 1002 {bits}")),
             Scale::MdiVelocity => (1_i64 << 32, String::new()),
+            Scale::NominalVelocity => (1, String::new()),
             Scale::Decimal(exponent) => (
                 10_i64.pow(exponent.min(0).unsigned_abs().min(18).into()),
                 String::new(),
@@ -396,7 +397,7 @@ impl Parameter {
             Scale::Decimal(..-5) => 6,
             Scale::Decimal(exponent) => exponent.unsigned_abs(),
             Scale::Milli => 3,
-            Scale::Velocity | Scale::Current | Scale::Percent => 3,
+            Scale::Velocity | Scale::NominalVelocity | Scale::Current | Scale::Percent => 3,
             Scale::Singleturn | Scale::MdiVelocity => 6,
         }
     }

@@ -26,6 +26,8 @@ pub enum Scale {
     Singleturn,
     /// 2^32 is 12000 rpm.
     MdiVelocity,
+    /// 2^15 is 12000 rpm, whatever PN.VELSCALING says: the jog setpoints (manual 5.12.1 and 6.5).
+    NominalVelocity,
     /// The raw number times 10^n in the unit of the parameter; n is not 0, that is [`Raw`](Self::Raw).
     Decimal(i8),
     /// N2 in percent: 2^14 is 100 %.
@@ -45,7 +47,10 @@ impl Scale {
     /// True where no value of the drive takes part in the conversion.
     #[must_use]
     pub const fn is_fixed(self) -> bool {
-        matches!(self, Self::Raw | Self::Milli | Self::Decimal(_) | Self::Percent)
+        matches!(
+            self,
+            Self::Raw | Self::Milli | Self::Decimal(_) | Self::Percent | Self::NominalVelocity
+        )
     }
 
     /// The power of ten between the raw number and the value in the unit, where it is that.
@@ -98,6 +103,14 @@ impl Scaling {
         reference: None,
     };
 
+    /// Returns the scaling in which a drive keeps its values: positions in thousandths, whatever PN.POSSCALE is.
+    ///
+    /// PN.POSSCALE is a divisor of what is read and a factor of what is written (manual 6.2); it changes no position.
+    #[must_use]
+    pub const fn kept(&self) -> Self {
+        Self { position: 1, ..*self }
+    }
+
     /// A drive whose speed setpoint is N2: 100 % is `reference` rpm.
     #[must_use]
     pub const fn of_reference(reference: f64) -> Self {
@@ -135,6 +148,7 @@ impl Scaling {
             Scale::Current => current(self),
             Scale::Singleturn => revolutions(self),
             Scale::MdiVelocity => mdi_velocity(),
+            Scale::NominalVelocity => nominal_velocity(),
             Scale::Decimal(exponent) => Linear::decimal(exponent, Width::I32),
             Scale::Percent => Linear::N2,
         }

@@ -61,8 +61,20 @@ impl Drive {
         };
         match target {
             Some(target) => self.limits_through(parameter, target),
-            None => parameter.raw_limits(&self.settings.scaling),
+            None => self.own_limits(parameter),
         }
+    }
+
+    /// Returns the limits of the parameter itself. A position is kept as thousandths in 64 bits, so that PN.POSSCALE
+    /// limits its number.
+    pub(super) fn own_limits(&self, parameter: &Parameter) -> (i64, i64) {
+        let scaling = &self.settings.scaling;
+        let (low, high) = parameter.raw_limits(scaling);
+        if parameter.scale != Scale::Position {
+            return (low, high);
+        }
+        let most = i64::MAX / i64::from(scaling.position.max(1));
+        (low.max(-most), high.min(most))
     }
 
     /// The limits of another parameter in the steps of this one. Without a limit it is the size of the other one that ends
@@ -95,12 +107,13 @@ impl Drive {
         }
     }
 
-    /// The number of one parameter as the number of another with the same meaning.
+    /// Returns the number of one parameter as the number of another with the same meaning. The one that is a position is
+    /// the one that is kept.
     fn converted(&self, from: &Parameter, to: &Parameter, raw: i64) -> i64 {
         if from.scale == to.scale {
             return raw;
         }
-        let scaling = &self.settings.scaling;
+        let scaling = &self.settings.scaling.kept();
         to.raw(
             from.engineering(raw, scaling) * self.between(from.scale, to.scale),
             scaling,

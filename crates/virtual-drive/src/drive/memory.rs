@@ -162,7 +162,7 @@ impl Drive {
         }
         let key = self.saved_key(position, element);
         let raw = self.stored(position, element);
-        if image.set_as(&key, parameter, raw, &self.settings.scaling) {
+        if image.set_as(&key, parameter, raw, &self.settings.scaling.kept()) {
             self.keep_saved(&image);
         }
     }

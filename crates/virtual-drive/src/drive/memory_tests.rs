@@ -89,7 +89,7 @@ fn values_are_saved_in_the_units_of_their_own_scaling() {
     let mut bench = Bench::new();
     bench.write("PN.VELSCALING", 1000).unwrap();
     bench.write("PN.ACCSCALING", 20).unwrap();
-    bench.write("Jog v1", 4474).unwrap();
+    bench.write("Jog v1", 2731).unwrap();
     bench.write("Jog Acc", 25).unwrap();
     bench.write("SWLS.LIMIT0", -(1 << 40)).unwrap();
     bench.write("DRV.NVSAVE", 1).unwrap();
@@ -102,7 +102,7 @@ fn values_are_saved_in_the_units_of_their_own_scaling() {
         assert!(text.contains(line), "{line}");
     }
     let bench = restarted(&text);
-    assert_eq!((bench.read("Jog v1"), bench.read("Jog Acc")), (4474, 25));
+    assert_eq!((bench.read("Jog v1"), bench.read("Jog Acc")), (2731, 25));
     assert_eq!(bench.read("SWLS.LIMIT0"), -(1 << 40));
 }
 

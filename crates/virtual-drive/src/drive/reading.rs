@@ -1,6 +1,6 @@
 //! What a parameter reads as.
 
-use profidrive::catalogue::{Access, Parameter, Size};
+use profidrive::catalogue::{Access, Parameter, Scale, Size};
 
 use profidrive::parameter::ErrorNumber;
 use profidrive::telegram::Mapping;
@@ -51,7 +51,9 @@ impl Drive {
             }
             Live::Stored if parameter.is_text() => self.stored(position, element),
             Live::Stored if parameter.length > 0 => octet(self.values.at(position), parameter, element),
-            Live::Stored | Live::Mode if parameter.size != Size::Command => self.stored(position, element),
+            Live::Stored | Live::Mode if parameter.size != Size::Command => {
+                self.number_of_kept(parameter, self.stored(position, element))
+            }
             Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(_) => 0,
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Place(place) => wrap(self.place_number(place), parameter),
@@ -107,6 +109,25 @@ impl Drive {
             Live::Array(Table::SetpointWords) => self.word_number(false, position, element),
             Live::Array(Table::ActualWords) => self.word_number(true, position, element),
             Live::Array(table) => self.entry(table, usize::from(element)),
+        }
+    }
+
+    /// Returns the number on the wire of a value that is kept: a position divided by PN.POSSCALE, nearest.
+    fn number_of_kept(&self, parameter: &Parameter, kept: i64) -> i64 {
+        if parameter.scale != Scale::Position {
+            return kept;
+        }
+        let by = i64::from(self.settings.scaling.position.max(1));
+        let half = by / 2 * kept.signum();
+        kept.saturating_add(half) / by
+    }
+
+    /// Returns what is kept of a number from the wire that is inside its limits: a position times PN.POSSCALE.
+    pub(super) fn kept_number(&self, parameter: &Parameter, raw: i64) -> i64 {
+        if parameter.scale == Scale::Position {
+            raw.saturating_mul(self.settings.scaling.position.max(1).into())
+        } else {
+            raw
         }
     }
 

@@ -80,7 +80,8 @@ impl Settings {
         if let Some(peak) = value(roles.peak_current, &scaling) {
             scaling.peak_current = peak;
         }
-        let value = |pnu: Option<u16>, otherwise: f64| value(pnu, &scaling).unwrap_or(otherwise);
+        let kept = scaling.kept();
+        let value = |pnu: Option<u16>, otherwise: f64| value(pnu, &kept).unwrap_or(otherwise);
         let tuning = Tuning::default();
         let peak = scaling.peak_current;
         let ramp = |pnu: Option<u16>| value(pnu, 3000.0);
@@ -138,7 +139,7 @@ impl Settings {
             disable_on_ramp: raw(roles.disable_mode).is_some_and(|mode| mode >= 2),
             holds_when_off: matches!(roles.brake.map(raw), [Some(1), None | Some(0)]),
             fault_on_stop: raw(roles.bus_options).is_some_and(|options| options & 1 == 1),
-            position: Setup::new(model, values, &scaling, [speed_negative, speed_positive]),
+            position: Setup::new(model, values, &kept, [speed_negative, speed_positive]),
             inverter,
         };
         match inverter {
@@ -187,7 +188,7 @@ mod tests {
         assert_eq!(settings.tuning, Tuning::default());
         assert_eq!(settings.mode, Mode::Speed);
         assert_eq!(settings.jog_ramps.acceleration, 3052.0);
-        assert!((settings.jog_speed[1] + 60.04).abs() < 0.01);
+        assert!((settings.jog_speed[1] + 60.06).abs() < 0.01);
         assert!(settings.commanded_by_bus && !settings.disable_on_ramp && !settings.fault_on_stop);
     }
 

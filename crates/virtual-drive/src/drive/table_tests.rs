@@ -46,7 +46,7 @@ fn every_known_limit_is_enforced() {
         if parameter.access != Access::ReadWrite || !stored || parameter.size == Size::Command {
             continue;
         }
-        let (low, high) = parameter.raw_limits(&drive.settings.scaling);
+        let (low, high) = drive.own_limits(parameter);
         let range = parameter.range();
         let before = drive.element(position, 0).unwrap();
         for (raw, allowed) in [

@@ -119,7 +119,7 @@ impl Drive {
         let raw = self.values.get(terminal.argument);
         let parameter = self.model.catalogue.by_pnu(terminal.argument);
         parameter.map_or(0.0, |parameter| {
-            parameter.engineering(raw, &self.settings.scaling)
+            parameter.engineering(raw, &self.settings.scaling.kept())
         }) as i64
     }
 }

@@ -101,7 +101,7 @@ fn jog_speeds_and_ramps_are_pnu_1004_to_1007() {
     near(&bench, 5.0 * 0.016 * 763.0);
     assert!(!bench.has(REACHED));
     bench.send(0x050F, 5000, 60);
-    near(&bench, 273.0 * 1638.0 * 960_000.0 / 4_294_967_296.0);
+    near(&bench, 273.0 * 12_000.0 / 32_768.0);
     assert!(bench.has(REACHED) && bench.has(IN_RANGE));
     let from = bench.read("VL.CMD_32") as f64 / 1000.0;
     bench.send(0x040F, 5000, 2);
@@ -111,15 +111,15 @@ fn jog_speeds_and_ramps_are_pnu_1004_to_1007() {
     bench.send(0x060F, 5000, 8);
     near(&bench, -8.0 * 0.016 * 763.0);
     bench.send(0x060F, 5000, 60);
-    near(&bench, -546.0 * 1638.0 * 960_000.0 / 4_294_967_296.0);
-    // The scalings are those of the signals.
+    near(&bench, -546.0 * 12_000.0 / 32_768.0);
+    // The ramps are scaled as the signals are, the speeds never (manual 6.1 and 6.5).
     bench.send(0x040F, 5000, 60);
     bench.write("PN.ACCSCALING", 100).unwrap();
     bench.write("PN.VELSCALING", 819).unwrap();
     bench.send(0x050F, 5000, 10);
     near(&bench, 10.0 * 0.016 * 100.0);
     bench.send(0x050F, 5000, 60);
-    near(&bench, 273.0 * 819.0 * 960_000.0 / 4_294_967_296.0);
+    near(&bench, 273.0 * 12_000.0 / 32_768.0);
 }
 
 #[test]

@@ -107,7 +107,8 @@ impl Drive {
                 if !parameter.choices.is_empty() && parameter.choice(raw).is_none() {
                     return Err(ErrorNumber::VALUE);
                 }
-                self.store(position, element, raw)?;
+                let kept = self.kept_number(parameter, raw);
+                self.store(position, element, kept)?;
             }
         }
         self.apply();
@@ -133,7 +134,7 @@ impl Drive {
     }
 
     pub(super) fn within_limits(&self, parameter: &Parameter, raw: i64) -> Result<(), ErrorNumber> {
-        let (low, high) = parameter.raw_limits(&self.settings.scaling);
+        let (low, high) = self.own_limits(parameter);
         if (low..=high).contains(&raw) {
             Ok(())
         } else {

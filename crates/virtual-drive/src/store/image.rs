@@ -430,7 +430,7 @@ mod tests {
                 state ^= state << 13;
                 state ^= state >> 7;
                 state ^= state << 17;
-                let (low, high) = parameter.raw_limits(&Scaling::default());
+                let (low, high) = parameter.raw_limits(&Scaling::default().kept());
                 values.set_at(position, ((state >> 20) as i64 - (1 << 43)).clamp(low, high));
             }
             let image = values.image(&Scaling::default());

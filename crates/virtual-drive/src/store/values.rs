@@ -8,8 +8,8 @@ use profidrive::notation::Notation;
 use super::{Image, ImageError};
 use crate::model::numbered;
 
-/// One number per parameter of a catalogue, as on the wire, and the elements of arrays and the octets of strings that can
-/// be written. Other strings and measured values are not here.
+/// One number per parameter of a catalogue, as on the wire but for positions ([`Scaling::kept`]), and the elements of arrays
+/// and the octets of strings that can be written. Other strings and measured values are not here.
 #[derive(Debug, Clone)]
 pub struct Values {
     catalogue: &'static Catalogue,
@@ -23,7 +23,7 @@ impl Values {
     /// As delivered.
     #[must_use]
     pub fn new(catalogue: &'static Catalogue) -> Self {
-        let scaling = &catalogue.scaling;
+        let scaling = &catalogue.scaling.kept();
         let raw = catalogue
             .parameters
             .iter()
@@ -126,7 +126,7 @@ impl Values {
         let Some(parameter) = self.catalogue.parameters.get(position) else {
             return false;
         };
-        let scaling = &self.catalogue.scaling;
+        let scaling = &self.catalogue.scaling.kept();
         if self.cell(position, 0).is_none() {
             return self.at(position) != parameter.raw_default(scaling);
         }
@@ -148,6 +148,7 @@ impl Values {
     /// The image of everything that is saved.
     #[must_use]
     pub fn image(&self, scaling: &Scaling) -> Image {
+        let scaling = &scaling.kept();
         let mut image = Image::new(self.catalogue.model);
         for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
             if let Some(text) = self.text_at(position).filter(|_| is_saved(parameter)) {
@@ -229,7 +230,7 @@ impl Values {
         let mut taken = 0;
         // What scales others is itself a bare number and comes first.
         for first in [true, false] {
-            let scaling = scaling(self);
+            let scaling = scaling(self).kept();
             for (name, text) in image.entries() {
                 let string = known
                     .get(name)

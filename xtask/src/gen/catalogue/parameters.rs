@@ -157,6 +157,7 @@ fn render_parameter(
                 ("current", "Current"),
                 ("singleturn", "Singleturn"),
                 ("mdi-velocity", "MdiVelocity"),
+                ("nominal-velocity", "NominalVelocity"),
                 ("percent", "Percent"),
             ],
         )?

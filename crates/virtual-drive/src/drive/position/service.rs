@@ -30,13 +30,13 @@ impl Drive {
     fn engineering(&self, pnu: u16) -> f64 {
         let parameter = self.model.catalogue.by_pnu(pnu);
         parameter.map_or(0.0, |parameter| {
-            parameter.engineering(self.values.get(pnu), &self.settings.scaling)
+            parameter.engineering(self.values.get(pnu), &self.settings.scaling.kept())
         })
     }
 
     fn set_engineering(&mut self, pnu: u16, value: f64) {
         if let Some(parameter) = self.model.catalogue.by_pnu(pnu) {
-            let raw = parameter.raw(value, &self.settings.scaling);
+            let raw = parameter.raw(value, &self.settings.scaling.kept());
             self.values.set(pnu, raw);
         }
     }
