@@ -144,6 +144,17 @@ pub trait Endpoint {
     /// Own IP configuration; may change after any `handle_*` call (DCP Set).
     fn ip(&self) -> IpSuite;
 
+    /// True while the carrier is to find an address: from a DHCP server, else a link-local one (AutoIP). A carrier that
+    /// makes whole Ethernet frames does so and reports it by [`take_address`](Endpoint::take_address).
+    fn acquires_address(&self) -> bool {
+        false
+    }
+
+    /// Takes the address that the carrier found, [`IpSuite::NONE`] when it is lost.
+    fn take_address(&mut self, now: Instant, suite: IpSuite) {
+        let _ = (now, suite);
+    }
+
     /// True for a local UDP port whose datagrams the endpoint wants, beside those it sends from.
     fn serves(&self, port: u16) -> bool {
         port == RPC_PORT

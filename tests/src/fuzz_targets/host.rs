@@ -7,9 +7,28 @@ use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 
 use super::steps::{Step, Steps};
 
-/// ARP, IPv4, ICMP and UDP around an engine that echoes datagrams.
+/// ARP, IPv4, ICMP, UDP and TCP around an engine that echoes datagrams: with an address, and looking for one by DHCP and
+/// AutoIP.
 pub fn host(data: &[u8]) {
-    let mut host = Host::new(Echo::default());
+    let ip = IpSuite {
+        address: [192, 168, 77, 50].into(),
+        mask: [255, 255, 255, 0].into(),
+        gateway: [0; 4].into(),
+    };
+    for (ip, acquires) in [(ip, false), (IpSuite::NONE, true)] {
+        feed(
+            data,
+            Echo {
+                ip,
+                acquires,
+                pending: None,
+            },
+        );
+    }
+}
+
+fn feed(data: &[u8], endpoint: Echo) {
+    let mut host = Host::new(endpoint);
     let mut buffer = [0; MAX_FRAME];
     let mut now = Instant::ZERO;
     // a seed is one frame; anything else may also be several steps
@@ -30,8 +49,9 @@ pub fn host(data: &[u8]) {
     }
 }
 
-#[derive(Default)]
 struct Echo {
+    ip: IpSuite,
+    acquires: bool,
     pending: Option<(SocketAddrV4, u16, usize)>,
 }
 
@@ -41,11 +61,15 @@ impl Endpoint for Echo {
     }
 
     fn ip(&self) -> IpSuite {
-        IpSuite {
-            address: [192, 168, 77, 50].into(),
-            mask: [255, 255, 255, 0].into(),
-            gateway: [0; 4].into(),
-        }
+        self.ip
+    }
+
+    fn acquires_address(&self) -> bool {
+        self.acquires
+    }
+
+    fn take_address(&mut self, _: Instant, suite: IpSuite) {
+        self.ip = suite;
     }
 
     fn handle_frame(&mut self, _: Instant, _: &[u8]) {}

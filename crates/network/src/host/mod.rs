@@ -4,10 +4,15 @@
 //! frames in, whole frames out, next deadline. PROFINET frames (EtherType 0x8892) pass straight through, without a
 //! copy and without allocation.
 //!
-//! Left out, on purpose: IPv4 fragments (dropped, PROFINET fragments in RPC), TCP, ICMP errors, address conflict
-//! detection.
+//! An endpoint that [has none](Endpoint::acquires_address) gets its address from a DHCP server, or a link-local one.
+//!
+//! Left out, on purpose: IPv4 fragments (dropped, PROFINET fragments in RPC), TCP (every connection is refused with a
+//! reset), ICMP errors, conflict detection of addresses that were set.
 
+mod acquire;
 mod address;
+mod dhcp;
+mod link_local;
 mod neighbours;
 mod stack;
 

@@ -8,9 +8,11 @@ use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, RPC_PORT, Traf
 use smoltcp::phy::ChecksumCapabilities;
 use smoltcp::wire::{
     ArpOperation, ArpPacket, ArpRepr, EthernetAddress, EthernetFrame, EthernetProtocol, EthernetRepr,
-    Icmpv4Message, Icmpv4Packet, Icmpv4Repr, IpProtocol, Ipv4Packet, Ipv4Repr, UdpPacket, UdpRepr,
+    Icmpv4Message, Icmpv4Packet, Icmpv4Repr, IpProtocol, Ipv4Packet, Ipv4Repr, TcpControl, TcpPacket,
+    TcpRepr, UdpPacket, UdpRepr,
 };
 
+use super::acquire::{Acquire, Action};
 use super::address::{NextHop, is_broadcast, is_unicast, next_hop};
 use super::neighbours::{Due, Neighbours, Resolution};
 use super::{ETHERTYPE_LLDP, ETHERTYPE_PROFINET, MINIMUM_FRAME, addresses, ethertype, within};
@@ -61,6 +63,7 @@ pub struct Stack {
     ready: VecDeque<Vec<u8>>,
     spare: Vec<Vec<u8>>,
     ports: VecDeque<u16>,
+    acquire: Option<Box<Acquire>>,
     statistics: StackStatistics,
 }
 
@@ -77,6 +80,7 @@ impl Stack {
             ready: VecDeque::new(),
             spare: Vec::new(),
             ports: VecDeque::new(),
+            acquire: None,
             statistics: StackStatistics::default(),
         }
     }
@@ -115,6 +119,10 @@ impl Stack {
         let Some(payload) = frame.get(offset..) else {
             return;
         };
+        if let Some(acquire) = &mut self.acquire {
+            acquire.handle_frame(now, frame, payload);
+            self.seek(now, endpoint);
+        }
         if !self.suite.is_set() {
             return;
         }
@@ -131,6 +139,7 @@ impl Stack {
     /// Does what is due: requests to neighbours, announcements, and the endpoint's own.
     pub fn handle_timeout<E: Endpoint + ?Sized>(&mut self, now: Instant, endpoint: &mut E) {
         endpoint.handle_timeout(now);
+        self.seek(now, endpoint);
         self.follow(now, endpoint.ip());
         if self.announce_at.is_some_and(|at| at <= now) {
             self.announce(now);
@@ -162,6 +171,9 @@ impl Stack {
         buffer: &mut [u8],
         endpoint: &mut E,
     ) -> Option<usize> {
+        if self.acquire.is_some() != endpoint.acquires_address() {
+            self.seek(now, endpoint);
+        }
         self.follow(now, endpoint.ip());
         loop {
             if let Some(length) = self.pop_ready(buffer) {
@@ -191,10 +203,48 @@ impl Stack {
             endpoint.poll_timeout(),
             self.neighbours.next_due(),
             self.announce_at,
+            self.acquire.as_ref().and_then(|acquire| acquire.poll_timeout()),
         ]
         .into_iter()
         .flatten()
         .min()
+    }
+
+    /// Finds an address for an endpoint that has none of its own.
+    fn seek<E: Endpoint + ?Sized>(&mut self, now: Instant, endpoint: &mut E) {
+        if !endpoint.acquires_address() {
+            self.acquire = None;
+            return;
+        }
+        let mac = self.mac;
+        let mut acquire = self
+            .acquire
+            .take()
+            .unwrap_or_else(|| Box::new(Acquire::new(now, mac)));
+        while let Some(action) = acquire.poll(now) {
+            match action {
+                Action::Send(frame) => {
+                    if let Some(mut place) = self.take_buffer(frame.len()) {
+                        place.clear();
+                        place.extend_from_slice(&frame);
+                        self.ready.push_back(place);
+                    }
+                }
+                Action::Probe(address) => {
+                    let all = MacAddress::BROADCAST;
+                    self.send_arp_as(Ipv4Addr::UNSPECIFIED, ArpOperation::Request, all, address);
+                }
+                Action::Announce => {
+                    let own = self.suite.address;
+                    self.send_arp(ArpOperation::Request, MacAddress::BROADCAST, own);
+                }
+                Action::Use(suite) => {
+                    endpoint.take_address(now, suite);
+                    self.follow(now, endpoint.ip());
+                }
+            }
+        }
+        self.acquire = Some(acquire);
     }
 
     /// Takes note of a changed IP configuration: announce it, forget the neighbours.
@@ -290,12 +340,61 @@ impl Stack {
                     self.send_echo_reply(source, sender, &message);
                 }
             }
+            IpProtocol::Tcp if !broadcast => {
+                let packet = TcpPacket::new_checked(packet.payload()).ok()?;
+                let checks = ChecksumCapabilities::default();
+                let segment = TcpRepr::parse(&packet, &sender.into(), &destination.into(), &checks).ok()?;
+                self.refuse_connection(source, sender, &segment);
+            }
             _ => {}
         }
         Some(())
     }
 
+    /// Answers a TCP segment by a reset: nothing listens here (RFC 9293, 3.5.2).
+    fn refuse_connection(&mut self, to: MacAddress, destination: Ipv4Addr, segment: &TcpRepr<'_>) {
+        if segment.control == TcpControl::Rst {
+            return;
+        }
+        let reset = TcpRepr {
+            src_port: segment.dst_port,
+            dst_port: segment.src_port,
+            control: TcpControl::Rst,
+            seq_number: segment.ack_number.unwrap_or_default(),
+            ack_number: match segment.ack_number {
+                Some(_) => None,
+                None => Some(segment.seq_number + segment.segment_len()),
+            },
+            window_len: 0,
+            window_scale: None,
+            max_seg_size: None,
+            sack_permitted: false,
+            sack_ranges: [None; 3],
+            timestamp: None,
+            payload: &[],
+        };
+        let length = IPV4 + reset.buffer_len();
+        let Some(mut frame) = self.take_buffer(ETHERNET + length) else {
+            return;
+        };
+        self.emit_ethernet(&mut frame, to, EthernetProtocol::Ipv4);
+        self.emit_ipv4(&mut frame, destination, IpProtocol::Tcp, reset.buffer_len());
+        if let Some(body) = frame.get_mut(ETHERNET + IPV4..ETHERNET + length) {
+            reset.emit(
+                &mut TcpPacket::new_unchecked(body),
+                &self.suite.address.into(),
+                &destination.into(),
+                &ChecksumCapabilities::default(),
+            );
+        }
+        self.ready.push_back(frame);
+    }
+
     fn send_arp(&mut self, operation: ArpOperation, to: MacAddress, target: Ipv4Addr) {
+        self.send_arp_as(self.suite.address, operation, to, target);
+    }
+
+    fn send_arp_as(&mut self, sender: Ipv4Addr, operation: ArpOperation, to: MacAddress, target: Ipv4Addr) {
         let known = if operation == ArpOperation::Reply {
             to
         } else {
@@ -304,7 +403,7 @@ impl Stack {
         let message = ArpRepr::EthernetIpv4 {
             operation,
             source_hardware_addr: EthernetAddress(self.mac.0),
-            source_protocol_addr: self.suite.address,
+            source_protocol_addr: sender,
             target_hardware_addr: EthernetAddress(known.0),
             target_protocol_addr: target,
         };

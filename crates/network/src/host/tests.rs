@@ -387,3 +387,209 @@ fn the_endpoint_is_told_of_every_frame_of_its_own() {
         [(Traffic::Received, echo), (Traffic::Sent, answers[0].clone())]
     );
 }
+
+/// An endpoint without an address.
+#[derive(Default)]
+struct Seeker {
+    ip: IpSuite,
+    taken: Vec<IpSuite>,
+}
+
+impl Endpoint for Seeker {
+    fn mac(&self) -> MacAddress {
+        MAC
+    }
+    fn ip(&self) -> IpSuite {
+        self.ip
+    }
+    fn acquires_address(&self) -> bool {
+        true
+    }
+    fn take_address(&mut self, _: Instant, suite: IpSuite) {
+        self.ip = suite;
+        self.taken.push(suite);
+    }
+    fn handle_frame(&mut self, _: Instant, _: &[u8]) {}
+    fn handle_datagram(&mut self, _: Instant, _: SocketAddrV4, _: u16, _: &[u8]) {}
+    fn handle_timeout(&mut self, _: Instant) {}
+    fn poll_transmit(&mut self, _: Instant, _: &mut [u8]) -> Option<Transmit> {
+        None
+    }
+    fn poll_timeout(&self) -> Option<Instant> {
+        None
+    }
+}
+
+/// A DHCP server at PEER that leases 10.0.0.1 for an hour: the answer to a frame, `None` for what is no request.
+fn served(frame: &[u8]) -> Option<Vec<u8>> {
+    const DHCP: usize = 14 + 20 + 8;
+    if ethertype(frame)?.0 != 0x0800 || frame[23] != 17 || frame[36..38] != [0, 67] {
+        return None;
+    }
+    let request = &frame[DHCP..];
+    let kind = request[240..].windows(3).find(|option| option[..2] == [53, 1])?[2];
+    let mut reply = vec![2, 1, 6, 0];
+    reply.extend(&request[4..8]); // transaction
+    reply.extend([0; 8]);
+    reply.extend(IP.address.octets());
+    reply.extend(PEER_IP.octets());
+    reply.extend([0; 4]);
+    reply.extend(&request[28..44]); // hardware address
+    reply.extend([0; 192]);
+    reply.extend([99, 130, 83, 99, 53, 1, if kind == 1 { 2 } else { 5 }, 54, 4]);
+    reply.extend(PEER_IP.octets());
+    reply.extend([51, 4, 0, 0, 0x0E, 0x10, 1, 4, 255, 255, 255, 0, 3, 4]);
+    reply.extend(IP.gateway.octets());
+    reply.push(255);
+    let mut answer = Vec::new();
+    answer.extend(MAC.0);
+    answer.extend(PEER.0);
+    answer.extend([8, 0, 0x45, 0]);
+    answer.extend((28 + reply.len() as u16).to_be_bytes());
+    answer.extend([0, 0, 0, 0, 64, 17, 0, 0]);
+    answer.extend(PEER_IP.octets());
+    answer.extend(IP.address.octets());
+    let sum: u32 = answer[14..34]
+        .chunks(2)
+        .map(|pair| u32::from(u16::from_be_bytes([pair[0], pair[1]])))
+        .sum();
+    let sum = !((sum & 0xFFFF) + (sum >> 16)) as u16;
+    answer[24..26].copy_from_slice(&sum.to_be_bytes());
+    answer.extend([0, 67, 0, 68]);
+    answer.extend((8 + reply.len() as u16).to_be_bytes());
+    answer.extend([0, 0]); // no checksum
+    answer.extend(reply);
+    Some(answer)
+}
+
+/// Runs a host to `until`, or until it has an address; `serve` answers its frames.
+fn seek(host: &mut Host<Seeker>, from: u64, until: u64, serve: impl Fn(&[u8]) -> Option<Vec<u8>>) -> u64 {
+    let mut now = at(from);
+    let mut buffer = [0; MAX_FRAME];
+    loop {
+        host.handle_timeout(now);
+        let mut answers = Vec::new();
+        while let Some(length) = host.poll_transmit(now, &mut buffer) {
+            answers.extend(serve(&buffer[..length]));
+        }
+        for answer in answers.drain(..) {
+            host.handle_frame(now, &answer);
+        }
+        while let Some(length) = host.poll_transmit(now, &mut buffer) {
+            answers.extend(serve(&buffer[..length]));
+        }
+        for answer in answers {
+            host.handle_frame(now, &answer);
+        }
+        let next = host.poll_timeout().unwrap_or(at(until));
+        if next >= at(until) {
+            return until;
+        }
+        now = next.max(now);
+    }
+}
+
+#[test]
+fn an_endpoint_without_an_address_gets_the_lease_of_a_server() {
+    let mut host = Host::new(Seeker::default());
+    seek(&mut host, 0, 3000, served);
+    assert_eq!(host.endpoint().taken, [IP]);
+    // kept up as long as the server is there
+    seek(&mut host, 3000, 7_300_000, served);
+    assert_eq!(host.endpoint().taken, [IP]);
+    // and lost with it, then link-local
+    seek(&mut host, 7_300_000, 15_000_000, |_| None);
+    let taken = &host.endpoint().taken;
+    assert_eq!(taken[1], IpSuite::NONE, "{taken:?}");
+    assert!(taken[2].address.is_link_local(), "{taken:?}");
+}
+
+#[test]
+fn a_server_that_comes_late_replaces_the_link_local_address() {
+    let mut host = Host::new(Seeker::default());
+    seek(&mut host, 0, 20_000, |_| None);
+    assert!(
+        host.endpoint().ip.address.is_link_local(),
+        "{:?}",
+        host.endpoint().ip
+    );
+    seek(&mut host, 20_000, 60_000, served);
+    assert_eq!(host.endpoint().ip, IP);
+}
+
+#[test]
+fn a_link_local_address_of_somebody_else_is_not_taken() {
+    let mut host = Host::new(Seeker::default());
+    let mut first = None;
+    let owned = std::cell::Cell::new(None::<[u8; 4]>);
+    seek(&mut host, 0, 20_000, |frame| {
+        // the owner of the first address that is probed answers
+        let arp = frame.get(14..42).filter(|_| frame[12..14] == [8, 6])?;
+        let target: [u8; 4] = arp[24..28].try_into().ok()?;
+        if owned.get().is_none() {
+            owned.set(Some(target));
+        }
+        (owned.get() == Some(target)).then(|| {
+            let mut answer = Vec::new();
+            answer.extend(MAC.0);
+            answer.extend(PEER.0);
+            answer.extend([8, 6, 0, 1, 8, 0, 6, 4, 0, 2]);
+            answer.extend(PEER.0);
+            answer.extend(target);
+            answer.extend(MAC.0);
+            answer.extend([0; 4]);
+            answer
+        })
+    });
+    first.replace(owned.get().expect("probed"));
+    let found = host.endpoint().ip.address;
+    assert!(found.is_link_local() && Some(found.octets()) != first, "{found}");
+}
+
+/// Manual 4.2.5: no Modbus (502), and no Telnet (23): every connection is refused with a reset.
+#[test]
+fn tcp_connections_are_refused_with_a_reset() {
+    use smoltcp::phy::ChecksumCapabilities;
+    use smoltcp::wire::{TcpControl, TcpPacket, TcpRepr, TcpSeqNumber};
+    for port in [23, 502] {
+        let mut host = settled();
+        let connect = TcpRepr {
+            src_port: 40_000,
+            dst_port: port,
+            control: TcpControl::Syn,
+            seq_number: TcpSeqNumber(1000),
+            ack_number: None,
+            window_len: 1000,
+            window_scale: None,
+            max_seg_size: None,
+            sack_permitted: false,
+            sack_ranges: [None; 3],
+            timestamp: None,
+            payload: &[],
+        };
+        let checks = ChecksumCapabilities::default();
+        let mut segment = vec![0; connect.buffer_len()];
+        let mut packet = TcpPacket::new_unchecked(&mut segment[..]);
+        connect.emit(&mut packet, &PEER_IP.into(), &IP.address.into(), &checks);
+        let mut frame =
+            hex("02504e000001 02504e000099 0800 4500 0028 0000 4000 40 06 26c4 0a000009 0a000001");
+        frame.extend(&segment);
+        frame.resize(60, 0);
+        host.handle_frame(at(3000), &frame);
+        let sent = drain(&mut host, at(3000));
+        assert_eq!(sent.len(), 1, "{port}");
+        let packet = TcpPacket::new_checked(&sent[0][34..54]).unwrap();
+        let reset = TcpRepr::parse(&packet, &IP.address.into(), &PEER_IP.into(), &checks).unwrap();
+        assert_eq!(
+            (reset.control, reset.src_port, reset.ack_number),
+            (TcpControl::Rst, port, Some(TcpSeqNumber(1001)))
+        );
+        // a reset is not answered
+        let again = &sent[0];
+        let mut echo = again.clone();
+        echo[..6].copy_from_slice(&MAC.0);
+        echo[6..12].copy_from_slice(&PEER.0);
+        host.handle_frame(at(3001), &echo);
+        assert!(drain(&mut host, at(3001)).is_empty());
+    }
+}

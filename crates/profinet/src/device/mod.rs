@@ -191,6 +191,16 @@ impl Device {
         &self.name
     }
 
+    /// Takes an address that no DCP set: of switches, of a DHCP server, a link-local one. A change ends every connection.
+    pub fn take_address(&mut self, now: Instant, suite: IpSuite) {
+        if self.ip != suite {
+            self.close_all(now, PnioStatus::aborted(abort::CLOSED));
+            self.ip = suite;
+            self.ip_permanent = false;
+            self.port.announce();
+        }
+    }
+
     /// I&M1 to 4.
     #[must_use]
     pub const fn im(&self) -> &ImRecords {
