@@ -104,3 +104,35 @@ fn position_scale_changes_what_is_read_and_no_position() {
     assert_eq!(write(&mut bus, POSITION_SCALE, 0x43, 1), None);
     assert_eq!(bus.read(MODULO_END, 0), 2_000_500);
 }
+
+/// Manual 5.12.3 against 6.1: PN.ACCSCALING (PNU 1008) scales MDI_ACC and MDI_DEC too.
+#[test]
+fn acceleration_scaling_is_for_mdi_too() {
+    let mut bus = Bus::new();
+    bus.connect(9);
+    assert_eq!(write(&mut bus, 930, 0x42, 2), None);
+    let mut words = [0; 20];
+    words[10..14].copy_from_slice(&(1_u32 << 30).to_be_bytes()); // 3000 rpm
+    words[14..18].copy_from_slice(&[0, 20, 0, 20]);
+    let mut send = |bus: &mut Bus, control: u16, cycles: u32| {
+        words[..2].copy_from_slice(&control.to_be_bytes());
+        bus.send(&words, cycles);
+        rpm(bus)
+    };
+    let mut speed_after = |bus: &mut Bus| {
+        for control in [0x0430, 0x0436, 0x0437, 0x043F] {
+            send(bus, control, 10);
+        }
+        // real-time jogging along MDI_ACC for 5 cycles of 16 ms
+        let speed = send(bus, 0x143F, 5);
+        send(bus, 0x043F, 200);
+        speed
+    };
+    let before = speed_after(&mut bus);
+    assert_eq!(write(&mut bus, 1008, 0x42, 1526), None);
+    let after = speed_after(&mut bus);
+    assert!(
+        before > 500.0 && (after / before - 2.0).abs() < 0.1,
+        "{before} {after}"
+    );
+}

@@ -104,6 +104,20 @@ fn what_the_present_state_forbids_is_told_for_each_parameter() {
     }
 }
 
+/// AKD PROFINET manual 5.8: the AKD calls signal 101 MT.FEEDRATE.
+#[test]
+fn mt_feedrate_is_signal_101_in_percent() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let assignment: Assignment = "MT.FEEDRATE=50%".parse().expect("an assignment");
+    session
+        .write(&mut drive, &[assignment], WriteMode::Write)
+        .expect("written");
+    let selection = select(&drive, "101");
+    let reading = session.read_one(&mut drive, &selection).expect("read");
+    assert_eq!((reading.number(), reading.unit), (Some(50.0), "%"));
+}
+
 #[test]
 fn a_silent_drive_is_told_while_it_is_waited_for() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);

@@ -179,6 +179,12 @@ impl Happening {
             Self::Drive(Injection::Fault { number, .. }) => ("fault", number, &[false]),
             Self::Drive(Injection::Warning { number }) => ("warning", number, &[true]),
             Self::Drive(Injection::ClearCause { number }) => ("fault or warning", number, &[false, true]),
+            Self::Drive(Injection::ButtonB1(_)) if model.roles.address_mode.is_none() => {
+                return Err(HappeningError::Value {
+                    text: self.to_string(),
+                    expected: "this drive has no button B1",
+                });
+            }
             Self::Drive(Injection::Input { number, .. }) => {
                 let most = model.roles.terminals.len();
                 if usize::from(number) <= most {

@@ -38,6 +38,10 @@ pub struct Simulate {
     /// Address of the (first) drive; without it the drive waits for its address
     #[arg(long, value_name = "A.B.C.D/NN")]
     pub ip: Option<Network>,
+    /// Rotary switches of the AKD, 0 to 99: address 192.168.0.NUMBER/24; with 0 the drive finds one by DHCP, else AutoIP.
+    /// An address set by DCP overrules them
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["ip", "plant"], value_parser = clap::value_parser!(u8).range(0..=99))]
+    pub rotary: Option<u8>,
     /// Folder that keeps name, address and saved parameters over a restart
     #[arg(long, value_name = "DIR")]
     pub state: Option<PathBuf>,

@@ -440,15 +440,15 @@ mod tests {
         for (text, words) in [
             (
                 "1004=0.001rpm",
-                "0.001 rpm cannot be held: the nearest values are 0 rpm and 0.3661",
+                "0.001 rpm cannot be held: the nearest values are 0 rpm and 0.3662",
             ),
             (
                 "1004=-0.01rps",
-                "-0.01 rps cannot be held: the nearest values are -0.7322",
+                "-0.01 rps cannot be held: the nearest values are -0.7324",
             ),
             (
                 "1004=0.5rpm",
-                "0.5 rpm cannot be held: the nearest values are 0.3661",
+                "0.5 rpm cannot be held: the nearest values are 0.3662",
             ),
         ] {
             let problem = check(text).unwrap_err();
@@ -484,6 +484,10 @@ mod tests {
                 "DRV.ACC (p2108): 1 rpm/s is outside 1.86 to 50000000 rpm/s",
             ),
             ("DRV.ACC=99999999", "is outside"),
+            (
+                "MDI_VELOCITY=12000",
+                "MDI_VELOCITY (p0035): 12000 rpm is outside 0 to 11999.999997 rpm",
+            ),
             ("DRV.ACC=0x1", "is outside"),
             ("VL.FB_32=3", "is read-only"),
             ("947[0..3]=0", "is read-only"),

@@ -186,7 +186,7 @@ pub enum ParameterProblem {
         choices: Vec<Meaning>,
     },
     /// Below or above what the drive takes.
-    #[error("{parameter}: {}{} is outside {} to {}{}", figures(*.value), unit_text(.unit), figures(*.minimum), figures(*.maximum), unit_text(.unit))]
+    #[error("{parameter}: {}{} is outside {} to {}{}", figures(*.value), unit_text(.unit), limit_text(*.minimum, *.value), limit_text(*.maximum, *.value), unit_text(.unit))]
     Limit {
         /// The parameter.
         parameter: String,
@@ -296,6 +296,17 @@ fn elements_text(elements: u16) -> String {
         0 | 1 => "no elements".into(),
         count => format!("elements 0 to {}", count - 1),
     }
+}
+
+/// A limit in as many decimals as tell it from the value that is beyond it.
+fn limit_text(limit: f64, value: f64) -> String {
+    let short = figures(limit);
+    if limit == value || short != figures(value) {
+        return short;
+    }
+    let texts = (1..=9).map(|decimals| (format!("{limit:.decimals$}"), format!("{value:.decimals$}")));
+    let mut apart = texts.filter(|(limit, value)| limit != value);
+    apart.next().map_or(short, |(limit, _)| limit)
 }
 
 fn unit_text(unit: &str) -> String {

@@ -572,7 +572,7 @@ fn tcp_connections_are_refused_with_a_reset() {
         let mut packet = TcpPacket::new_unchecked(&mut segment[..]);
         connect.emit(&mut packet, &PEER_IP.into(), &IP.address.into(), &checks);
         let mut frame =
-            hex("02504e000001 02504e000099 0800 4500 0028 0000 4000 40 06 26c4 0a000009 0a000001");
+            hex("02504e000001 02504e000099 0800 4500 0028 0000 4000 40 06 26c7 0a000009 0a000001");
         frame.extend(&segment);
         frame.resize(60, 0);
         host.handle_frame(at(3000), &frame);

@@ -154,6 +154,11 @@ impl Faults {
         self.lasting.0[0] != 0
     }
 
+    /// The faults whose cause was put there from outside and lasts.
+    pub fn lasting_numbers(&self) -> impl Iterator<Item = u16> {
+        self.lasting.iter()
+    }
+
     /// PNU 944.
     pub const fn counter(&self) -> u16 {
         self.buffer.counter()

@@ -85,6 +85,8 @@ pub enum Injection {
     /// `local-speed=300rpm`: the panel takes the drive and runs it (VLT `[Hand on]`); `auto`: it stops it. A drive in
     /// another mode than speed is taken and not run.
     LocalSpeed(Option<f64>),
+    /// `b1=5s`: button B1 of an AKD is held for so long.
+    ButtonB1(f64),
 }
 
 /// A text that is no injection.

@@ -6,12 +6,9 @@
 
 use profidrive::parameter::{ErrorNumber, SaveId};
 
-use super::Drive;
 use super::settings::Settings;
+use super::{Drive, RESTLESS};
 use crate::store::{Image, ImageError, Values, is_saved, key};
-
-/// Address mode: the address as DCP set it (IP.MODE 1, AKD PROFINET manual 3.4.1).
-const BY_DCP: i64 = 1;
 
 impl Drive {
     /// Starts with what was saved; returns how many of its entries this model does not know or cannot take.
@@ -49,9 +46,33 @@ impl Drive {
         self.save();
     }
 
-    /// DCP has set the address for good: the IP parameters of the drive are overwritten, in its memory too, and IP.MODE
-    /// says so. Other parameters that were changed and not saved stay as they are. Source: AKD PROFINET manual 3.4.1.
-    pub fn address_set(&mut self) {
+    /// Restarts the drive where it is: what is outside it stays, its values are as saved, everything else is as after
+    /// power-on.
+    pub(crate) fn restart(&mut self) {
+        let mut fresh = Self::new(self.model);
+        fresh.rotary = self.rotary;
+        fresh.last = self.last;
+        fresh.outside = self.outside;
+        fresh.terminals = self.terminals;
+        std::mem::swap(&mut fresh.axis, &mut self.axis);
+        std::mem::swap(&mut fresh.free, &mut self.free);
+        std::mem::swap(&mut fresh.events, &mut self.events);
+        std::mem::swap(&mut fresh.saving, &mut self.saving);
+        let lasting: Vec<u16> = self.faults.lasting_numbers().collect();
+        *self = fresh;
+        if let Some(text) = self.saving.newest().map(str::to_owned) {
+            // what it saved itself is what it reads
+            let _ = self.start_with(text.as_bytes());
+        }
+        self.apply();
+        for number in lasting {
+            self.raise_from_outside(number, true);
+        }
+        self.restless = RESTLESS;
+    }
+
+    /// Saves IP.MODE and nothing else.
+    pub(super) fn keep_address_mode(&mut self, mode: i64) {
         let Some(parameter) = self
             .model
             .roles
@@ -60,19 +81,11 @@ impl Drive {
         else {
             return;
         };
-        self.values.set(parameter.pnu, BY_DCP);
+        self.values.set(parameter.pnu, mode);
         let mut image = self.saved_image();
-        if image.set(parameter, BY_DCP, &self.settings.scaling) {
+        if image.set(parameter, mode, &self.settings.scaling) {
             self.keep_saved(&image);
         }
-    }
-
-    /// False when the saved parameters tell the drive to get its address in another way than by DCP: then it starts
-    /// without one.
-    #[must_use]
-    pub fn starts_with_address(&self) -> bool {
-        let mode = self.model.roles.address_mode.map(|pnu| self.values.get(pnu));
-        mode.is_none_or(|mode| mode == BY_DCP)
     }
 
     /// DRV.NVSAVE.

@@ -125,17 +125,17 @@ fn what_does_not_fit_is_left_out_and_counted() {
 #[test]
 fn an_address_set_by_dcp_overwrites_the_mode_and_nothing_else() {
     let mut bench = Bench::new();
-    assert!(bench.drive.starts_with_address());
+    assert!(bench.drive.address_source() == AddressSource::Stored);
     bench.drive.address_set();
     assert!(saved(&mut bench).is_none(), "nothing to overwrite");
     bench.write("IP.MODE", 0).unwrap();
     bench.write("DRV.NVSAVE", 1).unwrap();
-    assert!(!restarted(&saved(&mut bench).unwrap()).drive.starts_with_address());
+    assert!(restarted(&saved(&mut bench).unwrap()).drive.address_source() == AddressSource::Found);
     bench.write("DRV.ACC", 5_000_000).unwrap(); // changed, not saved
     bench.drive.address_set();
     assert_eq!(bench.read("IP.MODE"), 1);
     let restarted = restarted(&saved(&mut bench).unwrap());
-    assert!(restarted.drive.starts_with_address());
+    assert!(restarted.drive.address_source() == AddressSource::Stored);
     assert_eq!(restarted.read("DRV.ACC"), 3_000_000);
 }
 

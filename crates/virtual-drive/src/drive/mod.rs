@@ -1,5 +1,6 @@
 //! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
 
+mod address;
 mod another;
 mod counters;
 mod deserted;
@@ -33,6 +34,7 @@ use profidrive::pkw;
 use profidrive::state::{FaultReaction, Machine, Orders, SetpointChannel, Stw1, Zsw1};
 use profinet::Instant;
 
+pub use address::AddressSource;
 pub use injection::{Injection, InjectionError, Key as InjectionKey};
 pub use profidrive::state::State;
 pub use settings::Mode;
@@ -99,6 +101,17 @@ pub enum Event {
     },
     /// Show which drive this is.
     Blink,
+    /// Restart (DRV.REBOOT).
+    Restart,
+    /// Take the address by the settings of now (IP.RESET).
+    ApplyAddress,
+    /// The address settings are those of the delivery at the next power-on (button B1).
+    AddressReset,
+    /// A command was refused because a virtual drive has not what it is about.
+    Unable {
+        /// Its number.
+        pnu: u16,
+    },
 }
 
 /// Why a connection ended.
@@ -200,6 +213,8 @@ pub struct Drive {
     alone: Option<Alone>,
     faults: Faults,
     outside: Outside,
+    /// Position of the rotary switches.
+    rotary: u8,
     terminals: Terminals,
     axis: Axis,
     positioning: Positioning,
@@ -250,6 +265,7 @@ impl Drive {
             alone: None,
             faults: Faults::new(model.fault_buffer, model.dialect.fault_counter),
             outside: Outside::default(),
+            rotary: 0,
             terminals: Terminals::default(),
             axis: Axis::new(model.plant),
             positioning: Positioning::new(),

@@ -48,6 +48,7 @@ impl Drive {
             Injection::Input { number, on } => self.set_terminal(number, on),
             Injection::Local(on) => self.press_local(on),
             Injection::LocalSpeed(speed) => self.press_speed(speed),
+            Injection::ButtonB1(seconds) => self.hold_button(seconds),
         }
         self.hold_brake();
         self.supervise();

@@ -86,6 +86,7 @@ impl Drive {
             Live::EditedSetUps => self.edited_digits(),
             Live::Word { actual, number } => self.shown_word(actual, number),
             Live::Watchdog => i64::try_from(self.link.watchdog().as_millis()).unwrap_or(i64::MAX),
+            Live::Rotary => i64::from(self.rotary()),
             Live::Active => i64::from(self.is_enabled()),
             Live::DisableSources => self.disable_sources(),
             Live::TorqueAllowed => i64::from(!self.axis.inputs().sto),

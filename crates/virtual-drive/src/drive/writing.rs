@@ -102,6 +102,11 @@ impl Drive {
                 let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
                 self.map_signal(Direction::Actual, element, number)?;
             }
+            // a command that nothing in a virtual drive obeys
+            _ if parameter.access == Access::WriteOnly => {
+                self.emit(Event::Unable { pnu: parameter.pnu });
+                return Err(ErrorNumber::NOT_NOW);
+            }
             _ => {
                 self.within_limits(parameter, raw)?;
                 if !parameter.choices.is_empty() && parameter.choice(raw).is_none() {
@@ -182,6 +187,13 @@ impl Drive {
             Action::ResetEnergy => self.meter.energy = 0.0,
             Action::ResetRunningTime => self.meter.running = Duration::ZERO,
             Action::Blink => self.emit(Event::Blink),
+            Action::Restart => self.emit(Event::Restart),
+            Action::ApplyAddress => {
+                if self.link.is_cyclic() {
+                    return Err(ErrorNumber::NOT_NOW);
+                }
+                self.emit(Event::ApplyAddress);
+            }
             Action::Nothing => {}
         }
         Ok(())

@@ -206,7 +206,7 @@ const LIVE: &[(u16, Live)] = &[
     (1001, Live::Same(2203)),
     (1008, Live::Same(3065)),
     (1009, Live::Same(3064)),
-    (2008, Live::Do(Action::Nothing)),
+    (2058, Live::Rotary),
     (2064, Live::Input { number: 1 }),
     (2069, Live::Input { number: 2 }),
     (2074, Live::Input { number: 3 }),
@@ -245,6 +245,7 @@ const LIVE: &[(u16, Live)] = &[
     (2285, Live::Place(Place::Command)),
     (2287, Live::Place(Place::Following)),
     (2294, Live::Place(Place::Actual)),
+    (2358, Live::Do(Action::Nothing)), // REC.OFF: no recording runs
     (2367, Live::Measured(Quantity::RegenPower)),
     (2381, Live::TorqueAllowed),
     (2387, Live::SoftwareLimits),
@@ -266,19 +267,22 @@ const LIVE: &[(u16, Live)] = &[
     (2485, Live::Fault(8)),
     (2486, Live::Fault(9)),
     (2784, Live::Do(Action::Blink)),
+    (2785, Live::Do(Action::Nothing)), // DRV.CLRCRASHDUMP: there is none
     (2788, Live::Do(Action::Load)),
     (2791, Live::Warning(0)),
     (2792, Live::Warning(1)),
     (2793, Live::Warning(2)),
     (2805, Live::Place(Place::Feedback)),
     (2833, Live::Measured(Quantity::DriveFoldback)),
-    (2836, Live::Do(Action::Nothing)), // IP.RESET: a new IP.MODE counts from the next start on
+    (2836, Live::Do(Action::ApplyAddress)), // IP.RESET
     (2845, Live::Measured(Quantity::Speed)),
+    (2847, Live::Do(Action::Nothing)), // WS.DISARM: nothing is armed
     (2874, Live::Measured(Quantity::Temperature(Sensor::Control))),
     (2875, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
     (2876, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
     (2877, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
     (2900, Live::Measured(Quantity::Temperature(Sensor::Motor))),
+    (3013, Live::Do(Action::Restart)), // DRV.REBOOT
     (3022, Live::Watchdog),
 ];
 

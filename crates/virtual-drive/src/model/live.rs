@@ -59,6 +59,8 @@ pub enum Live {
     EditedSetUps,
     /// Time in milliseconds after which the controller counts as lost.
     Watchdog,
+    /// Position of the rotary switches.
+    Rotary,
     /// 1 while the power stage is on.
     Active,
     /// Bit field of the reasons why the power stage is off.
@@ -286,6 +288,10 @@ pub enum Action {
     CopySetUp(u8),
     /// Show which drive this is.
     Blink,
-    /// Known, does nothing in a virtual drive.
+    /// Restart with the values as saved.
+    Restart,
+    /// Take the address by the settings of now; not while a controller is connected.
+    ApplyAddress,
+    /// Nothing is left to do for it: what it stops or clears is never there.
     Nothing,
 }

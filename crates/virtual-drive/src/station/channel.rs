@@ -122,6 +122,14 @@ impl<K> Default for Channels<K> {
 }
 
 impl<K: Copy + PartialEq> Channels<K> {
+    /// Forgets every relation.
+    pub fn forget_all(&mut self) {
+        *self = Self {
+            fault: self.fault,
+            ..Self::default()
+        };
+    }
+
     /// Sets how requests are answered from the next one on. A request that would never have been answered is forgotten.
     pub fn set_fault(&mut self, fault: AnswerFault) {
         self.waiting.retain(|waiting| waiting.ready.is_some());

@@ -3,9 +3,9 @@
 use profidrive::catalogue::Catalogue;
 use profidrive::parameter::SaveId;
 use profidrive::state::State;
-use profinet::MacAddress;
 use profinet::device::{SetRefusal, Stored};
 use profinet::wire::PnioStatus;
+use profinet::{IpSuite, MacAddress};
 
 use crate::drive::Event as DriveEvent;
 use crate::store::ImageError;
@@ -35,6 +35,19 @@ pub enum StationEvent {
     },
     /// Show which drive this is.
     Blink,
+    /// Restarts (DRV.REBOOT).
+    Restarting,
+    /// Takes its address by the settings of now (IP.RESET).
+    AddressApplied,
+    /// The address settings are those of the delivery at the next power-on (button B1).
+    AddressReset,
+    /// Has an address that no DCP set, [`IpSuite::NONE`] when it is lost.
+    AddressFound(IpSuite),
+    /// Refused a command: a virtual drive has not what it is about.
+    Unable {
+        /// Number of the command.
+        pnu: u16,
+    },
     /// A relation was opened.
     Connected {
         /// A controller, else a tool that reads and writes parameters.
@@ -91,6 +104,10 @@ impl From<DriveEvent> for StationEvent {
             DriveEvent::Warning { number, active } => Self::Warning { number, active },
             DriveEvent::Save { text, asked, save } => Self::PersistParameters { text, asked, save },
             DriveEvent::Blink => Self::Blink,
+            DriveEvent::Restart => Self::Restarting,
+            DriveEvent::ApplyAddress => Self::AddressApplied,
+            DriveEvent::AddressReset => Self::AddressReset,
+            DriveEvent::Unable { pnu } => Self::Unable { pnu },
         }
     }
 }
@@ -103,6 +120,15 @@ impl StationEvent {
         Some(match self {
             Self::SetRefused { source, refusal } => refused(*source, *refusal),
             Self::Blink => "blinks".into(),
+            Self::Restarting => "restarts (DRV.REBOOT)".into(),
+            Self::AddressApplied => "takes its address by IP.MODE (IP.RESET)".into(),
+            Self::AddressReset => "address settings reset; they count from the next power-on".into(),
+            Self::AddressFound(suite) if suite.is_set() => format!("address {}", suite.address),
+            Self::AddressFound(_) => "address lost".into(),
+            Self::Unable { pnu } => {
+                let name = catalogue.by_pnu(*pnu).map_or("", |parameter| parameter.name);
+                format!("{name} ({pnu}) refused with error 0x11: no virtual drive has what it is about")
+            }
             Self::Connected { controller, station } => {
                 let kind = if *controller {
                     "controller"

@@ -15,6 +15,7 @@ pub use remember::{network_from_text, network_to_text};
 
 use std::collections::VecDeque;
 use std::net::SocketAddrV4;
+use std::time::Duration;
 
 use profidrive::catalogue::RecordView;
 use profidrive::parameter::{ParameterAccess, SaveId, SaveState};
@@ -28,7 +29,7 @@ use profinet::{Endpoint, Instant, IpSuite, MacAddress, Traffic, Transmit};
 
 use crate::axis::Plant;
 use crate::description::{self, Description};
-use crate::drive::{Disconnect, Drive};
+use crate::drive::{AddressSource, Disconnect, Drive, Event as DriveEvent};
 use crate::model::Model;
 pub use channel::{AnswerFault, NoAnswerFault};
 use channel::{Channels, INDICES};
@@ -38,6 +39,9 @@ const LONGEST_TELEGRAM: usize = description::LONGEST_TELEGRAM as usize;
 
 /// Records below this one can be parameters themselves.
 const FIRST_OTHER_RECORD: u16 = 0x8000;
+
+/// From a command that ends the connections until it is done: the answer to it is fetched meanwhile.
+const ANSWERED: Duration = Duration::from_millis(200);
 
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 256;
@@ -57,6 +61,9 @@ pub struct StationConfig {
     pub follow_controller: bool,
     /// Refuses another name and a reset by DCP while the motor turns, or may turn, under a controller.
     pub refuses_in_operation: bool,
+    /// Position of the rotary switches of an AKD, which then give the address (IP.MODE 0) unless saved parameters say
+    /// otherwise; `None`: the address is set by DCP (IP.MODE 1).
+    pub rotary: Option<u8>,
     /// Motor, load and travel; `None` for those of the model.
     pub plant: Option<Plant>,
     /// Name, address and I&M data from the last run, or given by the user.
@@ -78,6 +85,7 @@ impl StationConfig {
             min_device_interval: None,
             follow_controller: false,
             refuses_in_operation: true,
+            rotary: None,
             plant: None,
             network: Stored::default(),
             parameters: None,
@@ -99,10 +107,14 @@ impl StationConfig {
 pub struct Station {
     device: Device,
     drive: Drive,
-    description: Description,
+    /// What it is made with; its network is what is to be kept.
+    config: StationConfig,
     /// Slot and subslot of the telegram in use.
     place: (u16, u16),
-    network: Stored,
+    /// No address is stored: the carrier finds one.
+    finding: bool,
+    /// What is to be done after the answer to the command.
+    later: Option<(Instant, Later)>,
     channels: Channels<ArKey>,
     /// Writes of records that are answered when their save has ended.
     unanswered: Vec<(Token, SaveId)>,
@@ -112,22 +124,34 @@ pub struct Station {
     events: VecDeque<StationEvent>,
 }
 
+/// What a command does after its answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Later {
+    Restart,
+    ApplyAddress,
+}
+
 impl Station {
     /// A station as it starts.
     #[must_use]
     pub fn new(config: StationConfig) -> Self {
         let mut drive = Drive::new(config.model);
         let started = config.parameters.as_ref().map(|text| drive.start_with(text));
-        let mut stored = config.network.clone();
-        if !drive.starts_with_address() {
-            stored.ip = IpSuite::NONE;
+        if let Some(number) = config.rotary {
+            drive.set_rotary(number);
+            // an address that is kept was set by DCP, which overrules the switches
+            if !config.network.ip.is_set() {
+                drive.follow_switches();
+            }
         }
+        let (stored, finding) = begin(&config, &drive);
         let mut station = Self {
             device: Device::new(describe::device_config(&config), stored),
             drive,
-            description: config.description,
+            config,
             place: (0, 0),
-            network: config.network,
+            finding,
+            later: None,
             channels: Channels::default(),
             unanswered: Vec::new(),
             controller: None,
@@ -135,23 +159,49 @@ impl Station {
             input_length: 0,
             events: VecDeque::new(),
         };
-        // A free telegram can be mapped before it is plugged: as far as its longest module allows.
-        let telegrams = &station.description.telegrams;
-        for module in telegrams {
-            let same = telegrams.iter().filter(|other| other.telegram == module.telegram);
-            let (outputs, inputs) = same.fold((0, 0), |(outputs, inputs), other| {
-                let (more_outputs, more_inputs) = other.lengths();
-                (more_outputs.max(outputs), more_inputs.max(inputs))
-            });
-            station.drive.plug(module.telegram, outputs, inputs);
-        }
-        if let Some(plant) = config.plant {
+        station.plug_longest();
+        if let Some(plant) = station.config.plant {
             station.drive.set_plant(plant);
         }
         if let Some(Err(error)) = started {
             station.emit(StationEvent::ParametersIgnored(error));
         }
         station
+    }
+
+    /// A free telegram can be mapped before it is plugged: as far as its longest module allows.
+    fn plug_longest(&mut self) {
+        let telegrams = &self.config.description.telegrams;
+        for module in telegrams {
+            let same = telegrams.iter().filter(|other| other.telegram == module.telegram);
+            let (outputs, inputs) = same.fold((0, 0), |(outputs, inputs), other| {
+                let (more_outputs, more_inputs) = other.lengths();
+                (more_outputs.max(outputs), more_inputs.max(inputs))
+            });
+            self.drive.plug(module.telegram, outputs, inputs);
+        }
+    }
+
+    /// Restarts: connections are forgotten without a word, name and address are those to be kept, values as saved. How
+    /// long a start takes is in no source: no time.
+    fn restart(&mut self) {
+        self.drive.restart();
+        let (stored, finding) = begin(&self.config, &self.drive);
+        self.device = Device::new(describe::device_config(&self.config), stored);
+        self.finding = finding;
+        self.channels.forget_all();
+        self.controller = None;
+        self.place = (0, 0);
+        self.input_length = 0;
+        self.plug_longest();
+    }
+
+    /// Takes the address by the settings of now.
+    fn apply_address(&mut self, now: Instant) {
+        let (stored, finding) = begin(&self.config, &self.drive);
+        self.finding = finding;
+        self.device.take_address(now, stored.ip);
+        self.settle(now);
     }
 
     /// Power goes in order: what is to be kept of it comes as events.
@@ -257,26 +307,40 @@ impl Station {
             self.device_event(now, event);
         }
         while let Some(event) = self.drive.poll_event() {
-            self.emit(event.into());
+            self.drive_event(now, event);
         }
+    }
+
+    fn drive_event(&mut self, now: Instant, event: DriveEvent) {
+        match event {
+            DriveEvent::Restart => self.later = Some((now + ANSWERED, Later::Restart)),
+            DriveEvent::ApplyAddress => self.later = Some((now + ANSWERED, Later::ApplyAddress)),
+            DriveEvent::AddressReset => {
+                self.config.network.ip = IpSuite::NONE;
+                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
+            }
+            _ => {}
+        }
+        self.emit(event.into());
     }
 
     fn device_event(&mut self, now: Instant, event: DeviceEvent) {
         match event {
             DeviceEvent::NameChanged { name, permanent } => {
-                self.network.name = if permanent { name } else { String::new() };
-                self.emit(StationEvent::PersistNetwork(self.network.clone()));
+                self.config.network.name = if permanent { name } else { String::new() };
+                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
             }
             DeviceEvent::IpChanged { suite, permanent } => {
-                self.network.ip = if permanent { suite } else { IpSuite::NONE };
+                self.finding = false;
+                self.config.network.ip = if permanent { suite } else { IpSuite::NONE };
                 if permanent {
                     self.drive.address_set();
                 }
-                self.emit(StationEvent::PersistNetwork(self.network.clone()));
+                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
             }
             DeviceEvent::ImChanged(im) => {
-                self.network.im = im;
-                self.emit(StationEvent::PersistNetwork(self.network.clone()));
+                self.config.network.im = im;
+                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
             }
             DeviceEvent::SetRefused { source, refusal } => {
                 self.emit(StationEvent::SetRefused { source, refusal });
@@ -350,7 +414,9 @@ impl Station {
 
     /// The telegram that is plugged.
     fn telegram(&self) -> Option<&description::TelegramModule> {
-        self.description.plugged(|slot| self.device.plugged_module(slot))
+        self.config
+            .description
+            .plugged(|slot| self.device.plugged_module(slot))
     }
 
     /// How a record that is a parameter itself is seen; none for every other record.
@@ -368,7 +434,7 @@ impl Station {
 
     /// Refuses records that are not the parameter channel, which every submodule of the drive's API gives access to.
     fn check(&self, address: RecordAddress, refuse: fn(u8) -> PnioStatus) -> Result<(), PnioStatus> {
-        if address.api != self.description.api || !INDICES.contains(&address.index) {
+        if address.api != self.config.description.api || !INDICES.contains(&address.index) {
             return Err(refuse(code1::INVALID_INDEX));
         }
         Ok(())
@@ -394,16 +460,29 @@ impl Station {
     /// Name, address and I&M data are reset by the device already.
     fn reset(&mut self, mode: ResetMode) {
         if mode.clears_address() {
-            self.network.name.clear();
-            self.network.ip = IpSuite::NONE;
+            self.finding = false;
+            self.config.network.name.clear();
+            self.config.network.ip = IpSuite::NONE;
             self.drive.address_set();
         }
         if mode.clears_im() {
-            self.network.im = profinet::device::ImRecords::default();
+            self.config.network.im = profinet::device::ImRecords::default();
             self.drive.reset_to_delivery();
         }
-        self.emit(StationEvent::PersistNetwork(self.network.clone()));
+        self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
     }
+}
+
+/// Returns what the device starts with, and whether the carrier is to find an address.
+fn begin(config: &StationConfig, drive: &Drive) -> (Stored, bool) {
+    let mut stored = config.network.clone();
+    let source = drive.address_source();
+    stored.ip = match source {
+        AddressSource::Stored => stored.ip,
+        AddressSource::Switches(suite) => suite,
+        AddressSource::Found => IpSuite::NONE,
+    };
+    (stored, source == AddressSource::Found)
 }
 
 impl Endpoint for Station {
@@ -425,6 +504,16 @@ impl Endpoint for Station {
         self.settle(now);
     }
 
+    fn acquires_address(&self) -> bool {
+        self.finding
+    }
+
+    fn take_address(&mut self, now: Instant, suite: IpSuite) {
+        self.device.take_address(now, suite);
+        self.emit(StationEvent::AddressFound(suite));
+        self.settle(now);
+    }
+
     fn serves(&self, port: u16) -> bool {
         self.device.serves(port)
     }
@@ -434,6 +523,11 @@ impl Endpoint for Station {
     }
 
     fn handle_timeout(&mut self, now: Instant) {
+        match self.later.take_if(|(due, _)| *due <= now) {
+            Some((_, Later::Restart)) => self.restart(),
+            Some((_, Later::ApplyAddress)) => self.apply_address(now),
+            None => {}
+        }
         let cycle = self.device.next_cycle().is_some_and(|due| due <= now);
         if cycle || self.drive.next_tick().is_some_and(|due| due <= now) {
             self.tick(now);
@@ -447,7 +541,8 @@ impl Endpoint for Station {
     }
 
     fn poll_timeout(&self) -> Option<Instant> {
-        [self.device.poll_timeout(), self.drive.next_tick()]
+        let later = self.later.map(|(due, _)| due);
+        [self.device.poll_timeout(), self.drive.next_tick(), later]
             .into_iter()
             .flatten()
             .min()

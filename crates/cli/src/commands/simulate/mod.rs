@@ -22,7 +22,7 @@ use network::linux::{Bell, Error as NetworkError, Runner, Stop, Turn, now};
 use network::pcap::Writer;
 use profinet::controller;
 use profinet::device::Stored;
-use profinet::{Endpoint, Instant, MacAddress};
+use profinet::{Endpoint, Instant};
 use scenario::{Happening, Scenario, ScenarioError, Timeline, Unit, What};
 use virtual_drive::model::Model as DriveModel;
 use virtual_drive::station::Station;
@@ -98,6 +98,7 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
         config.description = maker.description(plan.drive.model);
         config.follow_controller = true;
         config.refuses_in_operation = args.dcp_in_operation == DcpInOperation::Refuse;
+        config.rotary = args.rotary;
         config.network = kept(&state, plan, output)?;
         config.parameters = saved(&state, plan.drive.model, output)?;
         configs.push((state, config));
@@ -121,12 +122,12 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
     let mut ready = Vec::new();
     for (number, (plan, (state, config))) in plans.iter().zip(configs).enumerate() {
         let key = plan.key();
-        let told = told(&config.network, plan.drive.mac);
         let unit = plan.drive.build(config, seed.wrapping_add(number as u64));
         let mut unit = unit.map_err(|error| Failure::new(Exit::Failed, error.to_string()))?;
         if state.is_kept() {
             unit.inner_mut().endpoint_mut().confirm_saves();
         }
+        let told = told(unit.inner().endpoint());
         let id = runner.attach(Box::new(unit))?;
         let keeping = Arc::new(Keeping {
             key,
@@ -419,14 +420,16 @@ fn capture(path: &Path, interface: &str) -> Result<Writer<File>, Failure> {
     Writer::new(file, interface, origin).map_err(failed)
 }
 
-fn told(network: &Stored, mac: MacAddress) -> String {
-    let name = if network.name.is_empty() {
-        "no name"
-    } else {
-        &network.name
+fn told(station: &Station) -> String {
+    let (mac, ip) = (station.mac(), station.ip());
+    let name = match station.name() {
+        "" => "no name",
+        name => name,
     };
-    if network.ip.is_set() {
-        format!("{name}, {mac}, {}", network.ip.address)
+    if ip.is_set() {
+        format!("{name}, {mac}, {}", ip.address)
+    } else if station.acquires_address() {
+        format!("{name}, {mac}, looks for an address (DHCP, AutoIP)")
     } else {
         format!("{name}, {mac}, waits for its address")
     }

@@ -49,6 +49,15 @@ pub fn plans(
     if let Some(first) = args.ip {
         has_room(first, args.count)?;
     }
+    if args.rotary.is_some() && model.roles.address_mode.is_none() {
+        let name = model.catalogue.model;
+        return Err(Failure::usage(format!(
+            "--rotary: a {name} has no rotary switches"
+        )));
+    }
+    if args.rotary.is_some_and(|number| number > 0) && args.count > 1 {
+        return Err(Failure::usage("--rotary: several drives would have one address"));
+    }
     let mut plans: Vec<Plan> = Vec::new();
     for number in 1..=args.count {
         let name = match &args.name {

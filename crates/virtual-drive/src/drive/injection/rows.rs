@@ -301,6 +301,21 @@ pub(super) static ROWS: &[Row] = &[
             },
         },
     },
+    Row {
+        key: "b1",
+        example: "b1=5s",
+        meaning: "button B1 of an AKD is held: from 5 s on, with rotary switches at 0, resets its address at power-on",
+        form: Form::Value {
+            unit: "s",
+            range: [0.0, 60.0],
+            auto: false,
+            make: |seconds| Injection::ButtonB1(seconds.unwrap_or(0.0)),
+            take: |injection| match *injection {
+                Injection::ButtonB1(seconds) => Some(Some(seconds)),
+                _ => None,
+            },
+        },
+    },
 ];
 
 impl Form {

@@ -1,0 +1,185 @@
+//! Where a virtual AKD has its address from (AKD PROFINET manual 3.4): rotary switches, AutoIP, DCP, button B1 and
+//! IP.RESET, on an in-memory segment in virtual time.
+
+use std::net::Ipv4Addr;
+use std::time::Duration;
+
+use drive_client::{DriveAddress, Session, WriteMode};
+use network::host::{Host, StationId};
+use network::segment::{Pace, Segment, SegmentMedium};
+use profinet::controller::ControllerConfig;
+use profinet::device::Stored;
+use profinet::{Endpoint, IpSuite, MacAddress};
+use virtual_drive::drive::Injection;
+use virtual_drive::model::AKD;
+use virtual_drive::station::{Station, StationConfig, StationEvent};
+
+fn suite(address: [u8; 4]) -> IpSuite {
+    IpSuite {
+        address: address.into(),
+        mask: [255, 255, 255, 0].into(),
+        gateway: Ipv4Addr::UNSPECIFIED,
+    }
+}
+
+/// What outlives a drive: name, address and saved parameters.
+#[derive(Default)]
+struct Memory {
+    network: Stored,
+    parameters: Option<Vec<u8>>,
+}
+
+/// A drive with these rotary switches that is switched on, and a client beside it.
+struct Plant {
+    session: Session<SegmentMedium>,
+    id: StationId,
+}
+
+impl Plant {
+    fn switched_on(rotary: u8, memory: &Memory) -> Self {
+        let mut config = StationConfig::new(&AKD, MacAddress([2, 0, 0, 0, 0, 1]));
+        config.rotary = Some(rotary);
+        config.network = memory.network.clone();
+        config.parameters = memory.parameters.clone();
+        let mut segment = Segment::new(1);
+        let id = segment.attach(Box::new(Host::new(Station::new(config))));
+        let medium = SegmentMedium::new(segment, Pace::Virtual);
+        let client = ControllerConfig::new(
+            MacAddress([2, 0, 0, 0, 1, 0]),
+            suite([192, 168, 0, 200]),
+            "client",
+            1,
+        );
+        Self {
+            session: Session::new(medium, client),
+            id,
+        }
+    }
+
+    fn station(&mut self) -> &mut Station {
+        let segment = self.session.medium_mut().segment_mut();
+        let host: &mut Host<Station> = segment.station_mut(self.id).expect("attached");
+        host.endpoint_mut()
+    }
+
+    /// Lets time pass; what is to be kept goes into the memory.
+    fn pass(&mut self, time: Duration, memory: &mut Memory) {
+        self.session.pass(time).expect("a segment cannot fail");
+        while let Some(event) = self.station().poll_event() {
+            match event {
+                StationEvent::PersistNetwork(network) => memory.network = network,
+                StationEvent::PersistParameters { text, .. } => memory.parameters = Some(text.into_bytes()),
+                _ => {}
+            }
+        }
+    }
+
+    fn ip(&mut self) -> Ipv4Addr {
+        self.station().ip().address
+    }
+}
+
+const SECOND: Duration = Duration::from_secs(1);
+
+#[test]
+fn the_rotary_switches_are_the_last_octet() {
+    let mut memory = Memory::default();
+    let mut plant = Plant::switched_on(42, &memory);
+    plant.pass(SECOND, &mut memory);
+    assert_eq!(plant.station().ip(), suite([192, 168, 0, 42]));
+    let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
+    let mut drive = plant.session.find(&mac).expect("found");
+    let read = |plant: &mut Plant, drive: &mut drive_client::Drive, name: &str| {
+        let selection = drive
+            .parameters
+            .select(&name.parse().expect("a name"))
+            .expect("known");
+        plant.session.read_one(drive, &selection).expect("read").raw()
+    };
+    assert_eq!(read(&mut plant, &mut drive, "DIN.ROTARY"), Some(42));
+    assert_eq!(read(&mut plant, &mut drive, "IP.MODE"), Some(0));
+}
+
+/// Without a server a drive with switches at 0 takes a link-local address, the same again after a restart.
+#[test]
+fn switches_at_0_without_a_server_give_a_link_local_address() {
+    let mut memory = Memory::default();
+    let mut plant = Plant::switched_on(0, &memory);
+    plant.pass(SECOND, &mut memory);
+    assert!(plant.ip().is_unspecified() && plant.station().acquires_address());
+    plant.pass(20 * SECOND, &mut memory);
+    let address = plant.ip();
+    assert!(address.is_link_local(), "{address}");
+    let mut again = Plant::switched_on(0, &memory);
+    again.pass(20 * SECOND, &mut memory);
+    assert_eq!(again.ip(), address);
+    assert!(!memory.network.ip.is_set(), "found, not set");
+}
+
+/// DCP overwrites IP.*; B1 gives the delivered settings back at the next power-on.
+#[test]
+fn dcp_overrules_the_switches_until_b1_is_held() {
+    let mut memory = Memory::default();
+    let mut plant = Plant::switched_on(0, &memory);
+    plant.pass(SECOND, &mut memory);
+    let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
+    let set = suite([192, 168, 0, 77]);
+    let drive = plant.session.find(&mac).expect("found");
+    plant.session.set_ip(&drive, set, true).expect("set");
+    plant.pass(30 * SECOND, &mut memory);
+    assert_eq!(
+        (plant.station().ip(), plant.station().acquires_address()),
+        (set, false)
+    );
+
+    let mut plant = Plant::switched_on(0, &memory);
+    plant.pass(30 * SECOND, &mut memory);
+    assert_eq!(plant.station().ip(), set, "stored, IP.MODE 1");
+    plant.station().drive_mut().inject(Injection::ButtonB1(4.9));
+    plant.pass(SECOND, &mut memory);
+    assert!(memory.network.ip.is_set(), "too short");
+    plant
+        .station()
+        .drive_mut()
+        .inject("b1=5s".parse().expect("an injection"));
+    plant.pass(SECOND, &mut memory);
+    assert_eq!(plant.station().ip(), set, "until the next power-on");
+    let mut plant = Plant::switched_on(0, &memory);
+    plant.pass(30 * SECOND, &mut memory);
+    assert!(plant.ip().is_link_local(), "{}", plant.ip());
+
+    // with other switches the button does nothing
+    let mut memory = Memory::default();
+    let mut plant = Plant::switched_on(5, &memory);
+    let drive = plant.session.find(&mac).expect("found");
+    plant.session.set_ip(&drive, set, true).expect("set");
+    plant.pass(SECOND, &mut memory);
+    plant.station().drive_mut().inject(Injection::ButtonB1(9.0));
+    plant.pass(SECOND, &mut memory);
+    assert_eq!(memory.network.ip, set);
+}
+
+/// IP.RESET takes the address by IP.MODE without a restart.
+#[test]
+fn ip_reset_applies_the_mode() {
+    let mut memory = Memory::default();
+    let mut plant = Plant::switched_on(5, &memory);
+    let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
+    let mut drive = plant.session.find(&mac).expect("found");
+    plant
+        .session
+        .set_ip(&drive, suite([192, 168, 0, 77]), true)
+        .expect("set");
+    drive = plant.session.find(&mac).expect("found");
+    for text in ["IP.MODE=0", "IP.RESET=1"] {
+        let assignment = text.parse().expect("an assignment");
+        let outcomes = plant.session.write(&mut drive, &[assignment], WriteMode::Write);
+        let outcomes = outcomes.expect("reached");
+        assert!(
+            matches!(outcomes[0].written, Some(Ok(()))),
+            "{text}: {outcomes:?}"
+        );
+    }
+    plant.pass(2 * SECOND, &mut memory);
+    assert_eq!(plant.station().ip(), suite([192, 168, 0, 5]));
+}

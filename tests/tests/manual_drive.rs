@@ -1,0 +1,141 @@
+//! Commands of the AKD that restart it, and those that a virtual drive cannot do (AKD PROFINET manual 5.6), and the enable
+//! sequence of the sample project (7.1.4), through the network.
+
+use std::time::Duration;
+
+use profinet::Endpoint;
+use system_tests::bus::{Bus, DRIVE};
+use virtual_drive::station::StationEvent;
+
+/// A change of one parameter; the error number where it is refused.
+fn write(bus: &mut Bus, pnu: u16, format: u8, value: u32) -> Option<u8> {
+    let [high, low] = pnu.to_be_bytes();
+    let mut request = vec![1, 2, 0, 1, 0x10, 1, high, low, 0, 0, format, 1];
+    let octets = value.to_be_bytes();
+    request.extend(if format == 0x42 { &octets[2..] } else { &octets[..] });
+    let answer = bus.job(&request);
+    (answer[1] == 0x82).then(|| answer[7])
+}
+
+fn events(bus: &mut Bus) -> Vec<StationEvent> {
+    let station = bus.station();
+    std::iter::from_fn(|| station.poll_event()).collect()
+}
+
+/// DRV.REBOOT (3013): the connection is lost, values are as saved, the command is not stored.
+#[test]
+fn reboot_restarts_the_drive_with_its_saved_values() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    assert_eq!(write(&mut bus, 2108, 0x43, 4_000_000), None); // DRV.ACC
+    assert_eq!(write(&mut bus, 2469, 0x42, 1), None); // DRV.NVSAVE
+    assert_eq!(write(&mut bus, 2108, 0x43, 5_000_000), None);
+    assert_eq!(write(&mut bus, 2497, 0x43, 7), None); // USER.INT1, not saved
+    bus.send(&[0x04, 0x7E, 0, 0], 5);
+    bus.send(&[0x04, 0x7F, 0x10, 0], 60);
+    let turned = bus.station().drive().axis().position();
+    assert!(turned > 1 << 30, "{turned}");
+    events(&mut bus);
+    assert_eq!(
+        write(&mut bus, 3013, 0x43, 1),
+        None,
+        "answered before it restarts"
+    );
+    bus.run(Duration::from_secs(3));
+    assert!(!bus.station().device().is_exchanging(), "the connection is lost");
+    assert!(!bus.station().drive().is_enabled());
+    assert!(events(&mut bus).contains(&StationEvent::Restarting));
+    let position = bus.station().drive().axis().position();
+    assert!(position >= turned, "the shaft is where it ran out to: {position}");
+
+    assert_eq!(bus.station().mac(), DRIVE);
+    bus.connect(1);
+    assert_eq!((bus.read(2108, 0), bus.read(2497, 0)), (4_000_000, 0));
+    assert_eq!(bus.read(3013, 0), 0);
+    let saved = |bus: &mut Bus| {
+        assert_eq!(write(bus, 2469, 0x42, 1), None);
+        let saved = events(bus).into_iter().find_map(|event| match event {
+            StationEvent::PersistParameters { text, .. } => Some(text),
+            _ => None,
+        });
+        saved.expect("saved")
+    };
+    assert!(!saved(&mut bus).contains("REBOOT"));
+}
+
+/// What a virtual drive has not is refused with 0x11 and reported; what has nothing to do is done.
+#[test]
+fn commands_that_a_virtual_drive_cannot_do_are_refused() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    events(&mut bus);
+    // AIN.ZERO, GEAR.MOVE, REC.TRIG, SM.MOVE, WS.ARM, AIN2.ZERO, SD.LOAD, SD.SAVE, MODBUS.CLRERRORS, SFD.SECTORERASE
+    for pnu in [2008, 2189, 2360, 2376, 2445, 2629, 2842, 2843, 2879, 2951] {
+        assert_eq!(write(&mut bus, pnu, 0x42, 1), Some(0x11), "{pnu}");
+        let told = events(&mut bus);
+        assert_eq!(told, [StationEvent::Unable { pnu }], "{pnu}");
+        let words = told[0].words(bus.station().drive().model().catalogue).unwrap();
+        assert!(words.contains(&format!("({pnu}) refused")), "{words}");
+    }
+    // REC.OFF, DRV.CLRCRASHDUMP, WS.DISARM
+    for pnu in [2358, 2785, 2847] {
+        assert_eq!(write(&mut bus, pnu, 0x42, 1), None, "{pnu}");
+    }
+    // IP.RESET while a controller is connected
+    assert_eq!(write(&mut bus, 2836, 0x42, 1), Some(0x11));
+}
+
+/// 7.1.4: the manual calls 0x040E `Go to S3`; bit 0 is 0 there, and the drive stays in S2 as the profile has it.
+#[test]
+fn the_third_word_of_the_sample_project_leaves_the_drive_in_s2() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    let mut state = |low: u8| bus.send(&[0x04, low, 0, 0], 5)[1] & 0x77;
+    assert_eq!([0x00, 0x06, 0x0E, 0x0F].map(&mut state), [0x40, 0x31, 0x31, 0x37]);
+}
+
+/// 5.12.2: a position signal has 32 bits, so that a revolution has 1 to 32 of them.
+#[test]
+fn singleturn_bits_are_limited_to_those_of_a_signal() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    for (bits, answer) in [(0, Some(2)), (1, None), (32, None), (33, Some(2)), (16, None)] {
+        assert_eq!(write(&mut bus, 1002, 0x42, bits), answer, "{bits}");
+    }
+}
+
+/// AOUT2.VALUE is written as AOUT.VALUE is.
+#[test]
+fn both_analog_outputs_can_be_written() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    for pnu in [2014, 2642] {
+        assert_eq!(write(&mut bus, pnu, 0x43, 1500), None, "{pnu}");
+        assert_eq!(bus.read(pnu, 0), 1500, "{pnu}");
+    }
+}
+
+/// 5.4: the manual does not say what bit 12 does beside bit 8 or 9; two commands to jog at once move nothing.
+#[test]
+fn real_time_jogging_beside_a_jog_moves_nothing() {
+    let mut bus = Bus::new();
+    bus.connect(9);
+    assert_eq!(write(&mut bus, 930, 0x42, 2), None);
+    let mut words = [0; 20];
+    words[10..14].copy_from_slice(&(1_u32 << 26).to_be_bytes()); // 187.5 rpm
+    words[14..18].copy_from_slice(&[0, 20, 0, 20]);
+    let mut send = |bus: &mut Bus, control: u16| {
+        words[..2].copy_from_slice(&control.to_be_bytes());
+        bus.send(&words, 30);
+        f64::from(bus.read(2425, 0) as i32) / 1000.0
+    };
+    for control in [0x0430, 0x0436, 0x0437, 0x043F] {
+        send(&mut bus, control);
+    }
+    for both in [0x153F, 0x163F, 0x150F] {
+        assert_eq!(send(&mut bus, both), 0.0, "{both:#06X}");
+        send(&mut bus, 0x043F);
+    }
+    assert!((send(&mut bus, 0x143F) - 187.5).abs() < 0.1);
+    assert!(send(&mut bus, 0x153F).abs() < 1.0, "jog 1 in addition stops");
+}
