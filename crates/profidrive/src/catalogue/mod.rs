@@ -72,9 +72,9 @@ pub struct Catalogue {
 
 impl Catalogue {
     /// The parameter with this name, case does not matter. Where the maker gave one name to several numbers, the
-    /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all. Two ways of other manuals to write
-    /// a name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), and with `PN.` before a
-    /// signal (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6). Where parameters are numbers to their maker (VLT, Vacon), only
+    /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all. Three other ways to
+    /// write a name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), with `PN.` before a signal
+    /// (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6), and a signal by the parameter that it sets (`MT.FEEDRATE`, 5.8). Where parameters are numbers to their maker (VLT, Vacon), only
     /// letters and digits of a name count: `ramp-1-ramp-up-time` is `Ramp 1 Ramp up Time`.
     #[must_use]
     pub fn by_name(&self, name: &str) -> Option<&'static Parameter> {
@@ -86,6 +86,7 @@ impl Catalogue {
         exact(name)
             .or_else(|| exact(&[name, "_32"].concat()))
             .or_else(signal)
+            .or_else(|| exact(&name.replace('.', "_")))
             .or_else(|| self.by_letters(name))
     }
 
