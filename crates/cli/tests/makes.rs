@@ -13,6 +13,7 @@ use drive_client::{AxisSettings, Described, DescribedLimits, Drive, Error, Model
 use network::host::Host;
 use profidrive::catalogue::{Catalogue, Part};
 use profidrive::notation::Notation;
+use profidrive::parameter::{Dialect, RequestId};
 use profidrive::state::{Mode, Profile, State};
 use profinet::MacAddress;
 use profinet::device::Stored;
@@ -955,5 +956,38 @@ fn a_drive_describes_its_own_parameters_when_asked() {
         let profile = described(&mut session, &drive, "810").expect("told");
         assert_eq!(profile.texts.len(), 4, "{model}: {profile:?}");
         assert_eq!(described(&mut session, &drive, "4711"), None, "{model}");
+    }
+}
+
+/// A VLT whose option does not know request 0x42 (only PROFIBUS manuals name it) saves by 9-71.
+#[test]
+fn values_are_saved_by_a_parameter_where_the_request_that_saves_is_unknown() {
+    static DIALECT: Dialect = Dialect {
+        requests: &[RequestId::Read, RequestId::Change],
+        ..Dialect::VLT
+    };
+    let plain: &'static model::Model = Box::leak(Box::new(model::Model {
+        dialect: &DIALECT,
+        ..model::VLT
+    }));
+    for (model, saves) in [(plain, true), (&model::VLT, false)] {
+        let (mut session, _) = bench_of(vec![station_of(model, "vlt-1", 1, None)]);
+        let mut drive = find(&mut session, "vlt-1").expect("there");
+        let outcomes = session
+            .write(&mut drive, &[assign("3-41=7.5")], WriteMode::Save)
+            .expect("saved");
+        assert!(
+            outcomes
+                .iter()
+                .all(|outcome| matches!(outcome.written, Some(Ok(())))),
+            "{outcomes:?}"
+        );
+        assert!(!outcomes[0].differs());
+        let numbers: Vec<u16> = outcomes
+            .iter()
+            .map(|outcome| outcome.change.selection.pnu)
+            .collect();
+        let expected: &[u16] = if saves { &[341, 971] } else { &[341] };
+        assert_eq!(numbers, expected);
     }
 }

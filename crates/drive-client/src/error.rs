@@ -205,6 +205,16 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// The drive does not know a request of the parameter channel; nothing was changed.
+    #[error("{drive} does not know parameter request 0x{id:02X}: {words}")]
+    UnknownRequest {
+        /// The drive.
+        drive: String,
+        /// Request ID.
+        id: u8,
+        /// The drive's error number with its meaning.
+        words: String,
+    },
     /// The axis did not do what was wanted.
     #[error("{drive}: {trouble}")]
     Axis {

@@ -38,7 +38,8 @@ enum Refusal {
 /// The parameter channel of a drive. Called with the present request in every cycle, or with each telegram.
 ///
 /// * A request is new when PKE, IND, PWE or the text differ from the ones before. A change is executed once, when it is
-///   new; to repeat it the master puts AK 0 between.
+///   new; to repeat it the master puts AK 0 between. At a serial line a refused one is new with the next telegram
+///   ([`forget_refusal`](Self::forget_refusal)).
 /// * Reads, and the value in the reply to a change, are fetched from the drive in every call: a reply that stands
 ///   shows the present value.
 /// * AK 0 is answered with the zero telegram. So is a change whose value the drive has not stored yet: no reply (AK 0).
@@ -106,6 +107,13 @@ impl Server {
     pub fn reset(&mut self) {
         self.length = 0;
         self.done = None;
+    }
+
+    /// Forgets that the standing request was refused, so that the same request is tried again: each telegram of a serial
+    /// line is a request of its own. A change that was carried out or is being saved is not repeated, as the master may
+    /// have lost the reply.
+    pub fn forget_refusal(&mut self) {
+        self.done = self.done.filter(|done| !matches!(done, Done::Refused(_)));
     }
 
     /// Answers the eight octets of a cyclic channel. Text has no room there and is refused with 13.

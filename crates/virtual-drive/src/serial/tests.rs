@@ -406,3 +406,43 @@ fn a_permanent_write_over_fc_is_answered_when_it_is_stored() {
         }
     }
 }
+
+/// A change that is refused while the motor runs is carried out when the same telegram comes after the stop.
+#[test]
+fn the_same_request_after_a_refusal_is_a_new_one_at_a_line() {
+    const NOTHING: [u8; 8] = [0; 8];
+    // AK 3, 1-20 = 12
+    const CHANGE: [u8; 8] = [0x30, 0x78, 0, 0, 0, 0, 0, 12];
+    const RUN: [u8; 4] = [0x04, 0x7C, 0x10, 0];
+    const STOP: [u8; 4] = [0x04, 0x3C, 0, 0];
+    let config = SerialConfig::new(&model::VLT, SlaveConfig::fc(1, 9600));
+    let mut station = SerialStation::new(config);
+    let mut now = Instant::from_millis(1000);
+    let mut exchange = |pkw: [u8; 8], words: [u8; 4]| -> Vec<u8> {
+        let data = [&pkw[..], &words].concat();
+        let mut telegram = [0_u8; uss::MAX_TELEGRAM];
+        let address = Address::fc(1).unwrap();
+        let length = uss::Telegram { address, data: &data }
+            .encode(&mut telegram)
+            .unwrap();
+        station.handle_octets(now, &telegram[..length]);
+        let mut reply = [0; uss::MAX_TELEGRAM];
+        for _ in 0..10_000 {
+            now += Duration::from_millis(1);
+            station.handle_timeout(now);
+            if let Some(length) = station.poll_transmit(now, &mut reply) {
+                return reply[3..length - 1].to_vec();
+            }
+        }
+        panic!("no reply")
+    };
+    for _ in 0..50 {
+        exchange(NOTHING, RUN);
+    }
+    for _ in 0..2 {
+        let refused = exchange(CHANGE, RUN);
+        assert_eq!((refused[0] >> 4, refused[7]), (7, 17), "runs: {refused:02X?}");
+    }
+    let carried_out = (0..1000).any(|_| exchange(CHANGE, STOP)[0] >> 4 == 2);
+    assert!(carried_out, "the axis is at rest");
+}

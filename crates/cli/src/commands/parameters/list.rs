@@ -91,7 +91,7 @@ fn counted(count: usize) -> String {
     }
 }
 
-/// Text in name or description, or the number itself.
+/// Text in name or description, the number itself, then numbers with the text in them.
 fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> Vec<&'static Parameter> {
     let by_number = text
         .parse::<ParameterReference>()
@@ -106,6 +106,18 @@ fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> 
     }) {
         found.insert(0, exact);
     }
+    let wanted = text.to_ascii_lowercase();
+    let digits = wanted.contains(|c: char| c.is_ascii_digit());
+    let of_number = tables.parameters.iter().filter(|parameter| {
+        let same = |other: &&Parameter| (other.pnu, other.base) == (parameter.pnu, parameter.base);
+        digits
+            && number_of(tables, parameter)
+                .to_ascii_lowercase()
+                .contains(&wanted)
+            && !found.iter().any(same)
+    });
+    let of_number: Vec<_> = of_number.collect();
+    found.extend(of_number);
     found
 }
 
@@ -149,7 +161,7 @@ fn list_numbers(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::catalogue::{AKD, Scaling, VACON, VLT};
 
     #[test]
     fn filters_find_names_words_and_numbers() {
@@ -169,5 +181,27 @@ mod tests {
             Some(930)
         );
         assert!(filtered(&known, &AKD, "nothing like it").is_empty());
+        let numbers = |tables: &'static Catalogue, text: &str| -> Vec<String> {
+            let known = Parameters {
+                catalogue: Some(tables),
+                scaling: tables.scaling,
+            };
+            let found = filtered(&known, tables, text);
+            found
+                .iter()
+                .map(|parameter| number_of(tables, parameter))
+                .collect()
+        };
+        assert!(
+            numbers(&VLT, "3-4").starts_with(&["3-40".into(), "3-41".into()]),
+            "{:?}",
+            numbers(&VLT, "3-4")
+        );
+        assert!(numbers(&AKD, "210").contains(&"p2108".into()));
+        assert!(
+            numbers(&VACON, "id 10").contains(&"ID 103".into()),
+            "{:?}",
+            numbers(&VACON, "id 10")
+        );
     }
 }

@@ -2,8 +2,8 @@
 
 use profidrive::catalogue::{Parameter, Phase, Role, Size};
 use profidrive::parameter::{
-    Answer, Format, Keep, NewValue, ParameterAddress, RequestId, Response, Saving, encode_change_as,
-    plan_changes, pnu,
+    Answer, Format, Keep, NewValue, ParameterAddress, RequestId, Response, ResponseError, Saving,
+    encode_change_as, plan_changes, pnu,
 };
 
 use super::{MAX_REQUEST, format_of, malformed, needs_scaling, refusal};
@@ -197,7 +197,16 @@ impl<M: Wire> Session<M> {
             WriteMode::Save => dialect.change_id(Keep::Permanent),
             WriteMode::Write | WriteMode::DryRun => None,
         };
-        self.write_outcomes(drive, &mut outcomes, id.unwrap_or(RequestId::Change))?;
+        let mut command = command;
+        match id.filter(|id| *id != RequestId::Change) {
+            Some(id) if !self.takes_request(drive, &mut outcomes, id)? => {
+                // the drive has no request that saves: its command does, where it has one
+                command = Some(save_command(drive)?);
+                self.write_outcomes(drive, &mut outcomes, RequestId::Change)?;
+            }
+            Some(_) => {}
+            None => self.write_outcomes(drive, &mut outcomes, RequestId::Change)?,
+        }
         let mut back: Vec<Selection> = Vec::new();
         for outcome in &outcomes {
             if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
@@ -225,6 +234,20 @@ impl<M: Wire> Session<M> {
             outcomes.push(command);
         }
         Ok(outcomes)
+    }
+
+    /// Writes with a request of the vendor's own; false where the drive does not know that request, and nothing is
+    /// written.
+    fn takes_request(
+        &mut self,
+        drive: &Drive,
+        outcomes: &mut [ChangeOutcome],
+        id: RequestId,
+    ) -> Result<bool, Error> {
+        match self.write_outcomes(drive, outcomes, id) {
+            Err(Error::UnknownRequest { .. }) => Ok(false),
+            other => other.map(|()| true),
+        }
     }
 
     fn write_outcomes(
@@ -306,8 +329,17 @@ impl<M: Wire> Session<M> {
         let length = encode_change_as(id, reference, dialect, &values, &mut buffer)
             .map_err(|error| malformed(drive, &error))?;
         let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
-        let response = Response::parse(&answer, id, reference, &addresses, dialect)
-            .map_err(|error| malformed(drive, &error))?;
+        let response =
+            Response::parse(&answer, id, reference, &addresses, dialect).map_err(|error| match error {
+                ResponseError::Refused(error) if error.number == dialect.bad_request.1 => {
+                    Error::UnknownRequest {
+                        drive: drive.label(),
+                        id: id.octet(),
+                        words: error.number.words(dialect.error_names),
+                    }
+                }
+                error => malformed(drive, &error),
+            })?;
         for (part, answer) in parts.iter().zip(response.answers()) {
             if let (Answer::Error(error), Some(place)) = (answer, answers.get_mut(part.at)) {
                 let selection = &part.value.selection;
