@@ -187,7 +187,12 @@ fn simulate_outlives_its_interface() {
 #[test]
 fn a_drive_at_work_is_renamed_addressed_and_reset_by_force_only() {
     let lab = Lab::new("command-line-owner");
-    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    // a device that leaves the refusal to the client
+    let accepts = ["--dcp-in-operation", "accept"];
+    let _drive = simulate(
+        &lab,
+        &[&["--name", "akd-1", "--ip", "192.168.77.50/24"][..], &accepts].concat(),
+    );
     let run = [
         "-i",
         "ctl0",

@@ -144,7 +144,7 @@ fn every_command_over_both_protocols() {
         let refused = profidrive(&["ack", &drive, "--by-parameter"]);
         assert_eq!(refused.status.code(), Some(1));
         assert!(
-            stderr(&refused).contains("a VLT has no parameter that clears its faults")
+            stderr(&refused).contains("model VLT has no parameter that clears its faults")
                 && stderr(&refused).contains("without --by-parameter"),
             "{}",
             stderr(&refused)

@@ -3,8 +3,9 @@
 use profidrive::catalogue::Part;
 use profidrive::pkw::PkwErrorNames;
 use profidrive::state::Mode;
-use profinet::controller::{LostCause, ServiceError};
+use profinet::controller::{DcpError, LostCause, ServiceError};
 use profinet::wire::PnioStatus;
+use profinet::wire::dcp::BlockError;
 
 use super::Error;
 use crate::axis::{Objection, SpeedUnit, Trouble};
@@ -85,6 +86,14 @@ impl Error {
                 "give one of them another address: `profidrive ip MAC A.B.C.D/NN`; `profidrive blink MAC` shows which is which"
                     .into()
             }
+            Self::Dcp {
+                error:
+                    DcpError::Refused {
+                        error: BlockError::InOperation,
+                        ..
+                    },
+                ..
+            } => "the device refuses this while its motor runs; stop the motor or disconnect its controller first".into(),
             Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
             Self::OwnedByController { .. } => {
                 "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
