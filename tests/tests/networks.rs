@@ -279,3 +279,16 @@ fn inject_means_the_drive_of_its_own_network() {
     let told = inject(Side::Controller, "fault=439").ok();
     assert!(told.err.contains("is in another network namespace"), "{told:?}");
 }
+
+/// AKD PROFINET manual 4.2.5: no Modbus (502), and WorkBench's port 23 is closed too. A client of the kernel learns it at
+/// once.
+#[test]
+fn tcp_connections_to_a_drive_are_refused() {
+    let lab = Lab::new("networks-tcp");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    for port in [23, 502] {
+        let connect = format!("exec 3<>/dev/tcp/192.168.77.50/{port}");
+        let finished = lab.run(Side::Controller, "bash", ["-c", connect.as_str()], AT_ONCE);
+        refused(&finished, 1, &["Connection refused"]);
+    }
+}

@@ -12,7 +12,7 @@ const MAX_ADDRESSES: usize = 100;
 pub(super) enum Wanted {
     /// PROFINET frames only: the kernel does ARP and IP.
     Profinet,
-    /// PROFINET, LLDP, ARP, and of IPv4 only UDP and ICMP: whole stations.
+    /// PROFINET, LLDP, ARP, and of IPv4 only UDP, TCP and ICMP: whole stations.
     Stations,
 }
 
@@ -72,6 +72,7 @@ fn steps(wanted: Wanted, macs: &[MacAddress]) -> Vec<Step> {
             Equal(0x0800, To::Next, To::Drop),
             Load(BPF_B, 23),
             Equal(17, to_address, To::Next),
+            Equal(6, to_address, To::Next),
             Equal(1, to_address, To::Drop),
         ]);
     } else {
@@ -207,7 +208,7 @@ mod tests {
             ),
             ("UDP", frame(mine, &udp), true, false),
             ("ping", frame(mine, &icmp), true, false),
-            ("TCP", frame(mine, &tcp), false, false),
+            ("TCP", frame(mine, &tcp), true, false),
             ("UDP, other's", frame(other, &udp), false, false),
             (
                 "LLDP",
@@ -231,7 +232,7 @@ mod tests {
         for count in [0, 1, MAX_ADDRESSES, MAX_ADDRESSES + 1, 5000] {
             let macs = vec![MacAddress([2, 0, 0, 0, 0, 1]); count];
             let program = assemble(&steps(Wanted::Stations, &macs));
-            assert!(program.len() <= 130);
+            assert!(program.len() <= 131);
             let strange = frame([2, 7, 7, 7, 7, 7], &[0x88, 0x92]);
             assert_eq!(run(&program, &strange), count > MAX_ADDRESSES);
         }

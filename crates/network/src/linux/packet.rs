@@ -5,7 +5,7 @@ use std::io;
 use std::os::fd::{AsRawFd, RawFd};
 
 use profinet::{MAX_FRAME, MacAddress};
-use smoltcp::wire::{IpProtocol, Ipv4Packet, UdpPacket};
+use smoltcp::wire::{IpProtocol, Ipv4Packet, TcpPacket, UdpPacket};
 use socket2::{Domain, Protocol, Socket, Type};
 
 use super::error::Error;
@@ -165,12 +165,12 @@ impl PacketSocket {
         self.statistics
     }
 
-    /// The oldest received frame, without its tag if the kernel took it out, its UDP checksum in order.
+    /// The oldest received frame, without its tag if the kernel took it out, its UDP or TCP checksum in order.
     pub(super) fn peek(&mut self) -> Option<(Received, &[u8])> {
         let (received, frame) = self.ring.peek()?;
         self.statistics.received += 1;
         if received.checksum_missing {
-            complete_udp_checksum(frame);
+            complete_checksum(frame);
         }
         Some((received, frame))
     }
@@ -346,8 +346,8 @@ impl Batch {
     }
 }
 
-/// Computes the UDP checksum of a frame whose sender left it to the network card (as on a veth pair).
-fn complete_udp_checksum(frame: &mut [u8]) {
+/// Computes the UDP or TCP checksum of a frame whose sender left it to the network card (as on a veth pair).
+fn complete_checksum(frame: &mut [u8]) {
     let Some((0x0800, offset)) = ethertype(frame) else {
         return;
     };
@@ -357,17 +357,29 @@ fn complete_udp_checksum(frame: &mut [u8]) {
     let Ok(mut packet) = Ipv4Packet::new_checked(bytes) else {
         return;
     };
-    if packet.next_header() != IpProtocol::Udp || packet.frag_offset() != 0 || packet.more_frags() {
+    if packet.frag_offset() != 0 || packet.more_frags() {
         return;
     }
     let (source, destination) = (packet.src_addr().into(), packet.dst_addr().into());
-    if let Ok(mut datagram) = UdpPacket::new_checked(packet.payload_mut()) {
-        datagram.fill_checksum(&source, &destination);
+    match packet.next_header() {
+        IpProtocol::Udp => {
+            if let Ok(mut datagram) = UdpPacket::new_checked(packet.payload_mut()) {
+                datagram.fill_checksum(&source, &destination);
+            }
+        }
+        IpProtocol::Tcp => {
+            if let Ok(mut segment) = TcpPacket::new_checked(packet.payload_mut()) {
+                segment.fill_checksum(&source, &destination);
+            }
+        }
+        _ => {}
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use smoltcp::wire::IpAddress;
+
     use super::*;
 
     #[test]
@@ -380,11 +392,27 @@ mod tests {
             0xC0, 0, 0x88, 0x94, 0, 0x0D, 0x12, 0x34, b'h', b'e', b'l', b'l', b'o', 0, 0,
         ];
         let mut frame = [&head[..], &ip, &udp].concat();
-        complete_udp_checksum(&mut frame);
+        complete_checksum(&mut frame);
         assert_eq!(frame[40..42], [0x5F, 0x63]);
         for cut in 0..frame.len() {
-            complete_udp_checksum(&mut frame[..cut].to_vec());
+            complete_checksum(&mut frame[..cut].to_vec());
         }
+    }
+
+    #[test]
+    fn completes_a_tcp_checksum_too() {
+        let head = [2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 9, 8, 0];
+        let ip = [
+            0x45, 0, 0, 0x28, 0, 0, 0x40, 0, 0x40, 6, 0x26, 0xC7, 10, 0, 0, 9, 10, 0, 0, 1,
+        ];
+        let tcp = [
+            0x9C, 0x40, 1, 0xF6, 0, 0, 3, 0xE8, 0, 0, 0, 0, 0x50, 2, 3, 0xE8, 0x12, 0x34, 0, 0,
+        ];
+        let mut frame = [&head[..], &ip, &tcp].concat();
+        complete_checksum(&mut frame);
+        let (from, to) = ([10, 0, 0, 9].into(), [10, 0, 0, 1].into());
+        let segment = TcpPacket::new_checked(&frame[34..]).expect("a segment");
+        assert!(segment.verify_checksum(&IpAddress::Ipv4(from), &IpAddress::Ipv4(to)));
     }
 
     #[test]

@@ -20,7 +20,7 @@ const TP_STATUS_VLAN_VALID: u32 = 1 << 4;
 /// What the kernel says about a received frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Received {
-    /// The UDP checksum is left to a network card that never saw the frame.
+    /// The UDP or TCP checksum is left to a network card that never saw the frame.
     pub(super) checksum_missing: bool,
     /// The tag that was taken out of the frame.
     pub(super) tag: Option<u16>,
