@@ -183,3 +183,17 @@ fn ip_reset_applies_the_mode() {
     plant.pass(2 * SECOND, &mut memory);
     assert_eq!(plant.station().ip(), suite([192, 168, 0, 5]));
 }
+
+/// DRV.REBOOT is a power-on for the rotary switches too, also of a drive that never saved anything.
+#[test]
+fn a_restarted_drive_takes_its_address_from_the_switches_again() {
+    let mut memory = Memory::default();
+    let mut plant = Plant::switched_on(7, &memory);
+    let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
+    let mut drive = plant.session.find(&mac).expect("found");
+    let reboot = "DRV.REBOOT=1".parse().expect("an assignment");
+    let outcomes = plant.session.write(&mut drive, &[reboot], WriteMode::Write);
+    assert!(matches!(outcomes.expect("reached")[0].written, Some(Ok(()))));
+    plant.pass(2 * SECOND, &mut memory);
+    assert_eq!(plant.station().ip(), suite([192, 168, 0, 7]));
+}

@@ -118,6 +118,20 @@ fn mt_feedrate_is_signal_101_in_percent() {
     assert_eq!((reading.number(), reading.unit), (Some(50.0), "%"));
 }
 
+/// DRV.REBOOT is a double word and a command: nothing is read before or after it, as the drive restarts.
+#[test]
+fn reboot_is_executed_and_not_read_back() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let assignment: Assignment = "DRV.REBOOT=1".parse().expect("an assignment");
+    let outcomes = session
+        .write(&mut drive, &[assignment], WriteMode::Write)
+        .expect("an answer");
+    let reboot = &outcomes[0];
+    assert!(matches!(reboot.written, Some(Ok(()))), "{reboot:?}");
+    assert!(reboot.acts && reboot.old.is_none() && reboot.new.is_none() && !reboot.differs());
+}
+
 #[test]
 fn a_silent_drive_is_told_while_it_is_waited_for() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);

@@ -43,7 +43,7 @@ pub enum StationEvent {
     AddressReset,
     /// Has an address that no DCP set, [`IpSuite::NONE`] when it is lost.
     AddressFound(IpSuite),
-    /// Refused a command: a virtual drive has not what it is about.
+    /// Refused a command that the virtual drive does not simulate.
     Unable {
         /// Number of the command.
         pnu: u16,
@@ -121,13 +121,15 @@ impl StationEvent {
             Self::SetRefused { source, refusal } => refused(*source, *refusal),
             Self::Blink => "blinks".into(),
             Self::Restarting => "restarts (DRV.REBOOT)".into(),
-            Self::AddressApplied => "takes its address by IP.MODE (IP.RESET)".into(),
-            Self::AddressReset => "address settings reset; they count from the next power-on".into(),
+            Self::AddressApplied => "applies IP.MODE (IP.RESET)".into(),
+            Self::AddressReset => "address settings reset, effective at the next power-on".into(),
             Self::AddressFound(suite) if suite.is_set() => format!("address {}", suite.address),
             Self::AddressFound(_) => "address lost".into(),
             Self::Unable { pnu } => {
                 let name = catalogue.by_pnu(*pnu).map_or("", |parameter| parameter.name);
-                format!("{name} ({pnu}) refused with error 0x11: no virtual drive has what it is about")
+                format!(
+                    "{name} ({pnu}) refused with error 0x11: the virtual drive does not simulate this command"
+                )
             }
             Self::Connected { controller, station } => {
                 let kind = if *controller {

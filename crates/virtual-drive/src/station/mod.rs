@@ -139,12 +139,8 @@ impl Station {
         let started = config.parameters.as_ref().map(|text| drive.start_with(text));
         if let Some(number) = config.rotary {
             drive.set_rotary(number);
-            // an address that is kept was set by DCP, which overrules the switches
-            if !config.network.ip.is_set() {
-                drive.follow_switches();
-            }
         }
-        let (stored, finding) = begin(&config, &drive);
+        let (stored, finding) = begin(&config, &mut drive);
         let mut station = Self {
             device: Device::new(describe::device_config(&config), stored),
             drive,
@@ -186,7 +182,7 @@ impl Station {
     /// long a start takes is in no source: no time.
     fn restart(&mut self) {
         self.drive.restart();
-        let (stored, finding) = begin(&self.config, &self.drive);
+        let (stored, finding) = begin(&self.config, &mut self.drive);
         self.device = Device::new(describe::device_config(&self.config), stored);
         self.finding = finding;
         self.channels.forget_all();
@@ -198,9 +194,9 @@ impl Station {
 
     /// Takes the address by the settings of now.
     fn apply_address(&mut self, now: Instant) {
-        let (stored, finding) = begin(&self.config, &self.drive);
+        let (ip, finding) = address(&self.config, &self.drive);
         self.finding = finding;
-        self.device.take_address(now, stored.ip);
+        self.device.take_address(now, ip);
         self.settle(now);
     }
 
@@ -473,16 +469,25 @@ impl Station {
     }
 }
 
-/// Returns what the device starts with, and whether the carrier is to find an address.
-fn begin(config: &StationConfig, drive: &Drive) -> (Stored, bool) {
+/// Returns what the device has after power-on, and whether the carrier is to find an address.
+fn begin(config: &StationConfig, drive: &mut Drive) -> (Stored, bool) {
+    // an address that is kept was set by DCP, which overrules the switches
+    if config.rotary.is_some() && !config.network.ip.is_set() {
+        drive.follow_switches();
+    }
+    let (ip, finding) = address(config, drive);
     let mut stored = config.network.clone();
-    let source = drive.address_source();
-    stored.ip = match source {
-        AddressSource::Stored => stored.ip,
-        AddressSource::Switches(suite) => suite,
-        AddressSource::Found => IpSuite::NONE,
-    };
-    (stored, source == AddressSource::Found)
+    stored.ip = ip;
+    (stored, finding)
+}
+
+/// Returns the address by the settings of the drive, and whether the carrier is to find one.
+fn address(config: &StationConfig, drive: &Drive) -> (IpSuite, bool) {
+    match drive.address_source() {
+        AddressSource::Stored => (config.network.ip, false),
+        AddressSource::Switches(suite) => (suite, false),
+        AddressSource::Found => (IpSuite::NONE, true),
+    }
 }
 
 impl Endpoint for Station {

@@ -2,7 +2,7 @@
 
 use drive_client::parameter::Assignment;
 use drive_client::{ChangeOutcome, Drive, PlannedValue, WriteMode};
-use profidrive::catalogue::{Role, Size};
+use profidrive::catalogue::Role;
 use profidrive::parameter::Saving;
 use serde_json::{Map, Value};
 
@@ -169,9 +169,7 @@ const fn is_plain(role: Option<Role>, same: bool) -> bool {
 
 /// A value that the drive has now; a command leaves none behind.
 fn keeps(outcome: &ChangeOutcome) -> bool {
-    let command = outcome.change.selection.parameter;
-    let command = command.is_some_and(|parameter| parameter.size == Size::Command);
-    matches!(outcome.written, Some(Ok(()))) && !command && !outcome.acts
+    matches!(outcome.written, Some(Ok(()))) && !outcome.acts
 }
 
 /// Whether the drive has a place for a value that outlives its power; `None` where no table says so.

@@ -1,6 +1,6 @@
 //! Writing parameters: values checked first, in few requests, read back after.
 
-use profidrive::catalogue::{Parameter, Phase, Role, Size};
+use profidrive::catalogue::{Access, Parameter, Phase, Role};
 use profidrive::parameter::{
     Answer, Format, Keep, NewValue, ParameterAddress, RequestId, Response, ResponseError, Saving,
     encode_change_as, plan_changes, pnu,
@@ -170,11 +170,8 @@ impl<M: Wire> Session<M> {
         let mut outcomes: Vec<ChangeOutcome> = changes
             .into_iter()
             .map(|change| {
-                let old = if is_command(&change.selection) {
-                    None
-                } else {
-                    old.next()
-                };
+                let command = is_command(&change.selection);
+                let old = if command { None } else { old.next() };
                 let pnu = change.selection.pnu;
                 let base = change.selection.parameter.and_then(|parameter| parameter.base);
                 let role = drive
@@ -186,7 +183,7 @@ impl<M: Wire> Session<M> {
                     old,
                     written: None,
                     new: None,
-                    acts: matches!(role, Some(Role::Action | Role::Save | Role::ClearFaults)),
+                    acts: command || matches!(role, Some(Role::Action | Role::Save | Role::ClearFaults)),
                 }
             })
             .collect();
@@ -395,7 +392,7 @@ fn scales_setpoints(drive: &Drive, selection: &Selection) -> bool {
 fn is_command(selection: &Selection) -> bool {
     selection
         .parameter
-        .is_some_and(|parameter| parameter.size == Size::Command)
+        .is_some_and(|parameter| parameter.access == Access::WriteOnly)
 }
 
 /// A new value as it is sent.
