@@ -6,6 +6,7 @@ use super::*;
 /// ZSW1 bits 3 and 7.
 const FAULT: u16 = 0x0008;
 const WARNING: u16 = 0x0080;
+const IN_RANGE: u16 = 0x0100;
 
 /// Sends OFF, then the acknowledge.
 fn acknowledge(bench: &mut Bench) -> u16 {
@@ -410,19 +411,21 @@ fn a_following_error_warns_then_faults() {
         bench.send(0x047E, 0, 3);
         bench.send(0x047F, 0, 5);
         assert_eq!(bench.drive.state(), State::S4);
-        assert_eq!(bench.status & (WARNING | FAULT), 0);
+        assert_eq!(bench.status & (WARNING | FAULT | IN_RANGE), IN_RANGE);
         // More than the motor can hold.
         bench.write("IL.LIMITP", 200).unwrap();
         bench.write("IL.LIMITN", -200).unwrap();
         bench.drive.inject("load=0.3Nm".parse().unwrap());
-        let (mut warned, mut cycles, mut beyond) = (false, 0, 0);
+        let (mut warned, mut cycles, mut beyond, mut in_range) = (false, 0, 0, true);
         while !bench.drive.has_fault() {
             bench.send(0x047F, 0, 1);
             warned |= bench.status & WARNING != 0;
+            in_range &= bench.status & IN_RANGE != 0;
             beyond += usize::from(bench.read("PL.ERR").abs() > 6_500 || bench.drive.has_fault());
             cycles += 1;
             assert!(cycles < 200, "PL.ERR {}", bench.read("PL.ERR"));
         }
+        assert!(!in_range, "bit 8 is 0 while the error is out of its window");
         assert_eq!(bench.element("947", 0), 439);
         assert_eq!(bench.drive.state(), State::S1);
         assert!(beyond >= faults_after, "mode {mode}: {beyond}");
