@@ -16,9 +16,9 @@ use uss::{
 };
 
 use crate::axis::Plant;
-use crate::drive::{Disconnect, Drive};
+use crate::drive::{Disconnect, Drive, Event as DriveEvent};
 use crate::model::Model;
-use crate::station::StationEvent;
+use crate::station::{ANSWERED, StationEvent};
 
 /// Octets of process data: control word and setpoint, status word and actual value.
 const PROCESS: usize = 4;
@@ -102,6 +102,8 @@ pub struct SerialStation {
     outputs: [u8; PROCESS],
     inputs: [u8; PROCESS],
     ticked: Instant,
+    /// When it restarts, after the answer to the command.
+    restart: Option<Instant>,
     events: VecDeque<StationEvent>,
 }
 
@@ -135,15 +137,29 @@ impl SerialStation {
             outputs: [0; PROCESS],
             inputs: [0; PROCESS],
             ticked: Instant::ZERO,
+            restart: None,
             events: VecDeque::new(),
         };
-        // what the drive tells before anybody has control has the form of the line already
-        station.connect();
-        station.drive.disconnect(Disconnect::Released);
+        station.wait_for_master();
         if let Some(Err(error)) = started {
             station.emit(StationEvent::ParametersIgnored(error));
         }
         station
+    }
+
+    /// What the drive reports before anybody has control has the form of the line already.
+    fn wait_for_master(&mut self) {
+        self.connect();
+        self.drive.disconnect(Disconnect::Released);
+    }
+
+    /// Restarts: values as saved, no master. How long a start takes is in no source: no time. The request that stands in the
+    /// channel stays: a master that repeats it does not restart the drive again.
+    fn restart(&mut self) {
+        self.drive.restart();
+        self.master = Master::None;
+        self.outputs = [0; PROCESS];
+        self.wait_for_master();
     }
 
     fn connect(&mut self) {
@@ -159,7 +175,7 @@ impl SerialStation {
     /// Power goes in order: what is to be kept of it comes as events.
     pub fn switch_off(&mut self) {
         self.drive.switch_off();
-        self.settle();
+        self.settle(self.ticked);
     }
 
     /// Takes one event.
@@ -213,7 +229,7 @@ impl SerialStation {
     pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
         self.slave.handle_octets(time(now), octets);
         self.serve(now);
-        self.settle();
+        self.settle(now);
     }
 
     /// Does what is due at `now`.
@@ -232,10 +248,13 @@ impl SerialStation {
             self.tick(now);
             self.emit(StationEvent::MasterGone { lost: controls });
         }
+        if self.restart.take_if(|due| *due <= now).is_some() {
+            self.restart();
+        }
         if self.next_tick().is_some_and(|due| due <= now) {
             self.tick(now);
         }
-        self.settle();
+        self.settle(now);
     }
 
     /// The reply, when it is due: its length in `buffer`, which has [`uss::MAX_TELEGRAM`] octets.
@@ -251,7 +270,10 @@ impl SerialStation {
             Master::Heard { since, .. } => Some(since + self.patience()),
             Master::None => None,
         };
-        [line, lost, self.next_tick()].into_iter().flatten().min()
+        [line, lost, self.restart, self.next_tick()]
+            .into_iter()
+            .flatten()
+            .min()
     }
 
     fn next_tick(&self) -> Option<Instant> {
@@ -320,8 +342,11 @@ impl SerialStation {
         self.master = Master::Heard { since: now, controls };
     }
 
-    fn settle(&mut self) {
+    fn settle(&mut self, now: Instant) {
         while let Some(event) = self.drive.poll_event() {
+            if event == DriveEvent::Restart {
+                self.restart = Some(now + ANSWERED);
+            }
             self.emit(event.into());
         }
     }

@@ -47,9 +47,14 @@ impl Drive {
     }
 
     /// Restarts the drive where it is: what is outside it stays, its values are as saved, everything else is as after
-    /// power-on.
+    /// power-on. What it counted is saved first, as when power goes in order.
     pub(crate) fn restart(&mut self) {
+        self.switch_off();
+        self.count_due();
         let mut fresh = Self::new(self.model);
+        if self.aside.is_some() {
+            fresh.set_aside_telegram();
+        }
         fresh.rotary = self.rotary;
         fresh.last = self.last;
         fresh.outside = self.outside;

@@ -101,7 +101,7 @@ pub enum Event {
     },
     /// Show which drive this is.
     Blink,
-    /// Restart (DRV.REBOOT).
+    /// Restart (DRV.REBOOT, VLT 9-72).
     Restart,
     /// Take the address by the settings of now (IP.RESET).
     ApplyAddress,

@@ -242,6 +242,7 @@ const LIVE: &[(u16, Live)] = &[
     (967, Live::ControlWord),
     (968, Live::StatusWord),
     (971, Live::Choose(&[(1, Action::Save)])),
+    (972, Live::Choose(&[(1, Action::Restart)])),
     (975, Live::Array(Table::DriveObject)),
     (980, Live::Array(Table::Numbers(0))),
     (981, Live::Array(Table::Numbers(1))),

@@ -446,3 +446,46 @@ fn the_same_request_after_a_refusal_is_a_new_one_at_a_line() {
     let carried_out = (0..1000).any(|_| exchange(CHANGE, STOP)[0] >> 4 == 2);
     assert!(carried_out, "the axis is at rest");
 }
+
+/// 9-72 over FC: answered, then values as saved. PNU 922 is a setting of the network and stays one.
+#[test]
+fn a_vlt_restarts_by_9_72_at_the_line_too() {
+    let mut bench = Bench::fc(&[1]);
+    bench.drives = vec![SerialStation::new(SerialConfig::new(
+        &model::VLT,
+        SlaveConfig::fc(1, 9600),
+    ))];
+    let drive = bench.master.add(Address::fc(1).unwrap(), &[0; 12]).unwrap();
+    let mut client = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::SERIAL);
+    let write = |pnu, value, memory| Job::Change {
+        pnu,
+        element: None,
+        value,
+        memory,
+    };
+    let time = PkwValue::DoubleWord;
+    for job in [
+        write(341, time(500), Memory::Eeprom),
+        write(342, time(600), Memory::Ram),
+        write(972, PkwValue::Word(1), Memory::Ram),
+    ] {
+        assert!(bench.job(drive, &mut client, job).is_ok());
+    }
+    bench.run(SECOND);
+    let mut read = |pnu| {
+        let job = Job::Read { pnu, element: None };
+        match bench.job(drive, &mut client, job) {
+            Ok(Answer::Value(value)) => value.raw(),
+            other => panic!("{pnu}: {other:?}"),
+        }
+    };
+    assert_eq!([341, 342, 972, 922].map(&mut read), [500, 300, 0, 1]);
+    let station = &mut bench.drives[0];
+    let restarts = std::iter::from_fn(|| station.poll_event());
+    let restarts = restarts.filter(|event| *event == StationEvent::Restarting);
+    assert_eq!(restarts.count(), 1);
+    // and it follows its master again
+    bench.words(drive, 0x047C, 0x2000);
+    bench.run(SECOND * 4);
+    assert_eq!(bench.drives[0].drive().state(), State::S4);
+}

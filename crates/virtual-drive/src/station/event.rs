@@ -35,7 +35,7 @@ pub enum StationEvent {
     },
     /// Show which drive this is.
     Blink,
-    /// Restarts (DRV.REBOOT).
+    /// Restarts by command (DRV.REBOOT, VLT 9-72).
     Restarting,
     /// Takes its address by the settings of now (IP.RESET).
     AddressApplied,
@@ -120,7 +120,7 @@ impl StationEvent {
         Some(match self {
             Self::SetRefused { source, refusal } => refused(*source, *refusal),
             Self::Blink => "blinks".into(),
-            Self::Restarting => "restarts (DRV.REBOOT)".into(),
+            Self::Restarting => "restarts by command".into(),
             Self::AddressApplied => "applies IP.MODE (IP.RESET)".into(),
             Self::AddressReset => "address settings reset, effective at the next power-on".into(),
             Self::AddressFound(suite) if suite.is_set() => format!("address {}", suite.address),

@@ -41,7 +41,7 @@ const LONGEST_TELEGRAM: usize = description::LONGEST_TELEGRAM as usize;
 const FIRST_OTHER_RECORD: u16 = 0x8000;
 
 /// From a command that ends the connections until it is done: the answer to it is fetched meanwhile.
-const ANSWERED: Duration = Duration::from_millis(200);
+pub(crate) const ANSWERED: Duration = Duration::from_millis(200);
 
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 256;
@@ -186,6 +186,8 @@ impl Station {
         self.device = Device::new(describe::device_config(&self.config), stored);
         self.finding = finding;
         self.channels.forget_all();
+        // the connections that waited for these answers are gone
+        self.unanswered.clear();
         self.controller = None;
         self.place = (0, 0);
         self.input_length = 0;

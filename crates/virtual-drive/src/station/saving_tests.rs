@@ -178,3 +178,39 @@ fn a_record_of_a_vacon_is_acknowledged_when_it_is_stored() {
         assert_eq!(done(&plant), Some(stored));
     }
 }
+
+/// A record write that waits for its save is answered to nobody after a restart: a save of before acknowledges no write of
+/// the next connection.
+#[test]
+fn a_restart_forgets_the_writes_that_wait_for_a_save() {
+    let mut plant = Plant::of(&VACON);
+    plant.station.confirm_saves();
+    let at = RecordAddress {
+        api: 0x3A00,
+        slot: 1,
+        subslot: 1,
+        index: 102,
+    };
+    let mut saves = Vec::new();
+    for value in [[0x0B, 0xB8], [0x0B, 0xB9]] {
+        let ar = plant.connect(1);
+        plant.events.clear();
+        plant.controller.write(plant.now, ar, at, &value).unwrap();
+        plant.run(Duration::from_millis(500));
+        saves.push(plant.saves().pop().expect("a save"));
+        if saves.len() == 1 {
+            plant.station.restart();
+            plant.seconds(2.0);
+        }
+    }
+    let done = |plant: &Plant| {
+        let mut events = plant.events.iter();
+        events.any(|event| matches!(event, Event::RecordDone { result: Ok(_), .. }))
+    };
+    plant.station.report_save(plant.now, saves[0], true);
+    plant.run(Duration::from_millis(500));
+    assert!(!done(&plant), "the save of before the restart");
+    plant.station.report_save(plant.now, saves[1], true);
+    plant.run(Duration::from_millis(500));
+    assert!(done(&plant));
+}

@@ -498,3 +498,61 @@ fn resets_clear_what_their_mode_says() {
         assert_eq!(text.contains("DRV.ACC = 5000.000"), keeps_parameters, "{mode:?}");
     }
 }
+
+/// 9-72 (PNU 972): 1 resets the drive after the answer, and it reads as 0; the other choices of the table do nothing.
+#[test]
+fn a_vlt_restarts_by_9_72_with_its_saved_values() {
+    let mut plant = Plant::of(&crate::model::VLT);
+    let ar = plant.connect(1);
+    // 3-41 for good, 3-42 in RAM
+    let saved = [1, 0x42, 0, 1, 0x10, 1, 0x01, 0x55, 0, 0, 7, 1, 0, 0, 1, 0xF4];
+    let lost = [2, 2, 0, 1, 0x10, 1, 0x01, 0x56, 0, 0, 7, 1, 0, 0, 2, 0x58];
+    let reset = |value| [3, 2, 0, 1, 0x10, 1, 0x03, 0xCC, 0, 0, 5, 1, value, 0];
+    assert_eq!(plant.job(ar, 0xB02F, &saved), [1, 2, 0, 1]);
+    assert_eq!(plant.job(ar, 0xB02F, &lost), [2, 2, 0, 1]);
+    assert_eq!(plant.job(ar, 0xB02F, &reset(3)), [3, 2, 0, 1]);
+    plant.seconds(1.0);
+    assert!(plant.station.device().is_exchanging(), "3 resets the option only");
+    assert_eq!(plant.job(ar, 0xB02F, &reset(1)), [3, 2, 0, 1], "answered first");
+    plant.seconds(2.0);
+    assert!(!plant.station.device().is_exchanging(), "the connection is lost");
+    let ar = plant.connect(1);
+    let read = [
+        4, 1, 0, 3, 0x10, 1, 0x01, 0x55, 0, 0, 0x10, 1, 0x01, 0x56, 0, 0, 0x10, 1, 0x03, 0xCC, 0, 0,
+    ];
+    let values = [4, 1, 0, 3, 7, 1, 0, 0, 1, 0xF4, 7, 1, 0, 0, 1, 0x2C, 5, 1, 0, 0];
+    assert_eq!(plant.job(ar, 0xB02F, &read), values);
+    // 15-03: it counts as a power-up, and what was counted before is not lost
+    let counted = plant.job(ar, 0xB02F, &[5, 1, 0, 1, 0x10, 1, 0x05, 0xDF, 0, 0]);
+    assert_eq!(counted[counted.len() - 4..], [0, 0, 0, 2]);
+}
+
+/// 9-75 (PNU 975): vendor, unit type, version, year, day and month, type class 1 (axis), sub-class 1, axis 0.
+#[test]
+fn a_vlt_identifies_its_drive_object() {
+    let mut plant = Plant::of(&crate::model::VLT);
+    let ar = plant.connect(1);
+    let words = |bytes: &[u8]| -> Vec<u16> {
+        let words = bytes.chunks_exact(2);
+        words.map(|word| u16::from_be_bytes([word[0], word[1]])).collect()
+    };
+    let unit = plant.job(ar, 0xB02F, &[1, 1, 0, 1, 0x10, 5, 0x03, 0xC4, 0, 0]);
+    let object = plant.job(ar, 0xB02F, &[2, 1, 0, 1, 0x10, 8, 0x03, 0xCF, 0, 0]);
+    assert_eq!(
+        (unit[4..6].to_vec(), object[4..6].to_vec()),
+        (vec![6, 5], vec![6, 8])
+    );
+    let (unit, object) = (words(&unit[6..]), words(&object[6..]));
+    assert_eq!(
+        (unit[0], unit[1]),
+        (crate::model::VLT.catalogue.device.vendor_id, 302)
+    );
+    assert_eq!(object[..5], unit[..]);
+    assert_eq!(object[5..], [1, 1, 0]);
+    // beyond its elements
+    let beyond = plant.job(ar, 0xB02F, &[3, 1, 0, 1, 0x10, 1, 0x03, 0xCF, 0, 8]);
+    assert_eq!(beyond, [3, 0x81, 0, 1, 0x44, 2, 0, 3, 0, 8]);
+    // and it is not written
+    let written = plant.job(ar, 0xB02F, &[4, 2, 0, 1, 0x10, 1, 0x03, 0xCF, 0, 0, 6, 1, 0, 1]);
+    assert_eq!(written, [4, 0x82, 0, 1, 0x44, 1, 0, 1]);
+}
