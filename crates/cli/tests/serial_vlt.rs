@@ -228,12 +228,33 @@ fn the_eeprom_survives_a_restart() {
         let _drives = Simulated::start_model(&cable, "vlt", &["--state", &state]);
         ok(&["write", &drive, "3-41=5s"]);
         ok(&["write", "--save", &drive, "3-42=7s"]);
+        // text has no request for the RAM alone: what is said of it is true
+        let text = "the drive keeps Display Text 1 (0-37) over a power cycle: at a serial line it saves text with every write";
+        let told = stderr(&ok(&["write", &drive, "0-37=PUMP"]));
+        assert!(told.contains(text) && !told.contains("--save"), "{told}");
+        let told = stderr(&ok(&["write", &drive, "0-37=HELLO", "3-41=4s"]));
+        let number = "until the next power cycle; with --save the drive keeps Ramp 1 Ramp up Time (3-41)";
+        assert!(told.contains(text) && told.contains(number), "{told}");
+        let described = stdout(&ok(&["describe", &drive, "0-37"]));
+        assert!(described.contains("with every write"), "{described}");
+        ok(&["write", &drive, "3-41=5s"]);
         let told = values(&drive, &["3-41", "3-42"]);
         assert_eq!((told[0].as_f64(), told[1].as_f64()), (Some(5.0), Some(7.0)));
     }
     let _drives = Simulated::start_model(&cable, "vlt", &["--state", &state]);
     let told = values(&drive, &["3-41", "3-42"]);
     assert_eq!((told[0].as_f64(), told[1].as_f64()), (Some(3.0), Some(7.0)));
+    assert_eq!(values(&drive, &["0-37"])[0], "HELLO");
+    // 9-72 does the same without the power
+    ok(&["write", &drive, "3-41=5s"]);
+    let reset = ok(&["write", &drive, "9-72=1"]);
+    assert!(stdout(&reset).contains("executed"), "{}", stdout(&reset));
+    sleep(Duration::from_millis(500));
+    let told = values(&drive, &["3-41", "3-42", "9-72"]);
+    assert_eq!(
+        told.iter().map(|value| value.as_f64()).collect::<Vec<_>>(),
+        [3.0, 7.0, 0.0].map(Some)
+    );
 }
 
 /// What the drive counts comes to the folder when it is switched off in order, and nothing else that nobody saved.

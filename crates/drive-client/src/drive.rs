@@ -2,7 +2,7 @@
 
 use profidrive::catalogue::{AKD, Catalogue, Parameter, Part, Scaling, VACON, VLT};
 use profidrive::notation::Notation;
-use profidrive::parameter::Dialect;
+use profidrive::parameter::{Dialect, Saving};
 use profidrive::state::{ControlWords, Mode};
 use profidrive::telegram::Telegram;
 use profinet::controller::Station;
@@ -276,6 +276,17 @@ impl Drive {
     #[must_use]
     pub const fn is_on_line(&self) -> bool {
         self.slave.is_some()
+    }
+
+    /// Returns when the drive keeps a changed value of this parameter over a power cycle. At a serial line text is saved
+    /// with every write: the channel has no request that changes text in RAM only.
+    #[must_use]
+    pub const fn saving(&self, parameter: &Parameter) -> Saving {
+        if self.is_on_line() && parameter.is_text() {
+            Saving::Always
+        } else {
+            self.model.dialect.saving
+        }
     }
 
     /// What this drive calls the parameters that have these parts, as a person writes them; what its make has not is left

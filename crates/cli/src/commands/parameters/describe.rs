@@ -53,7 +53,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
     ));
     let scaling = &drive.parameters.scaling;
     let word = tables.word_at(parameter.pnu, parameter.base);
-    let saved = saved_words(&drive.model, parameter);
+    let saved = saved_words(&drive, parameter);
     for line in description_lines(parameter, scaling, &limits, &readings, (word, &saved)) {
         output.line(&line);
     }
@@ -184,12 +184,13 @@ fn description_lines(
 }
 
 /// Whether the drive keeps the value over a power cycle, and what lets it do so.
-fn saved_words(model: &drive_client::Model, parameter: &Parameter) -> String {
+fn saved_words(drive: &Drive, parameter: &Parameter) -> String {
+    let model = &drive.model;
     let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
     let kept = model
         .catalogue
         .map_or(parameter.saved, |tables| tables.is_kept(parameter));
-    match (kept, model.dialect.saving) {
+    match (kept, drive.saving(parameter)) {
         (false, _) => "no".into(),
         (true, Saving::Always) => "with every write".into(),
         (true, Saving::Request) => "when it is written with --save".into(),

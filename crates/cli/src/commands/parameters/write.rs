@@ -186,14 +186,25 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Out
         let labels = outcomes.iter().map(|outcome| outcome.change.selection.label());
         labels.collect()
     };
-    let (kept, lost) = (names(&kept), names(&lost));
-    if !kept.is_empty() {
-        let which = if lost.is_empty() {
+    let own = drive.model.dialect.saving;
+    let (as_written, by_itself): (Vec<_>, Vec<_>) = kept.into_iter().partition(|outcome| {
+        let parameter = outcome.change.selection.parameter;
+        parameter.is_none_or(|parameter| drive.saving(parameter) == own)
+    });
+    let (as_written, by_itself, lost) = (names(&as_written), names(&by_itself), names(&lost));
+    if !as_written.is_empty() {
+        let which = if by_itself.is_empty() && lost.is_empty() {
             "them".to_owned()
         } else {
-            listed(&kept)
+            listed(&as_written)
         };
-        output.say(&kept_words(drive.model.dialect.saving, save, &which));
+        output.say(&kept_words(own, save, &which));
+    }
+    if !by_itself.is_empty() {
+        let which = listed(&by_itself);
+        output.say(&format!(
+            "the drive keeps {which} over a power cycle: at a serial line it saves text with every write"
+        ));
     }
     if !lost.is_empty() {
         let told = lost_words(&lost);
