@@ -241,3 +241,13 @@ fn signals_are_parameters_and_wide_process_data_are_what_came() {
         Err(ErrorNumber::LIMIT)
     );
 }
+
+/// OPTEA p. 119: attribute 0x20 is allowed; ids share one number, so that none of them has a description.
+#[test]
+fn an_id_has_no_description_and_a_number_of_the_profile_has_one() {
+    let mut bench = Bench::new(&VACON, 1);
+    let answer = bench.ask(&[1, 1, 1, 1, 0x20, 1, 0x27, 0x11, 0, 103]);
+    assert_eq!(answer, [1, 0x81, 1, 1, 0x44, 1, 0, 0x09]);
+    let answer = bench.ask(&[1, 1, 1, 1, 0x20, 1, 0x03, 0xA2, 0, 0]);
+    assert_eq!((answer.len(), &answer[..6]), (52, &[1, 1, 1, 1, 0x0A, 46][..]));
+}

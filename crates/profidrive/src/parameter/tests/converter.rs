@@ -26,6 +26,8 @@ const ROWS: &[(u16, Attributes, i64, i64)] = &[
     (341, Attributes::simple(Format::UNSIGNED32, 4, true), 1, 360_000),
     (414, Attributes::simple(Format::UNSIGNED16, 2, true), 0, 1320),
     (922, Attributes::simple(Format::UNSIGNED16, 2, false), 0, 0xFFFF),
+    (924, array(Format::UNSIGNED16, 2, 240, false), 0, 0xFFFF),
+    (925, array(Format::UNSIGNED8, 1, 240, false), 0, 0xFF),
     (930, Attributes::simple(Format::UNSIGNED16, 2, true), 1, 2),
     (947, array(Format::UNSIGNED16, 2, 64, false), 0, 0xFFFF),
     (967, Attributes::simple(Format::V2, 2, true), 0, 0xFFFF),

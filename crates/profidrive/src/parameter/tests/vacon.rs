@@ -122,6 +122,16 @@ fn a_vacon_gives_what_fits_a_block_and_is_asked_for_39_values() {
         served(VACON, "01 01 01 02 10 26 03 B3 00 00 10 02 03 B3 00 00").len(),
         4 + 2 + 76 + 2 + 4
     );
+    // 1 to 234 elements are possible requests; a block of 240 octets has room for 234 octets of values
+    let read = |pnu: &str, elements: u8| format!("01 01 01 01 10 {elements:02X} {pnu} 00 00");
+    let (words, octets) = ("03 9C", "03 9D");
+    assert_eq!(served(VACON, &read(words, 117)).len(), 240);
+    assert_eq!(number(VACON, &read(words, 118)), 0x15);
+    assert_eq!(number(VACON, &read(words, 234)), 0x15);
+    assert_eq!(served(VACON, &read(octets, 234)).len(), 240);
+    for (pnu, elements) in [(words, 235), (octets, 235), (octets, 0), (words, 0), (words, 255)] {
+        assert_eq!(number(VACON, &read(pnu, elements)), 0x16, "{pnu}: {elements}");
+    }
     assert_eq!(
         number(VACON, "01 01 01 01 10 EB 03 B3 00 00"),
         0x16,
