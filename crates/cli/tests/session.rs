@@ -39,6 +39,31 @@ fn nobody_one_or_two_of_a_name() {
     assert_eq!(heard.len(), 3);
 }
 
+/// A station that answers too late to its name stands among all that are heard: then it is there.
+#[test]
+fn a_station_that_answers_late_is_found() {
+    // the window of one name is 400 ms, that of all 1 s
+    let slow = Conditions {
+        delay: Duration::from_millis(600),
+        ..Conditions::default()
+    };
+    let (mut session, ids) = bench(&[("akd-1", 1), ("akd-2", 2), ("akd-2", 3)]);
+    for id in ids {
+        session.medium_mut().segment_mut().set_conditions(id, slow);
+    }
+    let drive = find(&mut session, "akd-1").expect("it answered, only late");
+    assert_eq!(drive.station.mac, MacAddress([2, 0, 0, 0, 0, 1]));
+    // two of one name are two, however late
+    let Err(Error::Ambiguous { macs, .. }) = find(&mut session, "akd-2") else {
+        panic!("two of them")
+    };
+    assert_eq!(macs.len(), 2);
+    let Err(Error::NotFound { heard, .. }) = find(&mut session, "akd-9") else {
+        panic!("nobody")
+    };
+    assert_eq!(heard.len(), 3);
+}
+
 #[test]
 fn without_discovery_the_endpoint_mapper_tells_who_it_is() {
     let (session, _) = bench(&[("akd-1", 1)]);

@@ -93,19 +93,20 @@ impl<M: Wire> Session<M> {
             DriveAddress::Mac(mac) => station.mac == *mac,
             DriveAddress::Line(_) => false,
         };
-        let matching: Vec<&Station> = answers.iter().filter(fits).collect();
+        let heard = match drive {
+            // one that answers too late to its name may be among all
+            DriveAddress::Name(_) if !answers.iter().any(|station| fits(&station)) => {
+                self.identify(Filter::all(), IdentifyOptions::MANY)?
+            }
+            _ => answers,
+        };
+        let matching: Vec<&Station> = heard.iter().filter(fits).collect();
         match matching.as_slice() {
             [one] => Ok(Drive::new((*one).clone())),
-            [] => {
-                let heard = match drive {
-                    DriveAddress::Name(_) => self.identify(Filter::all(), IdentifyOptions::MANY)?,
-                    _ => answers,
-                };
-                Err(Error::NotFound {
-                    drive: drive.clone(),
-                    heard,
-                })
-            }
+            [] => Err(Error::NotFound {
+                drive: drive.clone(),
+                heard,
+            }),
             several => Err(Error::Ambiguous {
                 drive: drive.clone(),
                 macs: several.iter().map(|station| station.mac).collect(),
