@@ -415,6 +415,43 @@ fn a_lost_connection_is_never_a_mistake_of_the_caller() {
     lost(axis.release().expect_err("gone"));
 }
 
+/// A trip lets the axis coast: acknowledging it is a success, however long the axis turns.
+#[test]
+fn a_fault_is_acknowledged_while_the_axis_still_coasts() {
+    for transport in [Transport::Profinet, Transport::Fc, Transport::Uss] {
+        let world = World::new(&model::VLT, transport, 7);
+        set(&world, "8-04=5");
+        desert(&world, "vlt", transport, 1400.0);
+        let tripped = |world: &World| world.look(|drive| !drive.is_enabled());
+        while !tripped(&world) {
+            world.pass(SECOND / 20);
+        }
+        let (mut session, mut drive) = world.client("vlt", transport, 2).expect("found");
+        let wanted = settings(&drive, Purpose::Control);
+        let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+        axis.ready_or_fault().expect("a fault");
+        let seen = axis.status().and_then(|status| status.view.seen);
+        assert!(seen.is_some_and(|seen| seen.fault()), "{transport:?}: {seen:?}");
+        axis.acknowledge().expect("acknowledged");
+        assert!(
+            world.speed().abs() > 100.0 && axis.coasts(),
+            "{transport:?}: {}",
+            world.speed()
+        );
+        axis.release().expect("nobody here made it turn");
+        let report = session.fault_report(&mut drive);
+        let present = report.map(|report| report.present().count());
+        assert!(!matches!(present, Ok(1..)), "{transport:?}: {present:?}");
+        // and one that stands is said to coast no more
+        session.pass(SECOND * 60).expect("time passes");
+        let wanted = settings(&drive, Purpose::Control);
+        let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+        axis.ready().expect("no fault");
+        assert!(!axis.coasts(), "{transport:?}");
+        axis.release().expect("released");
+    }
+}
+
 /// A Vacon at a line carries no id in its parameter channel: the state comes from the status word in its replies.
 #[test]
 fn a_vacon_at_a_line_is_seen_by_its_replies() {

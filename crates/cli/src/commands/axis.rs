@@ -367,6 +367,7 @@ pub fn finish(
     output: &Output,
 ) -> Result<(), Error> {
     let statistics = axis.statistics();
+    let coasts = axis.coasts();
     let released = axis.release();
     let interrupted = matches!(result, Err(Error::Interrupted));
     if interrupted && output.is_closed() {
@@ -386,15 +387,18 @@ pub fn finish(
         ));
     }
     if stopped {
-        output.say("axis at rest, control released");
+        output.say(if coasts {
+            "control released; the axis turns with its power stage off: it coasts, or something moves it"
+        } else {
+            "axis at rest, control released"
+        });
     }
     if output.json() && stopped {
         let counts = statistics.map_or_else(Default::default, |counts| {
             fields! { "received": counts.received, "missed": counts.missed }
         });
         let unfinished = interrupted && end != End::Open;
-        let mut document =
-            fields! { "end": true, "released": true, "interrupted": unfinished, "frames": counts };
+        let mut document = fields! { "end": true, "released": true, "coasts": coasts, "interrupted": unfinished, "frames": counts };
         document.extend(more);
         output.event(command, document);
     }

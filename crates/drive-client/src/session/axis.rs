@@ -17,7 +17,8 @@ use super::keep::Kept;
 use super::loss::LossReaction;
 use super::warnings::Warnings;
 use crate::axis::{
-    Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, SpeedScale, SpeedUnit, Strained,
+    Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Seen, SpeedScale, SpeedUnit,
+    Strained,
 };
 use crate::client::AxisView;
 use crate::parameter::{Beyond, is_another, is_rounding};
@@ -184,6 +185,8 @@ pub struct Axis<'s, M: Wire> {
     finished: bool,
     /// A quick stop ended what should have been a ramp stop.
     quick: bool,
+    /// The axis was in operation under this control.
+    operated: bool,
 }
 
 impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
@@ -322,7 +325,7 @@ impl<'s, M: Wire> Axis<'s, M> {
     /// When the connection is lost or the caller wants to stop.
     pub fn ready_or_fault(&mut self) -> Result<(), Error> {
         self.pursue(Goal::Ready);
-        let fault = |status: &AxisStatus| status.view.seen.is_some_and(crate::axis::Seen::fault);
+        let fault = |status: &AxisStatus| status.view.seen.is_some_and(Seen::fault);
         let ready = |status: &AxisStatus| status.view.progress == Progress::Reached;
         self.hold_until(Limits::default().step, |status| fault(status) || ready(status))
             .map(|_| ())
@@ -386,6 +389,15 @@ impl<'s, M: Wire> Axis<'s, M> {
         result
     }
 
+    /// True when the axis turns with its power stage off and was so before control was taken: it coasts, or something
+    /// moves it. Nothing that is commanded here ends that.
+    #[must_use]
+    pub fn coasts(&self) -> bool {
+        let off = |view: &AxisView| view.seen.is_some_and(Seen::pulses_off);
+        let told = self.status().map(|status| status.view);
+        !self.operated && told.is_some_and(|view| view.turns && off(&view))
+    }
+
     /// Keeps what was reached for `time`.
     ///
     /// # Errors
@@ -416,7 +428,8 @@ impl<'s, M: Wire> Axis<'s, M> {
         }
     }
 
-    /// Stops the axis, gives control back and closes the connection.
+    /// Stops the axis, gives control back and closes the connection. An axis that [`coasts`](Self::coasts) is not waited
+    /// for.
     ///
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
@@ -427,6 +440,7 @@ impl<'s, M: Wire> Axis<'s, M> {
     pub(super) fn pursue(&mut self, goal: Goal) {
         let now = self.session.now();
         self.told = false;
+        self.operated |= goal.operates();
         self.session.client.pursue(now, self.link, goal);
     }
 

@@ -175,6 +175,7 @@ impl<M: Wire> Session<M> {
             told: false,
             finished: false,
             quick: false,
+            operated: taken_over,
             session: self,
         };
         let drive = axis.drive.clone();

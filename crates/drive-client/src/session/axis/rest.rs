@@ -70,8 +70,9 @@ impl<M: Wire> Axis<'_, M> {
                 trouble: Trouble::QuickStopUsed,
             });
         }
-        // the power stage is off by now: a load that hangs on the shaft shows
-        if control_taken && self.status().is_some_and(|status| status.view.turns) {
+        // the power stage is off by now: a load that hangs on the shaft shows. An axis that nobody here had in operation
+        // coasts from before
+        if self.operated && self.status().is_some_and(|status| status.view.turns) {
             return Err(Error::Axis {
                 drive: self.drive.label(),
                 trouble: Trouble::StillTurns,
