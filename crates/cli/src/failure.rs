@@ -137,16 +137,12 @@ impl From<network::serial::Error> for Failure {
 
 impl From<drive_client::Error> for Failure {
     fn from(error: drive_client::Error) -> Self {
-        if let drive_client::Error::Medium(inner) = &error
-            && let Some(network) = inner.downcast_ref::<CarrierError>()
-        {
-            let failure = Self::new(Exit::Unreachable, network.to_string());
-            return match network.hint() {
-                Some(hint) => failure.hint(hint),
-                None => failure,
-            };
-        }
-        let failure = Self::new(exit_of(&error), error.to_string());
+        // a carrier says itself what failed
+        let message = match (&error, carrier(&error)) {
+            (drive_client::Error::Medium(_), Some(carrier)) => carrier.to_string(),
+            _ => error.to_string(),
+        };
+        let failure = Self::new(exit_of(&error), message);
         match hint(&error, error.hint()) {
             Some(hint) => failure.hint(hint),
             None => failure,
@@ -154,12 +150,23 @@ impl From<drive_client::Error> for Failure {
     }
 }
 
-/// What to do about an error: what its kind says, and its action as a command.
+/// The carrier that failed.
+fn carrier(error: &drive_client::Error) -> Option<&CarrierError> {
+    match error {
+        drive_client::Error::Medium(inner) | drive_client::Error::CarrierLost { error: inner, .. } => {
+            inner.downcast_ref()
+        }
+        _ => None,
+    }
+}
+
+/// What to do about an error: what its kind says, what its carrier says, and its action as a command.
 pub fn hint(error: &drive_client::Error, of_kind: Option<String>) -> Option<String> {
     let action = error
         .action()
         .and_then(|action| advice::sentence(&action, "DRIVE"));
-    let all: Vec<String> = of_kind.into_iter().chain(action).collect();
+    let of_carrier = carrier(error).and_then(CarrierError::hint);
+    let all: Vec<String> = of_kind.into_iter().chain(of_carrier).chain(action).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 
@@ -216,6 +223,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::Connect { .. }
         | Error::NoRoute { .. }
         | Error::ConnectionLost { .. }
+        | Error::CarrierLost { .. }
         | Error::Record { .. }
         | Error::Timeout { .. } => Exit::Unreachable,
         // nothing but numbers that cannot be told: whatever the drive does, they are wrong
@@ -242,6 +250,8 @@ fn exit_of(error: &drive_client::Error) -> Exit {
 
 #[cfg(test)]
 mod tests {
+    use drive_client::{LossAction, LossReaction};
+
     use super::*;
 
     #[test]
@@ -254,6 +264,36 @@ mod tests {
         let none = Objection::NoDistance { counts: 0.1 };
         assert_eq!(exit(vec![none]), Exit::Usage);
         assert_eq!(exit(vec![none, Objection::NotHomed]), Exit::Safety);
+    }
+
+    /// The own interface is down while an axis is under control.
+    #[test]
+    fn a_carrier_that_fails_under_an_axis_names_the_drive_and_keeps_its_cause() {
+        let network = network::linux::Error::InterfaceDown {
+            interface: "eth7".into(),
+        };
+        let reaction = LossReaction {
+            action: LossAction::KeepsTurning,
+            parameter: Some("8-04".into()),
+            setting: Some("Off".into()),
+            after: None,
+            remedy: None,
+        };
+        let failure = Failure::from(drive_client::Error::CarrierLost {
+            drive: "vlt-1".into(),
+            error: Box::new(CarrierError::Network(network)),
+            reaction: Box::new(reaction),
+        });
+        assert_eq!(failure.exit, Exit::Unreachable);
+        assert_eq!(
+            failure.message,
+            "vlt-1: connection lost: network interface `eth7` is down; the drive keeps turning (8-04 is Off)"
+        );
+        let hint = failure.hint.unwrap_or_default();
+        assert!(
+            hint.contains("ip link set eth7 up") && hint.contains("`profidrive stop DRIVE`"),
+            "{hint}"
+        );
     }
 
     #[test]

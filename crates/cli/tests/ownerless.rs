@@ -415,6 +415,63 @@ fn a_lost_connection_is_never_a_mistake_of_the_caller() {
     lost(axis.release().expect_err("gone"));
 }
 
+/// The own interface, or the serial port, fails while an axis is under control: the drive has lost its controller, and a
+/// person must know which drive and what it does.
+#[test]
+fn a_carrier_that_fails_is_a_lost_connection_of_the_axis() {
+    for (virtual_model, name, setting, words) in [
+        (
+            &model::VLT,
+            "vlt",
+            "8-04=0",
+            "the drive keeps turning (8-04 is Off)",
+        ),
+        (&model::VLT, "vlt", "8-04=2", "the drive stops"),
+        (&model::AKD, "akd", "", "the drive stops"),
+    ] {
+        for &transport in transports(name)
+            .iter()
+            .filter(|_| !setting.is_empty())
+            .chain(&[Transport::Profinet])
+        {
+            let at = format!("{name} {setting} {transport:?}");
+            let world = World::new(virtual_model, transport, 7);
+            if !setting.is_empty() {
+                set(&world, setting);
+            }
+            let (mut session, mut drive) = world.client(name, transport, 1).expect("found");
+            let label = drive.label();
+            let wanted = settings(&drive, Purpose::Speed);
+            let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+            let lost = |error: Error| {
+                let text = error.to_string();
+                assert!(matches!(error, Error::CarrierLost { .. }), "{at}: {error:?}");
+                // the cause is kept
+                let begin = format!("{label}: connection lost: the client was killed; ");
+                assert!(text.starts_with(&begin) && text.contains(words), "{at}: {text}");
+                let advice = if words.contains("stops") {
+                    Action::Status
+                } else {
+                    Action::Stop
+                };
+                assert_eq!(error.action(), Some(advice), "{at}");
+            };
+            let mut enabled = axis.enable().expect("enabled");
+            enabled.reach_speed(300.0, None).expect("runs");
+            // the medium of this client fails with every step from here on
+            world.plan(Duration::ZERO, Accident::Killed);
+            lost(enabled.hold(SECOND).expect_err("gone"));
+            let (inner, own) = enabled.session();
+            lost(inner.fault_report(own).expect_err("gone"));
+            drop(enabled);
+            lost(axis.release().expect_err("nobody saw it stand"));
+            // nothing is under control any more: what fails now is the medium
+            let error = session.pass(SECOND).expect_err("gone");
+            assert!(matches!(error, Error::Medium(_)), "{at}: {error:?}");
+        }
+    }
+}
+
 /// A trip lets the axis coast: acknowledging it is a success, however long the axis turns.
 #[test]
 fn a_fault_is_acknowledged_while_the_axis_still_coasts() {

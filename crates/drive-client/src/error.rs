@@ -176,6 +176,16 @@ pub enum Error {
         /// What the drive does without its controller, where an axis was under control.
         reaction: Option<Box<LossReaction>>,
     },
+    /// What carries the connection of an axis under control failed: interface down, serial port gone.
+    #[error("{drive}: connection lost: {error}; {reaction}")]
+    CarrierLost {
+        /// The drive.
+        drive: String,
+        /// Why.
+        error: Box<dyn std::error::Error + Send + Sync>,
+        /// What the drive does without its controller.
+        reaction: Box<LossReaction>,
+    },
     /// A record could not be read or written.
     #[error("{drive}: {}", once(.what, .error))]
     Record {

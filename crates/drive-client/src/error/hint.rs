@@ -29,8 +29,15 @@ impl Error {
             | Self::LineSilent {
                 reaction: Some(reaction),
                 ..
-            } if !reaction.action.stops() => Some(Action::Stop),
-            Self::ConnectionLost { .. } | Self::LineSilent { .. } => Some(Action::Status),
+            }
+            | Self::CarrierLost { reaction, .. }
+                if !reaction.action.stops() =>
+            {
+                Some(Action::Stop)
+            }
+            Self::ConnectionLost { .. } | Self::LineSilent { .. } | Self::CarrierLost { .. } => {
+                Some(Action::Status)
+            }
             _ => None,
         }
     }

@@ -112,6 +112,8 @@ pub struct Session<M: Wire> {
     discovery: bool,
     /// When somebody who waits for an answer is to be told that there is none, and how.
     silence: Option<Silence>,
+    /// The drive whose axis is under control, and what it does when it loses that.
+    under_control: Option<(String, Box<LossReaction>)>,
 }
 
 /// Somebody who waits for an answer.
@@ -171,6 +173,7 @@ impl<M: Wire> Session<M> {
             reference: 0,
             discovery: true,
             silence: None,
+            under_control: None,
         }
     }
 
@@ -285,7 +288,15 @@ impl<M: Wire> Session<M> {
         let until = until.min(now + GLANCE);
         self.medium
             .step(&mut self.client, until)
-            .map_err(|error| Error::Medium(Box::new(error)))
+            .map_err(|error| match &self.under_control {
+                // the drive hears nothing any more, wherever the way ends
+                Some((drive, reaction)) => Error::CarrierLost {
+                    drive: drive.clone(),
+                    error: Box::new(error),
+                    reaction: reaction.clone(),
+                },
+                None => Error::Medium(Box::new(error)),
+            })
     }
 
     /// Lets things happen until `done` gives something, at most for `limit`; `None` when the time is over.

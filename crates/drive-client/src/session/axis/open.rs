@@ -180,6 +180,7 @@ impl<M: Wire> Session<M> {
         };
         let drive = axis.drive.clone();
         axis.session.running(&drive, link)?;
+        axis.session.under_control = Some((drive.label(), axis.loss.clone()));
         if let Link::Relation(ar) = link {
             axis.session.share(&drive, ar);
         }

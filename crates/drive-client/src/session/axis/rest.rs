@@ -36,6 +36,7 @@ impl<M: Wire> Axis<'_, M> {
         if running && result.is_ok() {
             result = self.session.give_back(&mut self.drive, &self.kept);
         }
+        self.session.under_control = None;
         self.session.stopping = stopping;
         result
     }
