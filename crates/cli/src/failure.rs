@@ -218,6 +218,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::Ambiguous { .. }
         | Error::SharedAddress { .. }
         | Error::NeedsDiscovery { .. }
+        | Error::NeedsRawFrames { .. }
         | Error::NoIpAddress { .. }
         | Error::Dcp { .. }
         | Error::Connect { .. }

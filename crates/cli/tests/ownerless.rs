@@ -472,6 +472,38 @@ fn a_carrier_that_fails_is_a_lost_connection_of_the_axis() {
     }
 }
 
+/// UDP reads a drive without any right, but control is not carried by it.
+#[test]
+fn a_drive_that_is_to_be_taken_over_needs_raw_frames() {
+    let world = World::new(&model::VLT, Transport::Profinet, 7);
+    set(&world, "8-04=0");
+    desert(&world, "vlt", Transport::Profinet, 600.0);
+    world.pass(SECOND);
+    let (session, _) = world.client("vlt", Transport::Profinet, 2).expect("found");
+    let mut session = session.without_discovery();
+    let address = "10.0.0.1".parse().expect("an address");
+    let mut drive = session.find(&address).expect("by its address");
+    assert_eq!(drive.model.name, "VLT");
+    let begin = session.now();
+    let error = session
+        .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+        .expect_err("not by UDP");
+    assert!(matches!(error, Error::NeedsRawFrames { .. }), "{error}");
+    let text = format!("{error}; {}", error.hint().unwrap_or_default());
+    for words in [
+        "raw Ethernet frames",
+        "nothing was commanded",
+        "interface",
+        "CAP_NET_RAW",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    assert!(session.now() - begin < SECOND * 2, "no connection was tried");
+    let plan = session.plan_axis(&mut drive, &AxisSettings::for_purpose(Purpose::Control));
+    assert!(matches!(plan, Err(Error::NeedsRawFrames { .. })), "{plan:?}");
+    assert!(world.speed() > 500.0, "{}", world.speed());
+}
+
 /// A trip lets the axis coast: acknowledging it is a success, however long the axis turns.
 #[test]
 fn a_fault_is_acknowledged_while_the_axis_still_coasts() {

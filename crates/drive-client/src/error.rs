@@ -58,6 +58,14 @@ pub enum Error {
         /// Who was looked for.
         drive: DriveAddress,
     },
+    /// Control on a medium that carries UDP only. Nothing was sent.
+    #[error(
+        "{drive}: control travels in raw Ethernet frames, and only UDP is open here; nothing was commanded"
+    )]
+    NeedsRawFrames {
+        /// The drive.
+        drive: String,
+    },
     /// The station has no IP address yet.
     #[error("{drive} has no IP address, records cannot be reached")]
     NoIpAddress {

@@ -101,6 +101,9 @@ impl Error {
                     },
                 ..
             } => "the device refuses this while its motor runs; stop the motor or disconnect its controller first".into(),
+            Self::NeedsRawFrames { .. } => {
+                "name the network interface, and have the right to raw sockets on it (root or CAP_NET_RAW)".into()
+            }
             Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
             Self::OwnedByController { .. } => {
                 "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()

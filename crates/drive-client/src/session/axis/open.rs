@@ -44,6 +44,7 @@ impl<M: Wire> Session<M> {
         let tables = drive.model.catalogue;
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
         drive.check_able(settings.purpose.mode())?;
+        self.check_carrier(drive)?;
         self.read_scaling(drive)?;
         if !drive.is_on_line() {
             cycle_of(drive, &device, settings)?;
@@ -73,12 +74,13 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, somebody at the
-    /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]), or
-    /// another controller owns it.
+    /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]),
+    /// another controller owns it, or the session carries UDP only ([`Error::NeedsRawFrames`]).
     pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
         let tables = drive.model.catalogue;
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
         drive.check_able(settings.purpose.mode())?;
+        self.check_carrier(drive)?;
         self.read_scaling(drive)?;
         let Prepared {
             mode,
@@ -205,6 +207,14 @@ impl<M: Wire> Session<M> {
             return Err(ownerless(&axis.drive));
         }
         Ok(axis)
+    }
+
+    /// Cyclic data travels in frames of its own, not in UDP.
+    fn check_carrier(&self, drive: &Drive) -> Result<(), Error> {
+        if self.discovery || drive.is_on_line() {
+            return Ok(());
+        }
+        Err(Error::NeedsRawFrames { drive: drive.label() })
     }
 
     /// Returns how late this computer woke up at the most, over [`MEASURED`] of the waiting that carries the frames.
