@@ -24,6 +24,8 @@ fn every_command_names_the_bits_of_position_mode() {
     ];
     let jog = [&["-i", Side::Controller.interface()], &jog[..]].concat();
     let mut jog = lab.spawn(Side::Controller, built("profidrive"), jog);
+    // a command that reads takes UDP port 34964 where it is free: the axis comes first
+    jog.wait_for("S4", SHORT);
     let status = || client(&lab, &["status", "akd-1"]).out;
     let jogs = wait_until(SHORT, || status().contains("RT_JOG]"));
     assert!(jogs, "{} {} {}", status(), jog.out(), jog.err());
