@@ -80,6 +80,31 @@ fn a_killed_client_leaves_the_stop_to_the_watchdog() {
         .saw("pn_io", 10);
 }
 
+/// A suspended client keeps the UDP port on which a drive calls its controller. Its drive must be stopped all the same.
+#[test]
+fn a_drive_is_stopped_while_its_suspended_client_has_the_port_of_the_controller() {
+    let lab = Lab::new("moving-suspended");
+    let _drive = system_tests::simulate(
+        &lab,
+        &["--model", "vlt", "--name", "vlt-1", "--ip", "192.168.77.50/24"],
+    );
+    let status = || -> Value {
+        let status = client(&lab, &["status", "vlt-1", "--json"]);
+        let first = status.out.lines().next().unwrap_or_default();
+        serde_json::from_str(first).unwrap_or_else(|error| panic!("{error}: {status:?}"))
+    };
+    let mut run = start(&lab, &["run", "vlt-1", "--velocity", "20%"]);
+    run.wait_for("set    20.00 %", SHORT);
+    run.signal("STOP");
+    while !status()["controller"].is_null() {}
+    assert_eq!(status()["cause"], "turns-alone");
+    let stop = client(&lab, &["stop", "vlt-1"]).ok();
+    assert!(stop.out.contains("it stands"), "{stop:?}");
+    run.signal("CONT");
+    assert_eq!(run.finish(SHORT).code, Some(4));
+    assert_eq!(status()["cause"], "no-controller");
+}
+
 /// The speed that `jog` sets for its time is noted: after a kill it is told, and the next jog puts it back.
 #[test]
 fn a_jog_that_is_killed_leaves_a_note_of_the_speed_before() {

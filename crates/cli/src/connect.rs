@@ -97,7 +97,9 @@ fn server(need: Need) -> ServerPort {
     match need {
         // devices call back on this port when a cyclic connection becomes ready
         Need::Cyclic => ServerPort::Required,
-        Need::Records | Need::Identity | Need::Stop => ServerPort::IfFree,
+        Need::Records | Need::Identity => ServerPort::IfFree,
+        // the drive calls back on it, even while a client on this computer has it that is suspended
+        Need::Stop => ServerPort::Shared,
         // left to a controller that starts meanwhile
         Need::Discovery => ServerPort::None,
     }
@@ -298,7 +300,7 @@ mod tests {
         assert_eq!(server(Need::Discovery), ServerPort::None);
         assert_eq!(server(Need::Records), ServerPort::IfFree);
         // a client on this computer that runs a drive must not keep it from being stopped
-        assert_eq!(server(Need::Stop), ServerPort::IfFree);
+        assert_eq!(server(Need::Stop), ServerPort::Shared);
         assert_eq!(server(Need::Cyclic), ServerPort::Required);
     }
 }

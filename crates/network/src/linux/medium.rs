@@ -29,6 +29,9 @@ pub enum ServerPort {
     Required,
     /// If it is free: beside a controller that runs already.
     IfFree,
+    /// If it is free or a program of this library has it, whose datagrams then come here: for a connection that has to be
+    /// made though that program runs on another drive, or does not run at all (stopped by SIGSTOP or in a debugger).
+    Shared,
     /// No.
     None,
 }

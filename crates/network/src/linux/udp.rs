@@ -5,6 +5,7 @@ use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
 use std::os::fd::{AsRawFd, RawFd};
 
 use profinet::{IpSuite, RPC_PORT};
+use socket2::{Domain, Protocol, Socket, Type};
 
 use super::error::Error;
 use super::interface::towards;
@@ -45,7 +46,7 @@ impl Ports {
         }
     }
 
-    /// Opens the server port of every address where it is free, if wanted at all.
+    /// Opens the server port of every address where it is free or shared, if wanted at all.
     ///
     /// # Errors
     /// [`Error::PortOccupied`] where it is required and free at no address. Where it is free at some, an occupied one
@@ -135,7 +136,11 @@ impl Ports {
         let index = match found {
             Some(index) => index,
             None => {
-                let socket = bind(address, number)?;
+                let socket = bind(
+                    address,
+                    number,
+                    number == RPC_PORT && self.server == ServerPort::Shared,
+                )?;
                 self.make_room();
                 self.open.push(Port {
                     address,
@@ -185,25 +190,35 @@ fn routed(destination: SocketAddrV4) -> Option<Ipv4Addr> {
     }
 }
 
-fn bind(address: Ipv4Addr, number: u16) -> Result<UdpSocket, Error> {
-    let socket =
-        UdpSocket::bind(SocketAddrV4::new(address, number)).map_err(|source| match source.kind() {
+/// Binds a UDP socket. With `share` it gets the datagrams of a port that another program of this library has.
+fn bind(address: Ipv4Addr, number: u16, share: bool) -> Result<UdpSocket, Error> {
+    let system = |source| Error::System {
+        action: "cannot open a UDP port",
+        source,
+    };
+    let socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP)).map_err(system)?;
+    if share {
+        socket.set_reuse_address(true).map_err(system)?;
+    }
+    socket
+        .bind(&SocketAddrV4::new(address, number).into())
+        .map_err(|source| match source.kind() {
             io::ErrorKind::AddrInUse => Error::PortOccupied {
                 address,
                 port: number,
             },
             io::ErrorKind::AddrNotAvailable => Error::NotOurAddress { address },
-            _ => Error::System {
-                action: "cannot open a UDP port",
-                source,
-            },
+            _ => system(source),
         })?;
-    socket
-        .set_nonblocking(true)
-        .map_err(Error::system("cannot open a UDP port"))?;
+    if number == RPC_PORT {
+        // Only after bind: the port stays refused to those who do not share it. The kernel hands datagrams to the socket
+        // that was bound last.
+        socket.set_reuse_address(true).map_err(system)?;
+    }
+    socket.set_nonblocking(true).map_err(system)?;
     // Only needed for datagrams to everybody; no failure otherwise.
     let _ = socket.set_broadcast(true);
-    Ok(socket)
+    Ok(socket.into())
 }
 
 #[cfg(test)]
@@ -230,6 +245,27 @@ mod tests {
         let foreign = Ipv4Addr::new(203, 0, 113, 9);
         let error = ports(foreign, ServerPort::None).open(foreign, 0).unwrap_err();
         assert!(matches!(error, Error::NotOurAddress { address } if address == foreign));
+    }
+
+    #[test]
+    fn the_port_of_the_controller_is_shared_with_those_who_ask_for_it_only() {
+        // an address of its own: the port is the same in every test
+        let address = Ipv4Addr::new(127, 34, 96, 4);
+        let mut suspended = ports(address, ServerPort::Required);
+        suspended.listen().unwrap();
+        let refused = ports(address, ServerPort::Required).listen();
+        assert!(matches!(refused, Err(Error::PortOccupied { .. })), "{refused:?}");
+        let mut later = ports(address, ServerPort::Shared);
+        later.listen().unwrap();
+        let peer = UdpSocket::bind((address, 0)).unwrap();
+        let mut buffer = [0; 8];
+        peer.send_to(b"ready", (address, RPC_PORT)).unwrap();
+        let received = later.receive(0, &mut buffer).map(|(.., length)| length);
+        assert_eq!(received, Some(5));
+        assert!(suspended.receive(0, &mut buffer).is_none());
+        drop(later);
+        peer.send_to(b"ready", (address, RPC_PORT)).unwrap();
+        assert!(suspended.receive(0, &mut buffer).is_some());
     }
 
     #[test]
