@@ -43,6 +43,8 @@ impl Drive {
                 // Ends in S1: the controller needs OFF and ON.
                 self.disable_requested = false;
                 self.service = Service::Off;
+                // who commands at the drive has to start it again
+                self.end_local_speed();
                 inputs.local = None;
                 inputs.coast_stop = true;
             }

@@ -47,6 +47,11 @@ impl Drive {
         }
     }
 
+    /// Ends the run that somebody at the drive commanded, who keeps control.
+    pub(super) const fn end_local_speed(&mut self) {
+        self.outside.panel.speed = None;
+    }
+
     /// Keys can be switched off by parameters.
     fn key_works(&self, key: Key) -> bool {
         let Some(roles) = self.model.roles.inverter else {
@@ -86,7 +91,8 @@ impl Drive {
         if self.service != Service::Off || !self.is_local() {
             return None;
         }
-        self.target = self.panel_speed().unwrap_or(0.0);
+        let speed = self.panel_speed().filter(|_| !self.stop_requested);
+        self.target = speed.unwrap_or(0.0);
         Some(on_ramp(self.target, self.settings.ramps))
     }
 }

@@ -122,3 +122,22 @@ fn settings_keep_the_bus_off() {
         assert_eq!((bench.drive.state(), status & BIT_9), (State::S4, BIT_9));
     }
 }
+
+#[test]
+fn stop_and_disable_by_parameter_reach_a_drive_in_local_operation() {
+    let mut bench = Bench::new(&AKD, 1);
+    inject(&mut bench, "local-speed=300rpm");
+    bench.send(0x047E, 0, 2000);
+    assert!((bench.drive.axis().speed_command() - 300.0).abs() < 1.0);
+    // DRV.STOP: it stands, still enabled
+    bench.write(2137, 1).unwrap();
+    bench.send(0x047E, 0, 2000);
+    assert!(bench.drive.is_enabled() && bench.drive.axis().speed_command().abs() < 1.0);
+    // DRV.DIS: off, until somebody at the drive starts it again
+    bench.write(2118, 1).unwrap();
+    bench.send(0x047E, 0, 2000);
+    assert!(!bench.drive.is_enabled());
+    inject(&mut bench, "local-speed=300rpm");
+    bench.send(0x047E, 0, 2000);
+    assert!((bench.drive.axis().speed_command() - 300.0).abs() < 1.0);
+}
