@@ -101,6 +101,23 @@ fn nothing_to_acknowledge_takes_no_control() {
 }
 
 #[test]
+fn what_only_a_restart_clears_is_not_acknowledged() {
+    let lab = Lab::new("trip-lock");
+    let _drive = system_tests::simulate(
+        &lab,
+        &["--model", "vlt", "--name", "vlt-1", "--ip", "192.168.77.50/24"],
+    );
+    client(&lab, &["inject", "vlt-1", "fault=13"]).ok();
+    let refused = client(&lab, &["ack", "vlt-1"]);
+    assert_eq!(refused.code, Some(3), "{refused:?}");
+    assert!(
+        refused.err.contains("F13 ") && refused.err.contains("switch the drive off and on"),
+        "{refused:?}"
+    );
+    assert_eq!(refused.out, "", "no state was shown: no connection");
+}
+
+#[test]
 fn a_warning_during_a_good_run_is_put_in_words() {
     let lab = Lab::new("warned");
     let _drive = simulate(&lab);

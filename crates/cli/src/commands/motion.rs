@@ -38,6 +38,12 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
             for fault in report.present() {
                 output.say(&told(fault));
             }
+            if report.needs_restart() {
+                session.close()?;
+                let message = format!("{}: no command clears what is present", drive.label());
+                return Err(Failure::new(Exit::Refused, message)
+                    .hint("remove the cause, then switch the drive off and on"));
+            }
         }
         Err(error @ (Error::Refused { .. } | Error::Changing { .. })) => {
             output.warn(&format!("which fault there is cannot be read: {error}"));

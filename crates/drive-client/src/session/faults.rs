@@ -121,6 +121,13 @@ impl FaultReport {
     pub fn present(&self) -> impl Iterator<Item = &FaultEntry> {
         self.faults.iter().filter(|fault| fault.situation == 0)
     }
+
+    /// Returns true if no command clears the faults that are present: the drive has to be switched off and on.
+    #[must_use]
+    pub fn needs_restart(&self) -> bool {
+        let mut present = self.present().peekable();
+        present.peek().is_some() && present.all(|fault| fault.cleared == Some(Cleared::Restart))
+    }
 }
 
 impl<M: Wire> Session<M> {
