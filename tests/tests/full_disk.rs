@@ -22,6 +22,13 @@ fn saving_on_a_full_disk_is_an_error_to_the_one_who_saves() {
     assert_eq!(refused.code, Some(3), "{refused:?}");
     assert!(refused.err.contains("0x11"), "{refused:?}");
     drives.wait_for("No space left", SHORT);
+    let refused = client(&lab, &["write", "akd-1", "DRV.ACC=5000rpm/s", "--save"]);
+    assert!(
+        refused.code == Some(3)
+            && refused.err.contains("not saved")
+            && !refused.err.contains("the drive keeps"),
+        "{refused:?}"
+    );
     // the value counts until the power goes, and the drive answers as before
     let read = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok().out;
     assert!(read.contains("5000"), "{read}");

@@ -192,7 +192,14 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Out
         parameter.is_none_or(|parameter| drive.saving(parameter) == own)
     });
     let (as_written, by_itself, lost) = (names(&as_written), names(&by_itself), names(&lost));
-    if !as_written.is_empty() {
+    // the command that saves comes last
+    let saved = own != Saving::Command || outcomes.last().is_some_and(is_written);
+    if save && !saved && !as_written.is_empty() {
+        output.warn(&format!(
+            "not saved: the drive refused to save, {} lost at the next power cycle",
+            listed_with_verb(&as_written)
+        ));
+    } else if !as_written.is_empty() {
         let which = if by_itself.is_empty() && lost.is_empty() {
             "them".to_owned()
         } else {
@@ -224,10 +231,16 @@ fn kept_words(saving: Saving, save: bool, which: &str) -> String {
         }
         (Saving::Request, true) => format!("the drive keeps {which} over a power cycle"),
         (Saving::Command, true) => {
-            format!("the drive was told to keep {which} over a power cycle, with all it can keep")
+            format!("saved: the drive keeps {which} over a power cycle, with all it can keep")
         }
         (_, false) => format!("until the next power cycle; with --save the drive keeps {which}"),
     }
+}
+
+/// `DRV.ACC is`, `DRV.ACC and DRV.DEC are`.
+fn listed_with_verb(names: &[String]) -> String {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{} {verb}", listed(names))
 }
 
 /// What becomes of values that the drive has no place for.
@@ -414,7 +427,7 @@ mod tests {
         assert!(lost_words(&names[..1]).starts_with("922 is gone with"));
         assert_eq!(
             kept_words(Saving::Command, true, "DRV.ACC"),
-            "the drive was told to keep DRV.ACC over a power cycle, with all it can keep"
+            "saved: the drive keeps DRV.ACC over a power cycle, with all it can keep"
         );
     }
 }
