@@ -145,6 +145,11 @@ fn a_capture_is_cut_by_time_and_by_station() {
     assert_eq!(missing, [] as [Value; 0]);
     let nobody = documents(&decode(&["--drive", "nobody"], &file));
     assert_eq!(nobody.len(), 1, "the end only: {nobody:?}");
+    let nobody = decode(&["--drive", "nobody"], &file);
+    let warning = String::from_utf8_lossy(&nobody.stderr).into_owned();
+    assert!(warning.contains("about nobody"), "{warning}");
+    let none = decode(&["--since", "2s", "--until", "1s"], &file);
+    assert_eq!(none.status.code(), Some(2), "{none:?}");
 }
 
 #[test]

@@ -157,6 +157,8 @@ struct Session<'a> {
     idle: Duration,
     now: Duration,
     began: bool,
+    /// An event of the station that was asked for was seen, printed or not.
+    met: bool,
 }
 
 impl<'a> Session<'a> {
@@ -170,6 +172,7 @@ impl<'a> Session<'a> {
             idle: Duration::ZERO,
             now: Duration::ZERO,
             began: args.since.is_none(),
+            met: false,
         }
     }
 
@@ -206,24 +209,37 @@ impl<'a> Session<'a> {
         let mut devices = self.walker.summary();
         if let Some(wanted) = &self.args.drive {
             devices.retain(|device| device.is(wanted));
+            if devices.is_empty() && !self.met {
+                self.output
+                    .warn(&format!("no frame is from, to or about {wanted}"));
+            }
         }
         summary(&devices, self.walker.counts(), damage, self.output);
     }
 
-    fn print(&self, events: &[Event], bar: &ProgressBar) {
-        for event in events.iter().filter(|event| self.wants(event)) {
-            bar.suspend(|| print(event, self.output));
+    fn print(&mut self, events: &[Event], bar: &ProgressBar) {
+        for event in events {
+            if !self.is_of_drive(event) {
+                continue;
+            }
+            self.met = true;
+            if self.wants(event) {
+                bar.suspend(|| print(event, self.output));
+            }
         }
     }
 
+    /// True for an event of the station that was asked for, or of any station without such a wish.
+    fn is_of_drive(&self, event: &Event) -> bool {
+        self.args.drive.as_ref().is_none_or(|wanted| {
+            let mut walkers = std::iter::once(&self.walker).chain(&self.known);
+            walkers.any(|walker| walker.is_about(event, wanted))
+        })
+    }
+
     fn wants(&self, event: &Event) -> bool {
-        let of_drive = |wanted: &String| {
-            let walkers = std::iter::once(&self.walker).chain(&self.known);
-            walkers.into_iter().any(|walker| walker.is_about(event, wanted))
-        };
         self.args.since.is_none_or(|since| event.at >= since)
             && (self.args.only != Some(Only::Trouble) || event.is_trouble())
-            && self.args.drive.as_ref().is_none_or(of_drive)
     }
 }
 

@@ -14,6 +14,13 @@ use crate::output::{Colour, Output};
 
 /// Decodes octets, a capture file, or what is on `interface`.
 pub fn run(args: &Decode, interface: Option<&str>, output: &Output) -> Result<(), Failure> {
+    if let (Some(since), Some(until)) = (args.since, args.until)
+        && since > until
+    {
+        return Err(Failure::usage(
+            "--since is later than --until: no frame is between them",
+        ));
+    }
     match (&args.file, &args.hex) {
         (Some(file), _) => capture::file(file, args, output),
         (None, Some(hex)) => {
