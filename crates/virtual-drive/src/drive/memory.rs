@@ -173,7 +173,7 @@ impl Drive {
                 .entries()
                 .any(|entry| entry == (key.as_str(), text.as_str()))
             {
-                return;
+                return self.saving.join();
             }
             image.set_text(&key, &text);
             return self.keep_saved(&image);
@@ -182,6 +182,8 @@ impl Drive {
         let raw = self.stored(position, element);
         if image.set_as(&key, parameter, raw, &self.settings.scaling.kept()) {
             self.keep_saved(&image);
+        } else {
+            self.saving.join();
         }
     }
 

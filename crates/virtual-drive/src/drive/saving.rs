@@ -62,6 +62,15 @@ impl Saving {
         self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed);
     }
 
+    /// The newest image has what is to be saved. Whoever asks for that waits for this image, unless it is stored.
+    pub fn join(&mut self) {
+        if let Some((_, asked)) = &mut self.due {
+            *asked = true;
+        }
+        let is_pending = self.due.is_some() || !self.under_way.is_empty();
+        self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed && is_pending);
+    }
+
     /// The image that the owner is to store.
     pub fn poll(&mut self) -> Option<Event> {
         let (text, asked) = self.due.take()?;

@@ -371,7 +371,8 @@ fn a_permanent_write_over_fc_is_answered_when_it_is_stored() {
         client.start(time(bench.now), write).unwrap();
         let mut outcome = None;
         let mut replies = 0;
-        for turn in 0..40 {
+        // one reply at most in a turn: after the refusal the same telegram is a new request
+        for turn in 0..120 {
             let mut data = [0; MAX_DATA];
             let parts = Parts {
                 pkw: client.request(time(bench.now)),
@@ -379,8 +380,8 @@ fn a_permanent_write_over_fc_is_answered_when_it_is_stored() {
             };
             let length = bench.layout.join(parts, &mut data).unwrap();
             bench.master.set_data(drive, &data[..length]).unwrap();
-            let events = bench.run(Duration::from_millis(60));
-            if turn == 20 {
+            let events = bench.run(Duration::from_millis(20));
+            if turn == 60 {
                 assert_eq!(outcome, None, "not stored yet");
                 let station = &mut bench.drives[0];
                 let saves: Vec<SaveId> = std::iter::from_fn(|| station.poll_event())

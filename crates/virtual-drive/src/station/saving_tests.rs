@@ -214,3 +214,31 @@ fn a_restart_forgets_the_writes_that_wait_for_a_save() {
     plant.run(Duration::from_millis(500));
     assert!(done(&plant));
 }
+
+/// A value that stands in an image which is not stored yet: a second write of it waits for that image too.
+#[test]
+fn the_same_value_again_is_acknowledged_when_it_is_stored() {
+    for stored in [true, false] {
+        let mut drive = Drive::new(&VLT);
+        drive.confirm_saves();
+        let permanent = |drive: &mut Drive| drive.write(341, 0, 500, profidrive::parameter::Keep::Permanent);
+        permanent(&mut drive).unwrap();
+        let first = drive.started_save().expect("a save");
+        permanent(&mut drive).unwrap();
+        let again = drive.started_save().expect("waits too");
+        assert_eq!(drive.save_state(again), SaveState::Pending);
+        let (_, save) = save_of(&mut drive);
+        permanent(&mut drive).unwrap();
+        assert_eq!(drive.started_save(), Some(again), "under way");
+        drive.report_save(save, stored);
+        let expected = if stored {
+            SaveState::Stored
+        } else {
+            SaveState::Failed
+        };
+        assert_eq!([first, again].map(|save| drive.save_state(save)), [expected; 2]);
+        // stored there is nothing to wait for; after a failure it is saved again
+        permanent(&mut drive).unwrap();
+        assert_eq!(drive.started_save().is_none(), stored);
+    }
+}
