@@ -399,7 +399,7 @@ mod tests {
                 old: None,
                 written: Some(Ok(())),
                 new: None,
-                acts: false,
+                acts: !left,
             };
             assert_eq!(keeps(&outcome), left, "{text}");
         }
