@@ -139,8 +139,14 @@ impl Running {
 
     /// Sends a signal by name (`INT`, `TERM`, `KILL`, `STOP`, `CONT`) to the program alone.
     pub fn signal(&self, name: &str) {
+        let mut named = vec![self.pid().to_string()];
+        if name == "CONT" && self.inner.is_some() {
+            // the tool that entered the namespace stops itself when the program is stopped, and would never see its end
+            named.push(self.child.id().to_string());
+        }
         let _ = Command::new("kill")
-            .args(["-s", name, &self.pid().to_string()])
+            .args(["-s", name])
+            .args(named)
             .stderr(Stdio::null())
             .status();
     }
