@@ -200,6 +200,9 @@ pub fn drive(
         return at_line(at, interface, need, output);
     }
     let mut session = session(interface, need, Some(&address), output)?;
+    if need == Need::Stop {
+        session.tolerate_unread();
+    }
     let spinner = spinner(output, format!("looking for {address}"));
     let found = session.find(&address);
     spinner.finish_and_clear();
@@ -228,6 +231,8 @@ pub fn drive(
         // a device without parameters still has its identity
         Err(Error::NotADrive { .. } | Error::NoRoute { .. } | Error::ParametersOwned { .. })
             if need == Need::Identity => {}
+        // a stop needs no parameters
+        _ if need == Need::Stop && session.unread().is_some() => {}
         other => other?,
     }
     Ok((session, drive))
@@ -265,6 +270,9 @@ fn at_line(
     line.set_stop(stop.clone());
     let config = LineConfig::new(at.protocol, at.baud);
     let mut session = Session::on_line(Carrier::Serial(Box::new(line)), config);
+    if need == Need::Stop {
+        session.tolerate_unread();
+    }
     session.interrupt_with(move || stop.is_stopped());
     let spinner = spinner(output, format!("looking for {at}"));
     let found = session.find(&DriveAddress::Line(at.clone()));

@@ -50,11 +50,17 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
             fields! {
                 "drive": label.as_str(), "sent": outcome.sent.then_some(command),
                 "speed_before": outcome.speed_before, "speed": outcome.speed, "enabled": outcome.enabled,
-                "at_rest": outcome.at_rest, "controller": owner.clone().flatten(),
+                "at_rest": outcome.at_rest, "controller": owner.clone().flatten(), "unread": outcome.unread.as_deref(),
             },
         );
     } else {
         output.line(&told(&label, command, &outcome));
+    }
+    if let Some(cause) = &outcome.unread {
+        output.warn(&format!(
+            "parameters of {label} cannot be read ({}): what they say was not taken into account",
+            clean(cause)
+        ));
     }
     let owned = owner.flatten().filter(|_| outcome.sent);
     if let Some(name) = &owned {
@@ -135,6 +141,7 @@ mod tests {
             speed: Some(0.0),
             enabled: Some(true),
             at_rest: true,
+            unread: None,
         };
         assert_eq!(
             told("akd-1", "DRV.STOP", &outcome),
@@ -144,7 +151,7 @@ mod tests {
             sent: false,
             speed_before: Some(0.0),
             enabled: Some(false),
-            ..outcome
+            ..outcome.clone()
         };
         assert_eq!(
             told("akd-1", "DRV.STOP", &nothing),

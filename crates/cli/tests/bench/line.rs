@@ -25,6 +25,8 @@ pub struct Line {
     pub changed: u64,
     /// So many have noise in front.
     pub noisy: u64,
+    /// The parameter channel of the drives never has an answer (AK 0).
+    pub mute: bool,
 }
 
 /// The wire that the session has, and what is at the other end of it.
@@ -49,6 +51,19 @@ impl Bus {
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
         (self.random >> 33) % 100
+    }
+
+    /// A reply without what the parameter channel has to say.
+    fn reply(&self, octets: &[u8]) -> Vec<u8> {
+        let mut octets = octets.to_vec();
+        if let (true, [_, _, _, pkw @ .., _, _, _, _, _]) = (self.line.mute, octets.as_mut_slice()) {
+            pkw.fill(0);
+            let check = octets
+                .pop()
+                .map(|_| octets.iter().fold(0, |sum, octet| sum ^ octet));
+            octets.extend(check);
+        }
+        octets
     }
 
     fn spoil(&mut self, mut octets: Vec<u8>) -> Vec<u8> {
@@ -96,7 +111,8 @@ impl Wire for Shared {
         }
         for from in 0..bus.drives.len() {
             while let Some(length) = bus.drives[from].poll_transmit(bus.now, &mut buffer) {
-                let octets = bus.spoil(buffer[..length].to_vec());
+                let reply = bus.reply(&buffer[..length]);
+                let octets = bus.spoil(reply);
                 for to in (0..bus.drives.len()).filter(|&to| to != from) {
                     bus.drives[to].handle_octets(bus.now, &octets);
                 }

@@ -16,7 +16,7 @@ use uss::{Protocol, SlaveConfig};
 use virtual_drive::drive::Drive as VirtualDrive;
 use virtual_drive::model::Model as Virtual;
 use virtual_drive::serial::{SerialConfig, SerialStation};
-use virtual_drive::station::{Station, StationConfig};
+use virtual_drive::station::{AnswerFault, Station, StationConfig};
 
 use super::ip;
 use super::line::{Line, Shared, bench_of};
@@ -125,12 +125,19 @@ impl World {
         transport: Transport,
         seed: u64,
     ) -> Result<(Session<Self>, Drive), Error> {
+        let (mut session, address) = self.session(transport, seed);
+        let drive = session.find(&address)?;
+        Ok((session, drive.taken_for(Model::by_name(model).expect("a model"))))
+    }
+
+    /// A new client, and the address of the drive.
+    pub fn session(&self, transport: Transport, seed: u64) -> (Session<Self>, DriveAddress) {
         {
             let mut state = self.0.borrow_mut();
             // what was planned for the client before does not happen to this one
             (state.killed, state.accident) = (false, None);
         }
-        let mut session = match transport {
+        let session = match transport {
             Transport::Profinet => {
                 let mut config = ControllerConfig::new(CLIENT, ip(200), "client", seed);
                 config.client_port = 0xC000 + u16::try_from(seed % 0x2000).unwrap_or(0) * 2;
@@ -144,9 +151,7 @@ impl World {
             Transport::Fc => "fc:/dev/ttyX/1",
             Transport::Uss => "uss:/dev/ttyX/1",
         };
-        let address: DriveAddress = name.parse().expect("an address");
-        let drive = session.find(&address)?;
-        Ok((session, drive.taken_for(Model::by_name(model).expect("a model"))))
+        (session, name.parse().expect("an address"))
     }
 
     /// Lets this happen to the client in so much time.
@@ -194,6 +199,17 @@ impl World {
                 look(host.expect("the drive").endpoint_mut().drive_mut())
             }
             Ends::Line { bus } => look(bus.0.borrow_mut().drives[0].drive_mut()),
+        }
+    }
+
+    /// Makes the parameter channel answer like this. A line knows only all or nothing.
+    pub fn answer(&self, fault: AnswerFault) {
+        match &mut self.0.borrow_mut().ends {
+            Ends::Network { medium, drive } => {
+                let host = medium.segment_mut().station_mut::<Host<Station>>(*drive);
+                host.expect("the drive").endpoint_mut().set_answer_fault(fault);
+            }
+            Ends::Line { bus } => bus.0.borrow_mut().line.mute = fault != AnswerFault::None,
         }
     }
 

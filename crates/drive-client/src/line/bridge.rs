@@ -134,6 +134,11 @@ impl Bridge {
         })
     }
 
+    /// Exchanges done so far.
+    pub fn progress(&self) -> usize {
+        self.at + self.parts.iter().map(|part| part.done).sum::<usize>()
+    }
+
     /// The next exchange; `None` when all are done.
     pub fn job(&mut self) -> Option<Job<'_>> {
         while let Some(part) = self.parts.get(self.at) {

@@ -228,6 +228,11 @@ impl Line {
         Ok(())
     }
 
+    /// How many exchanges of its job a drive has answered; `None` without a job.
+    pub fn progress(&self, id: SlaveId) -> Option<usize> {
+        self.get(id)?.job.as_ref().map(Bridge::progress)
+    }
+
     /// The end of a parameter job.
     pub fn take(&mut self, id: SlaveId) -> Option<Result<Vec<u8>, JobError>> {
         self.get_mut(id)?.done.take()

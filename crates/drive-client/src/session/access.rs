@@ -345,10 +345,13 @@ impl<M: Wire> Session<M> {
         }
         let what = || "parameter access".to_owned();
         let ar = self.for_parameters(drive)?;
+        let due = self.unread.as_ref().and_then(|unread| unread.due);
         self.call(drive, ar, &what, |client, now, ar| {
-            client
-                .controller()
-                .parameter_job(now, ar, channel(drive), request)
+            let (controller, at) = (client.controller(), channel(drive));
+            match due {
+                Some(due) => controller.parameter_job_within(now, ar, at, request, due - now),
+                None => controller.parameter_job(now, ar, at, request),
+            }
         })
     }
 

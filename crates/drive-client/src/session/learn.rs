@@ -5,6 +5,7 @@ use profidrive::parameter::{
     Answer, Attribute, CodeSpace, Description, Dialect, ErrorNumber, Identifier, ParameterAddress, RequestId,
     Response, encode_read, plan_reads, pnu,
 };
+use profinet::controller::ServiceError;
 
 use super::Session;
 use super::backup::LISTS;
@@ -142,8 +143,10 @@ impl<M: Wire> Session<M> {
                 ..Selection::number(pnu::IDENTIFICATION, Notation::Name)
             });
             let elements: Vec<Selection> = elements.collect();
-            let answers = match self.read_plain(drive, &elements) {
+            let answers = match self.read_strictly(drive, &elements) {
                 Ok(answers) => answers,
+                // nothing came at all: asked in another way it would not answer either
+                Err(error) if is_silence(&error) && self.gives_up(&error) => break,
                 Err(Error::Record { .. } | Error::Malformed { .. }) => continue,
                 Err(error) => return Err(error),
             };
@@ -219,6 +222,18 @@ impl<M: Wire> Session<M> {
         }
         Ok(texts)
     }
+}
+
+/// The drive has no answer, instead of one that cannot be understood.
+const fn is_silence(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::Timeout { .. }
+            | Error::Record {
+                error: ServiceError::NotReady { .. },
+                ..
+            }
+    )
 }
 
 /// Gives a drive the tables of its kind.

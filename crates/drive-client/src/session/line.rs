@@ -11,7 +11,7 @@ use uss::{Protocol, SlaveId};
 use super::Session;
 use crate::line::Bridge;
 use crate::parameter::Selection;
-use crate::{Drive, DriveAddress, Error, LineAddress, Model, Wire};
+use crate::{Client, Drive, DriveAddress, Error, LineAddress, Model, Wire};
 
 /// Longer than a drive is asked before it counts as absent.
 const ASK_LIMIT: Duration = Duration::from_secs(5);
@@ -68,7 +68,9 @@ impl<M: Wire> Session<M> {
         let dialects = self.dialects();
         for dialect in &dialects {
             self.speak(slave, *dialect);
-            let told = match self.read(&mut nobody, &[identification]) {
+            let told = match self.read_strictly(&nobody, &[identification]) {
+                // nothing came at all: another dialect would not be answered either
+                Err(error @ Error::Timeout { .. }) if self.gives_up(&error) => break,
                 // it does not understand
                 Err(Error::Channel { .. }) => continue,
                 told => told?,
@@ -172,7 +174,7 @@ impl<M: Wire> Session<M> {
                 drive: drive.label(),
                 reason: error.to_string(),
             })?;
-        let end = self.wait(limit, |client| client.take_line_job(slave));
+        let end = self.line_job_done(slave, limit);
         if !matches!(end, Ok(Some(_)))
             && let Some(line) = self.client.line()
         {
@@ -191,8 +193,31 @@ impl<M: Wire> Session<M> {
             None => Err(Error::Timeout {
                 drive: drive.label(),
                 what: "parameter access",
-                limit,
+                limit: self.silence(limit),
             }),
+        }
+    }
+
+    /// Waits until a job has ended, as long as the drive answers one exchange after the other.
+    fn line_job_done(
+        &mut self,
+        slave: SlaveId,
+        limit: Duration,
+    ) -> Result<Option<Result<Vec<u8>, JobError>>, Error> {
+        let end = self.now() + limit;
+        loop {
+            let left = self.silence(end - self.now());
+            let progress = |client: &mut Client| client.line()?.progress(slave);
+            let before = progress(&mut self.client);
+            let advanced = self.wait(left, |client| match client.take_line_job(slave) {
+                Some(done) => Some(Some(done)),
+                None => (progress(client) != before).then_some(None),
+            })?;
+            match advanced {
+                // it gets on
+                Some(None) => {}
+                done => return Ok(done.flatten()),
+            }
         }
     }
 }

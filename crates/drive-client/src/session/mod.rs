@@ -30,6 +30,7 @@ mod stop;
 mod takeover;
 mod tasks;
 mod told;
+mod unread;
 mod warnings;
 
 use std::time::Duration;
@@ -114,6 +115,8 @@ pub struct Session<M: Wire> {
     silence: Option<Silence>,
     /// The drive whose axis is under control, and what it does when it loses that.
     under_control: Option<(String, Box<LossReaction>)>,
+    /// Parameters that are not answered are tolerated.
+    unread: Option<unread::Unread>,
 }
 
 /// Somebody who waits for an answer.
@@ -174,6 +177,7 @@ impl<M: Wire> Session<M> {
             discovery: true,
             silence: None,
             under_control: None,
+            unread: None,
         }
     }
 
@@ -305,7 +309,7 @@ impl<M: Wire> Session<M> {
         limit: Duration,
         mut done: impl FnMut(&mut Client) -> Option<T>,
     ) -> Result<Option<T>, Error> {
-        let end = self.now() + limit;
+        let end = self.end_of(limit);
         loop {
             if let Some(result) = done(&mut self.client) {
                 return Ok(Some(result));

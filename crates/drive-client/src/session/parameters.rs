@@ -49,8 +49,32 @@ impl<M: Wire> Session<M> {
         Ok(join(&drive.parameters, selections, readings))
     }
 
-    /// The same without looking at the values that scale others first.
+    /// The same without looking at the values that scale others first. What is [tolerated](Self::tolerate_unread) gives
+    /// no reading.
     pub(super) fn read_plain(
+        &mut self,
+        drive: &Drive,
+        selections: &[Selection],
+    ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
+        if self.unread().is_some() {
+            return Ok(Vec::new());
+        }
+        match self.read_strictly(drive, selections) {
+            Err(error) if self.gives_up(&error) => Ok(Vec::new()),
+            other => other,
+        }
+    }
+
+    /// The same where each error counts.
+    pub(super) fn read_strictly(
+        &mut self,
+        drive: &Drive,
+        selections: &[Selection],
+    ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
+        self.in_time(drive, |session| session.read_all(drive, selections))
+    }
+
+    fn read_all(
         &mut self,
         drive: &Drive,
         selections: &[Selection],

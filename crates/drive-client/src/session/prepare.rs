@@ -7,12 +7,12 @@ use profidrive::state::{Mode, Zsw1};
 use profidrive::telegram::Telegram;
 
 use super::mode::mode_of;
-use super::plugged::Layout;
+use super::plugged::{Layout, Plugged};
 use super::told::Told;
 use super::{Authority, AxisSettings, Session, takeover};
 use crate::axis::{
-    ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit, Wiring,
-    choose_telegram, named_telegram, plan_move, process_words,
+    Choice, ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit,
+    Wiring, choose_telegram, named_telegram, plan_move, process_words,
 };
 use crate::error::mode_words;
 use crate::parameter::{Reading, Selection};
@@ -225,21 +225,7 @@ impl<M: Wire> Session<M> {
             number: reported.number.or_else(|| plugged.telegram(device)),
             ..reported
         };
-        let choice = match settings.telegram {
-            Some(wanted) if device.telegram(wanted).is_none() => {
-                return Err(Error::NoSuchTelegram {
-                    drive: drive.label(),
-                    wanted,
-                    possible: device.telegrams.iter().map(|module| module.telegram).collect(),
-                });
-            }
-            Some(wanted) => named_telegram(device, &reported, purpose, wanted),
-            None => choose_telegram(device, &reported, purpose, mode),
-        };
-        let mut choice = choice.map_err(|problem| Error::Telegram {
-            drive: drive.label(),
-            problem,
-        })?;
+        let (mut choice, layout) = self.telegram_for(drive, device, settings, mode, (&plugged, &reported))?;
         let alone: Vec<u16> = choice.wiring.left_alone().collect();
         for reading in self.read_numbers(drive, &alone)? {
             if let Some(raw) = reading.raw() {
@@ -247,16 +233,6 @@ impl<M: Wire> Session<M> {
                 let _ = choice.wiring.preset(reading.pnu, raw);
             }
         }
-        // what a maker's file says is surer than that the module plugged is the one of PNU 922
-        let layout = plugged
-            .layout_of(&drive.maker_modules, device, &choice.module)
-            .or_else(|| plugged.layout(device, &choice.module, reported.number))
-            .ok_or_else(|| Error::ForeignModule {
-                drive: drive.label(),
-                ident: plugged.drive.as_ref().map_or(0, |module| module.ident),
-                plugged: reported.number,
-                wanted: choice.module.telegram,
-            })?;
         let telegram = Telegram::find(choice.wiring.telegram(), drive.station.vendor_id);
         let profile = drive.model.words.of(telegram, told.raw(Part::ControlProfile));
         let (scale, ramps) = scale_of(drive, &told, choice.wiring.telegram(), settings)?;
@@ -270,6 +246,56 @@ impl<M: Wire> Session<M> {
             acceleration: ramps[0],
             deceleration: ramps[1],
         })
+    }
+
+    /// The telegram for a purpose and the modules to connect with. Where settings of the drive decide about its words and
+    /// cannot be read, it is telegram 1, if the drive has that.
+    fn telegram_for(
+        &self,
+        drive: &Drive,
+        device: &Device,
+        settings: &AxisSettings,
+        mode: Mode,
+        (plugged, reported): (&Plugged, &ReportedTelegram),
+    ) -> Result<(Choice, Layout), Error> {
+        let purpose = settings.purpose;
+        let choice = match settings.telegram {
+            Some(wanted) if device.telegram(wanted).is_none() => {
+                return Err(Error::NoSuchTelegram {
+                    drive: drive.label(),
+                    wanted,
+                    possible: device.telegrams.iter().map(|module| module.telegram).collect(),
+                });
+            }
+            Some(wanted) => named_telegram(device, reported, purpose, wanted),
+            None => choose_telegram(device, reported, purpose, mode),
+        };
+        let choice = choice.map_err(|problem| Error::Telegram {
+            drive: drive.label(),
+            problem,
+        })?;
+        // what a maker's file says is surer than that the module plugged is the one of PNU 922
+        let layout = |choice: &Choice| {
+            plugged
+                .layout_of(&drive.maker_modules, device, &choice.module)
+                .or_else(|| plugged.layout(device, &choice.module, reported.number))
+        };
+        if self.unread().is_some() && depends_on_settings(drive, &choice) {
+            let standard = named_telegram(device, reported, purpose, 1).ok();
+            let fits = standard.and_then(|choice| layout(&choice).map(|layout| (choice, layout)));
+            if let Some(fits) = fits {
+                return Ok(fits);
+            }
+        }
+        match layout(&choice) {
+            Some(layout) => Ok((choice, layout)),
+            None => Err(Error::ForeignModule {
+                drive: drive.label(),
+                ident: plugged.drive.as_ref().map_or(0, |module| module.ident),
+                plugged: reported.number,
+                wanted: choice.module.telegram,
+            }),
+        }
     }
 
     /// Puts what the drive has now into the words of the telegram whose parameter settings choose: they are written
@@ -352,6 +378,13 @@ impl<M: Wire> Session<M> {
             }),
         }
     }
+}
+
+/// Settings of the drive decide what a word of this telegram means, or whose bits its control word has.
+fn depends_on_settings(drive: &Drive, choice: &Choice) -> bool {
+    let telegram = Telegram::find(choice.wiring.telegram(), drive.station.vendor_id);
+    let own_words = telegram.is_some_and(|telegram| telegram.own_words);
+    choice.wiring.chosen_words().next().is_some() || own_words && !drive.model.words.chosen.is_empty()
 }
 
 /// Whether an axis of a drive with this authority may be taken; one that another controller has is refused with its name

@@ -124,6 +124,7 @@ impl<M: Wire> Session<M> {
                 return Err(error);
             }
         };
+        drive.scaled = self.unread().is_none();
         for part in SCALING {
             // of several parameters with one value the first counts
             if let Some((reading, number)) = told.find(part).and_then(|one| Some((one, one.number()?))) {

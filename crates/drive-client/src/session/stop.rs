@@ -61,7 +61,7 @@ pub enum StopMeans {
 }
 
 /// What became of a stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StopOutcome {
     /// The command was sent; false when the axis was at rest already, or its power stage off: then no command holds it.
     pub sent: bool,
@@ -73,6 +73,8 @@ pub struct StopOutcome {
     pub enabled: Option<bool>,
     /// The axis stands, and is off where that was wanted.
     pub at_rest: bool,
+    /// Why parameters of the drive could not be read: it was stopped by what else is known of it.
+    pub unread: Option<String>,
 }
 
 impl<M: Wire> Session<M> {
@@ -97,12 +99,31 @@ impl<M: Wire> Session<M> {
     ///
     /// An axis that turns with its power stage off, because it coasts or a load pulls at it, is only waited for.
     ///
+    /// A parameter that the drive does not answer, or not properly, is no error: control word and status word are enough.
+    /// After the first one none is requested, and [`StopOutcome::unread`] says why.
+    ///
     /// A controller of the drive is not asked and goes on: what it commands next may move the axis again.
     ///
     /// # Errors
     /// [`Error::NoStopBeside`] when the drive has no such parameter and a controller has its control word,
     /// [`Error::LocalOperation`] when somebody at the drive commands it, and when it refuses or cannot be reached.
     pub fn stop_drive(
+        &mut self,
+        drive: &mut Drive,
+        way: StopWay,
+        limit: Duration,
+    ) -> Result<StopOutcome, Error> {
+        let tolerant = self.unread.is_some();
+        self.tolerate_unread();
+        let stopped = self.stop_by_means(drive, way, limit);
+        let unread = self.unread().map(str::to_owned);
+        if !tolerant {
+            self.unread = None;
+        }
+        Ok(StopOutcome { unread, ..stopped? })
+    }
+
+    fn stop_by_means(
         &mut self,
         drive: &mut Drive,
         way: StopWay,
@@ -190,6 +211,7 @@ impl<M: Wire> Session<M> {
             speed,
             enabled,
             at_rest: stands && (way == StopWay::Stop || enabled == Some(false)),
+            unread: None,
         })
     }
 }

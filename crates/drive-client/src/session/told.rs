@@ -21,6 +21,8 @@ const WITHOUT_TABLES: [(Part, u16); 6] = [
 
 /// What every reply of a serial line carries, also where its parameter channel cannot carry the parameter.
 const IN_EVERY_REPLY: [Part; 3] = [Part::StatusWord, Part::SpeedActual, Part::Speed];
+/// What the words of a drive at a line may be beside those of PROFIdrive.
+const UNKNOWN: [Profile; 1] = [Profile::DanfossFc];
 /// Actual value as it travels (N2) up to which the axis stands: 0.2 % of its reference.
 const STANDS: u16 = 0x4000 / 500;
 
@@ -211,6 +213,16 @@ impl Told {
     pub fn profile(&self, drive: &Drive, telegram: Option<u16>) -> Profile {
         let choice = self.raw(Part::ControlProfile);
         let found = telegram.and_then(|number| Telegram::find(number, drive.station.vendor_id));
-        drive.model.words.of(found, choice)
+        let words = drive.model.words.of(found, choice);
+        match (choice, self.line) {
+            // only the status word itself shows whose bits it has
+            (None, Some([status, _])) if drive.model.catalogue.is_none() => words.or_as(status, &UNKNOWN),
+            (None, Some([status, _])) if found.is_some_and(|telegram| telegram.own_words) => {
+                let chosen = drive.model.words.chosen.iter();
+                let others: Vec<Profile> = chosen.map(|(_, profile)| *profile).collect();
+                words.or_as(status, &others)
+            }
+            _ => words,
+        }
     }
 }

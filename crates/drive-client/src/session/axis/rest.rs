@@ -2,12 +2,15 @@
 
 use std::time::Duration;
 
-use super::Axis;
+use super::{Axis, AxisStatus};
 use crate::axis::{Goal, Trouble};
+use crate::session::takeover;
 use crate::{Connection, Error, Wire};
 
 /// How long a drive at a line that fell silent is told to stop.
 const CALL_AGAIN: Duration = Duration::from_secs(2);
+/// How long the first valid data of a drive is waited for.
+const FIRST_DATA: Duration = Duration::from_secs(1);
 /// The longest ramp that is waited for.
 const LONGEST_RAMP: Duration = Duration::from_secs(600);
 
@@ -82,10 +85,18 @@ impl<M: Wire> Axis<'_, M> {
         Ok(())
     }
 
-    /// As [`ramp_down`](Self::ramp_down), not to be interrupted.
+    /// As [`ramp_down`](Self::ramp_down), not to be interrupted. Of an axis that was not taken over the first data shows
+    /// whether it is in operation.
+
     pub(in crate::session) fn come_to_rest(&mut self) -> Result<(), Error> {
         let stopping = std::mem::replace(&mut self.session.stopping, true);
-        let result = self.ramp_down();
+        let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);
+        let mut result = Ok(true);
+        if !self.operated {
+            result = self.hold_until(FIRST_DATA, |status| seen(status).is_some());
+            self.operated = takeover::is_kept(self.status().as_ref().and_then(seen));
+        }
+        let result = result.and_then(|_| self.ramp_down());
         self.session.stopping = stopping;
         result
     }

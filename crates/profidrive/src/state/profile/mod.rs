@@ -497,6 +497,36 @@ impl Profile {
         }
     }
 
+    /// This profile where the status word can be one of it, else the first of `others` that it can be one of; this one
+    /// too when it is none of any. A motor that runs shows it: bit 4 (OFF2 not active) of PROFIdrive words is 1, and bit 5 of
+    /// FC words is always 0.
+    ///
+    /// ```
+    /// use profidrive::state::Profile;
+    /// let others = [Profile::DanfossProfidrive];
+    /// assert_eq!(Profile::DanfossFc.or_as(0x0F07, &others), Profile::DanfossFc);
+    /// assert_eq!(Profile::DanfossFc.or_as(0x0F37, &others), Profile::DanfossProfidrive);
+    /// let others = [Profile::DanfossFc];
+    /// assert_eq!(Profile::Profidrive.or_as(0x0F07, &others), Profile::DanfossFc);
+    /// assert_eq!(Profile::Profidrive.or_as(0x0237, &others), Profile::Profidrive);
+    /// ```
+    #[must_use]
+    pub fn or_as(self, status: u16, others: &[Self]) -> Self {
+        let mut all = [self].into_iter().chain(others.iter().copied());
+        all.find(|profile| profile.has(status)).unwrap_or(self)
+    }
+
+    /// The status word can be one of this profile.
+    fn has(self, status: u16) -> bool {
+        let unused = self.facts().says.is_some_and(|says| {
+            let mut bits = says.iter().enumerate();
+            bits.any(|(number, says)| *says == Says::Nothing && status & (1 << number) != 0)
+        });
+        let word = self.zsw1(status, 0);
+        // a drive in operation does not coast
+        !unused && (!word.has(Zsw1::OPERATION_ENABLED) || word.has(Zsw1::NO_COAST_STOP))
+    }
+
     /// The state that a status word tells, see [`Zsw1::state`]; `sent` is the control word sent last. An FC word does not
     /// tell a stop from operation: there a stop that what was sent does not ask for is told as operation.
     #[must_use]
