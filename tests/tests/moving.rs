@@ -105,6 +105,49 @@ fn a_drive_is_stopped_while_its_suspended_client_has_the_port_of_the_controller(
     assert_eq!(status()["cause"], "no-controller");
 }
 
+/// A command that reads may be there first: it has the port where it is free, and shares it. A foreign program does not,
+/// which is said before anything is commanded. Parameters are not needed for a stop.
+#[test]
+fn a_stop_needs_the_port_of_the_controller_and_no_parameters() {
+    let lab = Lab::new("moving-port");
+    let _drive = system_tests::simulate(
+        &lab,
+        &["--model", "vlt", "--name", "vlt-1", "--ip", "192.168.77.50/24"],
+    );
+    client(&lab, &["write", "vlt-1", "8-04=0"]).ok();
+    let mut monitor = start(&lab, &["monitor", "vlt-1", "--json"]);
+    monitor.wait_for("vlt-1", SHORT);
+    let mut run = start(&lab, &["run", "vlt-1", "--velocity", "20%"]);
+    run.wait_for("set    20.00 %", SHORT);
+    monitor.signal("INT");
+    run.signal("KILL");
+
+    let bound = "import socket, time; s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); \
+                 s.bind(('', 34964)); print('bound', flush=True); time.sleep(600)";
+    let mut foreign = lab.spawn(Side::Controller, "python3", ["-c", bound]);
+    foreign.wait_for("bound", SHORT);
+    let refused = client(&lab, &["stop", "vlt-1"]);
+    assert_eq!(refused.code, Some(4), "{refused:?}");
+    for words in [
+        "UDP port 34964",
+        "in use by another program",
+        "ss -ulpn",
+        "nothing was commanded",
+    ] {
+        assert!(refused.err.contains(words), "{words}: {refused:?}");
+    }
+    foreign.signal("KILL");
+    foreign.finish(SHORT);
+
+    client(&lab, &["inject", "vlt-1", "answers=silent"]).ok();
+    let stop = client(&lab, &["stop", "vlt-1"]).ok();
+    assert!(stop.out.contains("it stands"), "{stop:?}");
+    assert!(
+        stop.err.contains("parameters of vlt-1 cannot be read"),
+        "{stop:?}"
+    );
+}
+
 /// The speed that `jog` sets for its time is noted: after a kill it is told, and the next jog puts it back.
 #[test]
 fn a_jog_that_is_killed_leaves_a_note_of_the_speed_before() {

@@ -63,7 +63,7 @@ pub fn session(
         (Some(name), _) => match PacketMedium::open(&name, server(need)) {
             Err(NetworkError::NoPermission { .. }) if by_ip => {
                 output.say("no right to open a raw socket: going by UDP alone");
-                udp(&stop)?
+                udp(need, &stop)?
             }
             Err(error @ NetworkError::NoPermission { .. }) => {
                 let failure = Failure::from(error);
@@ -75,7 +75,7 @@ pub fn session(
             Err(error) => return Err(error.into()),
             Ok(medium) => packet(medium, need, &stop)?,
         },
-        (None, true) => udp(&stop)?,
+        (None, true) => udp(need, &stop)?,
         (None, false) => return Err(no_interface()),
     };
     let (flag, urgent, told) = (stop.clone(), stop, output.clone());
@@ -112,18 +112,30 @@ fn packet(mut medium: PacketMedium, need: Need, stop: &Stop) -> Result<Live, Fai
     }
     medium.set_stop(stop.clone());
     let config = config(info.usable()?, info.ip());
-    Ok(Session::new(Carrier::Packet(Box::new(medium)), config))
+    let hears_calls = medium.hears_calls();
+    let session = Session::new(Carrier::Packet(Box::new(medium)), config);
+    Ok(if hears_calls {
+        session
+    } else {
+        session.without_calls()
+    })
 }
 
-fn udp(stop: &Stop) -> Result<Live, Failure> {
-    let mut medium = UdpMedium::open(Ipv4Addr::UNSPECIFIED, ServerPort::IfFree)?;
+fn udp(need: Need, stop: &Stop) -> Result<Live, Failure> {
+    let mut medium = UdpMedium::open(Ipv4Addr::UNSPECIFIED, server(need))?;
     medium.set_stop(stop.clone());
     let mac = InterfaceInfo::list()
         .ok()
         .and_then(|all| all.into_iter().find(|info| info.up && !info.loopback)?.mac)
         .unwrap_or(MacAddress([2, 0, 0, 0, 0, 1]));
     let config = config(mac, IpSuite::NONE);
-    Ok(Session::new(Carrier::Udp(Box::new(medium)), config).without_discovery())
+    let hears_calls = medium.hears_calls();
+    let session = Session::new(Carrier::Udp(Box::new(medium)), config).without_discovery();
+    Ok(if hears_calls {
+        session
+    } else {
+        session.without_calls()
+    })
 }
 
 fn config(mac: MacAddress, ip: IpSuite) -> ControllerConfig {

@@ -219,6 +219,7 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::SharedAddress { .. }
         | Error::NeedsDiscovery { .. }
         | Error::NeedsRawFrames { .. }
+        | Error::NeedsCallPort { .. }
         | Error::NoIpAddress { .. }
         | Error::Dcp { .. }
         | Error::Connect { .. }

@@ -134,7 +134,7 @@ fn noise_halves_and_echo_change_no_value() {
         halved: 2,
         changed: 2,
         noisy: 2,
-        cut: false,
+        ..Line::default()
     };
     let (mut session, bus) = bench(Protocol::Fc, &[1, 2], line);
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();

@@ -66,6 +66,14 @@ pub enum Error {
         /// The drive.
         drive: String,
     },
+    /// Another program has the UDP port on which a drive calls its controller. Nothing was sent.
+    #[error(
+        "{drive}: a drive calls its controller on UDP port 34964, which is in use by another program on this computer; nothing was commanded"
+    )]
+    NeedsCallPort {
+        /// The drive.
+        drive: String,
+    },
     /// The station has no IP address yet.
     #[error("{drive} has no IP address, records cannot be reached")]
     NoIpAddress {

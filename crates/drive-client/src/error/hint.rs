@@ -104,6 +104,10 @@ impl Error {
             Self::NeedsRawFrames { .. } => {
                 "name the network interface, and have the right to raw sockets on it (root or CAP_NET_RAW)".into()
             }
+            Self::NeedsCallPort { .. } => {
+                "end that program (see: ss -ulpn sport = :34964), or use another computer; until then stop the drive at its panel or by its inputs"
+                    .into()
+            }
             Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
             Self::OwnedByController { .. } => {
                 "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()

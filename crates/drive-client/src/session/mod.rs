@@ -111,6 +111,8 @@ pub struct Session<M: Wire> {
     route_follower: RouteFollower,
     reference: u8,
     discovery: bool,
+    /// Drives can call their controller here.
+    calls: bool,
     /// When somebody who waits for an answer is to be told that there is none, and how.
     silence: Option<Silence>,
     /// The drive whose axis is under control, and what it does when it loses that.
@@ -175,6 +177,7 @@ impl<M: Wire> Session<M> {
             route_follower: Box::new(|_, _| {}),
             reference: 0,
             discovery: true,
+            calls: true,
             silence: None,
             under_control: None,
             unread: None,
@@ -185,6 +188,14 @@ impl<M: Wire> Session<M> {
     #[must_use]
     pub fn without_discovery(mut self) -> Self {
         self.discovery = false;
+        self
+    }
+
+    /// The same on a medium on which drives cannot call their controller, as another program has UDP port 34964: no
+    /// connection as IO controller can be made.
+    #[must_use]
+    pub fn without_calls(mut self) -> Self {
+        self.calls = false;
         self
     }
 

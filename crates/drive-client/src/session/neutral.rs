@@ -39,6 +39,11 @@ impl<M: Wire> Session<M> {
         if self.is_closed(drive, Route::Controller) {
             return Err(self.no_route(drive));
         }
+        if !self.calls {
+            let reason = "UDP port 34964, on which the device calls, is in use by another program".into();
+            self.close_route(drive, Route::Controller, reason);
+            return Err(self.no_route(drive));
+        }
         let owner = self.glance_record(drive, 0, (0, 1), index::AR_DATA)?;
         if let Some(Some(controller)) = owner.and_then(|data| controller_of(&data, &[])) {
             return Err(self.owned(drive, Some(controller)));

@@ -25,7 +25,8 @@ const UDP: usize = 2;
 /// Whether the medium receives on UDP port 34964, where devices call their controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ServerPort {
-    /// Yes, and it is an error if another program has it: for a controller with cyclic data.
+    /// Yes, and it is an error if another program has it: for a controller with cyclic data. With a program of this library
+    /// that has it by [`IfFree`](Self::IfFree) it is shared.
     Required,
     /// If it is free: beside a controller that runs already.
     IfFree,
@@ -108,6 +109,12 @@ impl PacketMedium {
     #[must_use]
     pub fn unsent_datagrams(&self) -> u64 {
         self.udp.as_ref().map_or(0, Ports::unsent)
+    }
+
+    /// True while devices can call their controller here, on UDP port 34964.
+    #[must_use]
+    pub fn hears_calls(&self) -> bool {
+        self.udp.as_ref().is_some_and(Ports::hears_calls)
     }
 
     /// Lets this flag end a step early, once.
@@ -247,6 +254,12 @@ impl UdpMedium {
     /// Lets this flag end a step early, once.
     pub fn set_stop(&mut self, stop: Stop) {
         self.common.stop = Some(stop);
+    }
+
+    /// True while devices can call their controller here, on UDP port 34964.
+    #[must_use]
+    pub fn hears_calls(&self) -> bool {
+        self.udp.as_ref().is_some_and(Ports::hears_calls)
     }
 
     fn drain(&mut self, endpoint: &mut dyn Endpoint) -> Result<(), Error> {

@@ -3,6 +3,8 @@
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
 use std::os::fd::{AsRawFd, RawFd};
+use std::os::linux::net::SocketAddrExt;
+use std::os::unix::net::{SocketAddr as LocalAddr, UnixDatagram};
 
 use profinet::{IpSuite, RPC_PORT};
 use socket2::{Domain, Protocol, Socket, Type};
@@ -19,6 +21,8 @@ struct Port {
     address: Ipv4Addr,
     number: u16,
     socket: UdpSocket,
+    /// Keeps other programs of this library from requiring the port too.
+    _claim: Option<UnixDatagram>,
     used: u64,
 }
 
@@ -109,6 +113,11 @@ impl Ports {
         self.unsent
     }
 
+    /// Devices can call here: the server port is open.
+    pub(super) fn hears_calls(&self) -> bool {
+        self.open.iter().any(|port| port.number == RPC_PORT)
+    }
+
     pub(super) fn len(&self) -> usize {
         self.open.len()
     }
@@ -136,16 +145,18 @@ impl Ports {
         let index = match found {
             Some(index) => index,
             None => {
-                let socket = bind(
-                    address,
-                    number,
-                    number == RPC_PORT && self.server == ServerPort::Shared,
-                )?;
+                let server = number == RPC_PORT;
+                let claim = (server && self.server == ServerPort::Required)
+                    .then(|| claim(address))
+                    .transpose()?;
+                let shares = matches!(self.server, ServerPort::Required | ServerPort::Shared);
+                let socket = bind(address, number, server && shares)?;
                 self.make_room();
                 self.open.push(Port {
                     address,
                     number,
                     socket,
+                    _claim: claim,
                     used: 0,
                 });
                 self.open.len() - 1
@@ -188,6 +199,22 @@ fn routed(destination: SocketAddrV4) -> Option<Ipv4Addr> {
         SocketAddr::V4(own) => Some(*own.ip()),
         SocketAddr::V6(_) => None,
     }
+}
+
+/// Claims the server port of an address: a name in the network namespace that is free again with its program.
+fn claim(address: Ipv4Addr) -> Result<UnixDatagram, Error> {
+    let name = format!("profidrive/{address}:{RPC_PORT}");
+    let claimed = LocalAddr::from_abstract_name(name).and_then(|name| UnixDatagram::bind_addr(&name));
+    claimed.map_err(|source| match source.kind() {
+        io::ErrorKind::AddrInUse => Error::PortOccupied {
+            address,
+            port: RPC_PORT,
+        },
+        _ => Error::System {
+            action: "cannot claim a UDP port",
+            source,
+        },
+    })
 }
 
 /// Binds a UDP socket. With `share` it gets the datagrams of a port that another program of this library has.
@@ -266,6 +293,37 @@ mod tests {
         drop(later);
         peer.send_to(b"ready", (address, RPC_PORT)).unwrap();
         assert!(suspended.receive(0, &mut buffer).is_some());
+    }
+
+    /// A command that only reads takes the port where it is free, and may be there first.
+    #[test]
+    fn a_controller_shares_its_port_with_who_reads_and_not_with_others() {
+        let address = Ipv4Addr::new(127, 34, 96, 5);
+        let mut reads = ports(address, ServerPort::IfFree);
+        reads.listen().unwrap();
+        let mut controls = ports(address, ServerPort::Required);
+        controls.listen().unwrap();
+        let peer = UdpSocket::bind((address, 0)).unwrap();
+        let mut buffer = [0; 8];
+        peer.send_to(b"ready", (address, RPC_PORT)).unwrap();
+        assert!(
+            controls.receive(0, &mut buffer).is_some(),
+            "the call is for the controller"
+        );
+        let mut later = ports(address, ServerPort::IfFree);
+        later.listen().unwrap();
+        assert!(!later.hears_calls() && controls.hears_calls());
+        let second = ports(address, ServerPort::Required).listen();
+        assert!(matches!(second, Err(Error::PortOccupied { .. })), "{second:?}");
+        drop((reads, controls));
+        let foreign = UdpSocket::bind((address, RPC_PORT)).unwrap();
+        for server in [ServerPort::Required, ServerPort::Shared] {
+            let mut refused = ports(address, server);
+            let listens = refused.listen();
+            assert_eq!(listens.is_ok(), server == ServerPort::Shared, "{listens:?}");
+            assert!(!refused.hears_calls(), "{server:?}");
+        }
+        drop(foreign);
     }
 
     #[test]

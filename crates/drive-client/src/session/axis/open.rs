@@ -75,7 +75,8 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, somebody at the
     /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]),
-    /// another controller owns it, or the session carries UDP only ([`Error::NeedsRawFrames`]).
+    /// another controller owns it, the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
+    /// ([`Error::NeedsCallPort`]).
     pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
         let tables = drive.model.catalogue;
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
@@ -209,12 +210,18 @@ impl<M: Wire> Session<M> {
         Ok(axis)
     }
 
-    /// Cyclic data travels in frames of its own, not in UDP.
+    /// Cyclic data travels in frames of its own, not in UDP; the drive calls when it is ready for them.
     fn check_carrier(&self, drive: &Drive) -> Result<(), Error> {
-        if self.discovery || drive.is_on_line() {
+        if drive.is_on_line() {
             return Ok(());
         }
-        Err(Error::NeedsRawFrames { drive: drive.label() })
+        if !self.discovery {
+            return Err(Error::NeedsRawFrames { drive: drive.label() });
+        }
+        if !self.calls {
+            return Err(Error::NeedsCallPort { drive: drive.label() });
+        }
+        Ok(())
     }
 
     /// Returns how late this computer woke up at the most, over [`MEASURED`] of the waiting that carries the frames.

@@ -87,7 +87,6 @@ impl<M: Wire> Axis<'_, M> {
 
     /// As [`ramp_down`](Self::ramp_down), not to be interrupted. Of an axis that was not taken over the first data shows
     /// whether it is in operation.
-
     pub(in crate::session) fn come_to_rest(&mut self) -> Result<(), Error> {
         let stopping = std::mem::replace(&mut self.session.stopping, true);
         let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);
