@@ -140,6 +140,24 @@ fn a_drive_in_a_telegram_of_its_vendor_is_stopped_without_its_parameters() {
     }
 }
 
+/// The ramp of the drive has its time whatever the limit; without knowing it the quick stop comes after the limit.
+#[test]
+fn a_ramp_longer_than_the_limit_is_waited_for_where_the_drive_reports_it() {
+    for (fault, quick) in [(AnswerFault::None, false), (AnswerFault::Cut, true)] {
+        let world = left_running(&model::VLT, "vlt", &[(804, 0)], Transport::Profinet, None);
+        // 3-42: 10 s to the speed of the motor
+        set(&world, 342, 1000);
+        world.answer(fault);
+        let (mut session, mut drive) = found(&world, Transport::Profinet);
+        let begin = session.now();
+        let stopped = session.stop_drive(&mut drive, StopWay::Stop, SECOND);
+        assert_eq!(stopped.is_err(), quick, "{fault:?}: {stopped:?}");
+        let took = session.now() - begin;
+        assert_eq!(took < SECOND * 6, quick, "{fault:?}: {took:?}");
+        assert!(world.speed().abs() < 1.0, "{fault:?}: {}", world.speed());
+    }
+}
+
 /// Whose bits the words at a line have shows in the status word where 8-10 cannot be read.
 #[test]
 fn the_words_of_a_line_are_told_apart_by_the_status_word() {

@@ -21,7 +21,8 @@ pub struct Stop {
     /// afterwards
     #[arg(long)]
     pub disable: bool,
-    /// How long the axis may take to come to rest
+    /// How long the axis may take to come to rest. A drive that is taken over gets this beside the time of its ramp, as far as
+    /// it reports that; then it is stopped by the quick stop (OFF3)
     #[arg(long, value_name = "TIME", default_value = "10s", value_parser = duration)]
     pub timeout: Duration,
 }
@@ -132,6 +133,19 @@ fn told(drive: &str, command: &str, outcome: &StopOutcome) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_help_says_what_the_timeout_bounds() {
+        let help = Stop::augment_args(clap::Command::new("stop"))
+            .render_long_help()
+            .to_string();
+        let words: Vec<&str> = help.split_whitespace().collect();
+        let text = words.join(" ");
+        assert!(
+            text.contains("beside the time of its ramp") && text.contains("quick stop"),
+            "{text}"
+        );
+    }
 
     #[test]
     fn what_was_done_is_said() {
