@@ -8,7 +8,8 @@ use bench::world::{Accident, Transport, World};
 use drive_client::axis::{Purpose, SpeedUnit};
 use drive_client::status::{Cause, diagnose};
 use drive_client::{
-    Action, AxisSettings, Drive, Error, LocalControl, LossAction, Session, StopMeans, StopWay, WriteMode,
+    Action, AxisSettings, Drive, Error, LocalControl, LossAction, Rest, Session, StopMeans, StopWay,
+    WriteMode,
 };
 use profidrive::parameter::{Keep, ParameterAccess};
 use virtual_drive::drive::Injection;
@@ -538,6 +539,34 @@ fn a_fault_is_acknowledged_while_the_axis_still_coasts() {
         axis.ready().expect("no fault");
         assert!(!axis.coasts(), "{transport:?}");
         axis.release().expect("released");
+    }
+}
+
+/// An axis that ramps when control is taken and loses its power stage then: it coasts, which is not at rest.
+#[test]
+fn a_ramp_that_ends_in_coasting_is_no_rest() {
+    for stage_goes in [true, false] {
+        let world = World::new(&model::VLT, Transport::Profinet, 7);
+        set(&world, "8-04=2");
+        desert(&world, "vlt", Transport::Profinet, 1400.0);
+        let turned = world.speed();
+        while world.speed() > turned - 100.0 {
+            world.pass(SECOND / 20);
+        }
+        let (mut session, mut drive) = world.client("vlt", Transport::Profinet, 2).expect("found");
+        let wanted = settings(&drive, Purpose::Control);
+        let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+        axis.hold_until(SECOND, |status| status.view.seen.is_some())
+            .expect("data");
+        assert!(world.look(|drive| drive.is_enabled()), "it ramps");
+        if stage_goes {
+            world.look(|drive| drive.inject("sto=on".parse().expect("an injection")));
+        }
+        axis.ready_or_fault().expect("reached or not");
+        let rest = axis.release_and_look().expect("given back");
+        let wanted = if stage_goes { Rest::Coasts } else { Rest::Stands };
+        assert_eq!(rest, wanted, "{} rpm", world.speed());
+        assert_eq!(world.speed().abs() > 100.0, stage_goes, "{} rpm", world.speed());
     }
 }
 

@@ -41,7 +41,8 @@ pub use modules::{MakerModule, modules_of};
 pub use session::{
     AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described,
     DescribedLimits, Enabled, FaultEntry, FaultReport, Identity, Info, JogSpeed, LocalControl, LoggedFault,
-    LossAction, LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, Route, RouteNotice,
-    Session, Snapshot, StopMeans, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher, WriteMode,
+    LossAction, LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, Rest, Route,
+    RouteNotice, Session, Snapshot, StopMeans, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher,
+    WriteMode,
 };
 pub use wire::Wire;

@@ -8,7 +8,7 @@ use clap::Args;
 use drive_client::axis::{Cycle, Goal, MotionFacts, Purpose, SpeedUnit, Strained, Trouble};
 use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
 use drive_client::{
-    AxisSettings, AxisStatus, Drive, Error, FaultEntry, LossAction, ModeBefore, PutBack, WarningEntry,
+    AxisSettings, AxisStatus, Drive, Error, FaultEntry, LossAction, ModeBefore, PutBack, Rest, WarningEntry,
 };
 use profidrive::notation::Quantity;
 use profidrive::state::Mode;
@@ -367,8 +367,9 @@ pub fn finish(
     output: &Output,
 ) -> Result<(), Error> {
     let statistics = axis.statistics();
-    let coasts = axis.coasts();
-    let released = axis.release();
+    // a ramp that was under way may have ended meanwhile, by a trip for example
+    let released = axis.release_and_look();
+    let rest = *released.as_ref().unwrap_or(&Rest::Stands);
     let interrupted = matches!(result, Err(Error::Interrupted));
     if interrupted && output.is_closed() {
         output.say("nobody reads the output any more: stopped");
@@ -387,10 +388,12 @@ pub fn finish(
         ));
     }
     if stopped {
-        output.say(if coasts {
-            "control released; the axis turns with its power stage off: it coasts, or something moves it"
-        } else {
-            "axis at rest, control released"
+        output.say(match rest {
+            Rest::Stands => "axis at rest, control released",
+            Rest::Coasts => {
+                "control released; the axis turns with its power stage off: it coasts, or something moves it"
+            }
+            Rest::Runs => "control released; the axis still turns with its power stage on",
         });
     }
     if output.json() && stopped {
@@ -398,11 +401,11 @@ pub fn finish(
             fields! { "received": counts.received, "missed": counts.missed }
         });
         let unfinished = interrupted && end != End::Open;
-        let mut document = fields! { "end": true, "released": true, "coasts": coasts, "interrupted": unfinished, "frames": counts };
+        let mut document = fields! { "end": true, "released": true, "coasts": rest == Rest::Coasts, "interrupted": unfinished, "frames": counts };
         document.extend(more);
         output.event(command, document);
     }
-    result.and(released)
+    result.and(released.map(|_| ()))
 }
 
 /// How a motion ended that was not to end so.

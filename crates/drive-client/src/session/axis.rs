@@ -122,6 +122,18 @@ pub struct AxisStatus {
     pub lost: bool,
 }
 
+/// How an axis is when control of it is given back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rest {
+    /// It does not turn, as far as the drive reports.
+    #[default]
+    Stands,
+    /// It turns with its power stage off: it coasts, or something moves it.
+    Coasts,
+    /// It turns with its power stage on: control of it was not taken.
+    Runs,
+}
+
 /// Somebody who wants to see the axis while calls wait.
 pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
 
@@ -187,6 +199,8 @@ pub struct Axis<'s, M: Wire> {
     quick: bool,
     /// The axis was in operation under this control.
     operated: bool,
+    /// How it was when it was given back.
+    rest: Rest,
 }
 
 impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
@@ -433,8 +447,17 @@ impl<'s, M: Wire> Axis<'s, M> {
     ///
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
-    pub fn release(mut self) -> Result<(), Error> {
-        self.shut_down()
+    pub fn release(self) -> Result<(), Error> {
+        self.release_and_look().map(|_| ())
+    }
+
+    /// The same; returns how the axis was when control was given back.
+    ///
+    /// # Errors
+    /// As [`release`](Self::release).
+    pub fn release_and_look(mut self) -> Result<Rest, Error> {
+        self.shut_down()?;
+        Ok(self.rest)
     }
 
     pub(super) fn pursue(&mut self, goal: Goal) {

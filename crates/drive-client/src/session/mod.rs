@@ -42,7 +42,7 @@ use crate::{Client, Drive, Error, LineConfig, Wire};
 
 pub use at_work::AtWork;
 pub use authority::{Authority, LocalControl};
-pub use axis::{Axis, AxisPlan, AxisSettings, AxisStatus, WarningWatcher, Watcher};
+pub use axis::{Axis, AxisPlan, AxisSettings, AxisStatus, Rest, WarningWatcher, Watcher};
 pub use describe::{Described, DescribedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};

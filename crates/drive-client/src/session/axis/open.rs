@@ -6,7 +6,7 @@ use profidrive::catalogue::Device;
 use profidrive::state::Zsw1;
 use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
 
-use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
+use super::{Axis, AxisPlan, AxisSettings, Rest, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale};
 use crate::learn::device_of;
 use crate::session::prepare::{Prepared, ownerless};
@@ -179,6 +179,7 @@ impl<M: Wire> Session<M> {
             finished: false,
             quick: false,
             operated: taken_over,
+            rest: Rest::default(),
             session: self,
         };
         let drive = axis.drive.clone();

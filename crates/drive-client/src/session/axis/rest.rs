@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use super::{Axis, AxisStatus};
-use crate::axis::{Goal, Trouble};
+use super::{Axis, AxisStatus, Rest};
+use crate::axis::{Goal, Seen, Trouble};
 use crate::session::takeover;
 use crate::{Connection, Error, Wire};
 
@@ -76,7 +76,13 @@ impl<M: Wire> Axis<'_, M> {
         }
         // the power stage is off by now: a load that hangs on the shaft shows. An axis that nobody here had in operation
         // coasts from before
-        if self.operated && self.status().is_some_and(|status| status.view.turns) {
+        let view = self.status().map(|status| status.view);
+        self.rest = match view.filter(|view| view.turns) {
+            None => Rest::Stands,
+            Some(view) if view.seen.is_some_and(Seen::pulses_off) => Rest::Coasts,
+            Some(_) => Rest::Runs,
+        };
+        if self.operated && self.rest != Rest::Stands {
             return Err(Error::Axis {
                 drive: self.drive.label(),
                 trouble: Trouble::StillTurns,
