@@ -586,6 +586,17 @@ fn a_vacon_at_a_line_is_seen_by_its_replies() {
         assert_eq!(snapshot.zsw1.map(|word| word & 0x0007), Some(7), "{snapshot:?}");
         let status = session.status(&mut drive).expect("read");
         assert_eq!(status.state(), Some(profidrive::state::State::S4));
+        // 600 of 1500 rpm; the reference is not among what the line carries
+        let near = |percent: Option<f64>| percent.is_some_and(|percent| (39.0..41.0).contains(&percent));
+        assert!(
+            status.speed_actual.is_none() && near(status.speed_percent),
+            "{status:?}"
+        );
+        let found = diagnose(&status);
+        assert_eq!(found.cause, Cause::TurnsAlone);
+        assert!(found.sentence.contains("% of its reference"), "{found:?}");
+        let speed = snapshot.speed_actual.expect("in every reply");
+        assert!(speed.unit == "%" && near(speed.number()), "{speed:?}");
         let begin = session.now();
         let outcome = session
             .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)

@@ -212,9 +212,7 @@ fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output
     }
     let word = |word: Option<u16>| word.map_or_else(|| "-".into(), hex16);
     let speed = |reading: &Option<drive_client::parameter::Reading>| {
-        reading
-            .as_ref()
-            .map_or_else(|| "-".into(), |reading| format!("{} rpm", value::value(reading)))
+        reading.as_ref().map_or_else(|| "-".into(), value::full)
     };
     let mut line = format!(
         "{:>8.2} s  {:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",

@@ -142,7 +142,11 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
     }
     let rpm = |speed: Option<f64>| speed.map(|speed| format!("{speed:.2} rpm"));
     line("speed set", rpm(status.speed_set));
-    line("speed", rpm(status.speed_actual));
+    let percent = |speed: f64| format!("{speed:.2} % of its reference");
+    line(
+        "speed",
+        rpm(status.speed_actual).or(status.speed_percent.map(percent)),
+    );
     let lost = status
         .loss
         .as_ref()
@@ -257,7 +261,7 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
         "motion_status": status.motion, "torque_allowed": status.torque_allowed,
         "negative_switch": status.negative_switch, "positive_switch": status.positive_switch,
         "software_limits": status.software_limits, "speed_set": status.speed_set,
-        "speed_actual": status.speed_actual, "position": status.position,
+        "speed_actual": status.speed_actual, "speed_percent": status.speed_percent, "position": status.position,
         "following_error": status.following_error, "bus_voltage": status.bus_voltage, "notes": notes,
         "faults": faults, "warnings": warnings,
     };

@@ -84,6 +84,7 @@ impl<M: Wire> Session<M> {
             let raw = told.raw(part)?;
             Some(f64::from(raw as i32) / drive.counts_per_turn())
         };
+        let speed_actual = told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual));
         Ok(DriveStatus {
             drive: drive.label(),
             make: drive.model.name,
@@ -117,7 +118,8 @@ impl<M: Wire> Session<M> {
             speed_set: told
                 .rpm(Part::SpeedSetpoint)
                 .filter(|_| carries(signal::NSOLL_A) == Some(true)),
-            speed_actual: told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual)),
+            speed_actual,
+            speed_percent: told.percent(Part::SpeedActual).filter(|_| speed_actual.is_none()),
             loss: drive
                 .model
                 .catalogue

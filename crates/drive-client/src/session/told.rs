@@ -2,8 +2,9 @@
 
 use profidrive::catalogue::{Part, Scaling};
 use profidrive::notation::Notation;
+use profidrive::parameter::Format;
 use profidrive::state::Profile;
-use profidrive::telegram::Telegram;
+use profidrive::telegram::{Telegram, signal};
 
 use super::Session;
 use crate::parameter::{Content, Reading, Selection};
@@ -25,6 +26,9 @@ const IN_EVERY_REPLY: [Part; 3] = [Part::StatusWord, Part::SpeedActual, Part::Sp
 const UNKNOWN: [Profile; 1] = [Profile::DanfossFc];
 /// Actual value as it travels (N2) up to which the axis stands: 0.2 % of its reference.
 const STANDS: u16 = 0x4000 / 500;
+/// Actual value (N2) that is 100 %.
+const FULL: u16 = 0x4000;
+const PERCENT: &str = "%";
 
 /// Values, by the part that their parameter has.
 #[derive(Debug)]
@@ -33,6 +37,8 @@ pub(super) struct Told {
     scaling: Scaling,
     /// Status word and actual value of a serial line, where no parameter has them.
     line: Option<[u16; 2]>,
+    /// The actual value of the line that is 100 % of the reference; `None` where it is no part of one.
+    full: Option<u16>,
 }
 
 impl<M: Wire> Session<M> {
@@ -61,8 +67,17 @@ impl<M: Wire> Session<M> {
             rows,
             scaling: drive.parameters.scaling,
             line,
+            full: full_speed(drive),
         })
     }
+}
+
+/// The actual value at a line that is 100 % of the reference of a converter.
+fn full_speed(drive: &Drive) -> Option<u16> {
+    let tables = drive.model.catalogue?;
+    let telegram = Telegram::of_line(drive.station.vendor_id);
+    let own = telegram.and_then(|telegram| telegram.full_speed);
+    tables.part(Part::Reference).map(|_| own.unwrap_or(FULL))
 }
 
 /// The parameters of a drive that have a part.
@@ -143,10 +158,36 @@ impl Told {
         u32::try_from(raw & 0xFFFF_FFFF).ok()
     }
 
-    /// A speed as a reading in rpm, also where the drive tells it in percent of its reference.
+    /// The actual value of a line as a reading in percent of the reference.
+    fn line_reading(&self) -> Option<Reading> {
+        let (raw, full) = self.line_speed().zip(self.full)?;
+        Some(Reading {
+            pnu: signal::NIST_A,
+            index: None,
+            notation: Notation::Name,
+            name: Some("NIST_A"),
+            writable: Some(false),
+            format: Format::N2.0,
+            octets: raw.to_be_bytes().to_vec(),
+            content: Content::Number {
+                raw: raw.into(),
+                engineering: f64::from(raw) * 100.0 / f64::from(full),
+            },
+            unit: PERCENT,
+            decimals: 2,
+            choice: None,
+            word: None,
+            high_half_of: None,
+        })
+    }
+
+    /// A speed as a reading in rpm, also where the drive tells it in percent of its reference. In percent where only a line
+    /// has it: then the reference was not read either.
     pub fn speed(&self, part: Part) -> Option<Reading> {
-        let mut reading = self.find(part)?.clone();
-        if let (Some(reference), "%", Content::Number { raw, engineering }) =
+        let Some(mut reading) = self.find(part).cloned() else {
+            return self.line_reading().filter(|_| part == Part::SpeedActual);
+        };
+        if let (Some(reference), PERCENT, Content::Number { raw, engineering }) =
             (self.scaling.reference, reading.unit, &reading.content)
         {
             reading.content = Content::Number {
@@ -160,7 +201,12 @@ impl Told {
     }
 
     pub fn rpm(&self, part: Part) -> Option<f64> {
-        self.speed(part).as_ref().and_then(Reading::number)
+        self.speed(part).filter(|speed| speed.unit != PERCENT)?.number()
+    }
+
+    /// A speed in percent of the reference, where that is not known.
+    pub fn percent(&self, part: Part) -> Option<f64> {
+        self.speed(part).filter(|speed| speed.unit == PERCENT)?.number()
     }
 
     /// A ramp in rpm/s: as the drive has it, or out of its time, which counts to the synchronous speed of the motor or to

@@ -79,6 +79,8 @@ pub struct DriveStatus {
     pub speed_set: Option<f64>,
     /// Speed in rpm.
     pub speed_actual: Option<f64>,
+    /// Speed in percent of the reference, where that is not known in rpm.
+    pub speed_percent: Option<f64>,
     /// What the drive does when its controller is lost.
     pub loss: Option<LossReaction>,
     /// Position in turns.

@@ -8,6 +8,8 @@ use crate::{Action, FaultEntry};
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
+/// The same in percent of the reference.
+const STANDS_PERCENT: f64 = 0.2;
 /// Bits of DRV.DISSOURCES that stand for the hardware; bit 0 is the software, bit 1 the fault.
 const HARDWARE_DISABLE: u16 = 1 << 2;
 const CONTROLLED_STOP: u16 = 1 << 5;
@@ -155,8 +157,8 @@ causes! {
     TurnsAlone = "turns-alone", Held,
         |s| s.controller == Some(None),
         |s| format!(
-            "it turns at {:.1} rpm though no controller is connected: {}",
-            s.speed_actual.unwrap_or_default(),
+            "it turns at {} though no controller is connected: {}",
+            speed(s),
             in_force(s)
         ),
         "";
@@ -245,9 +247,9 @@ causes! {
     /// It turns.
     Moves = "moves", Runs,
         moves,
-        |s| match s.speed_actual {
-            Some(speed) if turns(s) => format!("it runs: operation (S4), {speed:.1} rpm"),
-            _ => "it runs: operation (S4), the axis moves (ZSW1 bit 13 is 0)".into(),
+        |s| match turns(s) {
+            true => format!("it runs: operation (S4), {}", speed(s)),
+            false => "it runs: operation (S4), the axis moves (ZSW1 bit 13 is 0)".into(),
         },
         "";
     /// A limit switch is hit.
@@ -439,8 +441,8 @@ pub fn moved_advice(make: &str) -> &'static str {
 
 pub(super) fn moved(status: &DriveStatus) -> String {
     format!(
-        "it turns at {:.1} rpm with its power stage off: it coasts, or something outside moves it (a load that hangs on it, a brake that does not hold)",
-        status.speed_actual.unwrap_or_default()
+        "it turns at {} with its power stage off: it coasts, or something outside moves it (a load that hangs on it, a brake that does not hold)",
+        speed(status)
     )
 }
 
@@ -496,7 +498,16 @@ fn positioning(status: &DriveStatus) -> bool {
 }
 
 pub(super) fn turns(status: &DriveStatus) -> bool {
-    status.speed_actual.is_some_and(|speed| speed.abs() >= STANDS)
+    let above = |speed: Option<f64>, least: f64| speed.is_some_and(|speed| speed.abs() >= least);
+    above(status.speed_actual, STANDS) || above(status.speed_percent, STANDS_PERCENT)
+}
+
+/// The speed in the unit in which it is known.
+fn speed(status: &DriveStatus) -> String {
+    match (status.speed_actual, status.speed_percent) {
+        (None, Some(percent)) => format!("{percent:.1} % of its reference"),
+        (speed, _) => format!("{:.1} rpm", speed.unwrap_or_default()),
+    }
 }
 
 /// In operation and turning; in position mode the drive says so itself.
