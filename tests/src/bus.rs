@@ -196,11 +196,12 @@ impl Bus {
     /// # Panics
     /// When there is no connection or the length is not that of the telegram.
     pub fn send(&mut self, outputs: &[u8], cycles: u32) -> Vec<u8> {
+        let subslot = self.model.catalogue.device.layout.telegram;
         self.controller
-            .set_output(self.ar(), 1, 1, outputs)
+            .set_output(self.ar(), 1, subslot, outputs)
             .expect("the length of the telegram");
         self.run(CYCLE * cycles);
-        let (inputs, iops) = self.controller.input(self.ar(), 1, 1).expect("inputs");
+        let (inputs, iops) = self.controller.input(self.ar(), 1, subslot).expect("inputs");
         assert!(iops.is_good());
         inputs.to_vec()
     }

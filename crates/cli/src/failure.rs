@@ -189,6 +189,8 @@ fn exit_of(error: &drive_client::Error) -> Exit {
         | Error::AtWork { .. }
         | Error::LocalOperation { .. }
         | Error::Ownerless { .. } => Exit::Safety,
+        // nothing was sent, so the drive refused nothing
+        Error::Refused { refusal, .. } if refusal.is_unsent() => Exit::Failed,
         Error::Held { error, .. } => exit_of(error),
         Error::Dcp {
             error: DcpError::Refused { .. } | DcpError::NotSupported,

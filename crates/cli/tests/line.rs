@@ -9,6 +9,7 @@ use drive_client::axis::Purpose;
 use drive_client::parameter::Selection;
 use drive_client::{AxisSettings, Drive, Error, Model, Session, StopWay, WriteMode};
 use profidrive::notation::ParameterReference;
+use profidrive::pkw::PkwErrorNumber;
 use profidrive::state::State;
 use uss::{Protocol, SlaveConfig};
 use virtual_drive::model;
@@ -392,5 +393,101 @@ fn converters_at_a_line_are_stopped_and_acknowledged_by_control_word() {
         axis.acknowledge().unwrap();
         axis.release().unwrap();
         assert!(present(&mut session, &mut drive).is_empty(), "{name}");
+    }
+}
+
+/// Refuses every request of the first drive with this number of the channel, or none any more.
+fn refuse(bus: &Shared, number: Option<u16>) {
+    let number = number.map(PkwErrorNumber);
+    bus.0.borrow_mut().drives[0].refuse_all(number);
+}
+
+#[test]
+fn numbers_of_the_channel_come_as_received() {
+    for (protocol, name) in [
+        (Protocol::Fc, "fc:/dev/ttyX/1"),
+        (Protocol::Uss, "uss:/dev/ttyX/1"),
+    ] {
+        let (mut session, bus) = bench_of(&model::VLT, protocol, &[1], Line::default());
+        let mut drive = find(&mut session, name).unwrap();
+        let ramp = select(&drive, "3-41");
+        let change = |session: &mut Session<Shared>, drive: &mut Drive| {
+            let new = ["3-41=5s".parse().unwrap()];
+            let outcomes = session.write(drive, &new, WriteMode::Write).unwrap();
+            outcomes[0].written.unwrap().unwrap_err()
+        };
+        // the factory set-up is edited: the drive itself says 131
+        let edit = ["0-11=0".parse().unwrap()];
+        session.write(&mut drive, &edit, WriteMode::Write).unwrap();
+        let refusal = change(&mut session, &mut drive);
+        let factory = "writing Ramp 1 Ramp up Time (3-41) refused: 131 change not possible, the factory setup is selected";
+        assert_eq!(refusal.to_string(), factory, "{name}");
+        assert_eq!(refusal.received(), Some(131));
+        let remedy = refusal.remedy().unwrap();
+        assert!(remedy.contains("select another setup"), "{remedy}");
+        assert_eq!(refusal.channel.unwrap().protocol, protocol);
+        for (number, words) in [
+            (130, "130 no bus access to the parameter"),
+            (131, "131 change not possible, the factory setup is selected"),
+            (17, "17 not possible in the present mode of the drive"),
+            (999, "999 (the maker's own number)"),
+        ] {
+            refuse(&bus, Some(number));
+            let read = session.read(&mut drive, &[ramp]).unwrap()[0].clone().unwrap_err();
+            refuse(&bus, Some(number));
+            for refusal in [read, change(&mut session, &mut drive)] {
+                assert_eq!((refusal.received(), refusal.is_unsent()), (Some(number), false));
+                let shown = refusal.to_string();
+                assert!(shown.ends_with(&format!("refused: {words}")), "{name}: {shown}");
+            }
+            refuse(&bus, None);
+            assert!(session.read(&mut drive, &[ramp]).unwrap()[0].is_ok(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn what_the_channel_cannot_carry_is_not_called_refused() {
+    let (fc, uss) = ("fc:/dev/ttyX/1", "uss:/dev/ttyX/1");
+    let collects = "it has no request for the parameters that number 10001 collects";
+    for (model, protocol, name, parameter, why) in [
+        (&model::VACON, Protocol::Fc, fc, "ID103", collects),
+        (&model::VACON, Protocol::Uss, uss, "ID103", collects),
+        (&model::VACON, Protocol::Uss, uss, "ID1702", collects),
+        (
+            &model::VLT,
+            Protocol::Uss,
+            uss,
+            "0-37",
+            "it has no request for text",
+        ),
+        (
+            &model::VLT,
+            Protocol::Fc,
+            fc,
+            "5000",
+            "it has no room for parameter number 5000",
+        ),
+        (
+            &model::VLT,
+            Protocol::Fc,
+            fc,
+            "3000[300]",
+            "it has no room for element 300",
+        ),
+    ] {
+        let (mut session, bus) = bench_of(model, protocol, &[1], Line::default());
+        let found = find(&mut session, name).unwrap();
+        let mut drive = found.taken_for(Model::by_name(model.catalogue.model).unwrap());
+        let selection = select(&drive, parameter);
+        let sent = |bus: &Shared| bus.0.borrow().drives[0].counters().replies;
+        let before = sent(&bus);
+        let readings = session.read(&mut drive, &[selection]).unwrap();
+        assert_eq!(sent(&bus), before, "{name}: nothing was sent");
+        let refusal = readings[0].clone().unwrap_err();
+        assert!(refusal.is_unsent() && refusal.received().is_none(), "{refusal:?}");
+        let shown = refusal.to_string();
+        let words = format!("cannot be carried by this channel: {why}");
+        assert!(shown.ends_with(&words) && !shown.contains("refused"), "{shown}");
     }
 }

@@ -156,6 +156,121 @@ fn every_command_over_both_protocols() {
     }
 }
 
+/// The error of the first parameter that `read --json` or `write --json` names.
+#[track_caller]
+fn error_of(output: &Output) -> serde_json::Value {
+    let document: serde_json::Value = serde_json::from_str(&stdout(output)).expect("a document");
+    let refused = match document["command"].as_str() {
+        Some("write") => &document["changes"][0]["error"],
+        _ => &document["parameters"][0],
+    };
+    refused["error"].clone()
+}
+
+#[test]
+fn an_error_number_of_the_channel_reaches_the_user_as_received() {
+    for (protocol, address) in [("fc", 1), ("uss", 1)] {
+        let cable = Cable::lay();
+        let line = ["--protocol", protocol, "--baud", "115200"];
+        let _drives = Simulated::start_model(&cable, "vlt", &line);
+        let drive = format!("{},baud=115200", cable.drive(protocol, address));
+        let inject = |what: &str| profidrive(&["inject", &cable.far_drive(protocol, address), what]);
+        for (number, meaning, remedy) in [
+            (
+                131,
+                "131 change not possible, the factory setup is selected",
+                "select another setup to edit, then write",
+            ),
+            (
+                130,
+                "130 no bus access to the parameter",
+                "read or set it at the drive's own panel",
+            ),
+        ] {
+            let injected = inject(&format!("answers=error {number}"));
+            assert_eq!(injected.status.code(), Some(0), "{}", stderr(&injected));
+            for (command, parameter, verb) in [("write", "3-41=5s", "writing"), ("read", "3-41", "reading")] {
+                // over USS the model is known by a parameter, which is refused too
+                let line = [command, &drive, parameter, "--model", "vlt"];
+                let refused = profidrive(&line);
+                assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
+                let words = format!("{drive}: {verb} Ramp 1 Ramp up Time (3-41) refused: {meaning}");
+                let told = stderr(&refused);
+                assert!(told.contains(&words) && told.contains(remedy), "{told}");
+                let error = error_of(&profidrive(&[&["--json"], &line[..]].concat()));
+                let expected = serde_json::json!({
+                    "number": number, "meaning": meaning, "information": error["information"],
+                    "remedy": remedy, "channel": protocol, "sent": true,
+                });
+                assert_eq!(error, expected);
+            }
+        }
+        // what only records can do
+        let silent = inject("answers=silent");
+        assert_ne!(silent.status.code(), Some(0));
+        assert!(
+            stderr(&silent).contains("`answers=silent` is of a network"),
+            "{}",
+            stderr(&silent)
+        );
+        let well = inject("answers=none");
+        assert_eq!(well.status.code(), Some(0), "{}", stderr(&well));
+        assert_eq!(
+            values(&drive, &["3-41"])[0].as_f64(),
+            Some(3.0),
+            "nothing was done"
+        );
+    }
+}
+
+#[test]
+fn the_factory_set_up_refuses_a_write_with_its_own_number() {
+    let cable = Cable::lay();
+    let _drives = Simulated::start_model(&cable, "vlt", &["--baud", "115200"]);
+    let drive = format!("{},baud=115200", cable.drive("fc", 1));
+    ok(&["write", &drive, "0-11=0"]);
+    let refused = profidrive(&["write", &drive, "3-41=5s"]);
+    assert_eq!(refused.status.code(), Some(3));
+    let told = stderr(&refused);
+    assert!(
+        told.contains("refused: 131 change not possible, the factory setup is selected")
+            && !told.contains("axis at rest")
+            && !told.contains("0x11"),
+        "{told}"
+    );
+}
+
+/// Its application ids are elements of one number that is no array: there is no request for them.
+#[test]
+fn a_parameter_that_the_channel_cannot_carry_is_not_refused() {
+    for protocol in ["fc", "uss"] {
+        let cable = Cable::lay();
+        let line = ["--protocol", protocol, "--baud", "115200"];
+        let _drives = Simulated::start_model(&cable, "vacon", &line);
+        let drive = format!("{},baud=115200", cable.drive(protocol, 1));
+        for (command, parameter) in [("read", "ID103"), ("write", "ID103=5s")] {
+            let output = profidrive(&[command, &drive, parameter, "--model", "vacon"]);
+            let told = stderr(&output);
+            assert_eq!(output.status.code(), Some(1), "{told}");
+            assert!(
+                told.contains(
+                    "(ID 103) cannot be carried by this channel: it has no request for the parameters"
+                ) && !told.contains("refused")
+                    && !told.contains("information"),
+                "{told}"
+            );
+            let output = profidrive(&["--json", command, &drive, parameter, "--model", "vacon"]);
+            let error = error_of(&output);
+            assert_eq!(error["sent"], false, "{error}");
+            assert_eq!(error["channel"], protocol, "{error}");
+            assert!(
+                error["number"].is_null() && error["information"].is_null(),
+                "{error}"
+            );
+        }
+    }
+}
+
 /// Carries out what `status` recommends: its actions, and the commands in its text that begin no motion.
 #[track_caller]
 fn follow_advice(drive: &str) {

@@ -16,7 +16,7 @@ use profidrive::pkw::JobError;
 use uss::{ReceiverStatistics, SlaveId};
 
 use crate::axis::{AxisControl, Command, Goal, Progress, Seen, Traverse, Wiring};
-use crate::line::{Bridge, Line, LineConfig};
+use crate::line::{Answered, Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, Registered};
 
 /// Most results that are kept for nobody.
@@ -249,7 +249,7 @@ impl Client {
     }
 
     /// The end of a parameter job of a drive at the line.
-    pub(crate) fn take_line_job(&mut self, slave: SlaveId) -> Option<Result<Vec<u8>, JobError>> {
+    pub(crate) fn take_line_job(&mut self, slave: SlaveId) -> Option<Result<Answered, JobError>> {
         self.line.as_mut()?.take(slave)
     }
 

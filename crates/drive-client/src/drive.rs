@@ -340,8 +340,10 @@ impl Drive {
     /// At a serial line the channel tells only how wide a value is; the rest is in the tables.
     pub(crate) fn shape(&self, pnu: u16) -> Option<Shape> {
         let tables = self.model.catalogue?;
-        let parameter = tables.by_pnu(pnu).or_else(|| tables.by_high(pnu))?;
+        let parameter = tables.by_pnu(pnu).or_else(|| tables.by_high(pnu));
+        let parameter = parameter.or_else(|| tables.parameters.iter().find(|one| one.pnu == pnu))?;
         Some(Shape {
+            collecting: tables.is_collecting(pnu),
             format: format_of(parameter, self.model.dialect),
             octets: parameter.size.octets(),
             array: parameter.is_array(),

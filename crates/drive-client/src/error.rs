@@ -18,7 +18,7 @@ use crate::parameter::ParameterProblem;
 use crate::session::{LocalControl, LossReaction};
 use crate::{Action, AtWork, ClosedRoute, DriveAddress};
 
-pub use refusal::Refusal;
+pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
@@ -212,7 +212,7 @@ pub enum Error {
         /// Why it failed.
         error: ServiceError,
     },
-    /// The drive refused one parameter.
+    /// The drive refused one parameter, or the channel to it cannot carry it.
     #[error("{drive}: {refusal}")]
     Refused {
         /// The drive.

@@ -34,7 +34,7 @@ pub use action::Action;
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
-pub use error::{Error, Refusal, describe};
+pub use error::{ChannelCause, ChannelRefusal, Error, NotCarried, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::{MakerModule, modules_of};

@@ -141,7 +141,7 @@ static OUTSIDE: [Key; 7] = [
     key(
         "answers",
         "answers=late 500ms",
-        "parameter answers: none (all is well), silent, late TIME, reference, cut, error NUMBER",
+        "parameter answers: none (all is well), silent, late TIME, reference, cut, error NUMBER; of these a PPO type and a serial line have error NUMBER",
     ),
 ];
 

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use profidrive::parameter::SaveId;
-use profidrive::pkw::{PkwDialect, Server};
+use profidrive::pkw::{PkwDialect, PkwErrorNumber, Server};
 use profidrive::state::Stw1;
 use profidrive::telegram::Telegram;
 use profinet::Instant;
@@ -192,6 +192,11 @@ impl SerialStation {
     /// The drive, to put a load on it or to make it fail.
     pub const fn drive_mut(&mut self) -> &mut Drive {
         &mut self.drive
+    }
+
+    /// Refuses every parameter request of the line with this number, or none any more: see [`Server::refuse_all`].
+    pub const fn refuse_all(&mut self, number: Option<PkwErrorNumber>) {
+        self.server.refuse_all(number);
     }
 
     /// Makes the drive wait for its owner: changes that are to be saved are answered only when

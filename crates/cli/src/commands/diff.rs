@@ -4,9 +4,8 @@ use std::path::Path;
 
 use drive_client::backup::{Backup, Difference, Side, TasksTold, compare, compare_tasks};
 use drive_client::parameter::Reading;
-use drive_client::{Drive, DriveAddress, Refusal};
+use drive_client::{Drive, DriveAddress};
 use profidrive::catalogue::Role;
-use profidrive::parameter::ErrorNumber;
 use serde_json::{Map, Value};
 
 use super::backup::{self, task_json};
@@ -253,13 +252,9 @@ const fn given(side: &Side) -> Option<&Reading> {
 fn absent(side: &Side) -> String {
     match side {
         Side::Missing => "(missing)".into(),
-        Side::Refused(Refusal { number, .. }) => format!("({})", short(*number)),
+        Side::Refused(refusal) => format!("({})", refusal.short()),
         Side::Value(_) => String::new(),
     }
-}
-
-fn short(number: ErrorNumber) -> String {
-    format!("refused 0x{:02X}", number.0)
 }
 
 fn meaning(side: &Side) -> String {

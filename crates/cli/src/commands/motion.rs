@@ -237,7 +237,7 @@ fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output
                     line = format!("{line} [{}]", value::raw(reading));
                 }
             }
-            Err(refusal) => line = format!("{line}  {} refused", refusal.shown),
+            Err(refusal) => line = format!("{line}  {} {}", refusal.shown, refusal.short()),
         }
     }
     output.line(line.trim_end());

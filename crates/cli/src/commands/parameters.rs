@@ -13,6 +13,7 @@ use profidrive::parameter::pnu;
 use profidrive::state::Mode;
 use profidrive::telegram::Telegram;
 use serde_json::{Map, Value};
+use uss::Protocol;
 
 use crate::args::{Interface, Read};
 use crate::connect::{self, Need};
@@ -154,9 +155,16 @@ fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
 }
 
 pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
+    let channel = match refusal.channel.map(|channel| channel.protocol) {
+        None => "records",
+        Some(Protocol::Fc) => "fc",
+        Some(Protocol::Uss) => "uss",
+    };
+    let sent = !refusal.is_unsent();
     let error = fields! {
-        "number": refusal.number.0, "meaning": refusal.words(), "information": refusal.information,
-        "remedy": refusal.remedy(),
+        "number": refusal.received(), "meaning": refusal.words(),
+        "information": refusal.information.filter(|_| sent), "remedy": refusal.remedy(),
+        "channel": channel, "sent": sent,
     };
     fields! { "pnu": refusal.shown.pnu, "index": refusal.shown.index, "name": refusal.name, "error": error }
 }

@@ -344,7 +344,7 @@ fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, outp
         }
         Saved::No => {}
         Saved::InDoubt => output.warn("it is not known whether the drive saved: asked for, not answered"),
-        Saved::Refused(number) => output.warn(&format!("not saved, the drive refused: {number}")),
+        Saved::Refused(refusal) => output.warn(&format!("not saved: {}", refusal.outcome())),
     }
     if journal.saved() == Saved::Yes && lost > 0 {
         output.say(&format!(
@@ -377,7 +377,7 @@ fn failed(error: Error, journal: &Journal, file: Option<&Path>, drive: &Drive) -
 }
 
 fn ended(journal: &Journal, drive: &Drive, args: &Args) -> Result<(), Failure> {
-    let refused = journal.count(|step| matches!(step, Step::Refused(_)));
+    let refused = journal.count(Step::is_refused);
     let label = drive.label();
     if refused > 0 || matches!(journal.saved(), Saved::Refused(_)) {
         let message = format!("{label} refused {refused} of {} values", journal.total());
@@ -436,7 +436,7 @@ fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) 
                 "old": value::json(&change.old), "new": value::json(&change.new),
                 "minimum": change.limits.map(|limits| limits.0), "maximum": change.limits.map(|limits| limits.1),
                 "saved": change.saved, "step": word(*step), "error": match step {
-                    Step::Refused(number) => Some(number.0),
+                    Step::Refused(refusal) => refusal.received(),
                     _ => None,
                 },
             })
@@ -447,7 +447,7 @@ fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) 
         .map(|(change, step)| {
             let mut fields = fields! {
                 "number": change.number, "step": word(*step), "error": match step {
-                    Step::Refused(number) => Some(number.0),
+                    Step::Refused(refusal) => refusal.received(),
                     _ => None,
                 },
             };
@@ -474,13 +474,14 @@ fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) 
     }
 }
 
-const fn word(step: Step) -> &'static str {
+fn word(step: Step) -> &'static str {
     match step {
         Step::NotWritten => "not written",
         Step::InDoubt => "in doubt",
         Step::Written => "written",
         Step::ReadBack => "read back",
         Step::Differs => "differs",
+        Step::Refused(refusal) if refusal.is_unsent() => "not carried",
         Step::Refused(_) => "refused",
     }
 }

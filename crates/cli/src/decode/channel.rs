@@ -1,6 +1,7 @@
 //! The parameter channel in cyclic data: each request once, and its reply once.
 
 use profidrive::pkw::{Pkw, PkwDialect, ReplyCode, RequestCode};
+use serde_json::Value;
 
 use super::event::{Detail, Job, Sink, Weight};
 use crate::fields;
@@ -75,16 +76,19 @@ impl Channel {
 fn tell(
     (weight, text): (Weight, String),
     dialect: &PkwDialect,
-    pkw: Pkw,
+    words: Pkw,
     side: &'static str,
     sink: &mut Sink<'_>,
 ) {
-    let address = pkw.address(dialect);
-    let job = fields! {
-        "side": side, "ak": pkw.ak(), "pke": pkw.pke, "ind": pkw.ind, "pwe": pkw.pwe,
+    let address = words.address(dialect);
+    let mut job = fields! {
+        "side": side, "ak": words.ak(), "pke": words.pke, "ind": words.ind, "pwe": words.pwe,
         "pnu": address.as_ref().map(|address| address.pnu),
         "index": address.as_ref().map(|address| address.subindex),
     };
+    if let Some(error) = pkw::refusal_json(dialect, words).filter(|_| side == "response") {
+        job.insert("error".into(), Value::Object(error));
+    }
     let detail = Job {
         channel: "pkw",
         job,

@@ -3,7 +3,7 @@
 use drive_client::parameter::Reading;
 use profidrive::parameter::{Attribute, Identifier, ParameterAddress};
 use profidrive::pkw::{Action, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, Width};
-use serde_json::json;
+use serde_json::{Map, Value};
 
 use super::{Decoded, JobDrive, description};
 use crate::decode::Weight;
@@ -36,7 +36,11 @@ pub fn decode(
             reply(drive, dialect, pkw, None)
         };
         let who = if side { "request" } else { "reply" };
-        sides.push(json!({ "side": who, "text": text }));
+        let mut told = fields! { "side": who, "text": text.as_str() };
+        if let Some(error) = refusal_json(dialect, pkw).filter(|_| !side) {
+            told.insert("error".into(), Value::Object(error));
+        }
+        sides.push(Value::Object(told));
         lines.push((weight, format!("as a {who:<8} {text}")));
     }
     let fields = fields! {
@@ -109,10 +113,7 @@ pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8
         ReplyCode::REFUSED => {
             let number = PkwErrorNumber(pkw.pwe_low());
             let row = number.info(dialect.error_names);
-            let what = row.map_or_else(
-                || number.to_string(),
-                |row| format!("{} {}", number.0, row.meaning),
-            );
+            let what = number.words(dialect.error_names);
             let remedy = row.map_or_else(String::new, |row| format!("; {}", row.remedy));
             let who = if pkw.pke & dialect.pnu_mask() == 0 {
                 String::new()
@@ -146,6 +147,21 @@ pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8
             None => format!("text of {label}"),
         }),
         _ => (Weight::Warning, format!("{label}: AK {} {}", code.0, info.name)),
+    }
+}
+
+/// Error number of a refusal, its meaning and what to do; of a refusal without a number its meaning.
+pub fn refusal_json(dialect: &PkwDialect, pkw: Pkw) -> Option<Map<String, Value>> {
+    match pkw.reply_code() {
+        ReplyCode::REFUSED => {
+            let number = PkwErrorNumber(pkw.pwe_low());
+            let remedy = number.info(dialect.error_names).map(|row| row.remedy);
+            Some(fields! {
+                "number": number.0, "meaning": number.words(dialect.error_names), "remedy": remedy,
+            })
+        }
+        ReplyCode::NO_RIGHTS => Some(fields! { "number": (), "meaning": ReplyCode::NO_RIGHTS.info().name }),
+        _ => None,
     }
 }
 

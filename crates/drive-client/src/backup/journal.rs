@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use profidrive::parameter::ErrorNumber;
-
 use super::print::unit;
 use super::{Backup, Plan, Task, key};
+use crate::Refusal;
 use crate::parameter::{Content, Reading};
 
 /// How far one value is.
@@ -21,8 +20,22 @@ pub enum Step {
     ReadBack,
     /// The drive said that it wrote it, and has another value all the same.
     Differs,
-    /// The drive refused: it has the old value.
-    Refused(ErrorNumber),
+    /// The drive refused, or the channel cannot carry it: the drive has the old value.
+    Refused(Refusal),
+}
+
+impl Step {
+    /// True where the drive refused.
+    #[must_use]
+    pub fn is_refused(&self) -> bool {
+        matches!(self, Self::Refused(refusal) if !refusal.is_unsent())
+    }
+
+    /// True where nothing was sent, as the channel cannot carry it.
+    #[must_use]
+    pub fn is_not_carried(&self) -> bool {
+        matches!(self, Self::Refused(refusal) if refusal.is_unsent())
+    }
 }
 
 impl fmt::Display for Step {
@@ -33,7 +46,7 @@ impl fmt::Display for Step {
             Self::Written => f.write_str("written"),
             Self::ReadBack => f.write_str("written, read back"),
             Self::Differs => f.write_str("written, but reads back another value"),
-            Self::Refused(number) => write!(f, "refused: {number}"),
+            Self::Refused(refusal) => f.write_str(&refusal.outcome()),
         }
     }
 }
@@ -47,8 +60,8 @@ pub enum Saved {
     InDoubt,
     /// The drive said so.
     Yes,
-    /// The drive refused.
-    Refused(ErrorNumber),
+    /// The drive refused, or the channel cannot carry the command.
+    Refused(Refusal),
 }
 
 /// The way back and what was done, in one text that [`Backup::parse`] reads.
@@ -157,7 +170,8 @@ impl Journal {
                 self.count(|step| *step == Step::Differs),
                 "read back another value",
             ),
-            (self.count(|step| matches!(step, Step::Refused(_))), "refused"),
+            (self.count(Step::is_refused), "refused"),
+            (self.count(Step::is_not_carried), "not carried by the channel"),
             (self.count(|step| *step == Step::InDoubt), "in doubt"),
             (self.count(|step| *step == Step::NotWritten), "not written"),
         ] {
@@ -207,7 +221,7 @@ impl Journal {
             Saved::InDoubt => {
                 "in doubt whether the new values were saved: asked for, not answered".to_owned()
             }
-            Saved::Refused(number) => format!("not saved, the drive refused: {number}"),
+            Saved::Refused(refusal) => format!("not saved: {}", refusal.outcome()),
         });
         remarks
     }

@@ -98,6 +98,7 @@ impl std::fmt::Display for Skip {
         match self {
             Self::Same => f.write_str("same value"),
             Self::ReadOnly => f.write_str("read-only"),
+            Self::Unreadable(refusal) if refusal.is_unsent() => f.write_str(&refusal.words()),
             Self::Unreadable(refusal) => write!(f, "the drive does not tell it: {}", refusal.words()),
             Self::Size { drive, file } => write!(f, "{file} octets in the file, {drive} in the drive"),
             Self::Limits {

@@ -240,6 +240,7 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
         names: profidrive::parameter::ErrorNames::Profile,
         information: None,
         advice: None,
+        channel: None,
     };
     let backup = Backup::new(
         header,

@@ -5,7 +5,12 @@ use profidrive::parameter::{
     Attribute, CodeSpace, DecodeError, Description, Dialect, ErrorNumber, Format, Kind, Octets,
     ParameterAddress, Request, RequestId, ValueBlock,
 };
-use profidrive::pkw::{Answer, Job, JobError, Memory, Outcome, PkwErrorNames, PkwValue, StartError, Width};
+use profidrive::pkw::{
+    Answer, Job, JobError, Memory, Outcome, PkwErrorNames, PkwErrorNumber, PkwValue, RequestCode, StartError,
+    Width,
+};
+
+use crate::error::{ChannelCause, NotCarried};
 
 /// Request ID of a change that is kept over a power cycle (Danfoss).
 const CHANGE_PERMANENT: u8 = 0x42;
@@ -23,6 +28,9 @@ pub struct Shape {
     pub octets: usize,
     /// Its elements are told apart.
     pub array: bool,
+    /// Its elements are parameters of their own: no array that the channel could name an element of. No document has the
+    /// application ids of a Vacon in a parameter channel.
+    pub collecting: bool,
 }
 
 /// One exchange.
@@ -57,6 +65,8 @@ struct Part {
     steps: Vec<Step>,
     /// Steps done.
     done: usize,
+    /// How a request for a number was refused in whose place text is read.
+    before: Option<PkwErrorNumber>,
     outcome: Result<Gathered, Refused>,
 }
 
@@ -71,11 +81,36 @@ enum Gathered {
     Written,
 }
 
-/// Number and the element at fault.
+/// Number for the response, the element at fault, and what happened in the channel.
 #[derive(Debug, Clone, Copy)]
 struct Refused {
     number: ErrorNumber,
     element: u16,
+    cause: ChannelCause,
+}
+
+/// The response to a whole request.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Answered {
+    /// Base mode response.
+    pub octets: Vec<u8>,
+    /// What happened in the channel, for each address of the request that has no value. Empty where records answered.
+    pub channel: Vec<Option<ChannelCause>>,
+}
+
+impl Answered {
+    /// The response of a record.
+    pub const fn by_record(octets: Vec<u8>) -> Self {
+        Self {
+            octets,
+            channel: Vec::new(),
+        }
+    }
+
+    /// What happened in the channel for this address of the request.
+    pub fn cause(&self, address: usize) -> Option<ChannelCause> {
+        self.channel.get(address).copied().flatten()
+    }
 }
 
 /// A parameter job on its way through the channel.
@@ -113,7 +148,7 @@ impl Bridge {
             } else {
                 match values.next().transpose()? {
                     Some(block) => change(address, shape, &block, dialect.code_space),
-                    None => refused(shape, ErrorNumber::VALUE_COUNT),
+                    None => unsent(shape, NotCarried::Request),
                 }
             };
             parts.push(part);
@@ -168,12 +203,26 @@ impl Bridge {
 
     /// The channel cannot carry the exchange.
     pub fn cannot(&mut self, error: StartError) {
-        let number = match error {
-            StartError::NoRequest { .. } | StartError::Busy => ErrorNumber::SERVICE,
-            StartError::Number { .. } => ErrorNumber::UNKNOWN_PARAMETER,
-            StartError::TextLength(_) => ErrorNumber::VALUE_COUNT,
+        if let Some(number) = self.parts.get(self.at).and_then(|part| part.before) {
+            return self.refuse_as(number);
+        }
+        let why = match error {
+            StartError::NoRequest {
+                request: RequestCode::TEXT,
+                ..
+            } => NotCarried::Text,
+            StartError::NoRequest { .. } | StartError::Busy => NotCarried::Request,
+            StartError::Number { pnu, .. } => NotCarried::Number(pnu),
+            StartError::TextLength(length) => NotCarried::TextLength(length),
         };
-        self.refuse(number);
+        self.refuse(why.number(), ChannelCause::NotCarried(why));
+    }
+
+    /// The drive refused with this number of the channel.
+    fn refuse_as(&mut self, number: PkwErrorNumber) {
+        let names = self.names;
+        let cause = ChannelCause::Number { number, names };
+        self.refuse(number.to_parameter(names), cause);
     }
 
     /// How the exchange ended; `text` are the characters of a text.
@@ -184,14 +233,13 @@ impl Bridge {
         let answer = match outcome {
             Ok(answer) => answer,
             Err(JobError::Refused(number)) => {
-                let number = number.to_parameter(self.names);
                 if !self.is_text_instead(number) {
-                    self.refuse(number);
+                    self.refuse_as(number);
                 }
                 return Ok(());
             }
             Err(JobError::NoRights) => {
-                self.refuse(ErrorNumber::NO_RIGHTS);
+                self.refuse(ErrorNumber::NO_RIGHTS, ChannelCause::NoRights);
                 return Ok(());
             }
             Err(error @ (JobError::NotAtRest | JobError::NoReply | JobError::Lost)) => return Err(error),
@@ -245,12 +293,13 @@ impl Bridge {
 
     /// A parameter without tables whose value has another data type may be text, which has a request of its own. True
     /// when that request is to be tried.
-    fn is_text_instead(&mut self, number: ErrorNumber) -> bool {
+    fn is_text_instead(&mut self, number: PkwErrorNumber) -> bool {
         let Some(part) = self.parts.get_mut(self.at).filter(|part| part.shape.is_none()) else {
             return false;
         };
         match part.steps.as_slice() {
-            &[Step::Read { pnu, .. }] if number == ErrorNumber::DATA_TYPE => {
+            &[Step::Read { pnu, .. }] if number == PkwErrorNumber::DATA_TYPE => {
+                part.before = Some(number);
                 part.steps = vec![Step::ReadText { pnu }];
                 true
             }
@@ -258,7 +307,7 @@ impl Bridge {
         }
     }
 
-    fn refuse(&mut self, number: ErrorNumber) {
+    fn refuse(&mut self, number: ErrorNumber, cause: ChannelCause) {
         let Some(part) = self.parts.get_mut(self.at) else {
             return;
         };
@@ -274,11 +323,20 @@ impl Bridge {
         part.outcome = Err(Refused {
             number,
             element: element.into(),
+            cause,
         });
     }
 
-    /// The response to the whole request.
-    pub fn response(&self) -> Vec<u8> {
+    /// The response to the whole request, and what happened in the channel.
+    pub fn answered(&self) -> Answered {
+        let cause = |part: &Part| part.outcome.as_ref().err().map(|refused| refused.cause);
+        Answered {
+            octets: self.response(),
+            channel: self.parts.iter().map(cause).collect(),
+        }
+    }
+
+    fn response(&self) -> Vec<u8> {
         let failed = self.parts.iter().any(|part| part.outcome.is_err());
         let negative = if failed { 0x80 } else { 0 };
         let parameters = u8::try_from(self.parts.len()).unwrap_or(u8::MAX);
@@ -301,7 +359,7 @@ impl Bridge {
                     }
                 }
                 Ok(Gathered::Written) => out.extend([Format::ZERO.0, 0]),
-                Err(Refused { number, element }) => {
+                Err(Refused { number, element, .. }) => {
                     out.extend([Format::ERROR.0, 2]);
                     out.extend(number.0.to_be_bytes());
                     out.extend(element.to_be_bytes());
@@ -317,12 +375,19 @@ fn part(shape: Option<Shape>, steps: Vec<Step>, outcome: Result<Gathered, Refuse
         shape,
         steps,
         done: 0,
+        before: None,
         outcome,
     }
 }
 
-fn refused(shape: Option<Shape>, number: ErrorNumber) -> Part {
-    part(shape, Vec::new(), Err(Refused { number, element: 0 }))
+/// What the channel cannot carry.
+fn unsent(shape: Option<Shape>, why: NotCarried) -> Part {
+    let refused = Refused {
+        number: why.number(),
+        element: 0,
+        cause: ChannelCause::NotCarried(why),
+    };
+    part(shape, Vec::new(), Err(refused))
 }
 
 /// The element of an array; none for what is no array.
@@ -337,6 +402,9 @@ fn element(address: ParameterAddress, shape: Option<Shape>, offset: u8) -> Optio
 
 fn read(address: ParameterAddress, shape: Option<Shape>) -> Part {
     let pnu = address.pnu;
+    if shape.is_some_and(|shape| shape.collecting) {
+        return unsent(shape, NotCarried::Member(pnu));
+    }
     let steps: Option<Vec<Step>> = match address.attribute {
         Attribute::Value if shape.is_some_and(|shape| is_text(shape.format)) => {
             Some(vec![Step::ReadText { pnu }])
@@ -358,11 +426,11 @@ fn read(address: ParameterAddress, shape: Option<Shape>) -> Part {
                 .collect(),
         ),
         // texts of values have no place in the channel
-        Attribute::Text => return refused(shape, ErrorNumber::NO_TEXT),
-        Attribute::Other(_) => return refused(shape, ErrorNumber::SERVICE),
+        Attribute::Text => return unsent(shape, NotCarried::Text),
+        Attribute::Other(_) => return unsent(shape, NotCarried::Request),
     };
     match steps {
-        None => refused(shape, ErrorNumber::SUBINDEX),
+        None => unsent(shape, NotCarried::Element(address.subindex)),
         Some(steps) => part(
             shape,
             steps,
@@ -377,8 +445,11 @@ fn read(address: ParameterAddress, shape: Option<Shape>) -> Part {
 
 fn change(address: ParameterAddress, shape: Option<Shape>, block: &ValueBlock<'_>, space: CodeSpace) -> Part {
     let pnu = address.pnu;
+    if shape.is_some_and(|shape| shape.collecting) {
+        return unsent(shape, NotCarried::Member(pnu));
+    }
     if address.attribute != Attribute::Value {
-        return refused(shape, ErrorNumber::SERVICE);
+        return unsent(shape, NotCarried::Request);
     }
     if is_text(block.format) {
         let text = block.data.to_vec();
@@ -387,10 +458,11 @@ fn change(address: ParameterAddress, shape: Option<Shape>, block: &ValueBlock<'_
     let mut steps = Vec::new();
     for offset in 0..block.count {
         let Some(element) = element(address, shape, offset) else {
-            return refused(shape, ErrorNumber::SUBINDEX);
+            return unsent(shape, NotCarried::Element(address.subindex));
         };
         let Some(value) = sent(block, offset, space) else {
-            return refused(shape, ErrorNumber::FORMAT);
+            let octets = block.octets(offset.into()).map_or(0, <[u8]>::len);
+            return unsent(shape, NotCarried::Size(octets));
         };
         steps.push(Step::Change { pnu, element, value });
     }

@@ -12,7 +12,7 @@ use uss::{
     SlaveId,
 };
 
-pub use bridge::{Bridge, Shape};
+pub use bridge::{Answered, Bridge, Shape};
 
 /// Octets of the process data: control word and setpoint, status word and actual value.
 pub const PROCESS: usize = 4;
@@ -101,7 +101,7 @@ struct Slave {
     id: SlaveId,
     channel: Channel,
     job: Option<Bridge>,
-    done: Option<Result<Vec<u8>, JobError>>,
+    done: Option<Result<Answered, JobError>>,
     /// Somebody wants to know whether it answers.
     asked: bool,
     /// `None` until that is known.
@@ -234,7 +234,7 @@ impl Line {
     }
 
     /// The end of a parameter job.
-    pub fn take(&mut self, id: SlaveId) -> Option<Result<Vec<u8>, JobError>> {
+    pub fn take(&mut self, id: SlaveId) -> Option<Result<Answered, JobError>> {
         self.get_mut(id)?.done.take()
     }
 
@@ -391,7 +391,7 @@ impl Slave {
                 Err(error) => bridge.cannot(error),
             }
         }
-        self.done = Some(Ok(bridge.response()));
+        self.done = Some(Ok(bridge.answered()));
         self.job = None;
     }
 }

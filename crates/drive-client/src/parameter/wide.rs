@@ -111,6 +111,7 @@ mod tests {
             names: profidrive::parameter::ErrorNames::Profile,
             information: None,
             advice: None,
+            channel: None,
         })
     }
 

@@ -9,6 +9,7 @@ use std::net::Ipv4Addr;
 
 use super::Session;
 use super::route::{Route, RouteNotice, is_no_service, refusal};
+use crate::line::Answered;
 use crate::{Client, Connection, Drive, Error, Link, Wire};
 
 /// Longer than a connect may take with its repetitions.
@@ -339,20 +340,21 @@ impl<M: Wire> Session<M> {
     }
 
     /// One parameter job over the parameter channel of the drive.
-    pub(super) fn job(&mut self, drive: &Drive, request: &[u8]) -> Result<Vec<u8>, Error> {
+    pub(super) fn job(&mut self, drive: &Drive, request: &[u8]) -> Result<Answered, Error> {
         if let Some(slave) = drive.slave {
             return self.line_job(drive, slave, request);
         }
         let what = || "parameter access".to_owned();
         let ar = self.for_parameters(drive)?;
         let due = self.unread.as_ref().and_then(|unread| unread.due);
-        self.call(drive, ar, &what, |client, now, ar| {
+        let octets = self.call(drive, ar, &what, |client, now, ar| {
             let (controller, at) = (client.controller(), channel(drive));
             match due {
                 Some(due) => controller.parameter_job_within(now, ar, at, request, due - now),
                 None => controller.parameter_job(now, ar, at, request),
             }
-        })
+        })?;
+        Ok(Answered::by_record(octets))
     }
 
     fn call(

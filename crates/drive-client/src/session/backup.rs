@@ -10,7 +10,7 @@ use super::parameters::{Outgoing, format_of, saver};
 use super::prepare::zsw1_of;
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
 use crate::parameter::{Interpretation, Selection, halves};
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error, Refusal, Wire};
 
 /// The lists of all parameters of a drive.
 pub(super) const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
@@ -267,7 +267,7 @@ impl<M: Wire> Session<M> {
             let refused: Vec<usize> = due
                 .iter()
                 .copied()
-                .filter(|&at| matches!(journal.steps().get(at), Some(Step::Refused(number)) if may_change(*number)))
+                .filter(|&at| matches!(journal.steps().get(at), Some(Step::Refused(refusal)) if may_change(refusal)))
                 .collect();
             if refused.len() == due.len() {
                 break;
@@ -300,7 +300,7 @@ impl<M: Wire> Session<M> {
         for (&at, answer) in group.iter().zip(answers) {
             let step = match answer {
                 Ok(()) => Step::Written,
-                Err(refusal) => Step::Refused(refusal.number),
+                Err(refusal) => Step::Refused(refusal),
             };
             journal.set(at, step);
         }
@@ -357,7 +357,7 @@ impl<M: Wire> Session<M> {
         let answer = self.change(drive, &[outgoing])?.into_iter().next();
         journal.set_saved(match answer {
             Some(Ok(())) => Saved::Yes,
-            Some(Err(refusal)) => Saved::Refused(refusal.number),
+            Some(Err(refusal)) => Saved::Refused(refusal),
             None => Saved::InDoubt,
         });
         Ok(())
@@ -434,9 +434,10 @@ fn outgoing(drive: &Drive, change: &Change) -> Outgoing {
 }
 
 /// Whether another try can end differently once other values have changed.
-const fn may_change(number: ErrorNumber) -> bool {
-    !matches!(
-        number,
-        ErrorNumber::UNKNOWN_PARAMETER | ErrorNumber::NOT_CHANGEABLE | ErrorNumber::NO_RIGHTS
-    )
+fn may_change(refusal: &Refusal) -> bool {
+    !refusal.is_unsent()
+        && !matches!(
+            refusal.number,
+            ErrorNumber::UNKNOWN_PARAMETER | ErrorNumber::NOT_CHANGEABLE | ErrorNumber::NO_RIGHTS
+        )
 }

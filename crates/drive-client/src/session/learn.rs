@@ -204,8 +204,8 @@ impl<M: Wire> Session<M> {
             let reference = self.next_reference();
             let length = encode_read(reference, dialect, &addresses, &mut buffer)
                 .map_err(|error| malformed(&error))?;
-            let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
-            let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
+            let answered = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+            let response = Response::parse(&answered.octets, RequestId::Read, reference, &addresses, dialect)
                 .map_err(|error| malformed(&error))?;
             for (address, answer) in addresses.iter().zip(response.answers()) {
                 let Answer::Values(block) = answer else { continue };

@@ -9,7 +9,7 @@ use profinet::controller::Station;
 use uss::{Protocol, SlaveId};
 
 use super::Session;
-use crate::line::Bridge;
+use crate::line::{Answered, Bridge};
 use crate::parameter::Selection;
 use crate::{Client, Drive, DriveAddress, Error, LineAddress, Model, Wire};
 
@@ -151,7 +151,7 @@ impl<M: Wire> Session<M> {
         drive: &Drive,
         slave: SlaveId,
         request: &[u8],
-    ) -> Result<Vec<u8>, Error> {
+    ) -> Result<Answered, Error> {
         // of a drive without tables what it was found to speak stays
         let vendor = drive
             .model
@@ -181,7 +181,7 @@ impl<M: Wire> Session<M> {
             line.drop_job(slave);
         }
         match end? {
-            Some(Ok(response)) => Ok(response),
+            Some(Ok(answered)) => Ok(answered),
             Some(Err(JobError::Lost)) => Err(Error::LineSilent {
                 drive: drive.label(),
                 reaction: None,
@@ -203,7 +203,7 @@ impl<M: Wire> Session<M> {
         &mut self,
         slave: SlaveId,
         limit: Duration,
-    ) -> Result<Option<Result<Vec<u8>, JobError>>, Error> {
+    ) -> Result<Option<Result<Answered, JobError>>, Error> {
         let end = self.now() + limit;
         loop {
             let left = self.silence(end - self.now());

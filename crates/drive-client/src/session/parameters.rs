@@ -5,15 +5,15 @@ mod write;
 use std::ops::Range;
 
 use profidrive::catalogue::Parameter;
-use profidrive::notation::Shown;
 use profidrive::parameter::{
-    Answer, Description, Dialect, ErrorNumber, Format, ParameterAddress, RequestId, Response, encode_read,
-    plan_reads, split_array,
+    Answer, Description, Dialect, ErrorNumber, Format, ParameterAddress, ParameterError, RequestId, Response,
+    encode_read, plan_reads, split_array,
 };
 
 use super::Session;
+use crate::line::Answered;
 use crate::parameter::{Interpretation, Reading, Selection, join, split};
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{ChannelCause, ChannelRefusal, Drive, Error, Refusal, Wire};
 
 pub use write::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
 pub(super) use write::{Outgoing, saver};
@@ -103,10 +103,10 @@ impl<M: Wire> Session<M> {
         let part = items.get(group).unwrap_or_default();
         let addresses: Vec<ParameterAddress> = part.iter().map(|item| item.address).collect();
         let dialect = drive.model.dialect;
-        let (reference, answer) = self.request(drive, &addresses)?;
-        let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
+        let (reference, answered) = self.request(drive, &addresses)?;
+        let response = Response::parse(&answered.octets, RequestId::Read, reference, &addresses, dialect)
             .map_err(|error| malformed(drive, &error))?;
-        for (item, answer) in part.iter().zip(response.answers()) {
+        for ((at, item), answer) in part.iter().enumerate().zip(response.answers()) {
             let Some(selection) = selections.get(item.selection) else {
                 continue;
             };
@@ -123,9 +123,9 @@ impl<M: Wire> Session<M> {
                         )));
                         continue;
                     }
-                    for at in 0..block.count {
-                        let octets = block.octets(at.into()).unwrap_or_default();
-                        let offset = item.offset + u16::from(at);
+                    for element in 0..block.count {
+                        let octets = block.octets(element.into()).unwrap_or_default();
+                        let offset = item.offset + u16::from(element);
                         let format = block.format.0;
                         results.push(Ok(drive.parameters.reading(
                             selection,
@@ -142,14 +142,9 @@ impl<M: Wire> Session<M> {
                     self.read_group(drive, selections, &alone, 0..1, results)?;
                 }
                 Answer::Error(error) => {
-                    results.push(Err(refusal(
-                        drive,
-                        selection,
-                        item.offset,
-                        false,
-                        error.number,
-                        error.info,
-                    )));
+                    let channel = self.channel_refusal(answered.cause(at));
+                    let refusal = refusal(drive, selection, item.offset, false, error, channel);
+                    results.push(Err(refusal));
                 }
                 Answer::Written => {
                     let reason = "a read was answered like a write".to_owned();
@@ -164,13 +159,22 @@ impl<M: Wire> Session<M> {
     }
 
     /// One request for these addresses: the reference it had, and what came back.
-    fn request(&mut self, drive: &Drive, addresses: &[ParameterAddress]) -> Result<(u8, Vec<u8>), Error> {
+    fn request(&mut self, drive: &Drive, addresses: &[ParameterAddress]) -> Result<(u8, Answered), Error> {
         let mut buffer = [0; MAX_REQUEST];
         let reference = self.next_reference();
         let length = encode_read(reference, drive.model.dialect, addresses, &mut buffer)
             .map_err(|error| malformed(drive, &error))?;
-        let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
-        Ok((reference, answer))
+        let answered = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        Ok((reference, answered))
+    }
+
+    /// What happened in the parameter channel of the line.
+    fn channel_refusal(&self, cause: Option<ChannelCause>) -> Option<ChannelRefusal> {
+        let protocol = self.client.line_config()?.protocol;
+        Some(ChannelRefusal {
+            protocol,
+            cause: cause?,
+        })
     }
 
     /// Reads one value that must be there.
@@ -210,8 +214,8 @@ impl<M: Wire> Session<M> {
         for group in plan_reads(&planned, dialect) {
             let part = planned.get(group).unwrap_or_default();
             let addresses: Vec<ParameterAddress> = part.iter().map(|(address, _)| *address).collect();
-            let (reference, answer) = self.request(drive, &addresses)?;
-            let response = Response::parse(&answer, RequestId::Read, reference, &addresses, dialect)
+            let (reference, answered) = self.request(drive, &addresses)?;
+            let response = Response::parse(&answered.octets, RequestId::Read, reference, &addresses, dialect)
                 .map_err(|error| malformed(drive, &error))?;
             descriptions.extend(response.answers().map(|answer| match answer {
                 Answer::Values(block) => Description::decode(block.data),
@@ -269,23 +273,25 @@ fn refusal(
     selection: &Selection,
     offset: u16,
     write: bool,
-    number: ErrorNumber,
-    information: Option<u16>,
+    error: ParameterError,
+    channel: Option<ChannelRefusal>,
 ) -> Refusal {
-    let shown: Shown = selection.shown(offset);
-    let name = selection.parameter.map(|parameter| parameter.name);
-    let tables = drive
-        .model
-        .catalogue
-        .filter(|_| write && number == ErrorNumber::NOT_NOW);
-    Refusal {
-        shown,
-        name,
+    let refusal = Refusal {
+        shown: selection.shown(offset),
+        name: selection.parameter.map(|parameter| parameter.name),
         write,
-        number,
+        number: error.number,
         names: drive.model.dialect.error_names,
-        information,
+        information: error.info,
+        advice: None,
+        channel,
+    };
+    // the number is the same in records and in the parameter channel
+    let not_now = write && refusal.received() == Some(ErrorNumber::NOT_NOW.0);
+    let tables = drive.model.catalogue.filter(|_| not_now);
+    Refusal {
         advice: tables.and_then(|tables| tables.not_now(selection.pnu)),
+        ..refusal
     }
 }
 

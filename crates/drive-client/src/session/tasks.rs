@@ -2,14 +2,14 @@
 
 use profidrive::catalogue::{Parameter, Role};
 use profidrive::notation::Notation;
-use profidrive::parameter::{ErrorNumber, Format, plan_changes};
+use profidrive::parameter::{Format, plan_changes};
 
 use super::Session;
 use super::parameters::Outgoing;
 use crate::axis::Objection;
 use crate::backup::{Backup, Journal, Step, Task, TaskChange, TasksTold, Window};
 use crate::parameter::{Reading, Selection};
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error, Refusal, Wire};
 
 /// Motion tasks written between two times that the journal is kept.
 const BATCH: usize = 16;
@@ -155,7 +155,7 @@ impl<M: Wire> Session<M> {
             if let Err(refusal) = answer {
                 return Ok(Look::Not(format!(
                     "the drive refused to show task {number}: {}",
-                    refusal.number
+                    refusal.words()
                 )));
             }
         }
@@ -227,13 +227,13 @@ impl<M: Wire> Session<M> {
     }
 
     /// Writes in as few requests as it takes; the first refusal.
-    fn change_in_groups(&mut self, drive: &Drive, values: &[Outgoing]) -> Result<Option<ErrorNumber>, Error> {
+    fn change_in_groups(&mut self, drive: &Drive, values: &[Outgoing]) -> Result<Option<Refusal>, Error> {
         let sizes: Vec<usize> = values.iter().map(|value| value.octets.len().max(4)).collect();
         let mut refused = None;
         for group in plan_changes(&sizes, drive.model.dialect) {
             let answers = self.change(drive, values.get(group).unwrap_or_default())?;
             let refusal = answers.into_iter().find_map(Result::err);
-            refused = refused.or(refusal.map(|refusal| refusal.number));
+            refused = refused.or(refusal);
         }
         Ok(refused)
     }
@@ -283,7 +283,7 @@ impl<M: Wire> Session<M> {
         super::backup::kept(drive, journal, keep)?;
         for (at, change) in changes.iter().enumerate() {
             let step = match self.write_task(drive, window, change)? {
-                Some(number) => Step::Refused(number),
+                Some(refusal) => Step::Refused(refusal),
                 None => match self.look(drive, window, change.number)? {
                     Look::Task(task) if task.is_as(&change.new) => Step::ReadBack,
                     Look::Task(_) => Step::Differs,
@@ -301,7 +301,7 @@ impl<M: Wire> Session<M> {
         drive: &Drive,
         window: &Window,
         change: &TaskChange,
-    ) -> Result<Option<ErrorNumber>, Error> {
+    ) -> Result<Option<Refusal>, Error> {
         let number = i64::from(change.number);
         let values = match &change.new {
             Task::Empty => return self.change_in_groups(drive, &[outgoing(window.clear, number)]),

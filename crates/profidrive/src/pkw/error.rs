@@ -1,5 +1,7 @@
 //! Error numbers of the PKW channel: what PWE low says in a reply with AK 7.
 
+use alloc::format;
+use alloc::string::{String, ToString};
 use core::fmt;
 
 pub use super::generated_errors::PKW_ERRORS;
@@ -70,6 +72,22 @@ impl PkwErrorNumber {
             .iter()
             .chain(names.rows())
             .find(|row| row.number == self.0)
+    }
+
+    /// Number and meaning, with the meanings of a vendor.
+    ///
+    /// ```
+    /// use profidrive::pkw::{PkwErrorNames, PkwErrorNumber};
+    /// let number = PkwErrorNumber(130);
+    /// assert_eq!(number.words(PkwErrorNames::Danfoss), "130 no bus access to the parameter");
+    /// assert_eq!(number.words(PkwErrorNames::Profile), "130 (the maker's own number)");
+    /// ```
+    #[must_use]
+    pub fn words(self, names: PkwErrorNames) -> String {
+        match self.info(names) {
+            Some(info) => format!("{} {}", self.0, info.meaning),
+            None => self.to_string(),
+        }
     }
 
     /// The number under which a drive that serves both channels refuses here what it refuses acyclically with

@@ -82,6 +82,8 @@ pub struct Server {
     done: Option<Done>,
     /// The block in hand has one word of PWE only.
     narrow: bool,
+    /// Every request is refused with this number.
+    refused: Option<PkwErrorNumber>,
 }
 
 impl Server {
@@ -94,6 +96,7 @@ impl Server {
             length: 0,
             done: None,
             narrow: false,
+            refused: None,
         }
     }
 
@@ -107,6 +110,13 @@ impl Server {
     pub fn reset(&mut self) {
         self.length = 0;
         self.done = None;
+    }
+
+    /// Refuses every request with this number and does nothing, until it is called with `None`: an error of the drive that
+    /// a client is to be tested with. A change that was carried out already keeps its reply; a refused request that still
+    /// stands stays refused.
+    pub const fn refuse_all(&mut self, number: Option<PkwErrorNumber>) {
+        self.refused = number;
     }
 
     /// Forgets that the standing request was refused, so that the same request is tried again: each telegram of a serial
@@ -184,6 +194,11 @@ impl Server {
     ) -> Result<Reply, Refusal> {
         if info.action == Action::Nothing {
             return Ok(Reply::Nothing);
+        }
+        let refused = self.refused.map(|number| Done::Refused(Refusal::Number(number)));
+        self.done = self.done.or(refused);
+        if let Some(Done::Refused(refusal)) = self.done {
+            return Err(refusal);
         }
         if !self.dialect.knows(info.code) {
             return Err(Refusal::Number(self.dialect.unknown_request));

@@ -3,6 +3,7 @@
 //!
 //! Source: MCA 101 manual p. 16 and 27, MCA 120 manual p. 27, OPTEA manual p. 103.
 
+use profidrive::pkw::PkwErrorNumber;
 use profidrive::telegram::{Telegram, signal};
 
 use super::Drive;
@@ -174,6 +175,13 @@ impl Drive {
             if let Some(place) = inputs.get_mut(word.offset..word.offset + word.octets) {
                 place.copy_from_slice(low);
             }
+        }
+    }
+
+    /// Refuses every request of the parameter channel in the process data with this number, or none any more.
+    pub(crate) const fn refuse_in_channel(&mut self, number: Option<PkwErrorNumber>) {
+        if let Some(server) = &mut self.pkw {
+            server.refuse_all(number);
         }
     }
 

@@ -8,12 +8,16 @@ use std::str::FromStr;
 use std::time::Duration;
 
 use profidrive::notation::Quantity;
-use profidrive::parameter::{Format, ParameterAccess, Refusal, SaveId, SaveState, Served, not_saved};
+use profidrive::parameter::{
+    ErrorNumber, Format, ParameterAccess, Refusal, SaveId, SaveState, Served, not_saved,
+};
+use profidrive::pkw::{PkwDialect, PkwErrorNumber};
 use profinet::Instant;
 use profinet::wire::PnioStatus;
 use profinet::wire::status::record as code1;
 
 use crate::drive::Drive;
+use crate::model::Model;
 
 /// Records that carry parameter jobs.
 pub(super) const INDICES: [u16; 3] = [0x002F, 0xB02E, 0xB02F];
@@ -37,7 +41,8 @@ pub enum AnswerFault {
     Reference,
     /// Leaves the last octet of the answer out.
     Cut,
-    /// Does nothing and refuses every parameter with this error number.
+    /// Does nothing and refuses every parameter with this error number. The parameter channel of a PPO type refuses with
+    /// the same number. Records have another where that is a vendor's number of the parameter channel alone.
     Error(u16),
 }
 
@@ -45,6 +50,17 @@ pub enum AnswerFault {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}`: answers can be none, silent, late TIME, reference, cut or error NUMBER")]
 pub struct NoAnswerFault(String);
+
+impl AnswerFault {
+    /// The number with which the parameter channel (PKW) refuses every request.
+    #[must_use]
+    pub const fn in_channel(self) -> Option<PkwErrorNumber> {
+        match self {
+            Self::Error(number) => Some(PkwErrorNumber(number)),
+            _ => None,
+        }
+    }
+}
 
 impl FromStr for AnswerFault {
     type Err = NoAnswerFault;
@@ -151,9 +167,8 @@ impl<K: Copy + PartialEq> Channels<K> {
         }
         let mut out = [0; LONGEST];
         let served = match self.fault {
-            AnswerFault::Error(number) => {
-                refuse_all(request, number, &mut out).map(|length| Served { length, save: None })
-            }
+            AnswerFault::Error(number) => refuse_all(request, in_records(number, drive.model()), &mut out)
+                .map(|length| Served { length, save: None }),
             _ => drive.serve_saving(request, &mut out),
         };
         let Served { length, save } = served.map_err(|refusal| {
@@ -230,8 +245,24 @@ impl<K: Copy + PartialEq> Channels<K> {
     }
 }
 
+/// The number under which records refuse with `number`: that of the model's dialect where only the vendor's parameter
+/// channel (PKW) has `number`.
+fn in_records(number: u16, model: &Model) -> ErrorNumber {
+    let own = |dialect: &&PkwDialect| {
+        let mut rows = dialect.error_names.rows().iter();
+        rows.any(|row| row.number == number)
+    };
+    match (
+        ErrorNumber(number).info(model.dialect.error_names),
+        model.pkw.filter(own),
+    ) {
+        (None, Some(channel)) => PkwErrorNumber(number).to_parameter(channel.error_names),
+        _ => ErrorNumber(number),
+    }
+}
+
 /// A negative answer to every parameter of a request, and nothing done.
-fn refuse_all(request: &[u8], number: u16, out: &mut [u8]) -> Result<usize, Refusal> {
+fn refuse_all(request: &[u8], ErrorNumber(number): ErrorNumber, out: &mut [u8]) -> Result<usize, Refusal> {
     let [reference, id, axis, count, ..] = *request else {
         return Err(Refusal::Length);
     };
@@ -252,7 +283,7 @@ fn refuse_all(request: &[u8], number: u16, out: &mut [u8]) -> Result<usize, Refu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::AKD;
+    use crate::model::{AKD, VLT};
 
     const READ_922: [u8; 10] = [1, 1, 0, 1, 0x10, 1, 0x03, 0x9A, 0, 0];
     const NOW: Instant = Instant::ZERO;
@@ -313,6 +344,30 @@ mod tests {
             "the refused change was not carried out"
         );
         assert_eq!(channels.write(at(500), 1, &READ_922, &mut drive), Ok(()));
+    }
+
+    /// Numbers of the parameter channel of a VLT are those of its dialect here; all others are as they are.
+    #[test]
+    fn a_number_that_only_the_parameter_channel_has_is_that_of_the_dialect_in_records() {
+        for (model, number, received) in [
+            (&VLT, 131, 0x11),
+            (&VLT, 130, 0x68),
+            (&VLT, 0x11, 0x11),
+            (&VLT, 0x65, 0x65),
+            (&VLT, 999, 999),
+            (&AKD, 131, 131),
+        ] {
+            let mut drive = Drive::new(model);
+            let mut channels = Channels::default();
+            channels.set_fault(AnswerFault::Error(number));
+            channels.write(NOW, 1, &READ_922, &mut drive).unwrap();
+            let [high, low] = u16::to_be_bytes(received);
+            assert_eq!(
+                channels.read(NOW, Some(1), 240),
+                Ok(vec![1, 0x81, 0, 1, 0x44, 1, high, low]),
+                "{number}"
+            );
+        }
     }
 
     #[test]

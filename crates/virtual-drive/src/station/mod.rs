@@ -232,9 +232,11 @@ impl Station {
         &mut self.drive
     }
 
-    /// Lets the parameter manager answer wrongly, late or not at all, from the next request on.
+    /// Lets the parameter manager answer wrongly, late or not at all, from the next request on. The parameter channel of a
+    /// PPO type has [`AnswerFault::Error`] only.
     pub fn set_answer_fault(&mut self, fault: AnswerFault) {
         self.channels.set_fault(fault);
+        self.drive.refuse_in_channel(fault.in_channel());
     }
 
     /// Makes the drive wait for its owner: changes that are to be saved are answered only when

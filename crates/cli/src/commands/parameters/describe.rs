@@ -129,6 +129,7 @@ fn description_lines(
     line("meaning", parameter.description.to_owned());
     match readings {
         [Ok(reading)] => line("value", value::full(reading)),
+        [Err(refusal)] if refusal.is_unsent() => line("value", refusal.words()),
         [Err(refusal)] => line("value", format!("not readable now: {}", refusal.words())),
         several => {
             let values: Vec<String> = several.iter().flatten().take(16).map(value::value).collect();

@@ -304,7 +304,7 @@ fn outcome_row(outcome: &ChangeOutcome) -> [String; 7] {
     let text = number.and_then(|value| parameter?.choice(value.raw));
     let result = match (&outcome.written, &outcome.new) {
         (None, _) => "would be written".into(),
-        (Some(Err(refusal)), _) => format!("refused: {}", refusal.words()),
+        (Some(Err(refusal)), _) => refusal.outcome(),
         (Some(Ok(())), None) => "executed".into(),
         (Some(Ok(())), Some(_)) if outcome.acts => "executed".into(),
         (Some(Ok(())), Some(Ok(_))) if !outcome.differs() => "written, read back".into(),

@@ -11,8 +11,8 @@ use network::serial::{Error as SerialError, Line, Port, Talker};
 use profinet::Instant;
 use scenario::Happening;
 use uss::SlaveConfig;
-use virtual_drive::drive::Injection;
 use virtual_drive::serial::{SerialConfig, SerialStation};
+use virtual_drive::station::AnswerFault;
 
 use super::mailbox::Mailbox;
 use super::maker::Maker;
@@ -75,7 +75,7 @@ fn parity(text: &str) -> Result<Parity, &'static str> {
 struct LineUp {
     drives: Vec<(Arc<Keeping>, SerialStation)>,
     /// What ends again, when, and of which drive.
-    ends: Vec<(Instant, usize, Injection)>,
+    ends: Vec<(Instant, usize, Happening)>,
 }
 
 impl LineUp {
@@ -110,20 +110,15 @@ impl LineUp {
             Err(why) => return Answer::Refused(why),
             Ok(happenings) => happenings,
         };
-        let inside = |happening: &Happening| match happening {
-            Happening::Drive(injection) => Ok(*injection),
-            other => Err(format!(
+        if let Some(other) = happenings.iter().find(|happening| !is_on_line(happening)) {
+            return Answer::Refused(format!(
                 "`{other}` is of a network, the drive is at a serial line"
-            )),
-        };
-        let injections: Vec<Injection> = match happenings.iter().map(inside).collect() {
-            Err(why) => return Answer::Refused(why),
-            Ok(injections) => injections,
-        };
+            ));
+        }
         let lasts = request.lasts.map(Duration::from_nanos);
-        for (injection, happening) in injections.into_iter().zip(happenings) {
-            station.drive_mut().inject(injection);
-            if let (Some(lasts), Some(Happening::Drive(end))) = (lasts, happening.undo()) {
+        for happening in happenings {
+            apply(happening, station);
+            if let (Some(lasts), Some(end)) = (lasts, happening.undo()) {
                 self.ends.push((now + lasts, at, end));
             }
         }
@@ -131,20 +126,38 @@ impl LineUp {
     }
 
     /// What was to last so long ends.
-    fn end(&mut self, now: Instant) -> Vec<(usize, Injection)> {
-        let due: Vec<(usize, Injection)> = self
+    fn end(&mut self, now: Instant) -> Vec<(usize, Happening)> {
+        let due: Vec<(usize, Happening)> = self
             .ends
             .iter()
             .filter(|(at, ..)| *at <= now)
-            .map(|(_, drive, injection)| (*drive, *injection))
+            .map(|(_, drive, happening)| (*drive, *happening))
             .collect();
         self.ends.retain(|(at, ..)| *at > now);
-        for (drive, injection) in &due {
+        for (drive, happening) in &due {
             if let Some((_, station)) = self.drives.get_mut(*drive) {
-                station.drive_mut().inject(*injection);
+                apply(*happening, station);
             }
         }
         due
+    }
+}
+
+/// True for what can happen to a drive at a serial line. Its parameter channel can refuse; the other faults of answers are
+/// those of records.
+const fn is_on_line(happening: &Happening) -> bool {
+    matches!(
+        happening,
+        Happening::Drive(_) | Happening::Answers(AnswerFault::None | AnswerFault::Error(_))
+    )
+}
+
+/// Lets happen to a drive what [`is_on_line`] allows.
+fn apply(happening: Happening, station: &mut SerialStation) {
+    match happening {
+        Happening::Drive(injection) => station.drive_mut().inject(injection),
+        Happening::Answers(fault) => station.refuse_all(fault.in_channel()),
+        Happening::Cable { .. } | Happening::Link(_) => {}
     }
 }
 
@@ -324,9 +337,9 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
                 station.report_save(save, stored);
             }
         }
-        for (drive, injection) in lineup.end(now()) {
+        for (drive, happening) in lineup.end(now()) {
             if let Some((keeping, _)) = lineup.drives.get(drive) {
-                scribe.say(keeping, now() - start, Happening::Drive(injection).to_string());
+                scribe.say(keeping, now() - start, happening.to_string());
             }
         }
         for (keeping, drive) in &mut lineup.drives {

@@ -325,9 +325,9 @@ impl<M: Wire> Session<M> {
         let reference = self.next_reference();
         let length = encode_change_as(id, reference, dialect, &values, &mut buffer)
             .map_err(|error| malformed(drive, &error))?;
-        let answer = self.job(drive, buffer.get(..length).unwrap_or_default())?;
-        let response =
-            Response::parse(&answer, id, reference, &addresses, dialect).map_err(|error| match error {
+        let answered = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        let response = Response::parse(&answered.octets, id, reference, &addresses, dialect).map_err(
+            |error| match error {
                 ResponseError::Refused(error) if error.number == dialect.bad_request.1 => {
                     Error::UnknownRequest {
                         drive: drive.label(),
@@ -336,11 +336,13 @@ impl<M: Wire> Session<M> {
                     }
                 }
                 error => malformed(drive, &error),
-            })?;
-        for (part, answer) in parts.iter().zip(response.answers()) {
+            },
+        )?;
+        for ((at, part), answer) in parts.iter().enumerate().zip(response.answers()) {
             if let (Answer::Error(error), Some(place)) = (answer, answers.get_mut(part.at)) {
                 let selection = &part.value.selection;
-                *place = Err(refusal(drive, selection, 0, true, error.number, error.info));
+                let channel = self.channel_refusal(answered.cause(at));
+                *place = Err(refusal(drive, selection, 0, true, error, channel));
             }
         }
         Ok(())

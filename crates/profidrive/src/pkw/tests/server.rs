@@ -56,6 +56,43 @@ fn a_change_is_done_once_until_the_request_changes() {
     assert_eq!(kept, [false, false, true, true, true]);
 }
 
+/// Words of a PPO type, and blocks of four words, three words and text.
+#[test]
+fn every_request_can_be_refused_and_does_nothing_then() {
+    for dialect in [PkwDialect::DANFOSS_FC, PkwDialect::DANFOSS_PPO] {
+        let (mut server, mut drive) = (Server::new(dialect), Bench::default());
+        let change = "21 9E 00 00 00 00 00 64";
+        let changed = reply(&mut server, &mut drive, change);
+        server.refuse_all(Some(PkwErrorNumber(131)));
+        // what was done before is still acknowledged
+        assert_eq!(reply(&mut server, &mut drive, change), changed);
+        for request in ["11 9E 00 00 00 00 00 00", "21 9E 00 00 00 00 00 65"] {
+            let refused = Pkw::from_octets(reply(&mut server, &mut drive, request));
+            assert_eq!((refused.ak(), refused.pwe), (7, 131), "{request}");
+            // a new connection changes nothing of it
+            server.reset();
+        }
+        assert_eq!(reply(&mut server, &mut drive, "00 00 00 00 00 00 00 00"), [0; 8]);
+        for block_of in ["21 9E 00 00 00 66", "F5 FA 05 00 70 75 6D 70"] {
+            let mut out = [0; MAX_BLOCK];
+            let length = server
+                .handle_block(&block(block_of), &mut drive, &mut out)
+                .unwrap();
+            assert_eq!((out[0] >> 4, out[length - 1]), (7, 131), "{block_of}");
+        }
+        assert_eq!(drive.writes.len(), 1);
+        // a change that stands is not carried out behind the master's back
+        let second = "21 9E 00 00 00 00 00 67";
+        reply(&mut server, &mut drive, second);
+        server.refuse_all(None);
+        assert_eq!(reply(&mut server, &mut drive, second)[0] >> 4, 7);
+        assert_eq!(drive.writes.len(), 1);
+        server.forget_refusal();
+        assert_eq!(reply(&mut server, &mut drive, second)[0] >> 4, 1);
+        assert_eq!(drive.writes.len(), 2);
+    }
+}
+
 /// A refused change is not tried again behind the master's back.
 #[test]
 fn a_refusal_of_a_change_stands() {
