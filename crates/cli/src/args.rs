@@ -36,8 +36,8 @@ use crate::commands::{
     after_help = "DRIVE is a station name (akd-1), an IP address (10.0.0.2) or a MAC address.\n\
     PARAM is a name (DRV.ACC) or a number (930, p930, r947[0], 947[0..7], 0x3A2), as the maker writes it \
     (VLT: 1-20, Vacon: ID103).\n\
-    Exit codes: 0 ok, 1 failed, 2 usage, 3 refused by the drive, 4 not reachable, 5 difference found, \
-    6 stopped by a safety rule."
+    Exit codes: 0 ok, 1 failed (also an incomplete backup), 2 usage, 3 refused by the drive, 4 not reachable, \
+    5 difference found, 6 stopped by a safety rule."
 )]
 pub struct Cli {
     #[command(flatten)]

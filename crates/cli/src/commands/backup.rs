@@ -1,4 +1,4 @@
-//! `profidrive backup DRIVE -o FILE`
+//! `profidrive backup DRIVE -o FILE`; exit code 1 when settings or motion tasks are missing.
 
 use std::path::{Path, PathBuf};
 
@@ -53,27 +53,18 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         };
         let missing = match backup.refused().len() {
             0 => String::new(),
-            refused => format!(" (of {}, {refused} were refused)", count + refused),
+            refused => format!(" (of {}, {refused} missing)", count + refused),
         };
         output.say(&format!(
             "{count} settings{missing}{tasks} of {label} in {}{unchanged}",
             path.display()
         ));
     }
-    if let TasksTold::LeftOut(why) = &backup.header.tasks {
-        output.warn(&format!("the motion tasks of {label} are left out: {why}"));
-    }
-    let refused = backup.refused();
-    if !refused.is_empty() {
-        output.warn(&format!(
-            "the backup is not whole: {label} refused to tell {}: {}; they stand in it as comments and are not restored",
-            settings(refused.len()),
-            reasons(refused)
-        ));
-    }
+    let incomplete = incomplete(&backup, &label);
     if output.json() {
         let values: Vec<Value> = backup.readings().iter().map(value::json).collect();
-        let refused: Vec<Value> = refused
+        let refused: Vec<Value> = backup
+            .refused()
             .iter()
             .map(|one| Value::Object(refusal_json(one)))
             .collect();
@@ -81,12 +72,37 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         output.document(
             "backup",
             fields! { "drive": label, "model": drive.model.name, "file": file, "parameters": values, "refused": refused,
-                "tasks": tasks_json(&backup) },
+                "tasks": tasks_json(&backup), "complete": incomplete.is_none() },
         );
     } else if args.output.is_none() {
         output.raw(&text);
     }
-    Ok(())
+    incomplete.map_or(Ok(()), Err)
+}
+
+/// What is missing in a backup, and why; `None` when it is complete.
+fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
+    let refused = backup.refused();
+    let mut missing = Vec::new();
+    let mut hints = Vec::new();
+    if !refused.is_empty() {
+        missing.push(format!(
+            "{} missing: {}",
+            settings(refused.len()),
+            reasons(refused)
+        ));
+        hints.push(
+            "the settings that are missing are comments in the backup; `profidrive restore` leaves them out",
+        );
+    }
+    if let TasksTold::LeftOut(why) = &backup.header.tasks {
+        missing.push(format!("the motion tasks are left out: {why}"));
+        hints.push("motion tasks are read while the power stage is off and no controller is connected");
+    }
+    (!missing.is_empty()).then(|| {
+        let message = format!("the backup of {drive} is incomplete: {}", missing.join("; "));
+        Failure::new(Exit::Failed, message).hint(hints.join("; "))
+    })
 }
 
 /// A backup without a value is none.
@@ -98,7 +114,7 @@ fn told_something(backup: &Backup, drive: &str) -> Result<(), Failure> {
     let why = if refused.is_empty() {
         "it has no settings that can be listed".to_owned()
     } else {
-        format!("it refused {}: {}", settings(refused.len()), reasons(refused))
+        format!("{} missing: {}", settings(refused.len()), reasons(refused))
     };
     let message = format!("{drive} told none of its settings, nothing is written: {why}");
     Err(Failure::new(Exit::Difference, message).hint(
@@ -113,7 +129,7 @@ fn settings(count: usize) -> String {
     }
 }
 
-/// Why settings were refused, each reason with who it was of, the first few by name.
+/// Why settings are missing, each reason with who it was of, the first few by name.
 fn reasons(refused: &[Refusal]) -> String {
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
     for refusal in refused {
@@ -238,6 +254,24 @@ fn replace(path: &Path, text: &str) -> Result<(), Failure> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_backup_without_the_motion_tasks_is_incomplete() {
+        let backup = |tasks: &str| {
+            let text = format!(
+                "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\n{tasks}p2108 = 1\n"
+            );
+            incomplete(&Backup::parse(&text).unwrap(), "akd-1")
+        };
+        assert_eq!(backup(""), None);
+        assert_eq!(backup("tasks: all\n"), None);
+        let failure = backup("tasks: left out, the power stage is on\n").unwrap();
+        assert_eq!(failure.exit, Exit::Failed);
+        assert_eq!(
+            failure.message,
+            "the backup of akd-1 is incomplete: the motion tasks are left out: the power stage is on"
+        );
+    }
 
     #[test]
     fn what_is_no_file_and_what_has_no_folder_is_refused_before_anything_is_read() {
