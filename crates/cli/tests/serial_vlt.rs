@@ -283,6 +283,39 @@ fn a_parameter_that_the_channel_cannot_carry_is_not_refused() {
     }
 }
 
+/// At a serial line the drive saves text with every write, numbers only when it is asked to.
+#[test]
+fn a_restore_says_what_becomes_of_texts_and_of_numbers() {
+    let cable = Cable::lay();
+    let _drives = Simulated::start_model(&cable, "vlt", &["--baud", "115200"]);
+    let drive = format!("{},baud=115200", cable.drive("fc", 1));
+    let folder = Folder::new("vlt-texts");
+    let file = folder.file("before.backup");
+    ok(&["backup", &drive, "-o", &file]);
+    let text = "over power-off: at a serial line it saves text with every write";
+    let lost = "not saved: until the next power cycle; with --save the drive keeps them";
+    for (changed, texts, others) in [
+        (&["0-37=PUMP"][..], Some("keeps them"), None),
+        (&["3-41=5s"], None, Some(lost)),
+        (
+            &["0-37=PUMP", "3-41=5s"],
+            Some("keeps the texts"),
+            Some("the other values are not saved: until"),
+        ),
+    ] {
+        ok(&[&["write", &drive], changed].concat());
+        let told = stderr(&ok(&["restore", &drive, &file]));
+        assert_eq!(told.contains(text), texts.is_some(), "{told}");
+        assert!(texts.is_none_or(|words| told.contains(words)), "{told}");
+        assert_eq!(
+            told.contains("until the next power cycle"),
+            others.is_some(),
+            "{told}"
+        );
+        assert!(others.is_none_or(|words| told.contains(words)), "{told}");
+    }
+}
+
 /// Carries out what `status` recommends: its actions, and the commands in its text that begin no motion.
 #[track_caller]
 fn follow_advice(drive: &str) {

@@ -346,6 +346,7 @@ impl Drive {
             collecting: tables.is_collecting(pnu),
             format: format_of(parameter, self.model.dialect),
             octets: parameter.size.octets(),
+            characters: parameter.length.into(),
             array: parameter.is_array(),
         })
     }

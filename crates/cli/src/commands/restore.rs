@@ -310,8 +310,33 @@ fn results(journal: &Journal, output: &Output) {
     }
 }
 
-/// What becomes of written values that nobody asked to save.
-fn unsaved(model: &Model, drive: &str) -> String {
+/// What becomes of written values that nobody asked to save, one line for those that the drive saves by itself and one for
+/// the others.
+fn unsaved(drive: &Drive, journal: &Journal) -> Vec<String> {
+    let changes = journal.plan().changes.iter().zip(journal.steps());
+    let written = changes.filter(|(_, step)| **step == Step::ReadBack);
+    let text = |change: &Change| {
+        let parameter = drive.parameters.at(change.new.pnu, change.new.index.unwrap_or(0));
+        parameter.is_some_and(|parameter| drive.saving(parameter) != drive.model.dialect.saving)
+    };
+    let texts = written.filter(|(change, _)| text(change)).count();
+    let others = journal.count(|step| *step == Step::ReadBack) - texts;
+    let mut lines = Vec::new();
+    if texts > 0 {
+        let which = if others == 0 { "them" } else { "the texts" };
+        lines.push(format!(
+            "the drive keeps {which} over power-off: at a serial line it saves text with every write"
+        ));
+    }
+    if others > 0 {
+        let which = if texts == 0 { "" } else { "the other values are " };
+        lines.push(format!("{which}{}", unsaved_words(&drive.model, &drive.label())));
+    }
+    lines
+}
+
+/// What becomes of written values that the drive saves as its model does.
+fn unsaved_words(model: &Model, drive: &str) -> String {
     let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
     match (model.dialect.saving, command) {
         (Saving::Always, _) => "the drive keeps them over power-off: it saves every write".into(),
@@ -340,7 +365,9 @@ fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, outp
         Saved::Yes => output.say("saved: the drive keeps them over power-off"),
         Saved::No if args.save => output.say("not saved, because not every value is as planned"),
         Saved::No if journal.count(|step| *step == Step::ReadBack) > 0 => {
-            output.say(&unsaved(&drive.model, &drive.label()));
+            for line in unsaved(drive, journal) {
+                output.say(&line);
+            }
         }
         Saved::No => {}
         Saved::InDoubt => output.warn("it is not known whether the drive saved: asked for, not answered"),
@@ -493,7 +520,7 @@ mod tests {
 
     #[test]
     fn only_parameters_of_the_make_are_named_for_saving() {
-        let told = |name| unsaved(&Model::by_name(name).unwrap(), "d");
+        let told = |name| unsaved_words(&Model::by_name(name).unwrap(), "d");
         assert!(told("akd").contains("`profidrive write d DRV.NVSAVE=1`"));
         assert!(told("vlt").contains("--save") && !told("vlt").contains("NVSAVE"));
         assert!(told("vacon").starts_with("the drive keeps them"));

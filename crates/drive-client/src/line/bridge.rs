@@ -26,6 +26,8 @@ pub struct Shape {
     pub format: Format,
     /// Octets of one value.
     pub octets: usize,
+    /// Characters of a text. The channel carries it without the spaces at its end; records carry them.
+    pub characters: usize,
     /// Its elements are told apart.
     pub array: bool,
     /// Its elements are parameters of their own: no array that the channel could name an element of. No document has the
@@ -283,7 +285,9 @@ impl Bridge {
             }
             (Step::ReadText { .. }, Answer::Text) => {
                 octets.extend_from_slice(text);
-                *count = u8::try_from(text.len()).unwrap_or(u8::MAX);
+                let whole = part.shape.map_or(0, |shape| shape.characters);
+                octets.resize(whole.max(text.len()), b' ');
+                *count = u8::try_from(octets.len()).unwrap_or(u8::MAX);
                 *format = Some(Format::VISIBLE_STRING);
             }
             _ => {}
