@@ -67,7 +67,7 @@ impl Plant {
         self.session.pass(time).expect("a segment cannot fail");
         while let Some(event) = self.station().poll_event() {
             match event {
-                StationEvent::PersistNetwork(network) => memory.network = network,
+                StationEvent::PersistNetwork { network, .. } => memory.network = network,
                 StationEvent::PersistParameters { text, .. } => memory.parameters = Some(text.into_bytes()),
                 _ => {}
             }

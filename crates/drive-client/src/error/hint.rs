@@ -101,6 +101,14 @@ impl Error {
                     },
                 ..
             } => "the device refuses this while its motor runs; stop the motor or disconnect its controller first".into(),
+            Self::Dcp {
+                error:
+                    DcpError::Refused {
+                        error: BlockError::Resource,
+                        ..
+                    },
+                ..
+            } => "the device could not store it; what it had before stays in force".into(),
             Self::NeedsRawFrames { .. } => {
                 "name the network interface, and have the right to raw sockets on it (root or CAP_NET_RAW)".into()
             }

@@ -65,6 +65,29 @@ pub(super) struct DcpState {
     held: Option<(MacAddress, Instant)>,
     blinking: Option<Instant>,
     limit: SourceLimit,
+    /// The application reports whether a name or address is stored, and the answer to a Set waits for that.
+    confirmed: bool,
+    /// The Set being executed has changed what is stored.
+    changed: bool,
+    waiting: Option<WaitingSet>,
+}
+
+/// A Set whose answer waits until the application has stored what it changed.
+#[derive(Debug)]
+struct WaitingSet {
+    answer: SetAnswer,
+    /// Name and address before, each with whether it is permanent.
+    name: (String, bool),
+    ip: (IpSuite, bool),
+}
+
+/// What is answered to a Set.
+#[derive(Debug)]
+struct SetAnswer {
+    source: MacAddress,
+    xid: u32,
+    results: Vec<(DcpOption, BlockError)>,
+    reset: Option<ResetMode>,
 }
 
 impl Device {
@@ -261,11 +284,56 @@ impl Device {
         true
     }
 
-    /// Executes a Set; false if it was malformed.
-    fn set(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) -> bool {
+    /// Makes the answer to a Set of the name or the address wait for [`answer_set`](Self::answer_set). Without this call it
+    /// is sent at once.
+    pub fn confirm_stores(&mut self) {
+        self.dcp.confirmed = true;
+    }
+
+    /// Reports that the name and the address of the last [`Event::NameChanged`] and [`Event::IpChanged`] are stored, or that
+    /// they could not be: then those before count again and the answer is a resource error.
+    pub fn answer_set(&mut self, now: Instant, stored: bool) {
+        let Some(WaitingSet { mut answer, name, ip }) = self.dcp.waiting.take() else {
+            return;
+        };
+        if !stored {
+            if self.name != name.0 {
+                self.close_all(now, PnioStatus::aborted(abort::NAME_CHANGED));
+            }
+            if self.ip != ip.0 {
+                self.close_all(now, PnioStatus::aborted(abort::CLOSED));
+            }
+            (self.name, self.name_permanent) = name;
+            (self.ip, self.ip_permanent) = ip;
+            self.port.announce();
+            for (option, error) in &mut answer.results {
+                let stores = matches!(*option, DcpOption::NAME | DcpOption::IP | DcpOption::FULL_IP);
+                if stores && *error == BlockError::Ok {
+                    *error = BlockError::Resource;
+                }
+            }
+        }
+        self.send_set_answer(now, &answer);
+    }
+
+    fn send_set_answer(&mut self, now: Instant, answer: &SetAnswer) {
         let mut payload = Vec::new();
-        let mut answer = PduWriter::new(&mut payload, ServiceId::Set, ServiceType::Success, pdu.xid, 0);
-        let mut reset = None;
+        let mut pdu = PduWriter::new(&mut payload, ServiceId::Set, ServiceType::Success, answer.xid, 0);
+        for (option, error) in &answer.results {
+            pdu.result(*option, *error);
+        }
+        pdu.finish();
+        self.send_dcp(now, now, answer.source, FrameId::DCP_GET_SET, &payload);
+        if let Some(mode) = answer.reset {
+            self.reset(now, mode);
+        }
+    }
+
+    /// Executes a Set; false if it was malformed, or the Set before is not answered yet.
+    fn set(&mut self, now: Instant, source: MacAddress, pdu: &Pdu<'_>) -> bool {
+        if self.dcp.waiting.is_some() {
+            return false;
+        }
         let mut blocks = Vec::new();
         for block in pdu.blocks() {
             // a request that is cut off is not half executed
@@ -275,6 +343,12 @@ impl Device {
         if blocks.len() > MAX_BLOCKS {
             return false;
         }
+        let (name, ip) = (
+            (self.name.clone(), self.name_permanent),
+            (self.ip, self.ip_permanent),
+        );
+        self.dcp.changed = false;
+        let (mut reset, mut results) = (None, Vec::new());
         for block in &blocks {
             let error = if self.is_kept_from(block) {
                 let refusal = SetRefusal::InOperation(block.option);
@@ -283,12 +357,18 @@ impl Device {
             } else {
                 self.set_block(now, block, &mut reset)
             };
-            answer.result(block.option, error);
+            results.push((block.option, error));
         }
-        answer.finish();
-        self.send_dcp(now, now, source, FrameId::DCP_GET_SET, &payload);
-        if let Some(mode) = reset {
-            self.reset(now, mode);
+        let answer = SetAnswer {
+            source,
+            xid: pdu.xid,
+            results,
+            reset,
+        };
+        if self.dcp.confirmed && self.dcp.changed {
+            self.dcp.waiting = Some(WaitingSet { answer, name, ip });
+        } else {
+            self.send_set_answer(now, &answer);
         }
         true
     }
@@ -370,6 +450,7 @@ impl Device {
         }
         if changed || self.name_permanent != permanent {
             self.name_permanent = permanent;
+            self.dcp.changed = true;
             self.event(Event::NameChanged {
                 name: String::from(name),
                 permanent,
@@ -398,6 +479,7 @@ impl Device {
         }
         if changed || self.ip_permanent != permanent {
             self.ip_permanent = permanent;
+            self.dcp.changed = true;
             self.event(Event::IpChanged { suite, permanent });
         }
         BlockError::Ok

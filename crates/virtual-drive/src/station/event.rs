@@ -13,8 +13,13 @@ use crate::store::ImageError;
 /// Something its owner should do or may want to know.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StationEvent {
-    /// Keep this over a restart ([`network_to_text`](super::network_to_text)): name, address and I&M data that were set permanently.
-    PersistNetwork(Stored),
+    /// Store this over a restart: name, address and I&M data that were set permanently.
+    PersistNetwork {
+        /// All of it.
+        network: Stored,
+        /// Number of the save, for the `report_network` of the station.
+        save: SaveId,
+    },
     /// Keep this text over a restart.
     PersistParameters {
         /// Image of the saved parameters.
@@ -154,7 +159,7 @@ impl StationEvent {
             Self::ParametersIgnored(error) => {
                 format!("saved parameters not used, values as delivered: {error}")
             }
-            Self::PersistNetwork(_) | Self::PersistParameters { .. } => return None,
+            Self::PersistNetwork { .. } | Self::PersistParameters { .. } => return None,
         })
     }
 }

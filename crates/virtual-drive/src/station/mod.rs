@@ -3,15 +3,14 @@
 mod channel;
 pub(crate) mod describe;
 mod event;
+mod network;
 mod record;
-mod remember;
 #[cfg(test)]
 mod saving_tests;
 #[cfg(test)]
 mod tests;
 
 pub use event::StationEvent;
-pub use remember::{network_from_text, network_to_text};
 
 use std::collections::VecDeque;
 use std::net::SocketAddrV4;
@@ -33,6 +32,7 @@ use crate::drive::{AddressSource, Disconnect, Drive, Event as DriveEvent};
 use crate::model::Model;
 pub use channel::{AnswerFault, NoAnswerFault};
 use channel::{Channels, INDICES};
+use network::NetworkSaves;
 
 /// Longest telegram of any model, in octets.
 const LONGEST_TELEGRAM: usize = description::LONGEST_TELEGRAM as usize;
@@ -118,6 +118,7 @@ pub struct Station {
     channels: Channels<ArKey>,
     /// Writes of records that are answered when their save has ended.
     unanswered: Vec<(Token, SaveId)>,
+    network_saves: NetworkSaves,
     controller: Option<ArKey>,
     inputs: [u8; LONGEST_TELEGRAM],
     input_length: usize,
@@ -150,6 +151,7 @@ impl Station {
             later: None,
             channels: Channels::default(),
             unanswered: Vec::new(),
+            network_saves: NetworkSaves::default(),
             controller: None,
             inputs: [0; LONGEST_TELEGRAM],
             input_length: 0,
@@ -185,6 +187,7 @@ impl Station {
         let (stored, finding) = begin(&self.config, &mut self.drive);
         self.device = Device::new(describe::device_config(&self.config), stored);
         self.finding = finding;
+        self.confirm_stores();
         self.channels.forget_all();
         // the connections that waited for these answers are gone
         self.unanswered.clear();
@@ -240,9 +243,12 @@ impl Station {
     }
 
     /// Makes the drive wait for its owner: changes that are to be saved are answered only when
-    /// [`report_save`](Self::report_save) says what became of them. Without this call they are answered at once.
+    /// [`report_save`](Self::report_save) says what became of them, and a name or address by DCP only after
+    /// [`report_network`](Self::report_network). Without this call they are answered at once.
     pub fn confirm_saves(&mut self) {
         self.drive.confirm_saves();
+        self.network_saves.confirmed = true;
+        self.confirm_stores();
     }
 
     /// Reports that the text of a [`StationEvent::PersistParameters`] is stored, or that it could not be; the report counts
@@ -317,7 +323,7 @@ impl Station {
             DriveEvent::ApplyAddress => self.later = Some((now + ANSWERED, Later::ApplyAddress)),
             DriveEvent::AddressReset => {
                 self.config.network.ip = IpSuite::NONE;
-                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
+                self.store_network();
             }
             _ => {}
         }
@@ -327,20 +333,20 @@ impl Station {
     fn device_event(&mut self, now: Instant, event: DeviceEvent) {
         match event {
             DeviceEvent::NameChanged { name, permanent } => {
+                let before = self.before();
                 self.config.network.name = if permanent { name } else { String::new() };
-                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
+                self.store_set(before);
             }
             DeviceEvent::IpChanged { suite, permanent } => {
+                let mut before = self.before();
+                before.overruled = permanent;
                 self.finding = false;
                 self.config.network.ip = if permanent { suite } else { IpSuite::NONE };
-                if permanent {
-                    self.drive.address_set();
-                }
-                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
+                self.store_set(before);
             }
             DeviceEvent::ImChanged(im) => {
                 self.config.network.im = im;
-                self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
+                self.store_network();
             }
             DeviceEvent::SetRefused { source, refusal } => {
                 self.emit(StationEvent::SetRefused { source, refusal });
@@ -469,7 +475,7 @@ impl Station {
             self.config.network.im = profinet::device::ImRecords::default();
             self.drive.reset_to_delivery();
         }
-        self.emit(StationEvent::PersistNetwork(self.config.network.clone()));
+        self.store_network();
     }
 }
 

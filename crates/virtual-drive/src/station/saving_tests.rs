@@ -242,3 +242,40 @@ fn the_same_value_again_is_acknowledged_when_it_is_stored() {
         assert_eq!(drive.started_save().is_none(), stored);
     }
 }
+
+/// The answer to a name waits for its own save, and a name that is not stored is not that of the next start.
+#[test]
+fn a_name_by_dcp_counts_when_it_is_stored() {
+    let drive = MacAddress([2, 0, 0, 0, 0, 1]);
+    let mut plant = Plant::new();
+    plant.station.confirm_saves();
+    let mut earlier = SaveId(0);
+    for (name, stored) in [("first", true), ("second", false), ("second", true)] {
+        plant.events.clear();
+        plant
+            .controller
+            .dcp_set_name(plant.now, drive, name, true)
+            .unwrap();
+        plant.run(Duration::from_millis(500));
+        let done = |plant: &Plant| {
+            plant.events.iter().find_map(|event| match event {
+                Event::DcpDone { result, .. } => Some(result.is_ok()),
+                _ => None,
+            })
+        };
+        let save = plant.network_saves().pop();
+        plant.station.report_network(plant.now, earlier, true);
+        plant.run(Duration::from_millis(10));
+        assert_eq!(done(&plant), None, "{name}: not stored yet");
+        earlier = save.expect("a save");
+        plant.station.report_network(plant.now, earlier, stored);
+        plant.run(Duration::from_millis(500));
+        assert_eq!(done(&plant), Some(stored), "{name}");
+        let expected = if stored { name } else { "first" };
+        assert_eq!(plant.station.name(), expected);
+        plant.station.restart();
+        assert_eq!(plant.station.name(), expected);
+        // another client is served after 3 s, and this one too
+        plant.seconds(4.0);
+    }
+}

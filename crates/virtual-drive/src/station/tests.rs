@@ -98,6 +98,15 @@ impl Plant {
         self.happenings.iter().filter_map(save).collect()
     }
 
+    /// Numbers of the saves of name and address.
+    pub(super) fn network_saves(&self) -> Vec<SaveId> {
+        let save = |event: &StationEvent| match event {
+            StationEvent::PersistNetwork { save, .. } => Some(*save),
+            _ => None,
+        };
+        self.happenings.iter().filter_map(save).collect()
+    }
+
     /// Lets time pass.
     pub(super) fn run(&mut self, time: Duration) {
         let end = self.now + time;
@@ -347,7 +356,7 @@ fn named_and_addressed_and_both_are_kept() {
         .unwrap();
     plant.seconds(2.0);
     let kept = plant.happenings.iter().rev().find_map(|event| match event {
-        StationEvent::PersistNetwork(stored) => Some(stored.clone()),
+        StationEvent::PersistNetwork { network, .. } => Some(network.clone()),
         _ => None,
     });
     let kept = kept.expect("told to keep it");
@@ -423,11 +432,9 @@ fn a_drive_that_shall_not_use_the_address_of_dcp_starts_without_one() {
         StationEvent::PersistParameters { text, .. } => Some(text.clone()),
         _ => None,
     });
-    assert!(
-        happenings
-            .iter()
-            .any(|event| matches!(event, StationEvent::PersistNetwork(stored) if stored.ip == suite(7)))
-    );
+    assert!(happenings.iter().any(
+        |event| matches!(event, StationEvent::PersistNetwork { network, .. } if network.ip == suite(7))
+    ));
     assert_eq!(Station::new(config(text.unwrap())).ip(), suite(1));
 }
 
@@ -484,7 +491,7 @@ fn resets_clear_what_their_mode_says() {
         plant.station.settle(now);
         let happenings: Vec<StationEvent> = core::iter::from_fn(|| plant.station.poll_event()).collect();
         let network = happenings.iter().rev().find_map(|event| match event {
-            StationEvent::PersistNetwork(stored) => Some(stored.clone()),
+            StationEvent::PersistNetwork { network, .. } => Some(network.clone()),
             _ => None,
         });
         let parameters = happenings.iter().rev().find_map(|event| match event {

@@ -151,7 +151,11 @@ fn already_so(drive: &Drive, outcomes: &[ChangeOutcome]) -> Vec<bool> {
             let role = tables.map(|tables| tables.backup_rule_at(selection.pnu, base).role);
             let same = outcome.is_same();
             plain &= is_plain(role, same);
-            plain && same
+            // a write saves it too, and whether that was done the value does not say
+            let saves = selection
+                .parameter
+                .is_some_and(|parameter| drive.saving(parameter) == Saving::Always);
+            plain && same && !saves
         })
         .collect()
 }

@@ -331,7 +331,10 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
                 Question::Drives(_) => Answer::Drives(Vec::new()),
             });
         }
-        while let Some(SaveReport { drive, save, stored }) = scribe.report() {
+        while let Some(SaveReport {
+            drive, save, stored, ..
+        }) = scribe.report()
+        {
             let mut drives = lineup.drives.iter_mut();
             if let Some((_, station)) = drives.find(|(keeping, _)| Arc::ptr_eq(keeping, &drive)) {
                 station.report_save(save, stored);

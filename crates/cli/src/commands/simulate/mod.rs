@@ -39,7 +39,7 @@ use mailbox::Mailbox;
 use maker::Maker;
 pub use maker::model_of;
 use plans::{Plan, plans};
-use scribe::{SaveReport, Scribe};
+use scribe::Scribe;
 use taken::Wanted;
 
 /// How long to sleep while nothing happens.
@@ -181,12 +181,12 @@ pub fn run(args: &Simulate, on: &Interface, output: &Output) -> Result<(), Failu
             question.tell(&mut runner, output)?;
         }
         if turn == Turn::Rung {
-            while let Some(SaveReport { drive, save, stored }) = scribe.report() {
+            while let Some(report) = scribe.report() {
                 let id = drives
                     .iter()
-                    .find(|(_, running)| Arc::ptr_eq(&running.keeping, &drive));
+                    .find(|(_, running)| Arc::ptr_eq(&running.keeping, &report.drive));
                 if let Some(unit) = id.and_then(|(id, _)| runner.station_mut::<Unit>(*id)) {
-                    unit.inner_mut().endpoint_mut().report_save(now(), save, stored);
+                    report.deliver(unit.inner_mut().endpoint_mut(), now());
                 }
             }
             while let Some((question, answer)) = mailbox.as_ref().ok().and_then(Mailbox::take) {

@@ -20,13 +20,22 @@ pub struct Parameters {
     pub save: SaveId,
 }
 
+/// Name, address and I&M data to be kept.
+#[derive(Debug)]
+pub struct Network {
+    /// All of it.
+    pub network: Stored,
+    /// Number of the save, which counts for those before it too.
+    pub save: SaveId,
+}
+
 /// The newest state of one drive that is not on the disk yet.
 #[derive(Debug)]
 pub struct Job {
     pub drive: Arc<Keeping>,
     /// When the newest part came.
     pub at: Duration,
-    pub network: Option<Stored>,
+    pub network: Option<Network>,
     pub parameters: Option<Parameters>,
 }
 
@@ -48,7 +57,7 @@ pub struct Queue {
 
 impl Queue {
     /// Keeps name and address of a drive, instead of those that wait.
-    pub fn network(&self, drive: &Arc<Keeping>, at: Duration, network: Stored) {
+    pub fn network(&self, drive: &Arc<Keeping>, at: Duration, network: Network) {
         self.put(drive, at, |job| job.network = Some(network));
     }
 
@@ -135,11 +144,13 @@ mod tests {
         })
     }
 
-    fn named(name: String) -> Stored {
-        Stored {
+    fn named(name: String) -> Network {
+        let network = Stored {
             name,
             ..Stored::default()
-        }
+        };
+        let save = SaveId(1);
+        Network { network, save }
     }
 
     #[test]
@@ -159,7 +170,7 @@ mod tests {
         assert_eq!(queue.lock().jobs.len(), 2);
         let job = queue.next().unwrap();
         assert_eq!((job.drive.key.as_str(), job.at.as_millis()), ("akd-1", 99_999));
-        assert_eq!(job.network.unwrap().name, "name-99999");
+        assert_eq!(job.network.unwrap().network.name, "name-99999");
         assert!(job.parameters.is_none());
         let parameters = queue.next().unwrap().parameters.unwrap();
         assert_eq!((parameters.text.as_str(), parameters.asked), ("99999", true));
@@ -170,18 +181,18 @@ mod tests {
     fn a_drive_that_never_stops_changing_does_not_keep_the_others_waiting() {
         let queue = Queue::default();
         let (busy, calm) = (drive("busy"), drive("calm"));
-        queue.network(&busy, Duration::ZERO, Stored::default());
-        queue.network(&calm, Duration::ZERO, Stored::default());
+        queue.network(&busy, Duration::ZERO, named(String::new()));
+        queue.network(&calm, Duration::ZERO, named(String::new()));
         assert_eq!(queue.next().unwrap().drive.key, "busy");
-        queue.network(&busy, Duration::ZERO, Stored::default());
+        queue.network(&busy, Duration::ZERO, named(String::new()));
         assert_eq!(queue.next().unwrap().drive.key, "calm");
     }
 
     #[test]
     fn the_end_waits_no_longer_than_its_limit_and_names_what_is_not_saved() {
         let queue = Queue::default();
-        queue.network(&drive("akd-1"), Duration::ZERO, Stored::default());
-        queue.network(&drive("akd-2"), Duration::ZERO, Stored::default());
+        queue.network(&drive("akd-1"), Duration::ZERO, named(String::new()));
+        queue.network(&drive("akd-2"), Duration::ZERO, named(String::new()));
         let _being_written = queue.next();
         assert_eq!(queue.close(Duration::ZERO), ["akd-1", "akd-2"]);
         assert!(queue.next().is_some() && queue.next().is_none());

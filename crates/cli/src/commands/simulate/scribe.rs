@@ -9,10 +9,11 @@ use std::time::Duration;
 
 use network::linux::Bell;
 use profidrive::parameter::SaveId;
-use virtual_drive::station::StationEvent;
+use profinet::Instant;
+use virtual_drive::station::{Station, StationEvent};
 
 use super::Keeping;
-use super::saving::{Job, Parameters, Queue};
+use super::saving::{Job, Network, Parameters, Queue};
 use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
@@ -50,14 +51,40 @@ impl Voice {
 /// What became of a save, which answers of the drive wait for.
 pub struct SaveReport {
     pub drive: Arc<Keeping>,
+    pub what: Kept,
     pub save: SaveId,
     pub stored: bool,
+}
+
+impl SaveReport {
+    /// Gives it to its station.
+    pub fn deliver(&self, station: &mut Station, now: Instant) {
+        match self.what {
+            Kept::Network => station.report_network(now, self.save, self.stored),
+            Kept::Parameters => station.report_save(now, self.save, self.stored),
+        }
+    }
+}
+
+/// What a save is of; each has numbers of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    Network,
+    Parameters,
 }
 
 /// The way of reports to the thread that carries the frames.
 struct Reports {
     sender: Sender<SaveReport>,
     bell: Bell,
+}
+
+impl Reports {
+    fn send(&self, report: SaveReport) {
+        // nobody waits for it when the program ends
+        let _ = self.sender.send(report);
+        self.bell.ring();
+    }
 }
 
 /// One thread that saves, in order, and one that prints.
@@ -107,7 +134,9 @@ impl Scribe {
     /// Keeps what the event wants kept, or says what it says.
     pub fn happened(&self, drive: &Arc<Keeping>, at: Duration, event: StationEvent) {
         match event {
-            StationEvent::PersistNetwork(network) => self.keep.network(drive, at, network),
+            StationEvent::PersistNetwork { network, save } => {
+                self.keep.network(drive, at, Network { network, save });
+            }
             StationEvent::PersistParameters { text, asked, save } => {
                 self.keep.parameters(drive, at, Parameters { text, asked, save });
             }
@@ -158,8 +187,14 @@ fn keep_all(jobs: &Queue, voice: &Voice, reports: &Reports) {
             network,
             parameters,
         } = job;
-        if let Some(network) = network {
+        if let Some(Network { network, save }) = network {
             let result = drive.state.write_network(&network);
+            reports.send(SaveReport {
+                drive: Arc::clone(&drive),
+                what: Kept::Network,
+                save,
+                stored: result.is_ok(),
+            });
             let name = if network.name.is_empty() {
                 "no name"
             } else {
@@ -179,13 +214,12 @@ fn keep_all(jobs: &Queue, voice: &Voice, reports: &Reports) {
         }
         if let Some(parameters) = parameters {
             let result = drive.state.write_parameters(&parameters.text);
-            // nobody waits for it when the program ends
-            let _ = reports.sender.send(SaveReport {
+            reports.send(SaveReport {
                 drive: Arc::clone(&drive),
+                what: Kept::Parameters,
                 save: parameters.save,
                 stored: result.is_ok(),
             });
-            reports.bell.ring();
             if result.is_err() || parameters.asked {
                 voice.say(told(&drive, at, result, "parameters saved"));
             }

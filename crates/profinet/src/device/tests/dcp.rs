@@ -538,3 +538,44 @@ fn a_flood_of_changes_is_ignored_and_leaves_room_for_an_engineer() {
     );
     assert_eq!(engineer, [BlockError::Ok]);
 }
+
+/// What could not be stored is not set: the answer says so, and the same request again is a change again.
+#[test]
+fn the_answer_to_a_set_waits_until_it_is_stored() {
+    let mut rig = Rig::new(config());
+    let ip_before = rig.device.ip;
+    rig.device.confirm_stores();
+    let both = [Value::Name(b"other"), Value::Ip(suite(9)), Value::Signal(0x0100)];
+    for stored in [false, true] {
+        rig.now += Duration::from_secs(4);
+        assert_eq!(set_from(&mut rig, TOOL, Qualifier::PERMANENT, &both), []);
+        assert_eq!((rig.device.name(), rig.device.ip), ("other", suite(9)));
+        // the repeat of a request that is being executed is not another one
+        assert_eq!(set_from(&mut rig, TOOL, Qualifier::PERMANENT, &both), []);
+        rig.device.answer_set(rig.now, stored);
+        let payload = answer(&rig.drain(), TOOL).expect("an answer");
+        let pdu = Pdu::parse(&payload).unwrap();
+        let results: Vec<BlockError> = pdu
+            .blocks()
+            .map(|block| block.unwrap().result().unwrap().1)
+            .collect();
+        let expected = if stored {
+            BlockError::Ok
+        } else {
+            BlockError::Resource
+        };
+        assert_eq!(results, [expected, expected, BlockError::Ok]);
+        let now = if stored {
+            ("other", suite(9))
+        } else {
+            ("drive-1", ip_before)
+        };
+        assert_eq!((rig.device.name(), rig.device.ip), now);
+    }
+    // nothing changes: nothing is stored, and nothing waits
+    rig.now += Duration::from_secs(4);
+    let again = set_from(&mut rig, TOOL, Qualifier::PERMANENT, &both[..1]);
+    assert_eq!(again, [BlockError::Ok]);
+    rig.device.answer_set(rig.now, false);
+    assert_eq!(rig.device.name(), "other");
+}
