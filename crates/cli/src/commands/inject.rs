@@ -84,7 +84,7 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
         ..request.clone()
     });
     let drive = &request.drive;
-    let (mut found, mut others) = (Vec::<Found>::new(), Vec::new());
+    let (mut found, mut others, mut silent) = (Vec::<Found>::new(), Vec::new(), None);
     for socket in sockets()? {
         match ask(&socket, &question) {
             Ok(Some(Answer::Done { drive, here })) => found.push(Found { socket, drive, here }),
@@ -92,12 +92,14 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
             Ok(Some(Answer::Refused(why))) => {
                 return Err(Failure::new(Exit::Refused, format!("{drive}: {}", clean(&why))));
             }
-            Ok(Some(Answer::Drives(_)) | None) => {}
+            Ok(Some(Answer::Drives(_)) | None) => {
+                silent = Some(format!("{}: no answer to the request", socket.display()));
+            }
             // left behind by a process that was killed
             Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
                 let _ = fs::remove_file(&socket);
             }
-            Err(error) => output.warn(&format!("{}: {error}", socket.display())),
+            Err(error) => silent = Some(format!("{}: {error}", socket.display())),
         }
     }
     if let Some(only) = meant(drive, found)? {
@@ -105,6 +107,9 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
             output.say(&format!("{} is in another network namespace", clean(&only.drive)));
         }
         return Ok(only.socket);
+    }
+    if let Some(why) = silent {
+        return Err(unanswered(drive, &why));
     }
     let failure = Failure::new(
         Exit::Unreachable,
@@ -115,6 +120,12 @@ fn owner(request: &Request, output: &Output) -> Result<PathBuf, Failure> {
     } else {
         failure.hint(format!("there are: {}", clean(&others.join(", "))))
     })
+}
+
+/// A simulation that runs may have the drive.
+fn unanswered(drive: &str, why: &str) -> Failure {
+    let message = format!("{drive}: a `profidrive simulate` of yours does not answer: {why}");
+    Failure::new(Exit::Unreachable, message).hint("it is busy or stopped (Ctrl-Z); try again")
 }
 
 /// A simulation that has the drive.

@@ -1,10 +1,11 @@
 //! Questions of other processes, `profidrive inject` above all, on their way to the thread that runs the drives.
 
 use std::fs;
+use std::net::Shutdown;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, sleep, spawn};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -15,7 +16,7 @@ use crate::failure::{Exit, Failure};
 
 /// Requests that may wait for the thread that runs the drives.
 const WAITING: usize = 16;
-/// Clients that are served at the same time; further ones wait until one is done or out of time.
+/// Most clients that are served at the same time; further ones wait until one is done.
 const CLIENTS: usize = 8;
 /// How long to wait before another client is accepted after that failed, at first and at most.
 const SHORTEST_REST: Duration = Duration::from_millis(50);
@@ -68,34 +69,74 @@ impl Drop for Mailbox {
     }
 }
 
-/// Places for clients that are served at the same time.
+/// Clients that are served at the same time.
 #[derive(Debug, Default)]
 struct Places {
-    taken: Mutex<usize>,
+    clients: Mutex<Vec<Client>>,
     freed: Condvar,
 }
 
+/// A client that has a place.
+#[derive(Debug)]
+struct Client {
+    stream: Arc<UnixStream>,
+    /// It has sent its question.
+    asked: bool,
+}
+
 impl Places {
-    /// Waits for a free place.
-    fn take(self: &Arc<Self>) -> Place {
-        let taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut taken = self
-            .freed
-            .wait_while(taken, |taken| *taken >= CLIENTS)
-            .unwrap_or_else(PoisonError::into_inner);
-        *taken += 1;
-        Place(Arc::clone(self))
+    /// Waits for a free place. Where there is none, the client that has said nothing for longest loses its own: an idle
+    /// connection blocks no other.
+    fn take(self: &Arc<Self>, stream: UnixStream) -> Place {
+        let stream = Arc::new(stream);
+        let mut clients = self.lock();
+        while clients.len() >= CLIENTS {
+            // its thread ends with the connection, so that there is a place soon
+            if let Some(idle) = clients.iter().find(|client| !client.asked) {
+                let _ = idle.stream.shutdown(Shutdown::Both);
+            }
+            clients = self.freed.wait(clients).unwrap_or_else(PoisonError::into_inner);
+        }
+        clients.push(Client {
+            stream: Arc::clone(&stream),
+            asked: false,
+        });
+        Place {
+            places: Arc::clone(self),
+            stream,
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Client>> {
+        self.clients.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// The place of one client, free again when it is dropped.
 #[derive(Debug)]
-struct Place(Arc<Places>);
+struct Place {
+    places: Arc<Places>,
+    stream: Arc<UnixStream>,
+}
+
+impl Place {
+    /// The client has sent its question and keeps its place until it is answered.
+    fn asked(&self) {
+        let mut clients = self.places.lock();
+        if let Some(own) = clients.iter_mut().find(|client| self.is(client)) {
+            own.asked = true;
+        }
+    }
+
+    fn is(&self, client: &Client) -> bool {
+        Arc::ptr_eq(&client.stream, &self.stream)
+    }
+}
 
 impl Drop for Place {
     fn drop(&mut self) {
-        *self.0.taken.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
-        self.0.freed.notify_one();
+        self.places.lock().retain(|client| !self.is(client));
+        self.places.freed.notify_one();
     }
 }
 
@@ -110,18 +151,17 @@ fn listen(
     let places = Arc::new(Places::default());
     let mut pause = SHORTEST_REST;
     loop {
-        let place = places.take();
         let Ok(stream) = accept() else {
             rest(pause);
             pause = (pause * 2).min(LONGEST_REST);
             continue;
         };
         pause = SHORTEST_REST;
+        let place = places.take(stream);
         let (letters, bell) = (letters.clone(), bell.clone());
         let client = move || {
             // whoever asked may be gone
-            let _ = answer(&stream, &letters, &bell);
-            drop(place);
+            let _ = answer(&place, &letters, &bell);
         };
         if Builder::new().name("request".into()).spawn(client).is_err() {
             rest(pause);
@@ -129,8 +169,9 @@ fn listen(
     }
 }
 
-fn answer(stream: &UnixStream, letters: &SyncSender<Letter>, bell: &Bell) -> std::io::Result<()> {
-    serve(stream, |request| {
+fn answer(place: &Place, letters: &SyncSender<Letter>, bell: &Bell) -> std::io::Result<()> {
+    serve(&place.stream, |request| {
+        place.asked();
         let (sender, answer) = channel();
         let busy = || Answer::Refused("the simulation does not answer".into());
         if letters.try_send((request, sender)).is_err() {
@@ -159,25 +200,26 @@ mod tests {
         (path, letters)
     }
 
+    /// The kernel keeps 128 connections that are not accepted; more block the next one.
     #[test]
-    fn a_client_that_says_nothing_holds_up_nobody() {
+    fn clients_that_say_nothing_hold_up_nobody() {
         let (path, letters) = listening("slow");
-        let mut slow = UnixStream::connect(&path).unwrap();
         spawn(move || {
             for (question, answer) in letters {
                 assert!(matches!(question, Question::Drives(_)));
                 let _ = answer.send(Answer::Drives(Vec::new()));
             }
         });
-        let answer = ask(&path, &Question::Drives("1/eth0".into())).unwrap();
-        assert_eq!(answer, Some(Answer::Drives(Vec::new())));
-        slow.set_nonblocking(true).unwrap();
-        let waits = slow.read(&mut [0]).map_err(|error| error.kind());
-        assert_eq!(
-            waits,
-            Err(io::ErrorKind::WouldBlock),
-            "it was not answered before the other"
-        );
+        for idle in [1, 300] {
+            let mut idle: Vec<UnixStream> = (0..idle).map(|_| UnixStream::connect(&path).unwrap()).collect();
+            let answer = ask(&path, &Question::Drives("1/eth0".into())).unwrap();
+            assert_eq!(answer, Some(Answer::Drives(Vec::new())));
+            // the newest is still waited for
+            let newest = idle.last_mut().unwrap();
+            newest.set_nonblocking(true).unwrap();
+            let waits = newest.read(&mut [0]).map_err(|error| error.kind());
+            assert_eq!(waits, Err(io::ErrorKind::WouldBlock));
+        }
         fs::remove_file(path).unwrap();
     }
 
@@ -201,15 +243,17 @@ mod tests {
     #[test]
     fn no_more_clients_than_there_are_places() {
         let places = Arc::new(Places::default());
-        let held: Vec<Place> = (0..CLIENTS).map(|_| places.take()).collect();
+        let client = || UnixStream::pair().unwrap().0;
+        let held: Vec<Place> = (0..CLIENTS).map(|_| places.take(client())).collect();
+        held.iter().for_each(Place::asked);
         let (sender, got) = channel();
         let next = Arc::clone(&places);
         spawn(move || {
-            let place = next.take();
+            let place = next.take(client());
             sender.send(()).unwrap();
             drop(place);
         });
-        assert_eq!(*places.taken.lock().unwrap(), CLIENTS);
+        assert_eq!(places.lock().len(), CLIENTS);
         assert!(got.try_recv().is_err());
         drop(held);
         got.recv().unwrap();
