@@ -46,6 +46,8 @@ pub struct Failure {
     pub exit: Exit,
     /// What was tried, on which drive and parameter, and what came back.
     pub message: String,
+    /// What the message lists, each on a line of its own.
+    pub details: Vec<String>,
     /// What to do.
     pub hint: Option<String>,
 }
@@ -56,6 +58,7 @@ impl Failure {
         Self {
             exit,
             message: message.into(),
+            details: Vec::new(),
             hint: None,
         }
     }
@@ -65,6 +68,7 @@ impl Failure {
         Self {
             exit,
             message: String::new(),
+            details: Vec::new(),
             hint: None,
         }
     }
@@ -77,6 +81,9 @@ impl Failure {
     /// For programs.
     pub fn json(&self) -> Map<String, Value> {
         let mut error = fields! { "kind": self.exit.word(), "message": self.message.as_str() };
+        if !self.details.is_empty() {
+            error.insert("details".into(), self.details.clone().into());
+        }
         if let Some(hint) = &self.hint {
             error.insert("hint".into(), hint.as_str().into());
         }

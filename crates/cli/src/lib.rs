@@ -42,7 +42,7 @@ pub fn main() -> ExitCode {
     output.end(result.as_ref().err());
     let lost = output.lost();
     if let Some(failure) = &lost {
-        output.error(&failure.message, None);
+        output.error(failure);
     }
     // what went wrong with the drive counts more than what became of the words about it
     match result.err().or(lost) {
@@ -70,7 +70,7 @@ fn misunderstood(error: &clap::Error) -> ExitCode {
         output.event("error", fields! { "error": failure.json() });
     }
     if let Some(failure) = output.lost() {
-        output.error(&failure.message, None);
+        output.error(&failure);
         return ExitCode::from(failure.exit as u8);
     }
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(Exit::Usage as u8))

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde_json::{Map, Value};
 
-use self::clean::{clean_json, clean_lines, clean_message, clean_styled};
+use self::clean::{clean_json, clean_lines, clean_styled};
 use crate::failure::Failure;
 use crate::fields;
 
@@ -222,7 +222,7 @@ impl Output {
     /// Tells something that went wrong, while the command goes on to its end, which will be another failure.
     pub fn problem(&self, failure: &Failure) {
         let failure = &failure.clone().about(self.drive.as_deref());
-        self.error(&failure.message, failure.hint.as_deref());
+        self.error(failure);
         if self.json {
             self.held().problems.push(failure.json());
         }
@@ -240,7 +240,7 @@ impl Output {
             self.write_json(&Value::Object(whole).to_string());
         }
         if let Some(failure) = failure {
-            self.error(&failure.message, failure.hint.as_deref());
+            self.error(failure);
         }
     }
 
@@ -299,18 +299,14 @@ impl Output {
     /// Says something to the person, not to a program that reads along.
     pub fn say(&self, text: &str) {
         if !self.quiet {
-            write_err(&format!("{}\n", clean_message(text)));
+            write_err(&format!("{}\n", clean(text)));
         }
     }
 
     /// Says a particular, where these are wanted.
     pub fn detail(&self, text: &str) {
         if self.verbose {
-            write_err(&format!(
-                "{}
-",
-                clean_message(text)
-            ));
+            write_err(&format!("{}\n", clean(text)));
         }
     }
 
@@ -324,24 +320,32 @@ impl Output {
         write_err(&format!(
             "{} {}\n",
             paint(self.colour_err, Colour::Warning, "warning:"),
-            clean_message(text)
+            clean(text)
         ));
     }
 
     /// Prints an error and what to do about it.
-    pub fn error(&self, message: &str, hint: Option<&str>) {
-        write_err(&format!(
-            "{} {}\n",
-            paint(self.colour_err, Colour::Fault, "error:"),
-            clean_message(message)
-        ));
-        if let Some(hint) = hint {
-            write_err(&format!(
-                "  {} {}\n",
-                paint(self.colour_err, Colour::Action, "hint:"),
-                clean_message(hint)
-            ));
+    pub fn error(&self, failure: &Failure) {
+        for line in self.error_lines(failure) {
+            write_err(&(line + "\n"));
         }
+    }
+
+    /// The message and the hint are one line each, so that nothing in them can pass for a line of this program.
+    fn error_lines(&self, failure: &Failure) -> Vec<String> {
+        let sign = paint(self.colour_err, Colour::Fault, "error:");
+        let mut lines = vec![format!("{sign} {}", clean(&failure.message))];
+        lines.extend(
+            failure
+                .details
+                .iter()
+                .map(|detail| format!("    {}", clean(detail))),
+        );
+        if let Some(hint) = &failure.hint {
+            let sign = paint(self.colour_err, Colour::Action, "hint:");
+            lines.push(format!("  {sign} {}", clean(hint)));
+        }
+        lines
     }
 }
 
@@ -420,6 +424,19 @@ mod tests {
             (&alone["command"], alone.contains_key("errors")),
             (&"error".into(), false)
         );
+    }
+
+    #[test]
+    fn an_error_is_one_line_whatever_names_are_in_it() {
+        let output = Output::new(false, true);
+        let mut failure = Failure::usage("bad\nerror: forged").hint("see\nerror: forged");
+        failure.details = vec!["line 3: no\nerror: forged".into()];
+        let lines = output.error_lines(&failure);
+        assert!(!lines.iter().any(|line| line.contains('\n')), "{lines:?}");
+        let plain = |line: &str| line.replace(|c: char| !c.is_ascii_graphic(), "");
+        assert!(plain(&lines[0]).ends_with("bad\\nerror:forged"), "{lines:?}");
+        assert_eq!(lines[1], "    line 3: no\\nerror: forged");
+        assert!(lines[2].ends_with("see\\nerror: forged"), "{lines:?}");
     }
 
     #[test]

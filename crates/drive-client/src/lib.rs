@@ -28,6 +28,7 @@ mod modules;
 pub mod parameter;
 mod session;
 pub mod status;
+pub mod text;
 mod wire;
 
 pub use action::Action;

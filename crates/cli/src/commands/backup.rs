@@ -209,8 +209,9 @@ pub fn read(path: &Path) -> Result<Backup, Failure> {
     Backup::parse(&text).map_err(|error| match error.problems.as_slice() {
         [one] => wrong(one.to_string()),
         many => {
-            let lines: Vec<String> = many.iter().map(|problem| format!("\n  {problem}")).collect();
-            wrong(lines.concat())
+            let mut failure = wrong(format!("{} lines are wrong", many.len()));
+            failure.details = many.iter().map(ToString::to_string).collect();
+            failure
         }
     })
 }

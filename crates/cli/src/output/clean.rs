@@ -2,18 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// True for what a terminal obeys (C0, DEL, C1), and for what is not seen but changes what is: bidirectional controls,
-/// characters without width, separators of lines, tags.
-///
-/// Source: Unicode, general category Cc, and the default ignorable code points that are not letters of a script.
-fn is_unsafe(c: char) -> bool {
-    c.is_control()
-        || matches!(c,
-            '\u{AD}' | '\u{34F}' | '\u{61C}' | '\u{115F}' | '\u{1160}' | '\u{17B4}' | '\u{17B5}'
-            | '\u{180B}'..='\u{180F}' | '\u{200B}'..='\u{200F}' | '\u{2028}'..='\u{202E}' | '\u{2060}'..='\u{206F}'
-            | '\u{3164}' | '\u{FE00}'..='\u{FE0F}' | '\u{FEFF}' | '\u{FFA0}' | '\u{FFF0}'..='\u{FFFB}'
-            | '\u{1BCA0}'..='\u{1BCA3}' | '\u{1D173}'..='\u{1D17A}' | '\u{E0000}'..='\u{E0FFF}')
-}
+use drive_client::text::is_unsafe;
 
 /// Returns the text on one line: `\n`, `\t` and `\u{1b}` stand for what must not be printed.
 pub fn clean(text: &str) -> String {
@@ -35,12 +24,6 @@ fn escaped(text: &str, kept: impl Fn(char) -> bool) -> String {
         }
     }
     clean
-}
-
-/// Returns a message whose further lines are indented, so that none of them can pass for a line of this program.
-pub fn clean_message(text: &str) -> String {
-    let lines: Vec<String> = text.split('\n').map(clean).collect();
-    lines.join("\n    ")
 }
 
 /// Returns a JSON text in which such characters are escaped, which a serializer does for C0 only. Outside of strings
@@ -92,12 +75,7 @@ mod tests {
             "a\\u{1b}[2J\\u{7}\\u{7f}\\u{9b}31m\\u{202e}b\\u{200b}\\u{2066}\\u{feff}\\u{e0041}\\nc\\r";
         assert_eq!(clean(HOSTILE), shown);
         assert!(clean_lines(HOSTILE).contains("\nc\\r"));
-        for text in [
-            clean(HOSTILE),
-            clean_message(HOSTILE),
-            clean_lines(HOSTILE),
-            clean_styled(HOSTILE),
-        ] {
+        for text in [clean(HOSTILE), clean_lines(HOSTILE), clean_styled(HOSTILE)] {
             assert!(text.chars().all(|c| c == '\n' || !is_unsafe(c)), "{text:?}");
         }
         assert_eq!(clean("Größe 20 °C, 軸-1"), "Größe 20 °C, 軸-1");
@@ -109,11 +87,6 @@ mod tests {
         let safe = clean_json(&json);
         assert!(!safe.chars().any(is_unsafe), "{safe}");
         assert_eq!(serde_json::from_str::<String>(&safe).unwrap(), HOSTILE);
-    }
-
-    #[test]
-    fn a_further_line_of_a_message_is_indented() {
-        assert_eq!(clean_message("bad\nerror: forged"), "bad\n    error: forged");
     }
 
     #[test]

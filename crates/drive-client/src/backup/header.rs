@@ -4,6 +4,7 @@ use profidrive::catalogue::{Part, Scaling};
 use profidrive::unit::UnitChoice;
 
 use super::TasksTold;
+use crate::text::{escape, unescape};
 use crate::{Drive, Identity, Model};
 
 /// Whose settings they are. No date: the same settings give the same text.
@@ -31,12 +32,14 @@ impl Header {
     /// Of a drive and what it says in I&M0.
     #[must_use]
     pub fn of(drive: &Drive, identity: Option<&Identity>) -> Self {
-        let text = |take: fn(&Identity) -> &String| identity.map(|one| line(take(one))).unwrap_or_default();
+        let text = |take: fn(&Identity) -> &String| {
+            identity.map_or_else(String::new, |one| take(one).trim().to_owned())
+        };
         Self {
             model: drive.model.name.to_owned(),
             vendor_id: drive.station.vendor_id,
             device_id: drive.station.device_id,
-            station: line(&drive.station.name),
+            station: drive.station.name.trim().to_owned(),
             order_id: text(|identity| &identity.order_id),
             serial_number: text(|identity| &identity.serial_number),
             software: text(|identity| &identity.software_revision),
@@ -146,15 +149,16 @@ impl Header {
         if let Some(wrong) = value.chars().find(|c| c.is_control()) {
             return Err(format!("`{key}:` has {wrong:?} in it, which is no text"));
         }
+        let text = || unescape(value).trim().to_owned();
         match key {
-            "model" => value.clone_into(&mut self.model),
+            "model" => self.model = text(),
             "vendor" => self.vendor_id = number(value)?,
             "device" => self.device_id = number(value)?,
-            "station" => value.clone_into(&mut self.station),
-            "order number" => value.clone_into(&mut self.order_id),
-            "serial number" => value.clone_into(&mut self.serial_number),
-            "software" => value.clone_into(&mut self.software),
-            "tasks" => self.tasks = TasksTold::parse(value)?,
+            "station" => self.station = text(),
+            "order number" => self.order_id = text(),
+            "serial number" => self.serial_number = text(),
+            "software" => self.software = text(),
+            "tasks" => self.tasks = TasksTold::parse(&text())?,
             "scaling" => *scaling = Some(read_scaling(value)?),
             "units" => *units = Some(read_units(value)?),
             _ => return Err(format!("`{key}:` is no line of the head of a backup")),
@@ -163,13 +167,9 @@ impl Header {
     }
 }
 
-/// One line that is no comment and no more than a line.
+/// Text on one line without a comment; [`unescape`] is the way back.
 fn line(text: &str) -> String {
-    let clean: String = text
-        .chars()
-        .map(|c| if c.is_control() || c == '#' { '.' } else { c })
-        .collect();
-    clean.trim().to_owned()
+    escape(text.trim(), |c| c == '#')
 }
 
 fn number(text: &str) -> Result<u16, String> {
@@ -250,4 +250,34 @@ fn read_scaling(text: &str) -> Result<Scaling, String> {
         }
     }
     Ok(scaling)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backup::Backup;
+    use crate::text::is_unsafe;
+
+    /// A terminal shows the text as it is in a file, and it is read back as it was.
+    #[test]
+    fn text_of_a_drive_is_escaped_and_read_back() {
+        let hostile = "a#1\u{1b}[2J\u{202e}\u{ad}\\b".to_owned();
+        let header = Header {
+            model: "AKD".into(),
+            station: hostile.clone(),
+            order_id: hostile.clone(),
+            serial_number: "\n".to_owned() + &hostile,
+            software: hostile.clone(),
+            tasks: TasksTold::LeftOut(hostile),
+            ..Header::default()
+        };
+        let lines = header.lines(None);
+        assert!(!lines.concat().chars().any(is_unsafe), "{lines:?}");
+        let text = format!("profidrive backup 1\n{}\n", lines.join("\n"));
+        let expected = Header {
+            serial_number: header.serial_number.trim().to_owned(),
+            ..header
+        };
+        assert_eq!(Backup::parse(&text).unwrap().header, expected);
+    }
 }

@@ -10,6 +10,7 @@ use super::parse::nearest;
 use super::task::Name;
 use super::{Backup, selection};
 use crate::parameter::{Content, Parameters, Reading};
+use crate::text::{escape, is_unsafe};
 
 /// Version of the form, the number in the first line.
 pub const FORM: u32 = 1;
@@ -79,7 +80,9 @@ fn assignment(backup: &Backup, reading: &Reading) -> String {
 
 /// A name without what has a meaning in the text of a backup.
 pub(super) fn plain(name: &str) -> String {
-    let kept = name.chars().filter(|c| !matches!(c, '#' | '=' | ':'));
+    let kept = name
+        .chars()
+        .filter(|&c| !matches!(c, '#' | '=' | ':') && !is_unsafe(c));
     kept.collect()
 }
 
@@ -179,9 +182,8 @@ fn comment(backup: &Backup, reading: &Reading) -> String {
     parts.join("; ")
 }
 
-/// A comment ends with its line.
+/// A comment ends with its line, and moves no cursor where the text is shown.
 pub(super) fn one_line(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect()
+    let line = text.replace(['\n', '\r', '\t'], " ");
+    escape(&line, |_| false)
 }
