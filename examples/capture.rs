@@ -9,16 +9,18 @@ use std::fs::File;
 use std::io::BufReader;
 
 use drive_client::DriveAddress;
+use network::files;
 use network::pcap::{Reader, Writer};
 use profinet::wire::ethernet::Frame;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("give a file to write")?;
+    let file = files::create(path.as_ref())?;
     let mut session = common::session();
     session
         .medium_mut()
         .segment_mut()
-        .add_tap(Box::new(Writer::starting_now(File::create(&path)?, "segment")?));
+        .add_tap(Box::new(Writer::starting_now(file, "segment")?));
     session.find(&DriveAddress::Name("akd-1".into()))?;
     session.close()?;
     session.medium_mut().segment_mut().finish_taps()?;

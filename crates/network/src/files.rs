@@ -1,10 +1,14 @@
 //! Files that are replaced whole or not at all, and files in folders that others can write to as well.
 
 use std::fs::{self, DirBuilder, File, Metadata, OpenOptions};
-use std::hash::{BuildHasher, RandomState};
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
+
+mod beside;
+
+pub use beside::Beside;
+use beside::{unnamed, with_new_name};
 
 /// Largest state file that is read; anything longer is not one of ours.
 pub const MAX_STATE: u64 = 16 << 20;
@@ -33,8 +37,9 @@ pub struct StateFileError {
 /// A small file that holds the old content or the new one, never a mixture, whenever the program or the machine
 /// stops: written beside, made durable, then renamed over the old one.
 ///
-/// The file beside has a random name and is created exclusively, so that a link which somebody planted in the folder
-/// is never followed. One writer at a time; readers at any time.
+/// The file beside has no name until it is whole, so that a killed program leaves nothing; where the file system has no
+/// unnamed files it has a random one. Names are created exclusively, so that a link which somebody planted in the folder is
+/// never followed. One writer at a time; readers at any time.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -129,16 +134,13 @@ impl StateFile {
             .mode(if self.private { 0o700 } else { 0o777 })
             .create(folder)
             .map_err(|source| at(folder, "make", source))?;
-        let (file, path) = self.create_beside()?;
-        let mut beside = Beside {
-            file,
-            path,
-            place: self.path.clone(),
+        let mode = if self.private { PRIVATE } else { SHARED };
+        let (file, path) = match unnamed(folder, mode) {
+            Some(file) => (file.map_err(|source| self.error("create", source))?, None),
+            None => self.create_beside(mode)?,
         };
-        beside
-            .file
-            .write_all(content)
-            .map_err(|source| at(&beside.path, "write", source))?;
+        let mut beside = Beside::new(file, path, &self.path);
+        beside.write(content)?;
         Ok(beside)
     }
 
@@ -182,66 +184,16 @@ impl StateFile {
         Ok(free)
     }
 
-    /// Creates a file beside that was not there before: in the open of `O_EXCL` a link counts as a file.
-    fn create_beside(&self) -> Result<(File, PathBuf), StateFileError> {
-        let mode = if self.private { PRIVATE } else { SHARED };
-        let random = RandomState::new();
-        let mut attempt = 0_u32;
-        loop {
-            let number = random.hash_one(attempt);
-            let path = suffixed(&self.path, &format!(".{number:0DIGITS$x}{BESIDE}"));
-            match OpenOptions::new()
-                .write(true)
-                .create_new(true)
-                .mode(mode)
-                .open(&path)
-            {
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists && attempt < 8 => attempt += 1,
-                other => {
-                    let file = other.map_err(|source| at(&path, "create", source))?;
-                    return Ok((file, path));
-                }
-            }
-        }
+    /// Creates a named file beside that was not there before: in the open of `O_EXCL` a link counts as a file.
+    fn create_beside(&self, mode: u32) -> Result<(File, Option<PathBuf>), StateFileError> {
+        let mut options = OpenOptions::new();
+        options.write(true).create_new(true).mode(mode);
+        let (file, path) = with_new_name(&self.path, |path| options.open(path))?;
+        Ok((file, Some(path)))
     }
 
     fn error(&self, action: &'static str, source: io::Error) -> StateFileError {
         at(&self.path, action, source)
-    }
-}
-
-/// New content that has not taken its place yet; removed when it never does.
-#[derive(Debug)]
-pub struct Beside {
-    file: File,
-    path: PathBuf,
-    place: PathBuf,
-}
-
-impl Beside {
-    /// Returns when the new content is on the disk.
-    ///
-    /// # Errors
-    /// When the disk refuses.
-    pub fn flush(&self) -> Result<(), StateFileError> {
-        self.file
-            .sync_all()
-            .map_err(|source| at(&self.path, "write", source))
-    }
-
-    /// Puts the new content in the place of the old one, at once.
-    ///
-    /// # Errors
-    /// When the file cannot be renamed.
-    pub fn put_in_place(self) -> Result<(), StateFileError> {
-        fs::rename(&self.path, &self.place).map_err(|source| at(&self.place, "replace", source))
-    }
-}
-
-impl Drop for Beside {
-    fn drop(&mut self) {
-        // in its place the file has another name; nobody else has this one
-        let _ = fs::remove_file(&self.path);
     }
 }
 
@@ -349,6 +301,7 @@ fn at(path: &Path, action: &'static str, source: io::Error) -> StateFileError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Write;
     use std::os::unix::fs::{PermissionsExt, symlink};
 
     struct Folder(PathBuf);
@@ -396,12 +349,29 @@ mod tests {
     }
 
     #[test]
-    fn a_write_that_was_killed_does_not_matter_and_is_swept_away() {
+    fn a_write_that_was_killed_leaves_nothing() {
+        let folder = Folder::new("unnamed");
+        let file = StateFile::document(folder.0.join("drive.backup"));
+        let first = file.write_beside(b"half of the n").unwrap();
+        if first.has_name() {
+            return; // the file system has no unnamed files
+        }
+        first.flush().unwrap();
+        assert!(folder.names().is_empty());
+        file.replace(b"old").unwrap();
+        let second = file.write_beside(b"new").unwrap();
+        assert_eq!(folder.names(), ["drive.backup"]);
+        second.put_in_place().unwrap();
+        assert_eq!(folder.names(), ["drive.backup"]);
+        assert_eq!(file.read().unwrap().as_deref(), Some(&b"new"[..]));
+    }
+
+    #[test]
+    fn a_named_file_that_was_left_does_not_matter_and_is_swept_away() {
         let folder = Folder::new("killed");
         let file = StateFile::new(folder.0.join("state"));
         file.replace(b"old").unwrap();
-        let killed = file.write_beside(b"half of the n").unwrap();
-        std::mem::forget(killed);
+        file.create_beside(PRIVATE).unwrap();
         assert_eq!(file.read().unwrap().as_deref(), Some(&b"old"[..]));
         file.replace(b"new").unwrap();
         assert_eq!(file.read().unwrap().as_deref(), Some(&b"new"[..]));
@@ -448,16 +418,6 @@ mod tests {
         assert_eq!(file.read().unwrap().as_deref(), Some(&b"name"[..]));
         let mode = |path: &Path| fs::symlink_metadata(path).unwrap().mode() & 0o777;
         assert_eq!(mode(file.path()), 0o600);
-    }
-
-    #[test]
-    fn names_beside_are_not_guessable() {
-        let folder = Folder::new("names");
-        let file = StateFile::new(folder.0.join("state"));
-        let names: std::collections::BTreeSet<PathBuf> = (0..50)
-            .map(|_| file.write_beside(b"").unwrap().path.clone())
-            .collect();
-        assert_eq!(names.len(), 50);
     }
 
     #[test]
