@@ -253,6 +253,20 @@ fn a_diagnosis_in_a_module_difference_is_not_another_module() {
             "slot 1 API 0x3A00 differs: proper module, plugged is 0x00000005; subslot 2 wrong submodule (0x9000), plugged \
              is 0x7",
         ),
+        // FormatIndicator 0: one number
+        (
+            ModuleState::PROPER,
+            SubmoduleState(0x0001),
+            Weight::Warning,
+            "slot 1 API 0x3A00 differs: proper module, plugged is 0x00000005; subslot 2 wrong submodule (0x0001), plugged \
+             is 0x7",
+        ),
+        (
+            ModuleState::PROPER,
+            SubmoduleState(0x0004),
+            Weight::Normal,
+            "slot 1 API 0x3A00: proper module 0x00000005; subslot 2 application ready pending (0x0004)",
+        ),
         (
             ModuleState::PROPER,
             SubmoduleState::LOCKED_BY_CONTROLLER,

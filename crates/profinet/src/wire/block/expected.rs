@@ -183,7 +183,9 @@ impl ModuleState {
     }
 }
 
-/// SubmoduleState with FormatIndicator 1.
+/// SubmoduleState: with FormatIndicator 1 a word of fields, with FormatIndicator 0 one number.
+///
+/// IEC 61158-6-10, coding of the field SubmoduleState.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SubmoduleState(pub u16);
 
@@ -209,10 +211,24 @@ impl SubmoduleState {
     /// There is an advice.
     pub const ADVICE: u16 = 1 << 3;
 
+    /// The same with FormatIndicator 1; reserved numbers have an IdentInfo that is reserved too.
+    const fn fields(self) -> u16 {
+        let state = match self.0 {
+            0 => Self::NO_SUBMODULE,
+            1 => Self::WRONG,
+            2 => Self::LOCKED_BY_CONTROLLER,
+            4 => Self::READY_PENDING,
+            7 => Self::SUBSTITUTE,
+            0x8000.. => self,
+            _ => Self(0xF800),
+        };
+        state.0
+    }
+
     /// IdentInfo: 0 ok, 1 substitute, 2 wrong, 3 no submodule.
     #[must_use]
     pub const fn ident_info(self) -> u8 {
-        (self.0 >> 11 & 0xF) as u8
+        (self.fields() >> 11 & 0xF) as u8
     }
 
     /// True when data can be exchanged with it: as expected or compatible, and owned by the controller that asks.
@@ -225,12 +241,10 @@ impl SubmoduleState {
     #[must_use]
     pub const fn has_diagnosis(self) -> bool {
         let pending = Self::FAULT | Self::MAINTENANCE_DEMANDED | Self::MAINTENANCE_REQUIRED | Self::ADVICE;
-        self.0 & pending != 0
+        self.fields() & pending != 0
     }
 
     /// Meanings of the fields that are not 0, for people; none where everything is as expected.
-    ///
-    /// IEC 61158-6-10, coding of the field SubmoduleState with FormatIndicator 1.
     pub fn words(self) -> impl Iterator<Item = &'static str> {
         let ident = match self.ident_info() {
             0 => None,
@@ -247,7 +261,7 @@ impl SubmoduleState {
             4 => Some("locked by a supervisor"),
             _ => Some("unknown ARInfo"),
         };
-        let flag = move |bit: u16, words| (self.0 & bit != 0).then_some(words);
+        let flag = move |bit: u16, words| (self.fields() & bit != 0).then_some(words);
         [
             ident,
             relation,
@@ -264,7 +278,7 @@ impl SubmoduleState {
     /// ARInfo: 0 own, 1 ready pending, 2 superordinated locked, 3 locked by controller, 4 locked by supervisor.
     #[must_use]
     pub const fn ar_info(self) -> u8 {
-        (self.0 >> 7 & 0xF) as u8
+        (self.fields() >> 7 & 0xF) as u8
     }
 }
 
