@@ -76,6 +76,11 @@ fn commands_that_a_virtual_drive_cannot_do_are_refused() {
         assert_eq!(told, [StationEvent::Unable { pnu }], "{pnu}");
         let words = told[0].words(bus.station().drive().model().catalogue).unwrap();
         assert!(words.contains(&format!("({pnu}) refused")), "{words}");
+        let advice = bus.station().drive().model().catalogue.not_now(pnu);
+        assert!(
+            advice.is_some_and(|advice| advice.contains("virtual drive")),
+            "{pnu}"
+        );
     }
     // REC.OFF, DRV.CLRCRASHDUMP, WS.DISARM
     for pnu in [2358, 2785, 2847] {

@@ -100,6 +100,27 @@ fn the_emergency_stop_ramps_down_then_disables_and_is_told() {
     assert_eq!(read(&bench, "DRIVE_INPUTS"), 0x40);
 }
 
+/// Bit 7 is blank and the bits from 8 on are reserved, whatever the inputs are.
+#[test]
+fn the_reserved_bits_of_the_drive_inputs_are_zero() {
+    let mut bench = running();
+    for (mode, low, high) in [
+        ("DIN4.MODE", 18, 19),
+        ("DIN5.MODE", 19, 18),
+        ("DIN6.MODE", 13, 13),
+    ] {
+        for value in [low, high] {
+            write(&mut bench, mode, value);
+            for input in ["input=4:on", "input=5:on", "input=6:on", "input=4:off"] {
+                inject(&mut bench.drive, input);
+                bench.ticks(1);
+                assert_eq!(read(&bench, "DRIVE_INPUTS") & 0xFF80, 0);
+            }
+        }
+    }
+    assert_ne!(read(&bench, "DRIVE_INPUTS"), 0);
+}
+
 #[test]
 fn mode_fifteen_stops_like_drv_stop() {
     let mut bench = running();
