@@ -433,3 +433,18 @@ fn a_catalogue_made_at_run_time_finds_the_same() {
     assert!(empty.by_pnu(0).is_none() && empty.place(1, 1).is_none());
     assert!(empty.numbers().next().is_none());
 }
+
+/// One scaling under two numbers: both texts name every signal that it scales (manual 5.12.3 and 6.1), and each other.
+#[test]
+fn both_numbers_of_the_acceleration_scaling_name_what_they_scale() {
+    for (pnu, other) in [(1008, "3065"), (3065, "")] {
+        let parameter = AKD.by_pnu(pnu).unwrap();
+        for signal in ["1006, 1007", "DRV_ACC", "DRV_DEC", "MDI_ACC", "MDI_DEC", other] {
+            assert!(parameter.description.contains(signal), "{pnu}: {signal}");
+        }
+        assert_eq!(
+            (parameter.minimum, parameter.maximum, parameter.default),
+            (Some(1.0), Some(14648.0), Some(763.0))
+        );
+    }
+}

@@ -384,6 +384,30 @@ mod tests {
         assert!(lines("DE80B500", What::Pnio).contains("state conflict"));
     }
 
+    /// AKD PROFINET manual 5.15, 6.4 and 8.1: causes in its meaning, remedies in what to do.
+    #[test]
+    fn fault_702_has_all_its_causes_and_remedies() {
+        let text = lines("702", What::Fault);
+        let (meaning, rest) = text.split_once('\n').unwrap();
+        for cause in [
+            "watchdog elapsed (network, controller or drive overloaded)",
+            "connection released while the drive was enabled",
+            "controller from RUN to STOP with FBUS.PARAM02 bit 0 = 1",
+        ] {
+            assert!(meaning.contains(cause), "{cause}: {meaning}");
+        }
+        for remedy in [
+            "a subnet of its own",
+            "a PROFINET switch",
+            "shorten the run time of the PLC program",
+            "longer watchdog time (PN.TIMEOUTFTHRESH, PNU 3022",
+            "disable device discovery",
+            "FBUS.PARAM02 bit 0 = 0",
+        ] {
+            assert!(rest.contains(remedy), "{remedy}: {rest}");
+        }
+    }
+
     #[test]
     fn wrong_numbers_are_usage_errors() {
         for (text, kind) in [

@@ -218,6 +218,30 @@ fn parameter_channel_in_ppo_1_answers_in_every_tick() {
     assert_eq!(inputs[..8], [0; 8]);
 }
 
+/// In process data a telegram identical to the last one is no new request, unlike at a serial line: a refused change is
+/// tried again only after AK 0.
+#[test]
+fn a_change_that_stands_in_ppo_1_is_not_tried_again() {
+    let mut bench = Bench::new(&VLT, 101);
+    let copy = [0x20, 51, 0, 0, 0, 0, 0, 1]; // 0-51, copy to set-up 1: not while that one runs
+    bench.send(0x047C, 0x2000, 2000);
+    bench.outputs[..8].copy_from_slice(&copy);
+    bench.ticks(1);
+    assert_eq!((bench.inputs[0] & 0xF0, bench.inputs[7]), (0x70, 17));
+    bench.send(0x043C, 0, 8000);
+    assert!(!bench.drive.is_enabled());
+    assert_eq!(
+        (bench.inputs[0] & 0xF0, bench.inputs[7]),
+        (0x70, 17),
+        "refused still"
+    );
+    bench.outputs[..8].fill(0);
+    bench.ticks(1);
+    bench.outputs[..8].copy_from_slice(&copy);
+    bench.ticks(1);
+    assert_eq!(bench.inputs[0] & 0xF0, 0x10, "{:02X?}", &bench.inputs[..8]);
+}
+
 #[test]
 fn process_data_words_carry_chosen_parameters() {
     let mut bench = Bench::new(&VLT, 104);
