@@ -81,6 +81,12 @@ impl Plant {
 
 const SECOND: Duration = Duration::from_secs(1);
 
+fn read(plant: &mut Plant, drive: &mut drive_client::Drive, name: &str) -> Option<i64> {
+    let reference = name.parse().expect("a name");
+    let selection = drive.parameters.select(&reference).expect("known");
+    plant.session.read_one(drive, &selection).expect("read").raw()
+}
+
 #[test]
 fn the_rotary_switches_are_the_last_octet() {
     let mut memory = Memory::default();
@@ -89,15 +95,15 @@ fn the_rotary_switches_are_the_last_octet() {
     assert_eq!(plant.station().ip(), suite([192, 168, 0, 42]));
     let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
     let mut drive = plant.session.find(&mac).expect("found");
-    let read = |plant: &mut Plant, drive: &mut drive_client::Drive, name: &str| {
-        let selection = drive
-            .parameters
-            .select(&name.parse().expect("a name"))
-            .expect("known");
-        plant.session.read_one(drive, &selection).expect("read").raw()
-    };
     assert_eq!(read(&mut plant, &mut drive, "DIN.ROTARY"), Some(42));
     assert_eq!(read(&mut plant, &mut drive, "IP.MODE"), Some(0));
+    // as delivered and as saved, where nothing was saved
+    for command in ["DRV.RSTVAR=1", "DRV.NVLOAD=1"] {
+        let assignment = command.parse().expect("an assignment");
+        let outcomes = plant.session.write(&mut drive, &[assignment], WriteMode::Write);
+        assert!(matches!(outcomes.expect("reached")[0].written, Some(Ok(()))));
+        assert_eq!(read(&mut plant, &mut drive, "IP.MODE"), Some(0), "{command}");
+    }
 }
 
 /// Without a server a drive with switches at 0 takes a link-local address, the same again after a restart.

@@ -7,6 +7,7 @@ use std::net::Ipv4Addr;
 use profinet::IpSuite;
 
 use super::{Drive, Event};
+use crate::store::Values;
 
 /// IP.MODE: the rotary switches; DHCP and AutoIP when they are 0.
 const ROTARY: i64 = 0;
@@ -28,14 +29,24 @@ pub enum AddressSource {
 }
 
 impl Drive {
-    /// Turns the rotary switches, 0 to 99 (DIN.ROTARY); the address follows at the next power-on.
+    /// Turns the rotary switches, 0 to 99 (DIN.ROTARY); the address follows at the next power-on. They give the address of
+    /// a drive as delivered (IP.MODE 0); without this call that is the stored one (IP.MODE 1).
     pub const fn set_rotary(&mut self, number: u8) {
-        self.rotary = number;
+        self.rotary = Some(number);
     }
 
     /// The position of the rotary switches.
-    pub(super) const fn rotary(&self) -> u8 {
-        self.rotary
+    pub(super) fn rotary(&self) -> u8 {
+        self.rotary.unwrap_or_default()
+    }
+
+    /// Values as delivered, with the address as the switches say.
+    pub(super) fn delivered(&self) -> Values {
+        let mut values = Values::new(self.model.catalogue);
+        if let Some(pnu) = self.model.roles.address_mode.filter(|_| self.rotary.is_some()) {
+            values.set(pnu, ROTARY);
+        }
+        values
     }
 
     /// Makes the rotary switches count, as they do after a reset of the address settings (manual 3.4.2), unless saved
@@ -51,10 +62,10 @@ impl Drive {
     #[must_use]
     pub fn address_source(&self) -> AddressSource {
         let mode = self.model.roles.address_mode.map(|pnu| self.values.get(pnu));
-        match (mode, self.rotary) {
+        match (mode, self.rotary()) {
             (None | Some(STORED), _) => AddressSource::Stored,
             (Some(ROTARY), 1..) => AddressSource::Switches(IpSuite {
-                address: Ipv4Addr::new(192, 168, 0, self.rotary),
+                address: Ipv4Addr::new(192, 168, 0, self.rotary()),
                 mask: Ipv4Addr::new(255, 255, 255, 0),
                 gateway: Ipv4Addr::UNSPECIFIED,
             }),
@@ -71,7 +82,7 @@ impl Drive {
     /// Button B1 was held for so many seconds: with the rotary switches at 0 and from 5 s on, the address settings are
     /// those of the delivery at the next power-on. Source: AKD PROFINET manual 3.4.2.
     pub(super) fn hold_button(&mut self, seconds: f64) {
-        if seconds >= HELD && self.rotary == 0 && self.model.roles.address_mode.is_some() {
+        if seconds >= HELD && self.rotary() == 0 && self.model.roles.address_mode.is_some() {
             self.keep_address_mode(ROTARY);
             self.emit(Event::AddressReset);
         }

@@ -8,7 +8,7 @@ use profidrive::parameter::{ErrorNumber, SaveId};
 
 use super::settings::Settings;
 use super::{Drive, RESTLESS};
-use crate::store::{Image, ImageError, Values, is_saved, key};
+use crate::store::{Image, ImageError, is_saved, key};
 
 impl Drive {
     /// Starts with what was saved; returns how many of its entries this model does not know or cannot take.
@@ -38,7 +38,7 @@ impl Drive {
     /// Puts everything that can be saved back to the values as delivered and saves it; stops the axis first.
     pub fn reset_to_delivery(&mut self) {
         self.request_disable();
-        self.values.reset();
+        self.values.reset_to(&self.delivered());
         self.reset_set_ups();
         self.forget_tasks();
         self.reset_telegrams();
@@ -113,7 +113,7 @@ impl Drive {
         if self.is_enabled() {
             return Err(ErrorNumber::NOT_NOW);
         }
-        self.values.reset();
+        self.values.reset_to(&self.delivered());
         self.reset_set_ups();
         self.forget_tasks();
         Ok(())
@@ -135,7 +135,7 @@ impl Drive {
         let saved = self.saving.newest();
         saved
             .and_then(|text| Image::decode(text.as_bytes()).ok())
-            .unwrap_or_else(|| Values::new(self.model.catalogue).image(&self.model.catalogue.scaling))
+            .unwrap_or_else(|| self.delivered().image(&self.model.catalogue.scaling))
     }
 
     fn restore(&mut self, image: &Image) -> Result<usize, ImageError> {

@@ -213,8 +213,8 @@ pub struct Drive {
     alone: Option<Alone>,
     faults: Faults,
     outside: Outside,
-    /// Position of the rotary switches.
-    rotary: u8,
+    /// Position of the rotary switches, where they give the address as delivered.
+    rotary: Option<u8>,
     terminals: Terminals,
     axis: Axis,
     positioning: Positioning,
@@ -265,7 +265,7 @@ impl Drive {
             alone: None,
             faults: Faults::new(model.fault_buffer, model.dialect.fault_counter),
             outside: Outside::default(),
-            rotary: 0,
+            rotary: None,
             terminals: Terminals::default(),
             axis: Axis::new(model.plant),
             positioning: Positioning::new(),

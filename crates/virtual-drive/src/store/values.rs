@@ -134,15 +134,14 @@ impl Values {
             .any(|element| self.element_at(position, element) != fresh(parameter, element, scaling))
     }
 
-    /// Puts every writable parameter back to the value as delivered (DRV.RSTVAR).
-    pub fn reset(&mut self) {
-        let fresh = Self::new(self.catalogue);
+    /// Puts every writable parameter back to the value as `delivered` (DRV.RSTVAR).
+    pub fn reset_to(&mut self, delivered: &Self) {
         for (position, parameter) in self.catalogue.parameters.iter().enumerate() {
             if parameter.access == Access::ReadWrite {
-                self.set_at(position, fresh.at(position));
+                self.set_at(position, delivered.at(position));
             }
         }
-        self.elements = fresh.elements;
+        self.elements.clone_from(&delivered.elements);
     }
 
     /// The image of everything that is saved.
@@ -401,7 +400,7 @@ mod tests {
         values.set(3065, 400);
         values.set(2110, 1); // DRV.ACTIVE is measured, not reset
         let image = values.image(&Scaling::default());
-        values.reset();
+        values.reset_to(&Values::new(&AKD));
         assert_eq!(
             (values.get(2108), values.get(3065), values.get(2110)),
             (3_000_000, 763, 1)
