@@ -2,6 +2,7 @@
 //! some of them, in virtual time.
 
 mod bench;
+mod remote_io;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -19,11 +20,10 @@ use profinet::controller::{
     ArId, ConnectConfig, ControllerConfig, ModuleConfig, RecordAddress, Resolve, SubmoduleConfig, Target,
 };
 use profinet::cyclic::Timing;
-use profinet::device::{
-    Device, DeviceConfig, Identity, ModuleDescription, Refusals, Stored, SubmoduleDescription,
-};
+use profinet::device::{Device, Refusals, Stored};
 use profinet::wire::PnioStatus;
 use profinet::{Instant, IpSuite, MacAddress};
+use remote_io::remote_io;
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig, StationEvent};
 
@@ -604,60 +604,16 @@ fn every_way_stands_lost_frames() {
     }
 }
 
-/// Remote inputs and outputs: identity, modules, nothing of the drive profile.
-fn remote_io() -> Device {
-    let submodule = |subslot, ident, input_length, output_length| SubmoduleDescription {
-        subslot,
-        ident,
-        api: 0,
-        input_length,
-        output_length,
-    };
-    let module = |ident, slot, submodules| ModuleDescription {
-        ident,
-        slots: vec![slot],
-        submodules,
-    };
-    let modules = vec![
-        module(
-            0x10,
-            0,
-            vec![
-                submodule(1, 1, 0, 0),
-                submodule(0x8000, 2, 0, 0),
-                submodule(0x8001, 3, 0, 0),
-            ],
-        ),
-        module(0x21, 1, vec![submodule(1, 0x22, 2, 0)]),
-        module(0x31, 2, vec![submodule(1, 0x32, 0, 2)]),
-    ];
-    let identity = Identity {
-        vendor_id: 0x0999,
-        device_id: 7,
-        instance: 1,
-        station_type: "terminal".into(),
-        order_id: "RIO-16".into(),
-        serial_number: "4711".into(),
-        hardware_revision: 2,
-        software_prefix: 'V',
-        software_revision: [1, 2, 3],
-        profile_id: 0,
-        profile_specific_type: 0,
-    };
-    let mut config = DeviceConfig::new(MacAddress([2, 0, 0, 0, 0, 9]), identity, modules);
-    config.max_device_access = 0;
+#[test]
+fn a_device_that_is_no_drive_shows_identity_and_modules_and_is_not_connected_to() {
+    let mut segment = Segment::new(7);
     let stored = Stored {
         name: "rio-1".into(),
         ip: ip(9),
         ..Stored::default()
     };
-    Device::new(config, stored)
-}
-
-#[test]
-fn a_device_that_is_no_drive_shows_identity_and_modules_and_is_not_connected_to() {
-    let mut segment = Segment::new(7);
-    let id = segment.attach(Box::new(Host::new(remote_io())));
+    let device = remote_io(MacAddress([2, 0, 0, 0, 0, 9]), stored);
+    let id = segment.attach(Box::new(Host::new(device)));
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
     let mut session = Session::new(medium, config);

@@ -11,6 +11,9 @@
 //! | rio-1 | 192.168.77.54 | remote I/O | ARType 6, and answers no DCP Set |
 #![forbid(unsafe_code)]
 
+#[path = "../../../crates/cli/tests/remote_io/mod.rs"]
+mod remote_io;
+
 use std::io::Read;
 use std::net::SocketAddrV4;
 use std::process::ExitCode;
@@ -18,13 +21,12 @@ use std::time::Duration;
 
 use network::host::Host;
 use network::linux::{Runner, now};
-use profinet::device::{
-    Device, DeviceConfig, Identity, ModuleDescription, Refusals, Stored, SubmoduleDescription,
-};
+use profinet::device::{Device, Refusals, Stored};
 use profinet::wire::PnioStatus;
 use profinet::wire::dcp::{Pdu, ServiceId};
 use profinet::wire::ethernet::{Frame, FrameId};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Traffic, Transmit};
+use remote_io::remote_io;
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
@@ -81,7 +83,7 @@ fn serve(interface: &str) -> Result<(), Box<dyn std::error::Error>> {
     ] {
         runner.attach(Box::new(Host::new(drive(model, name, last, refusals))))?;
     }
-    runner.attach(Box::new(Host::new(Mute(remote_io()))))?;
+    runner.attach(Box::new(Host::new(Mute(remote_io(mac(54), stored("rio-1", 54))))))?;
     println!("ready");
     std::thread::spawn(|| {
         let mut rest = Vec::new();
@@ -114,43 +116,6 @@ fn drive(model: &'static Model, name: &str, last: u8, refusals: Refusals) -> Sta
     config.refusals = refusals;
     config.network = stored(name, last);
     Station::new(config)
-}
-
-fn remote_io() -> Device {
-    let submodule = |subslot, ident, input_length, output_length| SubmoduleDescription {
-        subslot,
-        ident,
-        api: 0,
-        input_length,
-        output_length,
-    };
-    let module = |ident, slot, submodules| ModuleDescription {
-        ident,
-        slots: vec![slot],
-        submodules,
-    };
-    let own = [1, 0x8000, 0x8001].map(|subslot| submodule(subslot, 1, 0, 0));
-    let modules = vec![
-        module(0x10, 0, own.to_vec()),
-        module(0x21, 1, vec![submodule(1, 0x22, 2, 0)]),
-        module(0x31, 2, vec![submodule(1, 0x32, 0, 2)]),
-    ];
-    let identity = Identity {
-        vendor_id: 0x0999,
-        device_id: 7,
-        instance: 1,
-        station_type: "terminal".into(),
-        order_id: "RIO-16".into(),
-        serial_number: "4711".into(),
-        hardware_revision: 2,
-        software_prefix: 'V',
-        software_revision: [1, 2, 3],
-        profile_id: 0,
-        profile_specific_type: 0,
-    };
-    let mut config = DeviceConfig::new(mac(54), identity, modules);
-    config.max_device_access = 0;
-    Device::new(config, stored("rio-1", 54))
 }
 
 /// A device that answers no DCP Set: it neither takes a name nor blinks.

@@ -95,66 +95,42 @@ impl Names {
         if name.is_empty() {
             return;
         }
-        let before = self.holders.get(&name).copied();
-        if self.holders.len() < MAX_STATIONS || before.is_some() {
-            self.holders.insert(name.clone(), (mac, sink.at));
-        }
-        let Some((other, then)) = before.filter(|(other, _)| *other != mac) else {
-            return;
-        };
+        let before = claim(&mut self.holders, name.clone(), mac, sink.at);
+        let Some((other, ago)) = before else { return };
         if self.by_mac.get(&other) == Some(&name) && self.is_new(&name, mac, other) {
             self.shared.insert(name.clone());
-            let ago = sink.at.saturating_sub(then);
-            let (weight, text) = if ago < RECENT {
-                let text = format!(
-                    "duplicate name {name}: {mac} has it, and {other} had it {} before",
-                    seconds(ago)
-                );
-                (Weight::Error, text)
-            } else {
-                let text = format!(
-                    "name {name} moved to {mac}; {other} had it {} before (replaced, or a duplicate name)",
-                    seconds(ago)
-                );
-                (Weight::Warning, text)
-            };
+            let before = seconds(ago);
+            let duplicate =
+                format!("duplicate name {name}: {mac} has it, and {other} had it {before} before");
+            let moved = format!(
+                "name {name} moved to {mac}; {other} had it {before} before (replaced, or a duplicate name)"
+            );
             let trouble = Trouble::DuplicateName {
                 name,
                 mac,
                 other,
                 ago,
             };
-            sink.tell(weight, "conflict", text, Detail::Trouble(trouble));
+            tell_shared(ago, [duplicate, moved], trouble, sink);
         }
     }
 
     /// Remembers the IP address that a station uses. Reports another station that uses it.
     pub fn seen_at(&mut self, mac: MacAddress, ip: Ipv4Addr, sink: &mut Sink<'_>) {
-        let before = self.owners.get(&ip).copied();
-        if self.owners.len() < MAX_STATIONS || before.is_some() {
-            self.owners.insert(ip, (mac, sink.at));
-        }
-        let Some((other, then)) = before.filter(|(other, _)| *other != mac) else {
-            return;
-        };
-        let ago = sink.at.saturating_sub(then);
+        let before = claim(&mut self.owners, ip, mac, sink.at);
+        let Some((other, ago)) = before else { return };
         if self.is_new(&ip.to_string(), mac, other) {
-            let (weight, text) = if ago < RECENT {
-                let text = format!("duplicate IP address {ip}: {mac} and {other} both use it");
-                (Weight::Error, text)
-            } else {
-                let text = format!(
-                    "IP address {ip} moved to {mac}; {other} used it {} before",
-                    seconds(ago)
-                );
-                (Weight::Warning, text)
-            };
+            let duplicate = format!("duplicate IP address {ip}: {mac} and {other} both use it");
+            let moved = format!(
+                "IP address {ip} moved to {mac}; {other} used it {} before",
+                seconds(ago)
+            );
             let trouble = Trouble::DuplicateAddress {
                 ip,
                 mac,
                 other: Some(other),
             };
-            sink.tell(weight, "conflict", text, Detail::Trouble(trouble));
+            tell_shared(ago, [duplicate, moved], trouble, sink);
         }
     }
 
@@ -186,6 +162,31 @@ impl Names {
         let key = (what.to_owned(), mac.min(other), mac.max(other));
         self.reported.len() < MAX_STATIONS && self.reported.insert(key)
     }
+}
+
+/// Remembers who uses something, and returns another station that did, with how long ago.
+fn claim<K: std::hash::Hash + Eq>(
+    holders: &mut HashMap<K, (MacAddress, Duration)>,
+    what: K,
+    mac: MacAddress,
+    at: Duration,
+) -> Option<(MacAddress, Duration)> {
+    let before = holders.get(&what).copied();
+    if holders.len() < MAX_STATIONS || before.is_some() {
+        holders.insert(what, (mac, at));
+    }
+    let (other, then) = before.filter(|(other, _)| *other != mac)?;
+    Some((other, at.saturating_sub(then)))
+}
+
+/// Reports what two stations use: at nearly the same time it is a duplicate, later it may have moved.
+fn tell_shared(ago: Duration, [duplicate, moved]: [String; 2], trouble: Trouble, sink: &mut Sink<'_>) {
+    let (weight, text) = if ago < RECENT {
+        (Weight::Error, duplicate)
+    } else {
+        (Weight::Warning, moved)
+    };
+    sink.tell(weight, "conflict", text, Detail::Trouble(trouble));
 }
 
 fn put<K: std::hash::Hash + Eq>(map: &mut HashMap<K, String>, key: K, name: &str) {
