@@ -29,7 +29,7 @@ fn roundings_are_told_and_other_values_refused() {
     assert!(
         written
             .err
-            .contains("Jog v1 (p1004): 99 rpm -> 98.877 rpm, the nearest the drive can hold"),
+            .contains("Jog v1 (p1004): 99 rpm -> 98.877 rpm, rounded to the nearest representable value"),
         "{written:?}"
     );
     let json = client(&lab, &["write", "akd-1", "1004=1.65rps", "--json"]).ok();

@@ -116,7 +116,7 @@ fn every_command_over_both_protocols() {
         let restored = ok(&["restore", &drive, &file]);
         // how this make keeps values
         assert!(
-            stderr(&restored).contains("with --save the drive keeps them"),
+            stderr(&restored).contains("not saved: lost at the next power cycle (use --save)"),
             "{}",
             stderr(&restored)
         );
@@ -410,11 +410,12 @@ fn the_eeprom_survives_a_restart() {
         ok(&["write", &drive, "3-41=5s"]);
         ok(&["write", "--save", &drive, "3-42=7s"]);
         // text has no request for the RAM alone: what is said of it is true
-        let text = "the drive keeps Display Text 1 (0-37) over a power cycle: at a serial line it saves text with every write";
+        let text =
+            "saved in the drive: Display Text 1 (0-37) (at a serial line it saves text with every write)";
         let told = stderr(&ok(&["write", &drive, "0-37=PUMP"]));
         assert!(told.contains(text) && !told.contains("--save"), "{told}");
         let told = stderr(&ok(&["write", &drive, "0-37=HELLO", "3-41=4s"]));
-        let number = "until the next power cycle; with --save the drive keeps Ramp 1 Ramp up Time (3-41)";
+        let number = "not saved: Ramp 1 Ramp up Time (3-41) is lost at the next power cycle (use --save)";
         assert!(told.contains(text) && told.contains(number), "{told}");
         let described = stdout(&ok(&["describe", &drive, "0-37"]));
         assert!(described.contains("with every write"), "{described}");

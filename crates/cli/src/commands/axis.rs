@@ -68,7 +68,7 @@ pub fn tell_rounded(asked: f64, told: f64, unit: &str, output: &Output) {
     let (asked, told) = (number(asked), number(told));
     if asked != told {
         output.say(&format!(
-            "{asked} {unit} -> {told} {unit}, the nearest the drive can be told"
+            "{asked} {unit} -> {told} {unit}, rounded to the nearest representable value"
         ));
     }
 }
@@ -242,7 +242,7 @@ pub fn watch(axis: &mut Axis<'_>, command: &'static str, set_mode: bool, output:
         let after = if set_mode {
             "it is put back afterwards"
         } else {
-            "the drive keeps it"
+            "it remains selected"
         };
         output.say(&format!(
             "telegram {before} -> {} (PNU 922) for this; {after}",
@@ -381,7 +381,7 @@ pub fn finish(
     let stopped = released.is_ok() && (result.is_ok() || interrupted);
     if let Some(statistics) = statistics {
         output.say(&format!(
-            "{} cyclic frames taken, {} missed, longest gap {:.1} ms",
+            "{} cyclic frames received, {} missed, longest gap {:.1} ms",
             statistics.received,
             statistics.missed,
             statistics.longest_gap.as_secs_f64() * 1000.0

@@ -239,7 +239,7 @@ pub(super) fn fault(text: &str, tables: &Catalogue) -> Result<Explained, Failure
         let assumed = if fault.assumed.is_empty() {
             String::new()
         } else {
-            format!(" (not told there: {})", fault.assumed)
+            format!(" (not in this source, assumed: {})", fault.assumed)
         };
         lines.push(format!("  source   {}{assumed}", fault.source));
     }

@@ -339,13 +339,13 @@ fn unsaved(drive: &Drive, journal: &Journal) -> Vec<String> {
 fn unsaved_words(model: &Model, drive: &str) -> String {
     let command = model.catalogue.and_then(|tables| tables.with_role(Role::Save));
     match (model.dialect.saving, command) {
-        (Saving::Always, _) => "the drive keeps them over power-off: it saves every write".into(),
+        (Saving::Always, _) => "saved in the drive (it saves every write)".into(),
         (Saving::Command, Some(command)) => format!(
-            "not saved: `profidrive write {drive} {}=1` lets the drive keep them over power-off",
+            "not saved: `profidrive write {drive} {}=1` saves them",
             command.name
         ),
         (Saving::Command | Saving::Request, _) => {
-            "not saved: until the next power cycle; with --save the drive keeps them".into()
+            "not saved: lost at the next power cycle (use --save)".into()
         }
     }
 }
@@ -362,7 +362,7 @@ fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, outp
         .filter(|(change, step)| change.saved == Some(false) && **step == Step::ReadBack)
         .count();
     match journal.saved() {
-        Saved::Yes => output.say("saved: the drive keeps them over power-off"),
+        Saved::Yes => output.say("saved in the drive"),
         Saved::No if args.save => output.say("not saved, because not every value is as planned"),
         Saved::No if journal.count(|step| *step == Step::ReadBack) > 0 => {
             for line in unsaved(drive, journal) {
@@ -523,7 +523,7 @@ mod tests {
         let told = |name| unsaved_words(&Model::by_name(name).unwrap(), "d");
         assert!(told("akd").contains("`profidrive write d DRV.NVSAVE=1`"));
         assert!(told("vlt").contains("--save") && !told("vlt").contains("NVSAVE"));
-        assert!(told("vacon").starts_with("the drive keeps them"));
+        assert!(told("vacon").starts_with("saved in the drive"));
     }
 
     fn backup(lines: &str) -> Backup {

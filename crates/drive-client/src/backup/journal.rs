@@ -214,9 +214,9 @@ impl Journal {
         ];
         remarks.extend(self.ended.as_ref().map(|why| format!("ended early: {why}")));
         remarks.push(match self.saved {
-            Saved::Yes => "saved: the drive keeps the new values when it is switched off".to_owned(),
+            Saved::Yes => "saved in the drive".to_owned(),
             Saved::No => {
-                "not saved by this restore: switched off, the drive forgets what nobody saved".to_owned()
+                "not saved by this restore: what is not saved is lost at the next power cycle".to_owned()
             }
             Saved::InDoubt => {
                 "in doubt whether the new values were saved: asked for, not answered".to_owned()

@@ -440,15 +440,15 @@ mod tests {
         for (text, words) in [
             (
                 "1004=0.001rpm",
-                "0.001 rpm cannot be held: the nearest values are 0 rpm and 0.3662",
+                "0.001 rpm is not representable: the nearest values are 0 rpm and 0.3662",
             ),
             (
                 "1004=-0.01rps",
-                "-0.01 rps cannot be held: the nearest values are -0.7324",
+                "-0.01 rps is not representable: the nearest values are -0.7324",
             ),
             (
                 "1004=0.5rpm",
-                "0.5 rpm cannot be held: the nearest values are 0.3662",
+                "0.5 rpm is not representable: the nearest values are 0.3662",
             ),
         ] {
             let problem = check(text).unwrap_err();
@@ -470,7 +470,7 @@ mod tests {
         let selection = radians.select(&quarter.reference).unwrap();
         let told = radians.check(&selection, &quarter.value).unwrap_err().to_string();
         assert!(
-            told.ends_with("90 deg cannot be held: the nearest values are 1 rad and 2 rad"),
+            told.ends_with("90 deg is not representable: the nearest values are 1 rad and 2 rad"),
             "{told}"
         );
     }

@@ -200,7 +200,7 @@ pub enum ParameterProblem {
         unit: &'static str,
     },
     /// The drive cannot hold it, and what it can hold is too far away: see [`MOST_ROUNDING`].
-    #[error("{parameter}: {}{} cannot be held: the nearest values are {}{} and {}{}", figures(.wanted.number.as_f64()), unit_text(.wanted.unit.as_deref().unwrap_or(.unit)), figures(.nearest[0]), unit_text(.unit), figures(.nearest[1]), unit_text(.unit))]
+    #[error("{parameter}: {}{} is not representable: the nearest values are {}{} and {}{}", figures(.wanted.number.as_f64()), unit_text(.wanted.unit.as_deref().unwrap_or(.unit)), figures(.nearest[0]), unit_text(.unit), figures(.nearest[1]), unit_text(.unit))]
     Coarse {
         /// The parameter.
         parameter: String,

@@ -77,7 +77,8 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
     if status.warnings.is_empty() && status.has(Zsw1::WARNING) {
         notes.push(Note {
             id: "warning",
-            sentence: "a warning is present (ZSW1 bit 7), the drive does not tell its number here".to_owned(),
+            sentence: "a warning is present (ZSW1 bit 7), the drive does not report its number here"
+                .to_owned(),
             next: Some("look at its panel".to_owned()),
         });
     }

@@ -472,7 +472,7 @@ fn but(status: &DriveStatus) -> &'static str {
 
 fn fault(status: &DriveStatus) -> String {
     match status.faults.as_slice() {
-        [] => "a fault is present (ZSW1 bit 3), the drive does not tell its number".into(),
+        [] => "a fault is present (ZSW1 bit 3), the drive does not report its number".into(),
         [fault, more @ ..] => {
             let text = fault.meaning.unwrap_or("not in the tables");
             let others = match more {

@@ -71,7 +71,7 @@ const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
         Cause::Fault,
         Verdict::Held,
         |s| words(s, 0x047E, 0x0278),
-        "(ZSW1 bit 3), the drive does not tell its number",
+        "(ZSW1 bit 3), the drive does not report its number",
     ),
     (
         Cause::Sto,

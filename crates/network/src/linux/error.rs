@@ -34,7 +34,7 @@ pub enum Error {
         interface: String,
     },
     /// The interface has no Ethernet addresses.
-    #[error("network interface `{interface}` is no Ethernet interface")]
+    #[error("network interface `{interface}` is not an Ethernet interface")]
     NotEthernet {
         /// Its name.
         interface: String,

@@ -65,7 +65,7 @@ pub struct CyclicStatistics {
     pub out_of_order: u64,
     /// Frames ignored for any other reason.
     pub rejected: u64,
-    /// Longest time between two frames taken, or from the last one until the peer was given up.
+    /// Longest time between two received frames, or from the last one until the peer was given up.
     pub longest_gap: Duration,
 }
 
@@ -271,7 +271,7 @@ impl Consumer {
         self.counter
     }
 
-    /// FrameID of the frames taken.
+    /// FrameID of the received frames.
     #[must_use]
     pub const fn frame_id(&self) -> FrameId {
         self.frame_id

@@ -204,17 +204,13 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Out
             listed_with_verb(&as_written)
         ));
     } else if !as_written.is_empty() {
-        let which = if by_itself.is_empty() && lost.is_empty() {
-            "them".to_owned()
-        } else {
-            listed(&as_written)
-        };
-        output.say(&kept_words(own, save, &which));
+        let all = by_itself.is_empty() && lost.is_empty();
+        output.say(&kept_words(own, save, if all { &[] } else { &as_written }));
     }
     if !by_itself.is_empty() {
         let which = listed(&by_itself);
         output.say(&format!(
-            "the drive keeps {which} over a power cycle: at a serial line it saves text with every write"
+            "saved in the drive: {which} (at a serial line it saves text with every write)"
         ));
     }
     if !lost.is_empty() {
@@ -227,17 +223,23 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Out
     }
 }
 
-/// What becomes of new values that the drive can keep when it loses its power.
-fn kept_words(saving: Saving, save: bool, which: &str) -> String {
+/// What becomes of new values that the drive can save; `which` is empty for all of them.
+fn kept_words(saving: Saving, save: bool, which: &[String]) -> String {
+    let named = match which {
+        [] => String::new(),
+        names => format!(": {}", listed(names)),
+    };
     match (saving, save) {
-        (Saving::Always, _) => {
-            format!("the drive keeps {which} over a power cycle: it saves every write")
-        }
-        (Saving::Request, true) => format!("the drive keeps {which} over a power cycle"),
+        (Saving::Always, _) => format!("saved in the drive{named} (it saves every write)"),
+        (Saving::Request, true) => format!("saved in the drive{named}"),
         (Saving::Command, true) => {
-            format!("saved: the drive keeps {which} over a power cycle, with all it can keep")
+            format!("saved in the drive{named}, with everything else that it can save")
         }
-        (_, false) => format!("until the next power cycle; with --save the drive keeps {which}"),
+        (_, false) if which.is_empty() => "not saved: lost at the next power cycle (use --save)".to_owned(),
+        (_, false) => format!(
+            "not saved: {} lost at the next power cycle (use --save)",
+            listed_with_verb(which)
+        ),
     }
 }
 
@@ -249,13 +251,10 @@ fn listed_with_verb(names: &[String]) -> String {
 
 /// What becomes of values that the drive has no place for.
 fn lost_words(lost: &[String]) -> String {
-    let (verb, which) = match lost {
-        [_] => ("is", "it"),
-        _ => ("are", "them"),
-    };
+    let which = if lost.len() == 1 { "it" } else { "them" };
     format!(
-        "{} {verb} gone with the next power cycle: the drive cannot keep {which}, --save or not",
-        listed(lost)
+        "not saved: {} lost at the next power cycle, the drive cannot save {which}",
+        listed_with_verb(lost)
     )
 }
 
@@ -292,7 +291,7 @@ fn rounded(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
     (value.is_rounded() && shown).then(|| {
         let label = outcome.change.selection.label();
         let line = format!("{label}: {asked} {unit} -> {written} {}", value.unit);
-        format!("{}, the nearest the drive can hold", line.trim_end())
+        format!("{}, rounded to the nearest representable value", line.trim_end())
     })
 }
 
@@ -426,12 +425,12 @@ mod tests {
         let names = ["922".to_owned(), "HOME.V".to_owned()];
         assert_eq!(
             lost_words(&names),
-            "922 and HOME.V are gone with the next power cycle: the drive cannot keep them, --save or not"
+            "not saved: 922 and HOME.V are lost at the next power cycle, the drive cannot save them"
         );
-        assert!(lost_words(&names[..1]).starts_with("922 is gone with"));
+        assert!(lost_words(&names[..1]).starts_with("not saved: 922 is lost"));
         assert_eq!(
-            kept_words(Saving::Command, true, "DRV.ACC"),
-            "saved: the drive keeps DRV.ACC over a power cycle, with all it can keep"
+            kept_words(Saving::Command, true, &names),
+            "saved in the drive: 922 and HOME.V, with everything else that it can save"
         );
     }
 }
