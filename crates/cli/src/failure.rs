@@ -293,7 +293,7 @@ mod tests {
         let failure = Failure::from(drive_client::Error::CarrierLost {
             drive: "vlt-1".into(),
             error: Box::new(CarrierError::Network(network)),
-            reaction: Box::new(reaction),
+            reaction: Some(Box::new(reaction)),
         });
         assert_eq!(failure.exit, Exit::Unreachable);
         assert_eq!(

@@ -7,8 +7,10 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use bench::watched::bench;
+use bench::world::{Accident, Transport, World};
 use drive_client::parameter::Assignment;
-use drive_client::{AxisSettings, Error, WriteMode};
+use drive_client::{Action, AxisSettings, Error, WriteMode};
+use virtual_drive::model;
 
 /// Steps of the medium from the begin of the stop until the cable is cut: well inside the ramp.
 const STEPS: usize = 40;
@@ -47,4 +49,39 @@ fn a_connection_lost_on_the_ramp_is_no_success() {
     );
     let error = axis.release().expect_err("nobody saw it stand");
     assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
+}
+
+/// When the medium fails before there is cyclic data, the drive that is out of reach is named all the same.
+#[test]
+fn a_medium_that_fails_before_cyclic_data_names_the_drive() {
+    for transport in [Transport::Profinet, Transport::Fc] {
+        let mut failed = 0;
+        for at in (0..400).step_by(7).map(Duration::from_millis) {
+            let world = World::new(&model::VLT, transport, 7);
+            let (mut session, mut drive) = world.client("vlt", transport, 1).expect("found");
+            world.plan(at, Accident::Killed);
+            let settings = AxisSettings {
+                reference_speed: Some(1500.0),
+                ..AxisSettings::default()
+            };
+            let Err(error) = session.take_axis(&mut drive, settings).map(|_| ()) else {
+                continue;
+            };
+            failed += 1;
+            assert!(
+                matches!(error, Error::CarrierLost { .. }),
+                "{transport:?} {at:?}: {error:?}"
+            );
+            let text = error.to_string();
+            assert!(
+                text.starts_with(&format!("{}: connection lost: ", drive.label())),
+                "{text}"
+            );
+            assert!(
+                matches!(error.action(), Some(Action::Status | Action::Stop)),
+                "{error:?}"
+            );
+        }
+        assert!(failed > 3, "{transport:?}: {failed}");
+    }
 }

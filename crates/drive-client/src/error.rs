@@ -192,15 +192,15 @@ pub enum Error {
         /// What the drive does without its controller, where an axis was under control.
         reaction: Option<Box<LossReaction>>,
     },
-    /// What carries the connection of an axis under control failed: interface down, serial port gone.
-    #[error("{drive}: connection lost: {error}; {reaction}")]
+    /// What carries the frames or octets to a drive failed: interface down, serial port gone.
+    #[error("{drive}: connection lost: {error}{}", reaction_text(.reaction))]
     CarrierLost {
         /// The drive.
         drive: String,
         /// Why.
         error: Box<dyn std::error::Error + Send + Sync>,
-        /// What the drive does without its controller.
-        reaction: Box<LossReaction>,
+        /// What the drive does without its controller, where an axis was under control.
+        reaction: Option<Box<LossReaction>>,
     },
     /// A record could not be read or written.
     #[error("{drive}: {}", once(.what, .error))]

@@ -30,11 +30,10 @@ impl Error {
                 reaction: Some(reaction),
                 ..
             }
-            | Self::CarrierLost { reaction, .. }
-                if !reaction.action.stops() =>
-            {
-                Some(Action::Stop)
-            }
+            | Self::CarrierLost {
+                reaction: Some(reaction),
+                ..
+            } if !reaction.action.stops() => Some(Action::Stop),
             Self::ConnectionLost { .. } | Self::LineSilent { .. } | Self::CarrierLost { .. } => {
                 Some(Action::Status)
             }

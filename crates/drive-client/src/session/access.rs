@@ -83,7 +83,8 @@ impl<M: Wire> Session<M> {
         if drive.is_on_line() {
             return Ok(());
         }
-        self.for_records(drive).map(|_| ())
+        self.reaching(drive, |session| session.for_records(drive))
+            .map(|_| ())
     }
 
     /// Returns the connection that records are read over, opened if necessary; `None` where they are read without one.
@@ -280,6 +281,10 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the drive cannot be reached or refuses.
     pub fn read_record(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
+        self.reaching(drive, |session| session.read_record_now(drive, at))
+    }
+
+    fn read_record_now(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
         if drive.is_on_line() {
             let (drive, what) = (drive.label(), "record");
             return Err(Error::NotOnLine { drive, what });
@@ -341,6 +346,10 @@ impl<M: Wire> Session<M> {
 
     /// One parameter job over the parameter channel of the drive.
     pub(super) fn job(&mut self, drive: &Drive, request: &[u8]) -> Result<Answered, Error> {
+        self.reaching(drive, |session| session.job_now(drive, request))
+    }
+
+    fn job_now(&mut self, drive: &Drive, request: &[u8]) -> Result<Answered, Error> {
         if let Some(slave) = drive.slave {
             return self.line_job(drive, slave, request);
         }
@@ -405,6 +414,10 @@ impl<M: Wire> Session<M> {
 
     /// Waits until a cyclic connection carries valid data.
     pub(super) fn running(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
+        self.reaching(drive, |session| session.running_now(drive, link))
+    }
+
+    fn running_now(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
         let end = self.wait(CONNECT_LIMIT, |client| match client.connection(link) {
             Connection::Opening | Connection::Open => None,
             other => Some(other),

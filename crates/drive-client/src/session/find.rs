@@ -215,7 +215,10 @@ impl<M: Wire> Session<M> {
         }
         let now = self.now();
         let id = start(&mut self.client, now, drive.station.mac)?;
-        match self.wait(DCP_LIMIT, |client| client.take_dcp(id))? {
+        let done = self.reaching(drive, |session| {
+            session.wait(DCP_LIMIT, |client| client.take_dcp(id))
+        });
+        match done? {
             Some(Ok(DcpReply::Done | DcpReply::Values(_))) => Ok(()),
             Some(Err(error)) => Err(Error::Dcp {
                 drive: drive.label(),

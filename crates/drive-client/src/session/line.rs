@@ -129,7 +129,10 @@ impl<M: Wire> Session<M> {
             if let Some(line) = self.client.line() {
                 line.ask(slave);
             }
-            if self.wait(ASK_LIMIT, |client| client.line()?.answers(slave))? != Some(true) {
+            let answers = self.reaching(drive, |session| {
+                session.wait(ASK_LIMIT, |client| client.line()?.answers(slave))
+            });
+            if answers? != Some(true) {
                 return Err(Error::LineSilent {
                     drive: drive.label(),
                     reaction: None,

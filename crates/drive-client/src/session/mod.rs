@@ -308,10 +308,26 @@ impl<M: Wire> Session<M> {
                 Some((drive, reaction)) => Error::CarrierLost {
                     drive: drive.clone(),
                     error: Box::new(error),
-                    reaction: reaction.clone(),
+                    reaction: Some(reaction.clone()),
                 },
                 None => Error::Medium(Box::new(error)),
             })
+    }
+
+    /// Names the drive that is out of reach when the medium fails meanwhile.
+    fn reaching<T>(
+        &mut self,
+        drive: &Drive,
+        work: impl FnOnce(&mut Self) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        work(self).map_err(|error| match error {
+            Error::Medium(error) => Error::CarrierLost {
+                drive: drive.label(),
+                error,
+                reaction: None,
+            },
+            other => other,
+        })
     }
 
     /// Lets things happen until `done` gives something, at most for `limit`; `None` when the time is over.
