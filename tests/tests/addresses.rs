@@ -10,6 +10,7 @@ use network::segment::{Pace, Segment, SegmentMedium};
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::{Endpoint, IpSuite, MacAddress};
+use system_tests::{Lab, Side, built, client};
 use virtual_drive::drive::Injection;
 use virtual_drive::model::AKD;
 use virtual_drive::station::{Station, StationConfig, StationEvent};
@@ -202,4 +203,39 @@ fn a_restarted_drive_takes_its_address_from_the_switches_again() {
     assert!(matches!(outcomes.expect("reached")[0].written, Some(Ok(()))));
     plant.pass(2 * SECOND, &mut memory);
     assert_eq!(plant.station().ip(), suite([192, 168, 0, 7]));
+}
+
+/// On the wire: an IO connection keeps its address, which the drive reports; a tool that reads is disconnected.
+#[test]
+fn an_address_is_changed_beside_a_tool_and_not_beside_a_controller() {
+    let lab = Lab::new("addresses");
+    let drive = system_tests::simulate(
+        &lab,
+        &["--model", "akd", "--name", "akd-1", "--ip", "192.168.77.50/24"],
+    );
+    let start = |line: &[&str]| {
+        let line = [&["-i", Side::Controller.interface()], line].concat();
+        lab.spawn(Side::Controller, built("profidrive"), line)
+    };
+    let mut run = start(&["run", "akd-1", "--velocity", "60rpm"]);
+    run.wait_for("S4", 30 * SECOND);
+    let refused = client(&lab, &["ip", "akd-1", "192.168.77.60/24", "--force"]);
+    assert_eq!(refused.code, Some(3), "{refused:?}");
+    for words in ["setting the IP address", "while its controller is connected"] {
+        assert!(refused.err.contains(words), "{words}: {refused:?}");
+    }
+    let said = || format!("{}{}", drive.out(), drive.err());
+    let reported =
+        system_tests::wait_until(30 * SECOND, || said().contains("while a controller is connected"));
+    assert!(reported, "{}", said());
+    run.signal("INT");
+    assert_eq!(run.finish(30 * SECOND).code, Some(0));
+
+    let mut monitor = start(&["monitor", "akd-1"]);
+    monitor.wait_for("ZSW1", 30 * SECOND);
+    client(&lab, &["ip", "akd-1", "192.168.77.60/24"]).ok();
+    assert_eq!(monitor.finish(30 * SECOND).code, Some(4));
+    let scan = client(&lab, &["scan"]).ok();
+    assert!(scan.out.contains("192.168.77.60"), "{scan:?}");
+    client(&lab, &["read", "akd-1", "930"]).ok();
 }

@@ -99,7 +99,7 @@ impl Error {
                         ..
                     },
                 ..
-            } => "the device refuses this while its motor runs; stop the motor or disconnect its controller first".into(),
+            } => "the device refuses this while its controller is connected or its motor runs; disconnect the controller or stop the motor first".into(),
             Self::Dcp {
                 error:
                     DcpError::Refused {
@@ -134,7 +134,7 @@ impl Error {
                 cause: LostCause::Service(ServiceError::Refused { status, .. }),
                 ..
             } if faulty_timing(*status) => {
-                "the drive does not offer this update time; without --cycle one that it is known for is used".into()
+                "the drive does not offer this update time; without an update time of your own one that it is known for is used".into()
             }
             Self::Connect {
                 cause: LostCause::Service(ServiceError::Timeout { .. }),
@@ -288,6 +288,26 @@ mod tests {
             hint.contains("cable and power") && hint.contains("profidrive scan"),
             "{hint}"
         );
+    }
+
+    /// How an update time is given is up to the front end.
+    #[test]
+    fn an_update_time_that_is_refused_has_advice_without_an_option() {
+        let refused = |code2| Error::Connect {
+            drive: "akd-1".into(),
+            cause: LostCause::Service(ServiceError::Refused {
+                what: "connect",
+                status: PnioStatus {
+                    code: 0xDB,
+                    decode: 0x81,
+                    code1: 2,
+                    code2,
+                },
+            }),
+        };
+        let hint = refused(10).hint().unwrap();
+        assert!(hint.contains("update time") && !hint.contains("--"), "{hint}");
+        assert_eq!(refused(1).hint(), None);
     }
 
     #[test]

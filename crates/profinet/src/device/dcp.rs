@@ -355,7 +355,13 @@ impl Device {
                 self.event(Event::SetRefused { source, refusal });
                 BlockError::InOperation
             } else {
-                self.set_block(now, block, &mut reset)
+                let error = self.set_block(now, block, &mut reset);
+                if error == BlockError::InOperation {
+                    // an IO connection keeps its address
+                    let refusal = SetRefusal::Connected(block.option);
+                    self.event(Event::SetRefused { source, refusal });
+                }
+                error
             };
             results.push((block.option, error));
         }

@@ -35,6 +35,8 @@ pub enum SetRefusal {
     TooMany,
     /// The application [operates](super::Device::set_operating) under a controller: block error 6.
     InOperation(DcpOption),
+    /// An IO connection runs: block error 6.
+    Connected(DcpOption),
 }
 
 /// Something the application should know or do.

@@ -172,5 +172,8 @@ fn refused(source: MacAddress, refusal: SetRefusal) -> String {
         SetRefusal::InOperation(option) => {
             format!("refused by DCP from {source}: {option}, while the motor runs under a controller")
         }
+        SetRefusal::Connected(option) => {
+            format!("refused by DCP from {source}: {option}, while a controller is connected")
+        }
     }
 }

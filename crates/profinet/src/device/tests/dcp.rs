@@ -311,6 +311,8 @@ fn an_io_connection_keeps_its_address_and_tools_are_disconnected() {
         BlockError::InOperation
     );
     assert_eq!(rig.device.tools.len(), 1, "a refused address disconnects nobody");
+    let refused = |event: &Event| matches!(event, Event::SetRefused { refusal: SetRefusal::Connected(option), .. } if *option == DcpOption::IP);
+    assert_eq!(rig.events().iter().filter(|event| refused(event)).count(), 1);
     assert_eq!(
         set(&mut rig, Qualifier::PERMANENT, Value::Ip(same)),
         BlockError::Ok
