@@ -228,6 +228,7 @@ fn explain_faults_errors_formats_and_statuses() {
             "parameter error 0x11 not executable in the present operating state",
         ),
         ("0x42", "format", "format 0x42: Word"),
+        ("0x00", "format", "format 0x00: no data"),
         ("DE80B500", "pnio", "state conflict"),
         ("0x0278", "zsw1", "S1 switching on inhibited, with a fault"),
     ] {

@@ -135,7 +135,7 @@ fn try_out(
                 let value = drive.parameters.check(&setting.selection, &asked.into())?;
                 let before = value::full(&speed);
                 speed.content = Content::Number {
-                    raw: value.raw,
+                    raw: value.raw.into(),
                     engineering: value.engineering,
                 };
                 rpm = setting.rpm(&speed).unwrap_or(wanted);

@@ -99,7 +99,7 @@ pub fn json(reading: &Reading) -> Value {
     };
     let mut fields = fields! {
         "pnu": reading.pnu, "index": reading.index, "number": reading.shown().to_string(), "name": reading.name, "value": content,
-        "unit": reading.unit, "raw": reading.raw(), "hex": hex_bytes(&reading.octets),
+        "unit": reading.unit, "raw": whole(reading), "hex": hex_bytes(&reading.octets),
         "format": reading.format, "writable": reading.writable,
     };
     if let Some(end) = reading.beyond() {
@@ -114,6 +114,14 @@ pub fn json(reading: &Reading) -> Value {
         fields.insert("meaning".into(), meaning.into());
     }
     Value::Object(fields)
+}
+
+/// The number as it travels; one of 64 bits without sign does not fit a signed number.
+fn whole(reading: &Reading) -> Value {
+    let Content::Number { raw, .. } = reading.content else {
+        return Value::Null;
+    };
+    i64::try_from(raw).map_or_else(|_| Value::from(u64::try_from(raw).ok()), Value::from)
 }
 
 fn trimmed(value: f64, decimals: u8) -> String {
@@ -163,6 +171,13 @@ mod tests {
         assert!(full(&reading).starts_with("1 ("), "{}", full(&reading));
         assert_eq!(json(&reading)["pnu"], 2135);
         assert_eq!(json(&reading)["index"], Value::Null);
+    }
+
+    #[test]
+    fn a_number_from_2_to_the_63rd_on_is_shown_as_it_is() {
+        let reading = read("9999", &0xFFFF_FFFF_FFFC_FFFD_u64.to_be_bytes());
+        assert_eq!(value(&reading), "18446744073709355005");
+        assert_eq!(json(&reading)["raw"], 18_446_744_073_709_355_005_u64);
     }
 
     #[test]

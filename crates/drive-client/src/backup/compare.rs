@@ -2,7 +2,7 @@
 
 use super::{Backup, key};
 use crate::Refusal;
-use crate::parameter::{Content, Reading};
+use crate::parameter::Reading;
 
 /// One side of a difference.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,12 +80,12 @@ fn side(backup: &Backup, pnu: u16, index: Option<u16>) -> Side {
 
 fn same(left: &Backup, a: &Reading, right: &Backup, b: &Reading) -> bool {
     let parameter = right.parameters.at(b.pnu, b.index.unwrap_or(0));
-    match (&a.content, &b.content, parameter) {
-        (Content::Number { raw, .. }, Content::Number { raw: other, .. }, Some(parameter)) => {
+    match (a.raw(), b.raw(), parameter) {
+        (Some(raw), Some(other), Some(parameter)) => {
             right
                 .parameters
-                .converted(parameter, *raw, &left.parameters.scaling)
-                == *other
+                .converted(parameter, raw, &left.parameters.scaling)
+                == other
         }
         _ => a.octets == b.octets,
     }

@@ -407,7 +407,7 @@ fn raw_number(text: &str, parameter: &Parameter) -> Result<i64, String> {
     Ok(if parameter.signed {
         (raw << shift).cast_signed() >> shift
     } else {
-        i64::try_from(raw).unwrap_or(i64::MAX)
+        raw.cast_signed() // the octets are meant
     })
 }
 

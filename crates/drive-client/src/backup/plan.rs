@@ -379,13 +379,13 @@ fn decide(
         });
         return Err(refused.map_or(Skip::ReadOnly, |refusal| Skip::Unreadable(*refusal)));
     };
-    let new = match (selection.parameter, &reading.content) {
-        (Some(parameter), Content::Number { raw, .. }) => {
+    let new = match (selection.parameter, reading.raw()) {
+        (Some(parameter), Some(raw)) => {
             let here = Parameters {
                 scaling: *scaling,
                 ..*now
             };
-            let target = here.converted(parameter, *raw, &wanted.parameters().scaling);
+            let target = here.converted(parameter, raw, &wanted.parameters().scaling);
             // a value that is scaled anew is written again, whatever number it has now
             if old.raw() == Some(target) && now.scales_as(parameter, scaling) {
                 return Err(Skip::Same);

@@ -88,10 +88,8 @@ pub(super) fn plain(name: &str) -> String {
 
 pub(super) fn value(parameters: &Parameters, reading: &Reading) -> String {
     let parameter = parameters.at(reading.pnu, reading.index.unwrap_or(0));
-    match (&reading.content, parameter) {
-        (Content::Number { raw, .. }, Some(parameter)) => {
-            number(parameter, *raw, &reading.octets, &parameters.scaling)
-        }
+    match (reading.raw(), parameter) {
+        (Some(raw), Some(parameter)) => number(parameter, raw, &reading.octets, &parameters.scaling),
         _ => hex(&reading.octets),
     }
 }

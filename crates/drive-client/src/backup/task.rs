@@ -7,7 +7,7 @@ use profidrive::notation::Notation;
 use profidrive::parameter::{CodeSpace, Format};
 
 use super::{Backup, Pattern, print};
-use crate::parameter::{Content, Interpretation, Parameters, Reading, Selection};
+use crate::parameter::{Interpretation, Parameters, Reading, Selection};
 
 /// The number of the row in the window, and the commands that work on it.
 const NUMBER: &str = "MT.NUM";
@@ -261,14 +261,15 @@ pub(super) fn scaled(task: &Task, from: &Parameters, to: &Parameters) -> Task {
         return Task::Empty;
     };
     let tables = to.catalogue;
-    let values = values.iter().map(|value| {
-        match (tables.and_then(|tables| tables.by_pnu(value.pnu)), &value.content) {
-            (Some(parameter), Content::Number { raw, .. }) => {
-                field(to, parameter, to.converted(parameter, *raw, &from.scaling))
-            }
-            _ => value.clone(),
-        }
-    });
+    let values =
+        values.iter().map(
+            |value| match (tables.and_then(|tables| tables.by_pnu(value.pnu)), value.raw()) {
+                (Some(parameter), Some(raw)) => {
+                    field(to, parameter, to.converted(parameter, raw, &from.scaling))
+                }
+                _ => value.clone(),
+            },
+        );
     Task::Values(values.collect())
 }
 

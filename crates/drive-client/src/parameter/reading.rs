@@ -75,8 +75,8 @@ impl Beyond {
 pub enum Content {
     /// A whole number and what it is in engineering units.
     Number {
-        /// As it travels.
-        raw: i64,
+        /// As it travels: all that eight octets can say, with a sign or without.
+        raw: i128,
         /// In the unit of the reading.
         engineering: f64,
     },
@@ -86,6 +86,15 @@ pub enum Content {
     Text(String),
     /// Anything else.
     Octets,
+}
+
+impl Content {
+    fn raw(&self) -> Option<i64> {
+        match self {
+            Self::Number { raw, .. } => i64::try_from(*raw).ok(),
+            _ => None,
+        }
+    }
 }
 
 /// How a format code is to be read: what PROFIdrive's format table says, in short.
@@ -133,13 +142,10 @@ impl Reading {
         }
     }
 
-    /// The number as it travels; `None` for everything else.
+    /// The number as it travels; `None` for everything else, and for a 64-bit number without sign from 2^63 on.
     #[must_use]
-    pub const fn raw(&self) -> Option<i64> {
-        match self.content {
-            Content::Number { raw, .. } => Some(raw),
-            _ => None,
-        }
+    pub fn raw(&self) -> Option<i64> {
+        self.content.raw()
     }
 
     /// The end of the numbers of a measured signal: the value is at least, or at most, what is told. `None` for a value
@@ -187,10 +193,7 @@ impl Parameters {
             .parameter
             .or_else(|| self.at(selection.pnu, shown.index.unwrap_or(0)));
         let content = self.content(parameter, interpretation, octets);
-        let raw = match content {
-            Content::Number { raw, .. } => Some(raw),
-            _ => None,
-        };
+        let raw = content.raw();
         Reading {
             pnu: selection.pnu,
             index: shown.index,
@@ -278,13 +281,19 @@ impl Parameters {
                 };
                 let bits = 8 * u32::try_from(octets.len()).unwrap_or(8);
                 let raw = if signed {
-                    sign_extend(unsigned, bits)
+                    sign_extend(unsigned, bits).into()
                 } else {
-                    i64::try_from(unsigned).unwrap_or(i64::MAX)
+                    i128::from(unsigned)
                 };
-                #[expect(clippy::cast_precision_loss, reason = "numbers of a drive have 32 bits")]
-                let engineering =
-                    parameter.map_or(raw as f64, |parameter| parameter.engineering(raw, &self.scaling));
+                let engineering = match (parameter, i64::try_from(raw)) {
+                    (Some(parameter), Ok(raw)) => parameter.engineering(raw, &self.scaling),
+                    // A scale is a factor: from 2^63 on the half is scaled.
+                    (Some(parameter), Err(_)) => {
+                        2.0 * parameter.engineering((unsigned >> 1).cast_signed(), &self.scaling)
+                    }
+                    #[expect(clippy::cast_precision_loss, reason = "`raw` beside it is exact")]
+                    (None, _) => raw as f64,
+                };
                 Content::Number { raw, engineering }
             }
         }
@@ -379,6 +388,37 @@ mod tests {
         assert_eq!((upper.name, upper.high_half_of), (None, Some("DRV.ACC")));
         let error = read("PL.ERR", Interpretation::Plain, &[0xFF, 0xFF, 0xFF, 0xFE]);
         assert_eq!(error.number(), Some(-2.0));
+    }
+
+    #[test]
+    fn positions_and_voltages_have_a_sign() {
+        let command = read("PL.CMD", Interpretation::Plain, &(-3_i64 << 16).to_be_bytes());
+        assert_eq!(
+            (command.raw(), command.number()),
+            (Some(-196_608), Some(-196_608.0))
+        );
+        for input in ["AIN.VALUE", "AIN2.VALUE"] {
+            let reading = read(input, Interpretation::Plain, &(-12_500_i16).to_be_bytes());
+            assert_eq!((reading.number(), reading.unit), (Some(-12.5), "V"), "{input}");
+        }
+    }
+
+    #[test]
+    fn a_number_from_2_to_the_63rd_on_is_read_as_it_is() {
+        let of = |text, octets: u64| read(text, Interpretation::Unsigned, &octets.to_be_bytes());
+        let unknown = of("9999", u64::MAX - 3);
+        let Content::Number { raw, engineering } = unknown.content else {
+            panic!("{unknown:?}");
+        };
+        assert_eq!(raw, i128::from(u64::MAX) - 3);
+        assert!((engineering / 2.0_f64.powi(64) - 1.0).abs() < 1e-12);
+        assert_eq!(unknown.raw(), None);
+        // in thousandths
+        let scaled = of("DRV.ACC", 1 << 63).number().unwrap();
+        assert!(
+            (scaled * 1000.0 / 2.0_f64.powi(63) - 1.0).abs() < 1e-12,
+            "{scaled}"
+        );
     }
 
     #[test]

@@ -193,7 +193,8 @@ impl Format {
             0x41 => return Some(count),
             0x42 | 0x44 => return Some(2 * count),
             0x43 => return Some(4 * count),
-            0x00 if count == 0 => return Some(0),
+            // a code for no data has no values
+            0x00 => return (count == 0).then_some(0),
             _ => {}
         }
         Some(match self.info(space)?.octets {
@@ -249,7 +250,7 @@ mod tests {
             Some("TimeDifference without date")
         );
         assert_eq!(Format(0x71).info(CodeSpace::V3), None);
-        assert_eq!(FORMATS.len(), 83);
+        assert_eq!(FORMATS.len(), 84);
     }
 
     #[test]
@@ -280,7 +281,9 @@ mod tests {
 
     #[test]
     fn the_short_cut_agrees_with_the_table() {
-        for code in 0..=255 {
+        assert_eq!(Format::RESERVED.data_len(CodeSpace::V4, 0, 0), Some(0));
+        assert_eq!(Format::RESERVED.data_len(CodeSpace::V4, 1, 2), None, "no data");
+        for code in 1..=255 {
             for count in [0, 1, 2, 7, 234] {
                 let format = Format(code);
                 let Some(info) = format.info(CodeSpace::V4) else {

@@ -5,6 +5,7 @@ use super::format::{FormatInfo, Kind, Octets};
 /// All format codes of PROFIdrive V4, ascending.
 #[rustfmt::skip]
 pub static FORMATS: &[FormatInfo] = &[
+    FormatInfo { code: 0x00, name: "no data", octets: Octets::Fixed(0), kind: Kind::None, integer: false, verified: true, source: "AKD note on parameter access bytes: 0x00 for no data; AKD PROFINET manual ed. M (10/2017) 3.6.2" },
     FormatInfo { code: 0x01, name: "Boolean", octets: Octets::Fixed(1), kind: Kind::Unsigned, integer: true, verified: true, source: "Wireshark table pn_io.profidrive.parameter.format" },
     FormatInfo { code: 0x02, name: "Integer8", octets: Octets::Fixed(1), kind: Kind::Signed, integer: true, verified: true, source: "Wireshark table pn_io.profidrive.parameter.format" },
     FormatInfo { code: 0x03, name: "Integer16", octets: Octets::Fixed(2), kind: Kind::Signed, integer: true, verified: true, source: "Wireshark table pn_io.profidrive.parameter.format" },

@@ -54,7 +54,7 @@ impl PlannedValue {
     /// True when a drive that reads like this has the value.
     fn is_in(&self, content: &Content) -> bool {
         match (self, content) {
-            (Self::Number(value), Content::Number { raw, .. }) => *raw == value.raw,
+            (Self::Number(value), Content::Number { raw, .. }) => *raw == i128::from(value.raw),
             (Self::Number(value), Content::Float(read)) => {
                 (read - value.engineering).abs() <= read.abs() * 1e-6
             }
