@@ -9,6 +9,8 @@ use super::{Motion, State, Stw1, Zsw1};
 pub struct Inputs {
     /// Control word 1 as received; zero when there is no connection.
     pub stw1: Stw1,
+    /// `stw1` did not come from a controller: its bit 7 is no level that an edge could start from.
+    pub silent: bool,
     /// Control word of local operation (panel, setup software); it takes the place of `stw1`, bit 10 does not matter.
     pub local: Option<Stw1>,
     /// The axis stands still.
@@ -91,6 +93,8 @@ impl core::fmt::Debug for Path {
 /// - A step goes on until nothing changes any more, so `0x040F` leads from S2 through S3 to S4 at once.
 /// - A fault with the motor on starts its reaction, any other leads to S1. It stays in ZSW1 bit 3 until an edge of STW1
 ///   bit 7 comes without the cause being present. Then OFF leads to S2.
+/// - The edge needs bit 10 in the word with the 1; the word with the 0 before it may be without. A bit 7 that is 1 from
+///   the first word on is no edge. Source: the profile wants control with the edge; that the 0 needs none is ours.
 /// - When control changes between the PLC and local operation, S2 and S3 fall back to S1, so that an ON that waits on the
 ///   other side cannot start the motor; in S4 the other side takes over. Source: ours, the profile is silent.
 ///
@@ -112,7 +116,7 @@ pub struct Machine {
     state: State,
     /// The word in force.
     word: Stw1,
-    /// Bit 7 of the last accepted word.
+    /// Bit 7 of the last word.
     acknowledge_level: bool,
     /// The word in force came from local operation.
     local: bool,
@@ -226,12 +230,14 @@ impl Machine {
         }
         let word = inputs.local.unwrap_or(inputs.stw1);
         let accepted = local || word.has(Stw1::CONTROL_BY_PLC);
+        let level = word.has(Stw1::ACKNOWLEDGE_FAULT);
+        let edge = level && !self.acknowledge_level;
+        if accepted || !inputs.silent {
+            self.acknowledge_level = level;
+        }
         if !accepted {
             return (false, false, takeover);
         }
-        let level = word.has(Stw1::ACKNOWLEDGE_FAULT);
-        let edge = level && !self.acknowledge_level;
-        self.acknowledge_level = level;
         self.word = word;
         (true, edge, takeover)
     }
@@ -532,6 +538,42 @@ mod tests {
         };
         assert!(machine.step(&command).acknowledged);
         assert!(!machine.step(&command).acknowledged);
+    }
+
+    #[test]
+    fn an_acknowledge_may_begin_in_a_word_without_control() {
+        let faulty = || {
+            let mut machine = Machine::new();
+            machine.step(&Inputs {
+                fault: Some(FaultReaction::Coast),
+                silent: true,
+                ..standing(0)
+            });
+            machine
+        };
+        // A plain program gives bits 7 and 10 together.
+        let mut machine = faulty();
+        machine.step(&standing(0x0000));
+        let output = machine.step(&standing(0x04FE));
+        assert!(output.acknowledged);
+        assert_eq!(
+            output.zsw1,
+            Zsw1(0x0231),
+            "S1, and with OFF on to S2 in the same step"
+        );
+        // A level from the first word on is none, nor is one that rose without control.
+        assert!(!faulty().step(&standing(0x04FE)).acknowledged);
+        let mut machine = faulty();
+        machine.step(&standing(0x0000));
+        machine.step(&standing(0x00FE));
+        assert!(!machine.step(&standing(0x04FE)).acknowledged);
+        // What stands for the word while there is none does not count.
+        let mut machine = faulty();
+        machine.step(&Inputs {
+            silent: true,
+            ..standing(0)
+        });
+        assert!(!machine.step(&standing(0x04FE)).acknowledged);
     }
 
     #[test]

@@ -32,6 +32,22 @@ fn the_reaction_is_the_one_of_the_table() {
     }
 }
 
+/// AKD manual 5.4: bit 7 acknowledges; a PLC that gives it together with bit 10 is heard, one that holds it is not.
+#[test]
+fn the_first_words_of_a_connection_acknowledge_by_an_edge() {
+    for (words, left) in [(&[0x0000, 0x04FE][..], 0), (&[0x04FE, 0x04FE], FAULT)] {
+        let mut bench = Bench::new();
+        bench.drive.inject_fault(439, false);
+        for _ in 0..3 {
+            bench.tick(None);
+        }
+        for word in words {
+            bench.send(*word, 0, 1);
+        }
+        assert_eq!(bench.status & FAULT, left, "{words:04X?}");
+    }
+}
+
 #[test]
 fn the_strongest_of_several_reactions_counts() {
     let mut bench = Bench::new();

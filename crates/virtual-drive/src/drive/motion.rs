@@ -29,6 +29,7 @@ impl Drive {
         };
         if !self.is_running() {
             // Without valid data from a controller nothing keeps the drive on: it ramps down, and then needs OFF and ON.
+            inputs.silent = true;
             inputs.stw1 = self.machine.word().without(Stw1::ON);
             if !before.pulses() && inputs.local.is_none() {
                 self.machine.forget_word();
