@@ -60,7 +60,7 @@ impl Drive {
         fresh.outside = self.outside;
         fresh.terminals = self.terminals;
         std::mem::swap(&mut fresh.axis, &mut self.axis);
-        std::mem::swap(&mut fresh.free, &mut self.free);
+        fresh.take_lengths(&self.free);
         std::mem::swap(&mut fresh.events, &mut self.events);
         std::mem::swap(&mut fresh.saving, &mut self.saving);
         let lasting: Vec<u16> = self.faults.lasting_numbers().collect();

@@ -25,6 +25,15 @@ const LIFE: i64 = 0x1000;
 /// its own telegram may give them, and they start with 0 in each connection.
 const MOVING: [u16; 2] = [signal::NSOLL_A, signal::kollmorgen::IL_CMD_FIELDBUS];
 
+/// Value of a setpoint signal that nobody gave: no motion task is slowed down, everything else is 0.
+const fn ungiven(number: u16) -> i64 {
+    if number == signal::kollmorgen::MT_FEEDRATE {
+        100
+    } else {
+        0
+    }
+}
+
 /// Fields of one direction at most.
 const MOST_FIELDS: usize = 32;
 
@@ -78,6 +87,9 @@ impl Process {
             speed: 0.0,
             current: 0.0,
         };
+        for (number, value) in (0..).zip(&mut process.values) {
+            *value = ungiven(number);
+        }
         if let Some(telegram) = Telegram::find(FIRST_TELEGRAM, model.catalogue.device.vendor_id) {
             process.use_telegram(
                 model,
@@ -89,8 +101,8 @@ impl Process {
         process
     }
 
-    /// Puts a telegram into use. Its setpoints start with 0, and so do those that move the axis; the others keep what
-    /// was written into their parameters.
+    /// Puts a telegram into use. Its setpoints start as if nobody gave them, and so do those that move the axis and the
+    /// feedrate that the telegram before it carried; the others keep what was written into their parameters.
     pub fn use_telegram(&mut self, model: &Model, number: u16, setpoint: Mapping, actual: Mapping) {
         let places = |mapping: &Mapping, into: &mut Vec<(Field, Option<usize>)>| {
             into.clear();
@@ -101,6 +113,7 @@ impl Process {
                     .map(|field| (*field, model.position_of_signal(field.signal.number))),
             );
         };
+        let carried = self.setpoint.has(signal::kollmorgen::MT_FEEDRATE);
         places(&setpoint, &mut self.takes);
         places(&actual, &mut self.gives);
         self.telegram = number;
@@ -114,8 +127,9 @@ impl Process {
         self.speed = 0.0;
         self.current = 0.0;
         for (number, value) in (0..).zip(&mut self.values) {
-            if setpoint.has(number) || MOVING.contains(&number) {
-                *value = 0;
+            let stale = carried && number == signal::kollmorgen::MT_FEEDRATE;
+            if setpoint.has(number) || MOVING.contains(&number) || stale {
+                *value = ungiven(number);
             }
         }
     }

@@ -471,6 +471,42 @@ mod free {
         }
     }
 
+    /// A feedrate that a controller gave is gone with its telegram, and one that carries it starts with 100 %.
+    #[test]
+    fn a_feedrate_does_not_outlive_the_telegram_that_carried_it() {
+        let mut drive = chosen(400);
+        write(&mut drive, 915, 1, 101).unwrap();
+        let mut line = Line::with(drive, 400);
+        assert_eq!(line.read(101), 100);
+        line.set(1, 0x0400);
+        line.cycle();
+        assert_eq!(line.read(101), 0, "the controller has sent 0");
+        line.drive.disconnect(Disconnect::Released);
+        assert_eq!(Line::with(line.drive, 9).read(101), 100);
+    }
+
+    /// Only the length of the modules is outside the drive: its mapping is gone with the restart.
+    #[test]
+    fn a_restart_takes_the_mapping_and_leaves_the_length() {
+        let mut drive = chosen(0);
+        drive.plug(0, 8, 8);
+        write(&mut drive, 915, 3, 32).unwrap();
+        write(&mut drive, 922, 0, 400).unwrap();
+        write(&mut drive, 915, 1, 5).unwrap();
+        drive.restart();
+        assert_eq!(drive.parameter(922), Some(1));
+        write(&mut drive, 922, 0, 400).unwrap();
+        assert_eq!(words(&drive, 915)[..2], [1, 32], "as delivered");
+        write(&mut drive, 922, 0, 1).unwrap();
+        write(&mut drive, 922, 0, 0).unwrap();
+        assert_eq!(words(&drive, 915)[..5], [1, 5, 0, 0, 0], "that of telegram 1");
+        assert_eq!(
+            write(&mut drive, 915, 4, 32),
+            Err(ErrorNumber::VALUE),
+            "four words"
+        );
+    }
+
     #[test]
     fn telegram_0_is_as_long_as_its_module() {
         let mut drive = chosen(353);

@@ -55,7 +55,12 @@ impl FreeTelegram {
     fn resize(&mut self, vendor: u16, outputs: u16, inputs: u16) {
         for (octets, direction) in [(outputs, Direction::Setpoint), (inputs, Direction::Actual)] {
             let half = self.half(direction);
-            if let Ok(sized) = FreeMapping::new(half.words(), usize::from(octets / 2), vendor, direction) {
+            let used = half.words().iter().rposition(|number| *number != 0);
+            let words = half
+                .words()
+                .get(..used.map_or(0, |last| last + 1))
+                .unwrap_or_default();
+            if let Ok(sized) = FreeMapping::new(words, usize::from(octets / 2), vendor, direction) {
                 *half = sized;
             }
         }
@@ -123,6 +128,14 @@ impl Drive {
         free.resize(vendor, outputs, inputs);
         if self.process.telegram() == telegram && !self.link.is_cyclic() {
             self.choose_telegram(telegram);
+        }
+    }
+
+    /// Gives the free telegrams the lengths that these have: the modules stay where they are in a restart.
+    pub(super) fn take_lengths(&mut self, plugged: &[FreeTelegram]) {
+        for free in plugged {
+            let octets = |half: &FreeMapping| u16::try_from(2 * half.words().len()).unwrap_or(u16::MAX);
+            self.plug(free.number, octets(&free.setpoint), octets(&free.actual));
         }
     }
 

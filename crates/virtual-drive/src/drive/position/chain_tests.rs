@@ -584,8 +584,19 @@ fn saved_tasks_survive_and_others_do_not() {
 }
 
 #[test]
+fn the_feedrate_is_of_tasks_alone() {
+    let mut bench = Bench::homed(9);
+    bench.write("MT_FEEDRATE", 50);
+    bench.mdi(0.0, 240.0, 4, false);
+    bench.send(READY | 0x1000, 60);
+    // it takes its three signals
+    assert!((bench.pace() - 240.0).abs() < 0.01, "{}", bench.pace());
+}
+
+#[test]
 fn the_feedrate_slows_down_what_runs() {
     let mut bench = Bench::homed(7);
+    assert_eq!(bench.read("MT_FEEDRATE"), 100, "what acts as delivered");
     bench.task(1, 50.0, 600.0, 20_000.0, 0);
     bench.set(signal::SATZANW, 1);
     bench.send(START, 60);
@@ -596,6 +607,11 @@ fn the_feedrate_slows_down_what_runs() {
     bench.write("MT_FEEDRATE", 200);
     bench.send(START, 60);
     assert_eq!(bench.pace(), 600.0, "never faster than the task");
+    bench.write("MT_FEEDRATE", 0);
+    bench.send(START, 60);
+    assert_eq!(bench.pace(), 0.0, "held");
+    assert_eq!(bench.status() & 0x4000, 0x4000, "and still active");
+    bench.write("MT_FEEDRATE", 100);
     // Faster than the drive may: slower, and it says so.
     bench.task(2, -50.0, 5000.0, 50_000.0, 0);
     bench.set(signal::SATZANW, 2);

@@ -399,7 +399,7 @@ impl Positioning {
         match state {
             PositionState::Homing => self.home(axis, &seen, rules),
             PositionState::Jog1 | PositionState::Jog2 | PositionState::RealTimeJog => {
-                self.travel(&seen, feedrate, rules)
+                self.travel(&seen, rules)
             }
             PositionState::Task => self.follow(&seen, seconds, feedrate, rules),
             PositionState::Pause => self.pause(&seen, rules),
@@ -430,14 +430,9 @@ impl Positioning {
         command
     }
 
-    fn travel(&mut self, seen: &Seen, feedrate: f64, rules: &Settings) -> Command {
+    fn travel(&mut self, seen: &Seen, rules: &Settings) -> Command {
         let (speed, ramps) = self.jog;
         let setup = &rules.position;
-        let speed = if self.machine.state() == PositionState::RealTimeJog {
-            speed * feedrate
-        } else {
-            speed
-        };
         let way = direction(speed);
         let heading = seen.heading(way);
         let limits = self.limits(setup);

@@ -34,12 +34,10 @@ impl Drive {
         }
     }
 
-    /// MT_FEEDRATE as a part of one; where nobody gives it, all. That it is in percent is ours.
+    /// MT_FEEDRATE as a part of one: 0 holds a task, and no task is faster than its own speed. That it is in percent is
+    /// ours.
     fn feedrate(&self) -> f64 {
         let percent = self.process.signal(signal::kollmorgen::MT_FEEDRATE);
-        if percent == 0 && !self.process.setpoints().has(signal::kollmorgen::MT_FEEDRATE) {
-            return 1.0;
-        }
         (percent as f64 / 100.0).clamp(0.0, 1.0)
     }
 
