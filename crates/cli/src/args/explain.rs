@@ -31,7 +31,7 @@ pub struct Explain {
 pub enum WordMode {
     /// Velocity mode (PNU 930 = 1)
     Velocity,
-    /// Position mode (PNU 930 = 2; telegrams 7, 9, 352 and 353 of an AKD)
+    /// Position mode (PNU 930 = 2)
     Position,
 }
 

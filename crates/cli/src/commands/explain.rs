@@ -142,7 +142,7 @@ fn in_modes(
     lines.push("in velocity mode".into());
     lines.extend(words::bit_lines(velocity, velocity.iter(), word, &means));
     let (means, other) = one(Mode::Position);
-    lines.push("in position mode (PNU 930 = 2, telegrams 7, 9, 352 and 353); the other bits as above".into());
+    lines.push("in position mode (PNU 930 = 2); the other bits as above".into());
     let differing = position
         .iter()
         .zip(velocity)

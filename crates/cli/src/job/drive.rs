@@ -9,8 +9,11 @@ use profidrive::parameter::{
 };
 use profidrive::pkw::PkwDialect;
 use profidrive::state::{Mode, Profile};
-use profidrive::telegram::Telegram;
+use profidrive::telegram::{Telegram, signal};
 use profinet::wire::Uuid;
+
+/// Words of one direction that are remembered.
+const MOST_WORDS: usize = 16;
 
 /// The drive that a job asks, or that answers it. It learns from what is read from it and written to it; what nobody
 /// told is assumed to be as delivered, and said to be assumed.
@@ -24,6 +27,8 @@ pub struct JobDrive {
     operating_mode: Option<i64>,
     /// The telegram that PNU 922 names, once it was seen.
     selected: Option<&'static Telegram>,
+    /// Words of PNU 915 that were seen, with their subindex: what a free telegram carries instead of what is delivered.
+    mapped: Vec<(u16, u16)>,
     /// What the parameter that chooses the maker's own control word has, once it was seen.
     chosen: Option<i64>,
     /// Nobody said what it is.
@@ -55,6 +60,7 @@ impl JobDrive {
             known: Vec::new(),
             operating_mode: None,
             selected: None,
+            mapped: Vec::new(),
             chosen: None,
             assumed: false,
         }
@@ -113,9 +119,27 @@ impl JobDrive {
         self.mode_in(None)
     }
 
-    /// The mode of a word in this telegram: a telegram that selects traversing tasks is enough for position mode.
+    /// The mode of a word in this telegram: that of PNU 930, else what the telegram is for.
     pub fn mode_in(&self, telegram: Option<&Telegram>) -> Mode {
-        Mode::of(self.operating_mode, telegram.or(self.selected))
+        let telegram = telegram.or(self.selected);
+        match (self.operating_mode, telegram) {
+            (None, Some(free)) if free.free && !self.mapped.is_empty() => {
+                if self.maps(free, signal::SATZANW) {
+                    Mode::Position
+                } else {
+                    Mode::Velocity
+                }
+            }
+            (mode, telegram) => Mode::of(mode, telegram),
+        }
+    }
+
+    /// True when a free telegram carries this setpoint: by the words that were seen, and where none was, as delivered.
+    fn maps(&self, free: &Telegram, number: u16) -> bool {
+        let seen = |index: u16| self.mapped.iter().find(|(word, _)| *word == index);
+        let left = (0..).zip(free.setpoint.words());
+        let mut left = left.filter(|(index, _)| seen(*index).is_none());
+        self.mapped.iter().any(|(_, mapped)| *mapped == number) || left.any(|(_, mapped)| mapped == number)
     }
 
     /// Its parameter channel in the words of a PPO.
@@ -318,9 +342,16 @@ impl JobDrive {
         if reading.pnu == pnu::OPERATING_MODE {
             self.operating_mode = reading.raw();
         }
+        let word = || reading.raw().and_then(|raw| u16::try_from(raw).ok());
         if reading.pnu == pnu::TELEGRAM {
-            let number = reading.raw().and_then(|raw| u16::try_from(raw).ok());
-            self.selected = number.and_then(|number| self.telegram(number));
+            self.selected = word().and_then(|number| self.telegram(number));
+        }
+        if let (pnu::SETPOINT_SIGNALS, Some(number)) = (reading.pnu, word()) {
+            let index = reading.index.unwrap_or(0);
+            self.mapped.retain(|(word, _)| *word != index);
+            if self.mapped.len() < MOST_WORDS {
+                self.mapped.push((index, number));
+            }
         }
         let mut chooser = self
             .tables()

@@ -268,23 +268,8 @@ pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>
     })?;
     let mut lines = Vec::new();
     let mut halves = Vec::new();
-    for side in [true, false] {
-        if output.is_some_and(|wanted| wanted != side) {
-            continue;
-        }
-        let half = Half {
-            drive,
-            telegram: Some(found),
-            output: side,
-        };
-        let expected = half.image().map_or(data.len(), |image| usize::from(image.octets));
-        if !found.free && data.len() != expected {
-            let from = if side { "to" } else { "from" };
-            return Err(format!(
-                "telegram {telegram} has {expected} octets {from} the drive, there are {}",
-                data.len()
-            ));
-        }
+    for half in halves_of(drive, found, data, output)? {
+        let side = half.output;
         let from = if side {
             "from the controller"
         } else {
@@ -307,9 +292,44 @@ pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>
     Ok(Decoded { lines, fields })
 }
 
+/// The directions that data of this length can have, or only that which is given.
+fn halves_of<'a>(
+    drive: &'a JobDrive,
+    telegram: &'static Telegram,
+    data: &[u8],
+    output: Option<bool>,
+) -> Result<Vec<Half<'a>>, String> {
+    let sides = [true, false]
+        .into_iter()
+        .filter(|side| output.is_none_or(|wanted| wanted == *side));
+    let (mut fitting, mut lengths) = (Vec::new(), Vec::new());
+    for output in sides {
+        let half = Half {
+            drive,
+            telegram: Some(telegram),
+            output,
+        };
+        let expected = half.image().map_or(data.len(), |image| usize::from(image.octets));
+        if telegram.free || data.len() == expected {
+            fitting.push(half);
+        }
+        let from = if output { "to" } else { "from" };
+        lengths.push(format!("{expected} octets {from} the drive"));
+    }
+    if fitting.is_empty() {
+        let (number, lengths) = (telegram.number, lengths.join(" and "));
+        return Err(format!(
+            "telegram {number} has {lengths}, there are {}",
+            data.len()
+        ));
+    }
+    Ok(fitting)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use profidrive::parameter::{CodeSpace, ValueBlock, pnu};
 
     fn lines(vendor: u16, device: u16, telegram: u16, data: &[u8], output: bool) -> String {
         let drive = JobDrive::of(vendor, device);
@@ -392,10 +412,61 @@ mod tests {
     }
 
     #[test]
+    fn the_length_tells_the_direction() {
+        let drive = JobDrive::of(0x0105, 1);
+        let from = |octets: usize, output| -> Vec<String> {
+            let told = decode(&drive, 9, &vec![0; octets], output).unwrap();
+            let halves = told.fields["halves"].as_array().unwrap().clone();
+            let sides = halves
+                .iter()
+                .map(|half| half["from"].as_str().unwrap().to_owned());
+            sides.collect()
+        };
+        assert_eq!(from(20, None), ["controller"]);
+        assert_eq!(from(10, None), ["drive"]);
+        assert!(decode(&drive, 9, &[0; 20], Some(false)).is_err());
+        let both = decode(&drive, 1, &[0; 4], None).unwrap();
+        assert_eq!(both.fields["halves"].as_array().unwrap().len(), 2);
+    }
+
+    /// PNU 930 alone decides for the drive; where it was not seen, the telegram is the best there is.
+    #[test]
+    fn the_mode_is_that_of_930_else_of_the_telegram() {
+        let names = |drive: &JobDrive, telegram, data: &[u8]| -> bool {
+            let decoded = decode(drive, telegram, data, Some(true)).unwrap();
+            decoded.lines.iter().any(|(_, line)| line.contains("NO_REJECT"))
+        };
+        let learn = |drive: &mut JobDrive, number, subindex, value: u16| {
+            let address = ParameterAddress::value(number, subindex);
+            let [high, low] = value.to_be_bytes();
+            let block = [0x42, 1, high, low];
+            let (block, _) = ValueBlock::parse(&block, 0, CodeSpace::V4).unwrap();
+            drive.learn(address, &block);
+        };
+        let data = [&[0x04, 0x7F][..], &[0; 22]].concat();
+        let mut drive = JobDrive::of(0x0105, 1);
+        assert!(names(&drive, 400, &data), "as delivered it carries SATZANW");
+        learn(&mut drive, pnu::SETPOINT_SIGNALS, 1, signal::NSOLL_A);
+        assert!(!names(&drive, 400, &data), "and now it does not");
+        assert!(names(&drive, 9, &data[..20]), "another one is not mapped");
+        learn(&mut drive, pnu::SETPOINT_SIGNALS, 4, signal::SATZANW);
+        assert!(names(&drive, 400, &data));
+        learn(&mut drive, pnu::OPERATING_MODE, 0, 1);
+        assert!(!names(&drive, 400, &data) && !names(&drive, 9, &data[..20]));
+        learn(&mut drive, pnu::OPERATING_MODE, 0, 2);
+        assert!(names(&drive, 1, &data[..4]));
+    }
+
+    #[test]
     fn wrong_lengths_and_numbers_are_told() {
         let drive = JobDrive::of(0x0080, 1);
-        let error = decode(&drive, 101, &[0; 11], None).unwrap_err();
+        let error = decode(&drive, 101, &[0; 11], Some(true)).unwrap_err();
         assert_eq!(error, "telegram 101 has 12 octets to the drive, there are 11");
+        let error = decode(&drive, 101, &[0; 11], None).unwrap_err();
+        assert_eq!(
+            error,
+            "telegram 101 has 12 octets to the drive and 12 octets from the drive, there are 11"
+        );
         let error = decode(&drive, 9999, &[0; 11], None).unwrap_err();
         assert!(
             error.ends_with("there are 1, 101, 102, 103, 104, 105, 106, 107, 108"),

@@ -16,26 +16,25 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// Returns the mode that decides over the words of a drive, from PNU 930 where it is known and the telegram in use.
-    ///
-    /// Either is enough for position mode: PNU 930 = 2, or a telegram that selects traversing tasks
-    /// ([`Telegram::positions`]).
+    /// Returns the mode that decides over the words of a drive: PNU 930, which is all that the drive goes by. Where it is
+    /// not known, a telegram that selects traversing tasks ([`Telegram::positions`]) is taken as position mode.
     ///
     /// ```
     /// use profidrive::state::Mode;
     /// use profidrive::telegram::{KOLLMORGEN, Telegram};
     /// let telegram = |number| Telegram::find(number, KOLLMORGEN);
     /// assert_eq!(Mode::of(None, telegram(9)), Mode::Position);
-    /// assert_eq!(Mode::of(Some(2), telegram(400)), Mode::Position);
-    /// assert_eq!(Mode::of(Some(1), telegram(1)), Mode::Velocity);
+    /// assert_eq!(Mode::of(None, telegram(400)), Mode::Position);
+    /// assert_eq!(Mode::of(Some(2), telegram(1)), Mode::Position);
+    /// assert_eq!(Mode::of(Some(1), telegram(9)), Mode::Velocity);
     /// ```
     #[must_use]
     pub fn of(operating_mode: Option<i64>, telegram: Option<&Telegram>) -> Self {
-        if operating_mode == Some(2) || telegram.is_some_and(Telegram::positions) {
-            Self::Position
-        } else {
-            Self::Velocity
-        }
+        let position = operating_mode.map_or_else(
+            || telegram.is_some_and(Telegram::positions),
+            |operating_mode| operating_mode == 2,
+        );
+        if position { Self::Position } else { Self::Velocity }
     }
 
     /// Returns the word for people: `velocity` or `position`.

@@ -326,11 +326,11 @@ impl Telegram {
             .filter_map(|(index, offset)| Some((u16::try_from(index).ok()?, offset)))
     }
 
-    /// Returns true for a telegram that selects traversing tasks (SATZANW): telegrams 7, 9, 352 and 353 of an AKD. A
-    /// telegram with free mapping says nothing about the mode.
+    /// Returns true for a telegram that selects traversing tasks (SATZANW): telegrams 7, 9, 352, 353 and, as delivered,
+    /// 400 of an AKD.
     #[must_use]
     pub fn positions(&self) -> bool {
-        !self.free && self.setpoint.field(signal::SATZANW).is_some()
+        self.setpoint.field(signal::SATZANW).is_some()
     }
 
     /// The telegram with this number on a drive of this vendor.
