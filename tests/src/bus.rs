@@ -49,6 +49,8 @@ pub struct Bus {
     medium: SegmentMedium,
     controller: Controller,
     model: &'static Model,
+    /// Update time of the connection.
+    cycle: Duration,
     drive: StationId,
     ar: Option<ArId>,
     events: Vec<Event>,
@@ -91,6 +93,7 @@ impl Bus {
             medium: SegmentMedium::new(segment, Pace::Virtual),
             controller: Controller::new(plc),
             model,
+            cycle: CYCLE,
             drive,
             ar: None,
             events: Vec::new(),
@@ -136,6 +139,15 @@ impl Bus {
         assert!(running, "no data: {:?}", self.events);
     }
 
+    /// The same with a slower update time than the fastest of the AKD.
+    ///
+    /// # Panics
+    /// As [`connect`](Self::connect).
+    pub fn connect_every(&mut self, cycle: Duration, telegram: u16) {
+        self.cycle = cycle;
+        self.connect(telegram);
+    }
+
     /// Connects with any modules: how the drive differs, and if data is exchanged.
     ///
     /// # Panics
@@ -151,14 +163,14 @@ impl Bus {
             instance: 1,
         };
         let fastest = Duration::from_nanos(31_250) * u32::from(device.min_device_interval);
-        let timing = Timing::for_interval(fastest).expect("an interval of PROFINET");
+        let timing = Timing::for_interval(fastest + (self.cycle - CYCLE)).expect("an interval of PROFINET");
         let mut config = ConnectConfig::new(modules, timing);
         config.resolve = Resolve::Trust;
         self.events.clear();
         let now = self.medium.now();
         let ar = self.controller.connect(now, target, config).expect("connects");
         self.ar = Some(ar);
-        self.run(Duration::from_millis(500));
+        self.run(Duration::from_millis(500) + 4 * (self.cycle - CYCLE));
         let diff = self.events.iter().find_map(|event| match event {
             Event::Connected { diff, .. } => Some(diff.clone()),
             _ => None,
@@ -200,7 +212,7 @@ impl Bus {
         self.controller
             .set_output(self.ar(), 1, subslot, outputs)
             .expect("the length of the telegram");
-        self.run(CYCLE * cycles);
+        self.run(self.cycle * cycles);
         let (inputs, iops) = self.controller.input(self.ar(), 1, subslot).expect("inputs");
         assert!(iops.is_good());
         inputs.to_vec()

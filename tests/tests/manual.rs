@@ -1,5 +1,7 @@
 //! The sequences that the AKD PROFINET manual prints, byte for byte, through the network: 3.6.2, 5.9 and 7.1.4.
 
+use std::time::Duration;
+
 use system_tests::bus::{Bus, CONTROLLER, DRIVE};
 use system_tests::traffic::{Content, content};
 
@@ -158,6 +160,41 @@ fn the_sample_project_7_1_4() {
         "{inputs:02X?}"
     );
     bus.judged("manual-7-1-4");
+}
+
+/// 7.1.3: the sample sets an IO cycle of 128 ms, and 512 ms is the slowest that the device description offers.
+#[test]
+fn the_sample_project_in_slow_cycles_7_1_3() {
+    for milliseconds in [128, 512] {
+        let mut bus = Bus::new();
+        bus.connect_every(Duration::from_millis(milliseconds), 1);
+        for (control, setpoint, answer) in [
+            (0x0400_u16, 0_u8, 0x0240_u16),
+            (0x0406, 0, 0x0231),
+            (0x040F, 0, 0x0737),
+            (0x047F, 0xA3, 0x0737),
+        ] {
+            let [high, low] = control.to_be_bytes();
+            let inputs = bus.send(&[high, low, 0, setpoint], 6);
+            assert_eq!(
+                inputs[..2],
+                answer.to_be_bytes(),
+                "{milliseconds} ms {control:04X}"
+            );
+            let speed = i16::from_be_bytes([inputs[2], inputs[3]]);
+            assert!(
+                (speed - i16::from(setpoint)).abs() < 2,
+                "{milliseconds} ms: {speed}"
+            );
+        }
+        assert_eq!(bus.read(3022, 0), 3 * u32::try_from(milliseconds).unwrap());
+        let _ = bus.frames();
+        bus.run(Duration::from_millis(10 * milliseconds));
+        let frames = bus.frames();
+        let frames = cyclic(&frames);
+        let sent = |from: bool| frames.iter().filter(|(drive, _)| *drive == from).count();
+        assert_eq!((sent(false), sent(true)), (10, 10), "{milliseconds} ms");
+    }
 }
 
 /// The variable table of the sample shows 0x0237 and 0x009E with 0x00A3 asked for: a drive that stays 1.83 rpm behind,

@@ -66,6 +66,17 @@ fn a_parameter_access_on_block_level() {
     check(bench, "1F 01 00 01 10 01 08 57 00 00", "1F 01 00 01 41 01 02 00");
     check(bench, "19 01 01 01 10 01 03 9A 00 00", "19 81 01 01 44 01 00 19"); // other axis
     check(bench, "21 03 00 01 10 01 03 9A 00 00", "21 81 00 01 44 01 00 21");
+    // AKD manual 3.6: reference 0 is reserved and mirrored, no elements of a single value are one.
+    check(bench, "00 01 00 01 10 01 03 9A 00 00", "00 01 00 01 42 01 00 01");
+    check(bench, "01 01 00 01 10 00 03 9A 00 00", "01 01 00 01 42 01 00 01");
+    // It allows 0xEA elements; 117 words fill the block of 240 octets.
+    let words = ask(bench, &hex("01 01 00 01 10 75 03 D4 00 00")).unwrap();
+    assert_eq!((words.len(), &words[..6]), (240, &hex("01 01 00 01 42 75")[..]));
+    check(
+        bench,
+        "01 01 00 01 10 EA 03 D4 00 00",
+        "01 81 00 01 44 02 00 03 00 75",
+    );
     // 34: address and value alternating instead of all addresses first
     let mixed = hex("22 02 00 02 10 01 08 57 00 00 41 01 02 00 10 01 03 A2 00 00 42 01 00 01");
     assert!(ask(bench, &mixed).map_or(true, |answer| answer[1] == 0x82));

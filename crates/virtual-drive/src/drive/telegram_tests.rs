@@ -221,12 +221,36 @@ fn drv_acc_and_drv_dec_are_steps_of_acc_scaling() {
         assert_eq!(line.read(2108), 50 * 1000 * scaling);
         assert_eq!(line.read(2115), 3000 * scaling);
         assert_eq!(line.drive.settings.ramps.acceleration, (50 * scaling) as f64);
-        // 0 rpm/s is below the limit of DRV.ACC.
-        line.set(108, 0);
-        line.cycle();
-        assert_eq!(line.read(2108), 50 * 1000 * scaling);
-        assert_eq!((line.read(108), line.drive.process.signal(108)), (50, 0));
+        // 0 rpm/s is below the limit of DRV.ACC, and 65,535 steps of 763 rpm/s or more above it: the last ones stay, and
+        // the numbers of the signals are those in force.
+        let highest: &[i64] = if scaling < 763 { &[0] } else { &[0, 0xFFFF] };
+        for outside in highest {
+            line.set(108, *outside);
+            line.set(109, *outside);
+            line.cycle();
+            assert_eq!(
+                (line.read(2108), line.read(2115)),
+                (50_000 * scaling, 3000 * scaling)
+            );
+            assert_eq!((line.read(108), line.read(109)), (50, 3));
+            assert_eq!(line.drive.process.signal(108), *outside);
+        }
+        line.drive.disconnect(Disconnect::Released);
+        for outside in highest {
+            assert_eq!(line.write(108, *outside), Err(ErrorNumber::LIMIT));
+        }
     }
+}
+
+/// AKD manual 6.3 and 6.6: the words, before a controller has sent one.
+#[test]
+fn the_words_before_a_controller_has_sent_one() {
+    let drive = Drive::new(&AKD);
+    assert_eq!((drive.parameter(1), drive.parameter(2)), (Some(0), Some(0x0240)));
+    let mut line = Line::with(drive, 1);
+    line.set(1, 0x0406);
+    line.cycle();
+    assert_eq!((line.read(1), line.read(2)), (0x0406, 0x0231));
 }
 
 #[test]

@@ -84,6 +84,10 @@ fn the_status_word_tells_the_truth_at_every_cycle() {
 
 #[test]
 fn jog_speeds_and_ramps_are_pnu_1004_to_1007() {
+    for pnu in [1006, 1007] {
+        let described = crate::model::AKD.catalogue.by_pnu(pnu).unwrap().description;
+        assert!(!described.contains("velocity"), "{described}");
+    }
     let mut bench = Bench::new();
     bench.write("Jog v1", 273).unwrap(); // 99.95 rpm
     bench.write("Jog v2", -546).unwrap();

@@ -19,7 +19,7 @@ pub static WORDS: &[Word] = &[
 
 #[rustfmt::skip]
 pub static NOT_NOW: &[(u16, &str)] = &[
-    (5, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (5, "a controller is connected, and only its telegram gives this setpoint: change it there, or write it while none is"),
     (32, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
     (34, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
     (35, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
@@ -28,7 +28,7 @@ pub static NOT_NOW: &[(u16, &str)] = &[
     (38, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
     (100, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
     (101, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
-    (102, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
+    (102, "a controller is connected, and only its telegram gives this setpoint: change it there, or write it while none is"),
     (103, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
     (108, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),
     (109, "the controller's telegram carries it: change it there, or write it while no controller exchanges data"),

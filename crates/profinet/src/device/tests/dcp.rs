@@ -282,6 +282,19 @@ fn names_and_addresses_are_set_for_good_or_for_now() {
     assert_eq!(both, [BlockError::Ok; 2]);
 }
 
+/// Option 3: a DHCP client of the station is nothing that DCP sets here, by MAC address, name or client id (61).
+#[test]
+fn dhcp_is_not_set_by_dcp() {
+    let mut rig = Rig::new(config());
+    let before = (rig.device.name.clone(), rig.device.ip);
+    for octets in [&[0][..], &[2], b"\x01client"] {
+        let dhcp = Value::Other(DcpOption::new(3, 61), octets);
+        let result = set(&mut rig, Qualifier::PERMANENT, dhcp);
+        assert_eq!(result, BlockError::SuboptionUnsupported, "{octets:02X?}");
+    }
+    assert_eq!((rig.device.name.clone(), rig.device.ip), before);
+}
+
 #[test]
 fn an_io_connection_keeps_its_address_and_tools_are_disconnected() {
     let mut rig = Rig::new(config());

@@ -365,6 +365,45 @@ fn another_mode_and_another_telegram_do_nothing() {
     assert!(bench.turns().abs() < 1e-6);
 }
 
+/// 5.10.2 names telegram 9 for MDI: with another one the signals are those that were written as parameters.
+#[test]
+fn telegram_7_with_bit_15_moves_by_what_was_written_as_parameters() {
+    let mut bench = Bench::homed(7);
+    for (signal, value) in [
+        ("34", 2 * 65_536),
+        ("35", 0x0AAA_AAAA),
+        ("36", 20),
+        ("37", 20),
+        ("38", 1),
+    ] {
+        bench.write(signal, value);
+    }
+    bench.set(signal::SATZANW, 0x8000);
+    bench.send(START, 1);
+    bench.until(START, 0x6000, 0x2000);
+    assert!((bench.turns() - 2.0).abs() < 0.002, "{}", bench.turns());
+}
+
+/// 3.1 sets a limit speed for position control, by the commutation: the virtual drive has that of MDI_VELOCITY alone.
+#[test]
+fn positions_are_controlled_above_the_limit_speeds_of_3_1() {
+    for speed in [7600.0, 11_990.0] {
+        let mut bench = Bench::homed(9);
+        bench.write("VL.LIMITP_32", 12_000_000);
+        bench.write("VL.THRESH_32", 12_000_000);
+        bench.mdi(300.0, speed, 20, true);
+        bench.send(START, 300);
+        assert!(
+            (bench.pace() - speed).abs() < 0.01,
+            "{} {:04X}",
+            bench.pace(),
+            bench.status()
+        );
+        bench.until(START, 0x6000, 0x2000);
+        assert!((bench.turns() - 300.0).abs() < 0.002, "{}", bench.turns());
+    }
+}
+
 #[test]
 fn bits_outside_s4_start_nothing_later() {
     let mut bench = Bench::homed(9);
