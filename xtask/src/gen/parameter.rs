@@ -52,8 +52,7 @@ struct FormatRow {
     name: String,
     octets: Octets,
     kind: String,
-    #[serde(default)]
-    integer: bool,
+    integer: Option<String>,
     verified: bool,
     source: String,
 }
@@ -108,7 +107,7 @@ enum Octets {
 }
 
 fn formats(file: &FormatFile) -> Outcome<String> {
-    let mut text = String::from("use super::format::{FormatInfo, Kind, Octets};\n\n");
+    let mut text = String::from("use super::format::{FormatInfo, Integer, Kind, Octets};\n\n");
     ascending(FORMATS, file.v4.iter().map(|row| row.code.into()))?;
     // The code space V3 is indexed by code minus 0x21.
     if !file.v3.iter().map(|row| row.code).eq(0x21..=0x2C) {
@@ -138,7 +137,7 @@ fn formats(file: &FormatFile) -> Outcome<String> {
                 row.name,
                 octets(row)?,
                 kind(row)?,
-                row.integer,
+                integer(row)?,
                 row.verified,
                 row.source
             )?;
@@ -146,6 +145,15 @@ fn formats(file: &FormatFile) -> Outcome<String> {
         text.push_str("];\n\n");
     }
     Ok(text)
+}
+
+fn integer(row: &FormatRow) -> Outcome<&'static str> {
+    match row.integer.as_deref() {
+        None => Ok("None"),
+        Some("number") => Ok("Some(Integer::Number)"),
+        Some("bits") => Ok("Some(Integer::Bits)"),
+        Some(word) => Err(format!("{FORMATS}: {}: integer {word:?}", row.name).into()),
+    }
 }
 
 fn octets(row: &FormatRow) -> Outcome<String> {

@@ -38,12 +38,21 @@ pub struct FormatInfo {
     pub octets: Octets,
     /// How the octets are read.
     pub kind: Kind,
-    /// True for whole numbers and single bits, which a change may carry as one another.
-    pub integer: bool,
+    /// Set for whole numbers and single bits, which a change may carry as one another.
+    pub integer: Option<Integer>,
     /// False where no public document says the code or the length.
     pub verified: bool,
     /// Where this is from.
     pub source: &'static str,
+}
+
+/// What the octets of an integer type mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Integer {
+    /// A whole number, with the sign that [`FormatInfo::kind`] says.
+    Number,
+    /// Single bits, without a sign.
+    Bits,
 }
 
 /// How the octets of a value are read.
@@ -178,10 +187,25 @@ impl Format {
     /// ```
     #[must_use]
     pub fn carries(self, own: Self, space: CodeSpace) -> bool {
-        let is_integer = |format: Self| format.info(space).is_some_and(|info| info.integer);
+        let is_integer = |format: Self| format.info(space).is_some_and(|info| info.integer.is_some());
         self == own
             || matches!(self, Self::BYTE | Self::WORD | Self::DOUBLE_WORD)
             || is_integer(self) && is_integer(own)
+    }
+
+    /// The sign of a whole number: `Some(true)` for a signed type, `Some(false)` for an unsigned one, `None` for every type
+    /// that is not a whole number. The substitution codes are not one: their octets mean what the parameter says.
+    ///
+    /// ```
+    /// use profidrive::parameter::{CodeSpace, Format};
+    /// let signed = |format: Format| format.number_is_signed(CodeSpace::V4);
+    /// assert_eq!((signed(Format::INTEGER16), signed(Format::UNSIGNED16)), (Some(true), Some(false)));
+    /// assert_eq!((signed(Format::V2), signed(Format::WORD), signed(Format::N2)), (None, None, None));
+    /// ```
+    #[must_use]
+    pub fn number_is_signed(self, space: CodeSpace) -> Option<bool> {
+        let info = self.info(space)?;
+        (info.integer == Some(Integer::Number)).then_some(info.kind == Kind::Signed)
     }
 
     /// Octets of `count` values without the pad octet; `left` is what remains in the block and decides where a

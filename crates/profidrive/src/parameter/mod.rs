@@ -48,7 +48,7 @@ pub use block::{Value, ValueBlock};
 pub use description::{Description, Identifier};
 pub use dialect::{ChangeResponse, Dialect, Saving};
 pub use error::{ERRORS, ErrorInfo, ErrorNames, ErrorNumber, ParameterError};
-pub use format::{CodeSpace, FORMATS, Format, FormatInfo, Kind, Octets};
+pub use format::{CodeSpace, FORMATS, Format, FormatInfo, Integer, Kind, Octets};
 pub use objection::{Forbidden, Objection, objections};
 pub use plan::{plan_changes, plan_reads, split_array};
 pub use request::{

@@ -43,9 +43,12 @@ pub enum Refusal {
 /// subindex and number of elements mean the octets from there on. In an array of strings each string is an element. A
 /// value block of a string counts octets.
 ///
+/// A change may carry an integer in another integer type of its length (our reading). A number that the type of the parameter
+/// does not have is refused with 0x02: -1 as Integer16 is not 65535 of an Unsigned16.
+///
 /// Danfoss requests with double words (0x51, 0x52): values of one and two octets travel as Integer32 or Unsigned32, those
-/// of four octets as they are, strings not at all (0x05). On the way into the drive a number that does not fit is refused
-/// with 0x02. That no document tells the formats of these answers makes this an interpretation too.
+/// of four octets as they are, strings not at all (0x05). A number that does not fit is refused here too. No document names
+/// the formats of these answers, so this is an interpretation.
 ///
 /// # Errors
 /// When the block is not a request at all; the caller refuses the record write.
@@ -395,8 +398,7 @@ impl Job<'_> {
             }
         } else {
             for (index, element) in (0..usize::from(span.count)).zip(span.first..=u16::MAX) {
-                let raw = block.raw(index).ok_or(ErrorNumber::DATA_TYPE)?;
-                narrowed(raw, form.octets, &facts)
+                fitted(&block, index, &facts, space)
                     .and_then(|raw| drive.write(pnu, element, raw, keep))
                     .map_err(|number| at(self.known(number), element))?;
             }
@@ -457,24 +459,38 @@ fn extended(raw: u64, octets: usize) -> u64 {
     }
 }
 
-/// A number of `from` octets in those of the parameter, where it fits.
-fn narrowed(raw: u64, from: usize, facts: &Attributes) -> Result<u64, ErrorNumber> {
-    if from == facts.octets {
+/// Value `index` of `block` in the octets of the parameter, where it fits. Between two whole numbers the number counts, so
+/// that -1 never becomes 65535. Where one of them is none (bits, Byte, Word, Double word), the octets count; four octets for
+/// a shorter parameter are then a number with the sign of its type.
+fn fitted(
+    block: &ValueBlock<'_>,
+    index: usize,
+    facts: &Attributes,
+    space: CodeSpace,
+) -> Result<u64, ErrorNumber> {
+    let (Some(raw), Some(signed)) = (block.raw(index), block.signed(index)) else {
+        return Err(ErrorNumber::DATA_TYPE);
+    };
+    let sent = block.format.number_is_signed(space);
+    let own = facts.format.number_is_signed(CodeSpace::V4);
+    if block.width() == facts.octets && (sent.is_none() || own.is_none()) {
         return Ok(raw);
     }
-    let signed = i64::from(raw as i32);
-    let fits = match (is_signed(facts), facts.octets) {
-        (true, 1) => i8::try_from(signed).is_ok(),
-        (true, _) => i16::try_from(signed).is_ok(),
-        (false, 1) => u8::try_from(raw).is_ok(),
-        (false, _) => u16::try_from(raw).is_ok(),
-    };
-    let mask = if facts.octets == 1 { 0xFF } else { 0xFFFF };
-    if fits {
-        Ok(raw & mask)
+    let number = if sent.unwrap_or(is_signed(facts)) {
+        i128::from(signed)
     } else {
-        Err(ErrorNumber::LIMIT)
+        i128::from(raw)
+    };
+    let range = 1_i128 << (8 * facts.octets);
+    let allowed = if is_signed(facts) {
+        -range / 2..range / 2
+    } else {
+        0..range
+    };
+    if !allowed.contains(&number) {
+        return Err(ErrorNumber::LIMIT);
     }
+    u64::try_from(number & (range - 1)).map_err(|_| ErrorNumber::LIMIT)
 }
 
 /// The number with the subindex as additional information, where the profile says so.

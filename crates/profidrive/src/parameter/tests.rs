@@ -3,6 +3,7 @@
 mod converter;
 mod edge;
 mod examples;
+mod formats;
 mod makers;
 mod properties;
 mod vacon;
