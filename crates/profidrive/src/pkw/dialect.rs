@@ -130,8 +130,8 @@ impl PkwDialect {
         error_names: PkwErrorNames::Profile,
     };
 
-    /// Danfoss FC protocol on the serial line: few requests, text, index in the second octet of IND. AK 4 is in the
-    /// older FC guides only. An AK that is not there is refused with 253 as CDS 803 does; the other guides are silent.
+    /// Danfoss FC protocol on the serial line: few requests, text, index in the second octet of IND, parameter numbers of
+    /// 12 bits as in the newer FC guides. AK 4 is in the older FC guides only. An AK that is not there is refused with 253 as CDS 803 does; the other guides are silent.
     /// Source: Danfoss FC parameter block description p. 73, FC design guides (FC protocol), CDS 803 p. 56.
     pub const DANFOSS_FC: Self = Self {
         name: "Danfoss FC protocol",
@@ -144,12 +144,11 @@ impl PkwDialect {
         ..Self::STANDARD
     };
 
-    /// Danfoss in the words of a PPO: requests 0 to 9, no EEPROM, subindex in the first octet of IND.
-    /// Source: Danfoss MCA 101 p. 34, FCM 300 p. 29 (a refusal with PNU 0).
+    /// Danfoss in the words of a PPO: requests 0 to 9, no EEPROM, subindex in the first octet of IND, bit 11 of PKE in no
+    /// use (SPM). Source: Danfoss MCA 101 p. 34, FCM 300 p. 29 (a refusal with PNU 0).
     pub const DANFOSS_PPO: Self = Self {
         name: "Danfoss PPO",
         requests: PROFILE_REQUESTS,
-        pnu_bits: 12,
         refusal_names_pnu: false,
         error_names: PkwErrorNames::Danfoss,
         ..Self::STANDARD

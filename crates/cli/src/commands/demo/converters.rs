@@ -65,6 +65,8 @@ const VACON: Act = Act {
 
 /// Ramp up of the VLT, 3-41: written through the parameter channel.
 const RAMP_UP: u16 = 341;
+/// A number that no parameter of the VLT has.
+const UNKNOWN: u16 = 2000;
 
 pub fn play(
     session: &mut Session<SegmentMedium>,
@@ -339,15 +341,17 @@ impl<'s> Line<'s> {
             return Err(malformed(self.name, format!("3-41 was not written: {changed:?}")));
         }
         let unknown = Job::Read {
-            pnu: 4000,
+            pnu: UNKNOWN,
             element: None,
         };
         let refused = match self.exchange(unknown)? {
             Err(error) => error.to_string(),
-            Ok(answer) => return Err(malformed(self.name, format!("4000 is there: {answer:?}"))),
+            Ok(answer) => return Err(malformed(self.name, format!("{UNKNOWN} is there: {answer:?}"))),
         };
         let seconds = f64::from(before.raw()) / 100.0;
-        Ok(format!("3-41 read {seconds} s, written 1 s; PNU 4000: {refused}"))
+        Ok(format!(
+            "3-41 read {seconds} s, written 1 s; PNU {UNKNOWN}: {refused}"
+        ))
     }
 
     fn raw(&self, percent: f64) -> i64 {

@@ -242,28 +242,27 @@ fn pages_and_the_spm_bit() {
         reply(&mut server, &mut drive, "11 9E 00 01 00 00 00 00"),
         words("71 9E 00 01 00 00 00 00")
     );
-    // 11 bits: the bit above is SPM and goes back as 0
-    let mut server = Server::new(PkwDialect::STANDARD);
-    assert_eq!(
-        reply(&mut server, &mut drive, "19 9E 00 00 00 00 00 00"),
-        words("11 9E 00 00 00 00 05 DC")
-    );
-    // 12 bits: it is another parameter, and numbers from 2048 on are reached
-    for dialect in [PkwDialect::DANFOSS_FC, PkwDialect::DANFOSS_PPO] {
+    // 11 bits: the bit above is SPM and goes back as 0, whatever a master leaves in it
+    for dialect in [PkwDialect::STANDARD, PkwDialect::DANFOSS_PPO] {
         let mut server = Server::new(dialect);
         assert_eq!(
             reply(&mut server, &mut drive, "19 9E 00 00 00 00 00 00"),
-            words("79 9E 00 00 00 00 00 00")
+            words("11 9E 00 00 00 00 05 DC")
         );
         assert_eq!(
             reply(&mut server, &mut drive, "19 C4 00 00 00 00 00 00"),
-            words("19 C4 00 00 00 00 05 DC")
+            words("71 C4 00 00 00 00 00 00")
         );
     }
-    let mut server = Server::new(PkwDialect::STANDARD);
+    // 12 bits: it is another parameter, and numbers from 2048 on are reached
+    let mut server = Server::new(PkwDialect::DANFOSS_FC);
+    assert_eq!(
+        reply(&mut server, &mut drive, "19 9E 00 00 00 00 00 00"),
+        words("79 9E 00 00 00 00 00 00")
+    );
     assert_eq!(
         reply(&mut server, &mut drive, "19 C4 00 00 00 00 00 00"),
-        words("71 C4 00 00 00 00 00 00")
+        words("19 C4 00 00 00 00 05 DC")
     );
 }
 
