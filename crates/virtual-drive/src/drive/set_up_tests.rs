@@ -74,6 +74,23 @@ fn the_factory_set_up_is_read_and_never_written() {
     bench.outputs[..8].copy_from_slice(&[0x31, 0x55, 0, 0, 0, 0, 0x03, 0x20]);
     bench.ticks(1);
     assert_eq!(bench.inputs[..8], [0x71, 0x55, 0, 0, 0, 0, 0, 131]);
+    // whatever the value is: 0 s is below the limit of 3-41
+    bench.outputs[7] = 0;
+    bench.outputs[6] = 0;
+    bench.ticks(1);
+    assert_eq!(bench.inputs[..8], [0x71, 0x55, 0, 0, 0, 0, 0, 131]);
+    // groups 1 to 4: 1-20, 2-01, 3-41 and 4-14, and nothing of the other groups
+    for (number, expected) in [
+        (120, Err(ErrorNumber(131))),
+        (201, Err(ErrorNumber(131))),
+        (341, Err(ErrorNumber(131))),
+        (414, Err(ErrorNumber(131))),
+        (1, Ok(())),
+        (1420, Ok(())),
+    ] {
+        let raw = bench.read(number);
+        assert_eq!(bench.write(number, raw), expected, "PNU {number}");
+    }
     // what belongs to no set-up can be written
     assert_eq!(bench.write(831, 7), Ok(()));
 }

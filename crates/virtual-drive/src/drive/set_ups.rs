@@ -142,14 +142,18 @@ impl Drive {
         other.unwrap_or_else(|| self.values.element_at(position, element))
     }
 
+    /// The factory set-up is the one that is written, and the parameter is one of those that each set-up has.
+    pub(super) fn check_factory_set_up(&self, position: usize, element: u16) -> Result<(), ErrorNumber> {
+        match &self.set_ups {
+            Some(set_ups) if set_ups.place(position, element).is_some() && self.edited(set_ups) == 0 => {
+                Err(FACTORY)
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Keeps a value that is inside its limits.
     pub(super) fn store(&mut self, position: usize, element: u16, raw: i64) -> Result<(), ErrorNumber> {
-        if let Some(set_ups) = &self.set_ups
-            && set_ups.place(position, element).is_some()
-            && self.edited(set_ups) == 0
-        {
-            return Err(FACTORY);
-        }
         let other = self.elsewhere(position, element).and_then(|(number, place)| {
             let bank = self.set_ups.as_mut()?.banks.get_mut(number)?;
             bank.get_mut(place)

@@ -13,12 +13,13 @@ use crate::model::{Action, Live, Table, numbered};
 impl Drive {
     /// Writes the number of one element as on the wire (sign included); `position` is the place in the catalogue.
     ///
-    /// The order of the checks: known, subindex, read-only, state, limits, permitted value.
+    /// The order of the checks: known, subindex, read-only, factory set-up, state, limits, permitted value.
     pub(super) fn set_element(&mut self, position: usize, element: u16, raw: i64) -> Result<(), ErrorNumber> {
         let parameter = self.parameter_with(position, element)?;
         if parameter.access == Access::ReadOnly {
             return Err(ErrorNumber::NOT_CHANGEABLE);
         }
+        self.check_factory_set_up(position, element)?;
         match self.live.get(position).copied().unwrap_or(Live::Stored) {
             Live::Do(action) => self.execute(action)?,
             Live::Same(other) => self.write_same(parameter, other, raw)?,
