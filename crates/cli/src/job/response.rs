@@ -25,7 +25,7 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
         if job.reference() != reference {
             warnings.push(format!("answers request {reference}, not {}", job.reference()));
         }
-        if !job.id().is_answered_by(id) {
+        if !job.id().is_answered_by(id) && !job.id().is_refused_by(id) {
             warnings.push("answers another kind of request".to_owned());
         }
     }
@@ -39,6 +39,7 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
         0x02 => "change response",
         0x81 => "read response with refusals",
         0x82 => "change response with refusals",
+        0x80 => "refusal of the request",
         _ => "response of an unknown kind",
     };
     let head = format!(

@@ -387,3 +387,35 @@ fn what_the_dialect_forbids_is_named() {
         "{unknown:?}"
     );
 }
+
+/// A request ID that does not exist is refused with a response ID of the drive's own; that is its answer.
+#[test]
+fn the_refusal_of_an_unknown_request_answers_it() {
+    let read = "10 01 03 9A 00 00";
+    for (device, head, answer) in [
+        ((0x01BA, 0x0100), "05 03 01 01", "05 80 01 01 44 01 00 21"),
+        ((0x01BA, 0x0100), "05 42 01 01", "05 80 01 01 44 01 00 21"),
+        ((0x0080, 0x0001), "05 03 00 01", "05 81 00 01 44 01 00 66"),
+        ((0x0080, 0x0001), "05 42 00 01", "05 81 00 01 44 01 00 66"),
+    ] {
+        let mut drive = JobDrive::of(device.0, device.1);
+        let request = octets(&format!("{head} {read}"));
+        let decoded = decode(&mut drive, &octets(answer), None, Some(&request)).unwrap();
+        let lines: Vec<&str> = decoded.lines.iter().map(|(_, line)| line.as_str()).collect();
+        assert!(lines.iter().any(|line| line.contains("refused: 0x")), "{lines:?}");
+        assert!(!lines.iter().any(|line| line.contains('!')), "{lines:?}");
+        assert!(!lines[0].contains("unknown"), "{lines:?}");
+    }
+    // the refusal of another request is none
+    let mut drive = JobDrive::of(0x01BA, 0x0100);
+    let request = octets(&format!("05 01 01 01 {read}"));
+    let decoded = decode(
+        &mut drive,
+        &octets("05 80 01 01 44 01 00 21"),
+        None,
+        Some(&request),
+    )
+    .unwrap();
+    let last = &decoded.lines.last().expect("a line").1;
+    assert_eq!(last, "  ! answers another kind of request");
+}

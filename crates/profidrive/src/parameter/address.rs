@@ -94,6 +94,20 @@ impl RequestId {
         let id = response_id & 0x7F;
         id == self.response_octet() || id == self.octet()
     }
+
+    /// True when a response with this ID can refuse such a request because the drive does not know it. Every drive knows the
+    /// requests of the profile. For the others the response ID is not standardised: a Vacon has 0x80, others 0x81 or that of
+    /// the request.
+    ///
+    /// ```
+    /// use profidrive::parameter::RequestId;
+    /// assert!(RequestId::Other(3).is_refused_by(0x80) && RequestId::ChangePermanent.is_refused_by(0x81));
+    /// assert!(!RequestId::Read.is_refused_by(0x80) && !RequestId::Other(3).is_refused_by(0x01));
+    /// ```
+    #[must_use]
+    pub const fn is_refused_by(self, response_id: u8) -> bool {
+        !matches!(self, Self::Read | Self::Change) && response_id & 0x80 != 0
+    }
 }
 
 /// Which side of a parameter is meant.

@@ -60,6 +60,8 @@ pub struct Dialect {
     pub served_values: u16,
     /// Octets of one request or response at most.
     pub max_block: usize,
+    /// Texts of values exist (attribute 0x30).
+    pub texts: bool,
     /// Answers only Byte, Word and Double word.
     pub substitution_only: bool,
     /// Zeros behind the last value of a change are as wrong as anything else there; else they are the rest of a buffer.
@@ -109,6 +111,7 @@ impl Dialect {
         max_values: u16::MAX,
         served_values: u16::MAX,
         max_block: 240,
+        texts: true,
         substitution_only: false,
         exact_length: false,
         bad_axis: ErrorNumber::NO_AXIS,
@@ -165,7 +168,8 @@ impl Dialect {
         ..Self::STANDARD
     };
 
-    /// Vacon OPTEA and OPTE9: axis 1, own error numbers for malformed requests, errors without additional information.
+    /// Vacon OPTEA and OPTE9: axis 1, no texts, own error numbers for malformed requests, errors without additional
+    /// information.
     ///
     /// Interpretation: 0x6D (invalid change request) is the answer to octets behind the values; a wrong axis gets the
     /// profile's 0x19, as OPTEA has 0x67 as reserved. OPTEA p. 119 allows 1 to 234 elements of an array, p. 120 names 39
@@ -178,6 +182,7 @@ impl Dialect {
         axis: 1,
         axis_checked: true,
         max_values: 39,
+        texts: false,
         substitution_only: true,
         bad_request: (0x80, ErrorNumber::SERVICE),
         bad_count: Some(ErrorNumber::VACON_PARAMETERS),

@@ -32,6 +32,8 @@ pub enum Forbidden {
     },
     /// An attribute that does not exist.
     Attribute(u8),
+    /// Texts of values (attribute 0x30), which the drive does not have.
+    Texts,
     /// More than 234 elements, or none of an array.
     Elements(u8),
     /// Several elements, or another than the first, of a parameter that is not an array.
@@ -75,6 +77,7 @@ impl fmt::Display for Objection {
                 write!(f, "{found} parameters, 1 to {allowed} are allowed")
             }
             Forbidden::Attribute(code) => write!(f, "attribute 0x{code:02X} does not exist"),
+            Forbidden::Texts => f.write_str("texts (attribute 0x30) are not supported"),
             Forbidden::Elements(elements) => {
                 write!(f, "{elements} elements, 1 to {MAX_ELEMENTS} are allowed")
             }
@@ -148,8 +151,17 @@ pub fn objections(
             subindex,
             ..
         } = address;
-        if let Attribute::Other(code) = attribute {
-            add(here, Forbidden::Attribute(code), Some(dialect.bad_attribute));
+        match attribute {
+            Attribute::Other(code) => add(here, Forbidden::Attribute(code), Some(dialect.bad_attribute)),
+            Attribute::Text if !dialect.texts => {
+                let answer = if id.is_change() {
+                    ErrorNumber::TEXT_FIXED
+                } else {
+                    ErrorNumber::NO_TEXT
+                };
+                add(here, Forbidden::Texts, Some(answer));
+            }
+            _ => {}
         }
         let facts = facts(address).filter(|_| attribute == Attribute::Value);
         if elements > MAX_ELEMENTS {
@@ -255,6 +267,14 @@ mod tests {
                 &["235 elements, 1 to 234 are allowed: answered with error 0x16"],
             ),
             (
+                "01 01 01 01 30 01 03 9A 00 00",
+                &["texts (attribute 0x30) are not supported: answered with error 0x0F"],
+            ),
+            (
+                "01 02 01 01 30 01 03 9A 00 00 42 01 00 01",
+                &["texts (attribute 0x30) are not supported: answered with error 0x20"],
+            ),
+            (
                 "01 01 01 01 10 03 03 9A 00 00",
                 &[
                     "3 elements of a parameter that is not an array, 0 or 1 are allowed: answered with error 0x16",
@@ -294,6 +314,7 @@ mod tests {
         for (hex, words) in [
             ("01 42 00 01 10 01 01 55 00 00 07 01 00 00 01 F4", &[][..]),
             ("01 01 00 01 10 01 00 25 00 00", &[]),
+            ("01 01 00 01 30 01 00 01 00 00", &[]),
             (
                 "01 02 00 01 10 01 01 55 00 00 07 01 00 00 01 F4 00 00",
                 &["2 octets too many at the end: answered with error 0x18"],

@@ -273,6 +273,9 @@ impl Job<'_> {
                 if !drive.exists(pnu) {
                     return Err(ErrorNumber::UNKNOWN_PARAMETER.into());
                 }
+                if !self.dialect.texts {
+                    return Err(ErrorNumber::NO_TEXT.into());
+                }
                 let count = elements.clamp(1, MAX_ELEMENTS / 16);
                 if count < elements {
                     return Err(ErrorNumber::TOO_LONG.into());
