@@ -1,7 +1,7 @@
 //! What holds for the tables of every model: each parameter is read, and written with what it can be.
 
 use profidrive::catalogue::{Access, Parameter};
-use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess};
+use profidrive::parameter::{ErrorNumber, Format, Keep, ParameterAccess};
 
 use super::bench::{Bench, CYCLE, ask};
 use super::*;
@@ -365,4 +365,30 @@ fn checklist_of_the_state_machine() {
         assert_eq!(bench.send(0x04FE, 0, 40) & 8, 0, "{name} 94");
         assert_eq!(masked(bench.send(0x047E, 0, 40)), 0x31, "{name} 94");
     }
+}
+
+/// MG06G102 5.8 lists format 35 for changes; the parameters that have it are words that the drive reports.
+#[test]
+fn bit_sequences_of_a_vlt_can_only_be_read() {
+    let mut drive = Drive::new(&model::VLT);
+    let parameters = model::VLT.catalogue.parameters.iter();
+    let bits = parameters.filter(|parameter| parameter.format == Format::V2);
+    let mut count = 0;
+    for parameter in bits {
+        let [high, low] = parameter.pnu.to_be_bytes();
+        let change = [1, 2, 0, 1, 0x10, 1, high, low, 0, 0, 35, 1, 0, 1];
+        let answer = ask(&mut drive, &change);
+        assert_eq!(answer, [1, 0x82, 0, 1, 0x44, 1, 0, 1], "PNU {}", parameter.pnu);
+        count += 1;
+    }
+    assert_eq!(count, 8);
+}
+
+/// The example of the page about parameter bytes, which is not a parameter of this drive.
+#[test]
+fn parameter_615_does_not_exist() {
+    let mut bench = Bench::new(&model::VLT, 101);
+    bench.outputs[..8].copy_from_slice(&[0x12, 0x67, 1, 0, 0, 0, 0, 0]);
+    bench.ticks(1);
+    assert_eq!(bench.inputs[..8], [0x72, 0x67, 1, 0, 0, 0, 0, 0]);
 }

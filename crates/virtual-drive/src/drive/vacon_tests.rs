@@ -251,3 +251,15 @@ fn an_id_has_no_description_and_a_number_of_the_profile_has_one() {
     let answer = bench.ask(&[1, 1, 1, 1, 0x20, 1, 0x03, 0xA2, 0, 0]);
     assert_eq!((answer.len(), &answer[..6]), (52, &[1, 1, 1, 1, 0x0A, 46][..]));
 }
+
+/// OPTEA p. 119 allows 1 to 234 elements: an array that is shorter ends first.
+#[test]
+fn more_elements_than_the_fault_buffer_has_are_no_elements() {
+    let mut drive = Drive::new(&VACON);
+    for (elements, number) in [(9, 3), (117, 3), (118, 3), (234, 3), (235, 0x16)] {
+        let answer = ask(&mut drive, &[1, 1, 1, 1, 0x10, elements, 0x03, 0xB3, 0, 0]);
+        assert_eq!(answer, [1, 0x81, 1, 1, 0x44, 1, 0, number], "{elements}");
+    }
+    let answer = ask(&mut drive, &[1, 1, 1, 1, 0x10, 8, 0x03, 0xB3, 0, 0]);
+    assert_eq!(answer[..6], [1, 1, 1, 1, 0x42, 8]);
+}

@@ -416,3 +416,29 @@ fn checklist() {
         hex("01 81 00 01 44 02 00 03 00 0A")
     );
 }
+
+/// Danfoss MG06G102 5.5 to 5.8: the number of parameters has no printed limit, data blocks belong to changes only, and the
+/// words of each parameter follow those of the one before.
+#[test]
+fn parameters_and_data_blocks_of_a_vlt_request() {
+    let mut drive = Converter::new();
+    let mut read = |count: u8| {
+        let addresses = "10 01 03 A2 00 00 ".repeat(count.into());
+        drive.ask(VLT, &format!("05 01 00 {count:02X} {addresses}"))
+    };
+    for found in [0, 38, 39, 255] {
+        assert_eq!(read(found), Err(Refusal::Parameters { found, allowed: 37 }));
+    }
+    assert_eq!(read(37).unwrap()[..8], hex("05 01 00 25 06 01 00 01"));
+    let one = "05 01 00 01 10 01 03 A2 00 00";
+    let answer = drive.ask(VLT, one);
+    assert_eq!(
+        drive.ask(VLT, &format!("{one} 06 01 00 02")),
+        Err(Refusal::Length)
+    );
+    assert_eq!(drive.ask(VLT, &format!("{one} 00 00 00 00")), answer);
+    let change = "05 02 00 02 10 01 00 01 00 00 10 01 01 55 00 00 05 01 02 00 07 01 00 00 01 F4";
+    assert_eq!(drive.ask(VLT, change).unwrap(), hex("05 02 00 02"));
+    let written = [(1, 0, 2, Keep::Volatile), (341, 0, 500, Keep::Volatile)];
+    assert_eq!(drive.writes, written);
+}
