@@ -293,14 +293,14 @@ fn a_restore_says_what_becomes_of_texts_and_of_numbers() {
     let file = folder.file("before.backup");
     ok(&["backup", &drive, "-o", &file]);
     let text = "over power-off: at a serial line it saves text with every write";
-    let lost = "not saved: until the next power cycle; with --save the drive keeps them";
+    let lost = "not saved: lost at the next power cycle (use --save)";
     for (changed, texts, others) in [
         (&["0-37=PUMP"][..], Some("keeps them"), None),
         (&["3-41=5s"], None, Some(lost)),
         (
             &["0-37=PUMP", "3-41=5s"],
             Some("keeps the texts"),
-            Some("the other values are not saved: until"),
+            Some("the other values are not saved: lost"),
         ),
     ] {
         ok(&[&["write", &drive], changed].concat());
@@ -308,7 +308,7 @@ fn a_restore_says_what_becomes_of_texts_and_of_numbers() {
         assert_eq!(told.contains(text), texts.is_some(), "{told}");
         assert!(texts.is_none_or(|words| told.contains(words)), "{told}");
         assert_eq!(
-            told.contains("until the next power cycle"),
+            told.contains("lost at the next power cycle"),
             others.is_some(),
             "{told}"
         );
