@@ -63,6 +63,30 @@ fn reboot_restarts_the_drive_with_its_saved_values() {
     assert!(!saved(&mut bus).contains("REBOOT"));
 }
 
+/// 5.8 and 5.11.9: DRV_ACC of telegram 354 outside the limits of DRV.ACC.
+#[test]
+fn a_setpoint_outside_its_limits_is_ignored_and_reported() {
+    let mut bus = Bus::new();
+    bus.connect(354);
+    bus.send(&[0x04, 0x06, 0, 0, 0, 4, 0, 4], 4);
+    events(&mut bus);
+    bus.send(&[0x04, 0x06, 0, 0, 0xFF, 0xFF, 0, 4], 4);
+    let told = events(&mut bus);
+    assert_eq!(
+        told,
+        [StationEvent::SetpointIgnored {
+            pnu: 108,
+            raw: 0xFFFF
+        }]
+    );
+    let words = told[0].words(bus.station().drive().model().catalogue).unwrap();
+    assert!(
+        words.starts_with("setpoint DRV_ACC (108) = 65535 ignored"),
+        "{words}"
+    );
+    assert_eq!(bus.read(108, 0), 4);
+}
+
 /// What a virtual drive has not is refused with 0x11 and reported; what has nothing to do is done.
 #[test]
 fn commands_that_a_virtual_drive_cannot_do_are_refused() {

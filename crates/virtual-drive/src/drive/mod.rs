@@ -107,6 +107,14 @@ pub enum Event {
     ApplyAddress,
     /// The address settings are those of the delivery at the next power-on (button B1).
     AddressReset,
+    /// A setpoint of the telegram is outside the limits of the parameter that it stands for: that one keeps its value. Once,
+    /// until the setpoint is inside again.
+    Ignored {
+        /// Number of the setpoint.
+        pnu: u16,
+        /// As it came.
+        raw: i64,
+    },
     /// A command was refused because a virtual drive has not what it is about.
     Unable {
         /// Its number.

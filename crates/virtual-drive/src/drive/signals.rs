@@ -9,7 +9,7 @@ use profidrive::telegram::{Field, Mapping, Telegram, signal};
 use profidrive::unit::akd;
 
 use super::words::{ChosenWord, MOST_WORDS};
-use super::{Disconnect, Drive, Link};
+use super::{Disconnect, Drive, Event, Link};
 use crate::model::{Live, Model};
 
 /// Number of the telegram in use until a controller or PNU 922 chooses another.
@@ -48,6 +48,8 @@ pub(super) struct Process {
     gives: Vec<(Field, Option<usize>)>,
     /// Value of each setpoint signal as it came last.
     values: [i64; SIGNALS],
+    /// One bit for each setpoint signal that is ignored now.
+    ignored: u128,
     /// Status word 2 as sent last.
     status2: i64,
     /// Control word as received last.
@@ -77,6 +79,7 @@ impl Process {
             takes: Vec::with_capacity(MOST_FIELDS),
             gives: Vec::with_capacity(MOST_FIELDS),
             values: [0; SIGNALS],
+            ignored: 0,
             status2: 0,
             control: Stw1::default(),
             status: 0x0240,
@@ -123,6 +126,7 @@ impl Process {
             .filter(|telegram| telegram.vendor.is_some());
         self.control = Stw1::default();
         self.orders = Orders::default();
+        self.ignored = 0;
         self.status2 = 0;
         self.speed = 0.0;
         self.current = 0.0;
@@ -145,6 +149,20 @@ impl Process {
         if let Some(place) = self.values.get_mut(usize::from(number)) {
             *place = value;
         }
+    }
+
+    /// Notes whether a setpoint signal is ignored; true when it is and was not before.
+    const fn note_ignored(&mut self, number: u16, ignored: bool) -> bool {
+        let Some(bit) = 1_u128.checked_shl(number as u32) else {
+            return false;
+        };
+        let before = self.ignored & bit != 0;
+        if ignored {
+            self.ignored |= bit;
+        } else {
+            self.ignored &= !bit;
+        }
+        ignored && !before
     }
 
     /// The control and status word of the telegram in use have the maker's bits.
@@ -239,7 +257,7 @@ impl Drive {
     }
 
     /// A setpoint signal has a value now, out of a frame or written as parameter. Where it stands for another parameter
-    /// (DRV_ACC for DRV.ACC) the limits of that one hold, and what is outside of them changes nothing there.
+    /// (DRV_ACC for DRV.ACC) the limits of that one hold; what is outside of them changes nothing there and is reported.
     pub(super) fn take_setpoint(&mut self, number: u16, position: Option<usize>, value: i64) {
         self.process.set_signal(number, value);
         match number {
@@ -249,12 +267,21 @@ impl Drive {
             }
             _ => {
                 let Some(position) = position else { return };
-                if let Some(Live::Through(other)) = self.live.get(position).copied()
-                    && let Some(parameter) = self.model.catalogue.parameters.get(position)
-                    && self.differs(parameter, other, value)
-                    && self.write_same(parameter, other, value).is_ok()
-                {
+                let Some(Live::Through(other)) = self.live.get(position).copied() else {
+                    return;
+                };
+                let Some(parameter) = self.model.catalogue.parameters.get(position) else {
+                    return;
+                };
+                let written = self
+                    .differs(parameter, other, value)
+                    .then(|| self.write_same(parameter, other, value));
+                if written == Some(Ok(())) {
                     self.apply();
+                }
+                if self.process.note_ignored(number, matches!(written, Some(Err(_)))) {
+                    let pnu = parameter.pnu;
+                    self.emit(Event::Ignored { pnu, raw: value });
                 }
             }
         }

@@ -48,6 +48,13 @@ pub enum StationEvent {
     AddressReset,
     /// Has an address that no DCP set, [`IpSuite::NONE`] when it is lost.
     AddressFound(IpSuite),
+    /// Ignores a setpoint of the telegram that is outside its limits.
+    SetpointIgnored {
+        /// Number of the setpoint.
+        pnu: u16,
+        /// As it came.
+        raw: i64,
+    },
     /// Refused a command that the virtual drive does not simulate.
     Unable {
         /// Number of the command.
@@ -112,6 +119,7 @@ impl From<DriveEvent> for StationEvent {
             DriveEvent::Restart => Self::Restarting,
             DriveEvent::ApplyAddress => Self::AddressApplied,
             DriveEvent::AddressReset => Self::AddressReset,
+            DriveEvent::Ignored { pnu, raw } => Self::SetpointIgnored { pnu, raw },
             DriveEvent::Unable { pnu } => Self::Unable { pnu },
         }
     }
@@ -130,6 +138,10 @@ impl StationEvent {
             Self::AddressReset => "address settings reset, effective at the next power-on".into(),
             Self::AddressFound(suite) if suite.is_set() => format!("address {}", suite.address),
             Self::AddressFound(_) => "address lost".into(),
+            Self::SetpointIgnored { pnu, raw } => {
+                let name = catalogue.by_pnu(*pnu).map_or("", |parameter| parameter.name);
+                format!("setpoint {name} ({pnu}) = {raw} ignored: outside its limits, the last value stays")
+            }
             Self::Unable { pnu } => {
                 let name = catalogue.by_pnu(*pnu).map_or("", |parameter| parameter.name);
                 format!(
