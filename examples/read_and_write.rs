@@ -6,8 +6,8 @@ mod common;
 
 use std::error::Error;
 
-use drive_client::parameter::Assignment;
 use drive_client::{DriveAddress, WriteMode};
+use profidrive::value::Assignment;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut session = common::session();

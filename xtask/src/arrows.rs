@@ -18,13 +18,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("network", &["profinet"]),
     (
         "scenario",
-        &[
-            "profidrive",
-            "profinet",
-            "virtual-drive",
-            "drive-client",
-            "network",
-        ],
+        &["profidrive", "profinet", "virtual-drive", "network"],
     ),
     (
         "profidrive-cli",

@@ -177,8 +177,8 @@ pub fn hint(error: &drive_client::Error, of_kind: Option<String>) -> Option<Stri
     (!all.is_empty()).then(|| all.join("; "))
 }
 
-impl From<drive_client::parameter::ParameterProblem> for Failure {
-    fn from(problem: drive_client::parameter::ParameterProblem) -> Self {
+impl From<profidrive::value::ParameterProblem> for Failure {
+    fn from(problem: profidrive::value::ParameterProblem) -> Self {
         drive_client::Error::from(problem).into()
     }
 }

@@ -108,9 +108,9 @@ pub fn decode_frames<'a>(frames: impl IntoIterator<Item = (Duration, &'a [u8])>)
 pub fn decode_octets(octets: &[u8]) -> Vec<String> {
     use job::{JobDrive, pkw, serial, telegram};
     let mut lines = Vec::new();
-    for drive in drive_client::Model::NAMES
+    for drive in profidrive::model::Model::NAMES
         .iter()
-        .filter_map(|name| drive_client::Model::by_name(name))
+        .filter_map(|name| profidrive::model::Model::by_name(name))
         .map(JobDrive::new)
     {
         let mut told = vec![

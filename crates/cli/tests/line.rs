@@ -6,11 +6,12 @@ use std::time::Duration;
 
 use bench::line::{Line, Shared, bench, bench_of, find};
 use drive_client::axis::Purpose;
-use drive_client::parameter::Selection;
-use drive_client::{AxisSettings, Drive, Error, Model, Session, StopWay, WriteMode};
+use drive_client::{AxisSettings, Drive, Error, Session, StopWay, WriteMode};
+use profidrive::model::Model;
 use profidrive::notation::ParameterReference;
 use profidrive::pkw::PkwErrorNumber;
 use profidrive::state::State;
+use profidrive::value::Selection;
 use uss::{Protocol, SlaveConfig};
 use virtual_drive::model;
 use virtual_drive::serial::{SerialConfig, SerialStation};

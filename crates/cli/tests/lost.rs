@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use bench::watched::bench;
 use bench::world::{Accident, Transport, World};
-use drive_client::parameter::Assignment;
 use drive_client::{Action, AxisSettings, Error, WriteMode};
+use profidrive::value::Assignment;
 use virtual_drive::model;
 
 /// Steps of the medium from the begin of the stop until the cable is cut: well inside the ramp.

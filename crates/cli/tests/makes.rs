@@ -15,14 +15,15 @@ use std::time::Duration;
 use bench::{Bench, bench_of, find, ip, select, with_drive};
 use drive_client::axis::{Jog, Purpose, SpeedUnit};
 use drive_client::backup::{Backup, Choice, Journal, compare};
-use drive_client::parameter::{Assignment, Content};
 use drive_client::status::diagnose;
-use drive_client::{AxisSettings, Described, DescribedLimits, Drive, Error, Model, StopWay, WriteMode};
+use drive_client::{AxisSettings, Described, DescribedLimits, Drive, Error, StopWay, WriteMode};
 use network::host::Host;
 use profidrive::catalogue::{Catalogue, Part};
+use profidrive::model::Model;
 use profidrive::notation::Notation;
 use profidrive::parameter::{Dialect, RequestId};
 use profidrive::state::{Mode, Profile, State};
+use profidrive::value::{Assignment, Content};
 use profinet::MacAddress;
 use profinet::device::Stored;
 use virtual_drive::model;
@@ -210,7 +211,7 @@ fn texts_and_selections_are_told_in_words() {
         let all: Vec<_> = tables
             .parameters
             .iter()
-            .map(|parameter| drive_client::parameter::Selection::of(parameter, tables.notation))
+            .map(|parameter| profidrive::value::Selection::of(parameter, tables.notation))
             .collect();
         let answers = session.read(&mut drive, &all).expect("read");
         assert!(answers.iter().filter(|answer| answer.is_ok()).count() >= tables.parameters.len());

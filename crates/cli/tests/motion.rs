@@ -8,12 +8,12 @@ use std::time::Duration;
 
 use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
 use drive_client::axis::{Move, Objection, Purpose, Trouble};
-use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
 use drive_client::{AxisSettings, Drive, Error, LocalControl, MakerModule, StopWay, WriteMode};
 use profidrive::notation::Position;
 use profidrive::parameter::{Keep, ParameterAccess};
 use profidrive::state::{Mode, State};
+use profidrive::value::Assignment;
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 use virtual_drive::description::TelegramModule;
 

@@ -9,13 +9,13 @@ use std::time::Duration;
 
 use bench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
 use drive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
-use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, diagnose};
 use drive_client::{AxisSettings, Drive, Enabled, Error, WriteMode};
 use network::host::StationId;
 use network::segment::SegmentMedium;
 use profidrive::notation::Position;
 use profidrive::state::Mode;
+use profidrive::value::Assignment;
 use proptest::prelude::*;
 use virtual_drive::drive::Injection;
 

@@ -10,11 +10,11 @@ use std::time::Duration;
 
 use bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select, station};
 use drive_client::axis::{Goal, Trouble};
-use drive_client::parameter::{Assignment, Selection};
 use drive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Session, WriteMode};
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive::catalogue::AKD;
+use profidrive::value::{Assignment, Selection};
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::wire::ethernet::Frame;

@@ -8,9 +8,9 @@ use std::time::Duration;
 
 use bench::{bench, find, is_at_rest, with_drive};
 use drive_client::axis::{Move, Objection, Purpose};
-use drive_client::parameter::{Assignment, ParameterProblem};
 use drive_client::{AxisSettings, Error, WriteMode};
 use profidrive::notation::Position;
+use profidrive::value::{Assignment, ParameterProblem};
 use virtual_drive::drive::Injection;
 
 /// A warning is told by number when it comes, once, also one that comes while another is there.

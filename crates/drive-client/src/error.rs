@@ -1,6 +1,7 @@
 //! Everything that can go wrong between a person's wish and a drive, by kind.
 
 mod hint;
+mod problem;
 mod refusal;
 mod text;
 
@@ -14,9 +15,9 @@ use profinet::MacAddress;
 use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
 use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
-use crate::parameter::ParameterProblem;
 use crate::session::{LocalControl, LossReaction};
 use crate::{Action, AtWork, ClosedRoute, DriveAddress};
+use profidrive::value::ParameterProblem;
 
 pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
 pub use text::describe;
@@ -382,7 +383,7 @@ pub enum Error {
         now: u16,
     },
     /// A speed that cannot be told to the drive, and what can is too far away
-    /// ([`MOST_ROUNDING`](crate::parameter::MOST_ROUNDING)); nothing was sent.
+    /// ([`MOST_ROUNDING`](profidrive::value::MOST_ROUNDING)); nothing was sent.
     #[error(
         "{drive}: {} {unit} cannot be told: the nearest speeds are {} {unit} and {} {unit}",
         figures(*.wanted),

@@ -13,8 +13,8 @@ use profidrive::parameter::{CodeSpace, Description, Dialect, Format, Identifier,
 use profidrive::unit::{ConversionIndex, Variable};
 use profinet::controller::Station;
 
-use crate::Model;
 use crate::modules::UNKNOWN;
+use profidrive::model::Model;
 
 /// Kinds of drives that are kept.
 pub const MOST_KINDS: usize = 16;

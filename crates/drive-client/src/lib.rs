@@ -8,7 +8,7 @@
 //! |---|---|
 //! | find, name, address, blink, reset | [`Session::scan`], [`Session::find`], [`Session::set_name`], [`Session::set_ip`], .. |
 //! | know | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
-//! | read and write | [`Session::read`], [`Session::write`] with [`parameter`] |
+//! | read and write | [`Session::read`], [`Session::write`] with [`profidrive::value`] |
 //! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::restore`] |
 //! | the same over a serial line | [`Session::on_line`] and a [`Wire`] of octets |
 //! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
@@ -25,16 +25,16 @@ mod learn;
 mod line;
 mod mapper;
 mod modules;
-pub mod parameter;
 mod session;
 pub mod status;
 pub mod text;
+mod wide;
 mod wire;
 
 pub use action::Action;
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
-pub use drive::{Channel, Drive, Model, PROFIDRIVE_API};
+pub use drive::Drive;
 pub use error::{ChannelCause, ChannelRefusal, Error, NotCarried, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;

@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::time::Duration;
 
-use drive_client::parameter::{Assignment, Parameters};
 use profidrive::catalogue::Scaling;
 use profidrive::notation::Quantity;
+use profidrive::value::{Assignment, Parameters};
 use profinet::wire::dcp::check_name;
 use profinet::{IpSuite, MacAddress};
 use serde::Deserialize;

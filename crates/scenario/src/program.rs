@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use drive_client::parameter::Parameters;
 use profidrive::catalogue::Scaling;
 use profidrive::notation::{Quantity, UnitMismatch};
 use profidrive::telegram::{Direction, Field, Signal, Telegram, signal};
+use profidrive::value::Parameters;
 use profinet::cyclic::Timing;
 use serde::Deserialize;
 use toml::Spanned;

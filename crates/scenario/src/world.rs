@@ -2,18 +2,20 @@
 
 use std::time::Duration;
 
-use drive_client::modules_of;
-use drive_client::parameter::{Assignment, ParameterProblem, Parameters};
 use network::host::Host;
 use network::segment::{Segment, StationId, Tap};
 use profidrive::catalogue::Catalogue;
 use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess};
 use profidrive::state::Zsw1;
-use profinet::controller::{ArId, ConnectConfig, Controller, ControllerConfig, Event, Resolve, Target};
+use profidrive::value::{Assignment, ParameterProblem, Parameters};
+use profinet::controller::{
+    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, Resolve, SubmoduleConfig, Target,
+};
 use profinet::cyclic::Timing;
-use profinet::device::Stored;
+use profinet::device::{ModuleDescription, Stored};
 use profinet::wire::block::ModuleState;
 use profinet::{Instant, IpSuite};
+use virtual_drive::description::Description;
 use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationConfig};
 
@@ -419,12 +421,38 @@ fn free_address(scenario: &Scenario, beside: IpSuite, number: usize) -> Option<I
     })
 }
 
+/// What a controller expects to be plugged in a drive of this model with this telegram.
+fn expected_modules(model: &'static Model, telegram: u16) -> Vec<ModuleConfig> {
+    let description = Description::of(model);
+    let access_point = description.access_points.first().map(|module| (0, module));
+    let mut telegrams = description.telegrams.iter();
+    let chosen = telegrams
+        .find(|module| module.telegram == telegram)
+        .map(|module| (module.slot, &module.module));
+    access_point.into_iter().chain(chosen).map(expected).collect()
+}
+
+fn expected((slot, module): (u16, &ModuleDescription)) -> ModuleConfig {
+    let submodules = module.submodules.iter().map(|submodule| SubmoduleConfig {
+        subslot: submodule.subslot,
+        ident: submodule.ident,
+        input_length: submodule.input_length,
+        output_length: submodule.output_length,
+    });
+    ModuleConfig {
+        api: module.submodules.first().map_or(0, |submodule| submodule.api),
+        slot,
+        ident: module.ident,
+        submodules: submodules.collect(),
+    }
+}
+
 impl Desk {
     fn new(id: StationId, plan: &ControllerPlan, drive: &DrivePlan) -> Self {
         let device = &drive.model.catalogue.device;
         // the file was checked: only telegrams of the model come here
         let module = device.telegram(plan.telegram);
-        let modules = module.map_or_else(Vec::new, |module| modules_of(device, module));
+        let modules = expected_modules(drive.model, plan.telegram);
         let outputs = module.map_or(0, |module| module.outputs);
         // the file was checked: only update times that exist come here
         let timing = Timing::for_interval(plan.cycle).unwrap_or(Timing {

@@ -82,7 +82,7 @@ fn telegram_after(config: StationConfig, modules: Vec<ModuleConfig>, interval: u
     }
     assert!(pair.station.device().is_exchanging());
     // PNU 922
-    let axis = pair.station.drive().model().dialect.axis;
+    let axis = pair.station.drive().model().known.dialect.axis;
     let request = [1, 1, axis, 1, 0x10, 1, 0x03, 0x9A, 0, 0];
     let mut answer = [0; 240];
     pair.station.drive_mut().serve(&request, &mut answer).unwrap();

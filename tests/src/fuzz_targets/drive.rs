@@ -88,7 +88,7 @@ pub fn converter(data: &[u8]) {
             }
             Step::Datagram(job) => {
                 if let Ok(length) = drive.serve(job, &mut out) {
-                    assert!(length <= model.dialect.max_block);
+                    assert!(length <= model.known.dialect.max_block);
                     assert_eq!(out[0], job[0]);
                 }
             }

@@ -75,7 +75,7 @@ pub static LINES: &[Line] = &[
         assert_eq!(answer, expected);
     }),
     all(19, |bench| {
-        let count = bench.make.model.dialect.max_parameters;
+        let count = bench.make.model.known.dialect.max_parameters;
         let mut request = vec![0x13, 1, bench.make.axis, count];
         (0..count).for_each(|_| request.extend([0x10, 8, 0x03, 0xB3, 0, 0]));
         let answer = bench.job(&request);
@@ -184,7 +184,7 @@ pub static LINES: &[Line] = &[
             }
             assert_eq!(answer[4..6], [0x0A, 46], "{pnu}: {answer:02X?}");
             let elements = u16::from_be_bytes([answer[8], answer[9]]).max(1);
-            let most = bench.make.model.dialect.max_values.min(100);
+            let most = bench.make.model.known.dialect.max_values.min(100);
             let before = list.len();
             let mut first = 0;
             while first < elements {

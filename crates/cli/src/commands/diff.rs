@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use drive_client::backup::{Backup, Difference, Side, TasksTold, compare, compare_tasks};
-use drive_client::parameter::Reading;
 use drive_client::{Drive, DriveAddress};
 use profidrive::catalogue::Role;
+use profidrive::value::Reading;
 use serde_json::{Map, Value};
 
 use super::backup::{self, task_json};

@@ -1,7 +1,7 @@
 //! `profidrive explain 0x047F --as stw1`
 
-use drive_client::Model;
 use profidrive::catalogue::{AKD, Catalogue, VLT};
+use profidrive::model::Model;
 use profidrive::pkw::{PkwDialect, ReplyCode, RequestCode};
 use profidrive::state::bits::{self as state_bits, Bit};
 use profidrive::state::{Mode, Profile};

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use drive_client::parameter::Assignment;
 use drive_client::status::{Cause, Note, diagnose};
 use drive_client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
 use profidrive::catalogue::{Cleared, Role};
 use profidrive::fault::Counting;
+use profidrive::value::Assignment;
 use serde_json::{Map, Value};
 
 use crate::args::Interface;
@@ -384,7 +384,7 @@ mod tests {
                 let shown = format!("{next} {} {clearing} {ends}", row.remedy);
                 for name in named(&shown) {
                     let reference: ParameterReference = name.parse().unwrap();
-                    let parameters = drive_client::parameter::Parameters {
+                    let parameters = profidrive::value::Parameters {
                         catalogue: Some(tables),
                         scaling: tables.scaling,
                     };

@@ -1,9 +1,10 @@
 //! `profidrive info DRIVE`
 
-use drive_client::parameter::Reading;
-use drive_client::{Drive, FaultEntry, Identity, Info, PROFIDRIVE_API, describe};
+use drive_client::{Drive, FaultEntry, Identity, Info, describe};
+use profidrive::model::PROFIDRIVE_API;
 use profidrive::parameter::pnu;
 use profidrive::state::{Mode, bits};
+use profidrive::value::Reading;
 use profinet::wire::record::IdentifiedModule;
 use serde_json::Value;
 

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use clap::Args;
 use drive_client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
-use drive_client::parameter::{Assignment, Content, Parameters, Reading, Selection};
 use drive_client::{Drive, Error, JogSpeed, WriteMode};
 use profidrive::notation::{Number, ParameterReference, Quantity};
+use profidrive::value::{Assignment, Content, Parameters, Reading, Selection};
 
 use super::axis::{self, End};
 use super::rehearse;

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use drive_client::axis::Purpose;
-use drive_client::parameter::{ParameterProblem, Selection};
 use drive_client::{Drive, Error, Snapshot};
 use profidrive::notation::ParameterReference;
 use profidrive::state::{State, Zsw1};
+use profidrive::value::{ParameterProblem, Selection};
 use serde_json::Value;
 
 use super::axis::{self, End, FOR_EVER, told};
@@ -211,7 +211,7 @@ fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output
         return;
     }
     let word = |word: Option<u16>| word.map_or_else(|| "-".into(), hex16);
-    let speed = |reading: &Option<drive_client::parameter::Reading>| {
+    let speed = |reading: &Option<profidrive::value::Reading>| {
         reading.as_ref().map_or_else(|| "-".into(), value::full)
     };
     let mut line = format!(

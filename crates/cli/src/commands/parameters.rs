@@ -6,12 +6,12 @@ mod list;
 mod write;
 
 use drive_client::Refusal;
-use drive_client::parameter::{ParameterProblem, Parameters, Reading, Selection};
 use profidrive::catalogue::{Access, Catalogue, Parameter, Part};
 use profidrive::notation::{ParameterReference, Shown};
 use profidrive::parameter::pnu;
 use profidrive::state::Mode;
 use profidrive::telegram::Telegram;
+use profidrive::value::{ParameterProblem, Parameters, Reading, Selection};
 use serde_json::{Map, Value};
 use uss::Protocol;
 

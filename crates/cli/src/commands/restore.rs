@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use drive_client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
-use drive_client::{Drive, Error, Model, describe};
+use drive_client::{Drive, Error, describe};
 use network::files::StateFile;
 use profidrive::catalogue::Role;
+use profidrive::model::Model;
 use profidrive::parameter::Saving;
 use serde_json::{Map, Value};
 

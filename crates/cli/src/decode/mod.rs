@@ -33,7 +33,7 @@ mod udp;
 use std::collections::HashMap;
 use std::time::Duration;
 
-use drive_client::Model;
+use profidrive::model::Model;
 use profinet::MacAddress;
 use profinet::wire::DecodeError;
 use profinet::wire::ethernet::{Frame, FrameKind};

@@ -1,8 +1,7 @@
 //! What a job is read with: the model of its drive, and what is known of the values that scale others.
 
-use drive_client::Model;
-use drive_client::parameter::{Interpretation, Parameters, Reading, Selection, take_scale};
 use profidrive::catalogue::{Catalogue, Parameter, Part, RecordView, Scale};
+use profidrive::model::Model;
 use profidrive::notation::{Elements, Notation, ParameterReference, Prefix, Target};
 use profidrive::parameter::{
     CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, Request, ValueBlock, objections, pnu,
@@ -10,6 +9,7 @@ use profidrive::parameter::{
 use profidrive::pkw::PkwDialect;
 use profidrive::state::{Mode, Profile};
 use profidrive::telegram::{Telegram, signal};
+use profidrive::value::{Interpretation, Parameters, Reading, Selection, take_scale};
 use profinet::wire::Uuid;
 
 /// Words of one direction that are remembered.

@@ -1,6 +1,6 @@
 //! Error numbers and formats of parameter jobs in words.
 
-use drive_client::Model;
+use profidrive::model::Model;
 use profidrive::parameter::{CodeSpace, ErrorNames, ErrorNumber, Format};
 use profidrive::pkw::PkwErrorNames;
 use serde_json::{Map, Value};

@@ -8,11 +8,11 @@ mod response;
 pub mod serial;
 pub mod telegram;
 
-use drive_client::parameter::Reading;
 use profidrive::catalogue::WordKind;
 use profidrive::parameter::{
     Attribute, CodeSpace, Description, Format, ParameterAddress, Request, RequestId, ValueBlock,
 };
+use profidrive::value::Reading;
 use serde_json::{Map, Value};
 
 use crate::args::Side;

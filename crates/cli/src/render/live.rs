@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use drive_client::AxisStatus;
 use drive_client::axis::SpeedUnit;
-use drive_client::parameter::Beyond;
 use profidrive::state::{Mode, bits};
+use profidrive::value::Beyond;
 use serde_json::Value;
 
 use super::{hex16, nibbles, words};

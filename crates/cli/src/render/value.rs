@@ -1,6 +1,6 @@
 //! Values in words.
 
-use drive_client::parameter::{Content, Reading};
+use profidrive::value::{Content, Reading};
 use serde_json::Value;
 
 use super::table::clean;
@@ -137,8 +137,8 @@ fn trimmed(value: f64, decimals: u8) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use drive_client::parameter::{Interpretation, Parameters};
     use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::value::{Interpretation, Parameters};
 
     fn read(text: &str, octets: &[u8]) -> Reading {
         let drive = Parameters {

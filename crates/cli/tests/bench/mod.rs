@@ -11,12 +11,12 @@ use std::net::Ipv4Addr;
 use std::path::Path;
 use std::time::Duration;
 
-use drive_client::parameter::Selection;
 use drive_client::{Client, Drive, DriveAddress, Error, Session};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profidrive::catalogue::AKD;
 use profidrive::notation::ParameterReference;
+use profidrive::value::Selection;
 use profinet::controller::{
     ArId, ConnectConfig, ControllerConfig, ModuleConfig, Resolve, SubmoduleConfig, Target,
 };

@@ -6,9 +6,10 @@ use std::fmt;
 use std::rc::Rc;
 use std::time::Duration;
 
-use drive_client::{Client, Drive, DriveAddress, Error, LineConfig, Model, Session, Wire};
+use drive_client::{Client, Drive, DriveAddress, Error, LineConfig, Session, Wire};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
+use profidrive::model::Model;
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::{Instant, IpSuite, MacAddress, Medium};

@@ -44,8 +44,12 @@ fn vlt_without_request() -> &'static model::Model {
         requests: &[RequestId::Read, RequestId::Change],
         ..Dialect::VLT
     };
-    Box::leak(Box::new(model::Model {
+    static KNOWN: Model = Model {
         dialect: &DIALECT,
+        ..profidrive::model::VLT
+    };
+    Box::leak(Box::new(model::Model {
+        known: &KNOWN,
         ..model::VLT
     }))
 }

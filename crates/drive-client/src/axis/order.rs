@@ -8,7 +8,7 @@ use profidrive::notation::Position;
 use profidrive::telegram::signal;
 
 use super::command::Traverse;
-use crate::parameter::is_another;
+use profidrive::value::is_another;
 
 pub use modulo::ModuloRange;
 pub use objection::Objection;
@@ -146,7 +146,7 @@ pub struct MovePlan {
 /// Plans a move: engineering units into what travels, checked against what the drive says and the caller allows.
 ///
 /// A ramp becomes the nearest step that the drive can take, at least one, which is told; a target is exact to half an
-/// increment. A speed that would become another one ([`MOST_ROUNDING`](crate::parameter::MOST_ROUNDING)) and a distance
+/// increment. A speed that would become another one ([`MOST_ROUNDING`](profidrive::value::MOST_ROUNDING)) and a distance
 /// that would become none are objections.
 #[must_use]
 pub fn plan_move(

@@ -2,7 +2,7 @@
 
 use super::{Backup, key};
 use crate::Refusal;
-use crate::parameter::Reading;
+use profidrive::value::Reading;
 
 /// One side of a difference.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,7 +5,8 @@ use profidrive::unit::UnitChoice;
 
 use super::TasksTold;
 use crate::text::{escape, unescape};
-use crate::{Drive, Identity, Model};
+use crate::{Drive, Identity};
+use profidrive::model::Model;
 
 /// Whose settings they are. No date: the same settings give the same text.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

@@ -5,7 +5,7 @@ use std::fmt;
 use super::print::unit;
 use super::{Backup, Plan, Task, key};
 use crate::Refusal;
-use crate::parameter::{Content, Reading};
+use profidrive::value::{Content, Reading};
 
 /// How far one value is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -52,8 +52,9 @@ pub use plan::{Change, Choice, Plan, Skip, Skipped, TaskChange, TaskSkipped};
 pub(crate) use task::Window;
 pub use task::{Task, TaskDifference, TasksTold, compare_tasks};
 
-use crate::parameter::{Parameters, Reading, Selection};
-use crate::{Model, Refusal};
+use crate::Refusal;
+use profidrive::model::Model;
+use profidrive::value::{Parameters, Reading, Selection};
 
 /// The numbers that the profile itself uses: identification, telegram, lists, faults.
 const PROFILE: std::ops::RangeInclusive<u16> = 900..=999;

@@ -12,7 +12,7 @@ use super::header::Header;
 use super::print::{FORM, MAGIC, plain};
 use super::task::{self, Name};
 use super::{Backup, Task, key};
-use crate::parameter::{Interpretation, ParameterProblem, Parameters, Reading, Selection};
+use profidrive::value::{Interpretation, ParameterProblem, Parameters, Reading, Selection};
 
 /// Longest text that is read: far more than any drive needs.
 pub const MAX_TEXT: usize = 4 << 20;

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use profidrive::notation::{Elements, ParameterReference, ReferenceError, Target};
 
-use crate::parameter::Reading;
+use profidrive::value::Reading;
 
 /// A name with `*` for any part and `?` for any character, or a number with its elements.
 ///

@@ -5,8 +5,8 @@ use profidrive::notation::Shown;
 
 use super::{Backup, Header, Pattern, Task, TasksTold, rule, selection, task};
 use crate::Refusal;
-use crate::parameter::{Content, Interpretation, Parameters, Reading, Selection};
-use crate::session::take_scale;
+use profidrive::value::take_scale;
+use profidrive::value::{Content, Interpretation, Parameters, Reading, Selection};
 
 /// What a person wants to have restored.
 #[derive(Debug, Clone, Default, PartialEq)]

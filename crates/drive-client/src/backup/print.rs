@@ -9,8 +9,8 @@ use profidrive::parameter::{CodeSpace, Format};
 use super::parse::nearest;
 use super::task::Name;
 use super::{Backup, selection};
-use crate::parameter::{Content, Parameters, Reading};
 use crate::text::{escape, is_unsafe};
+use profidrive::value::{Content, Parameters, Reading};
 
 /// Version of the form, the number in the first line.
 pub const FORM: u32 = 1;

@@ -7,7 +7,7 @@ use profidrive::notation::Notation;
 use profidrive::parameter::{CodeSpace, Format};
 
 use super::{Backup, Pattern, print};
-use crate::parameter::{Interpretation, Parameters, Reading, Selection};
+use profidrive::value::{Interpretation, Parameters, Reading, Selection};
 
 /// The number of the row in the window, and the commands that work on it.
 const NUMBER: &str = "MT.NUM";

@@ -7,7 +7,7 @@ use profidrive::unit::UnitChoice;
 use proptest::prelude::*;
 
 use super::*;
-use crate::parameter::Interpretation;
+use profidrive::value::Interpretation;
 
 fn header() -> Header {
     Header {

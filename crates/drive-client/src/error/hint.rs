@@ -144,7 +144,7 @@ impl Error {
                     .into()
             }
             Self::Refused { refusal, .. } => refusal.remedy()?.into(),
-            Self::Parameter(problem) => problem.hint()?,
+            Self::Parameter(problem) => super::problem::hint(problem)?,
             Self::Axis { trouble, .. } => match trouble {
                 Trouble::Fault => "`profidrive faults DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",
                 Trouble::FaultStays => "remove the cause, then acknowledge again",

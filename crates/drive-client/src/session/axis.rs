@@ -21,8 +21,8 @@ use crate::axis::{
     Strained,
 };
 use crate::client::AxisView;
-use crate::parameter::{Beyond, is_another, is_rounding};
 use crate::{Connection, Drive, Error, Link, Wire};
+use profidrive::value::{Beyond, is_another, is_rounding};
 
 /// How to run an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,11 +6,12 @@ use profidrive::parameter::{ErrorNumber, Format, Identifier, Saving, plan_change
 use profidrive::state::Zsw1;
 
 use super::Session;
-use super::parameters::{Outgoing, format_of, saver};
+use super::parameters::{Outgoing, saver};
 use super::prepare::zsw1_of;
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
-use crate::parameter::{Interpretation, Selection, halves};
+use crate::wide::halves;
 use crate::{Drive, Error, Refusal, Wire};
+use profidrive::value::{Interpretation, Selection};
 
 /// The lists of all parameters of a drive.
 pub(super) const LISTS: std::ops::RangeInclusive<u16> = 980..=989;
@@ -345,7 +346,7 @@ impl<M: Wire> Session<M> {
         let selection = Selection::of(command, drive.parameters.notation());
         let outgoing = Outgoing {
             selection,
-            format: format_of(command, drive.model.dialect),
+            format: command.format_in(drive.model.dialect),
             count: 1,
             octets: vec![0; command.octets().saturating_sub(1)]
                 .into_iter()

@@ -5,8 +5,8 @@ use profidrive::parameter::{Description, Identifier, Kind};
 
 use super::Session;
 use crate::learn::Values;
-use crate::parameter::Selection;
 use crate::{Drive, Error, Wire};
+use profidrive::value::Selection;
 
 /// What a drive says of one of its parameters: its description (attribute 0x20) and its texts (attribute 0x30).
 #[derive(Debug, Clone, PartialEq)]

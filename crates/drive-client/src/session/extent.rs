@@ -4,8 +4,8 @@ use profidrive::notation::Notation;
 use profidrive::parameter::Identifier;
 
 use super::Session;
-use crate::parameter::Selection;
 use crate::{Drive, Error, Wire};
+use profidrive::value::Selection;
 
 /// What one request can carry: a parameter that has an element behind that is read up to here.
 const MOST: u16 = 234;

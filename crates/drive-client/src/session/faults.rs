@@ -8,8 +8,8 @@ use profidrive::parameter::pnu;
 use super::Session;
 use super::prepare::zsw1_of;
 use super::told::Told;
-use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
+use profidrive::value::{Reading, Selection};
 
 /// What is asked beside the buffer.
 const PARTS: [Part; 10] = [

@@ -11,8 +11,8 @@ use profinet::wire::{DecodeError, Reader, Uuid};
 use super::Session;
 use super::route::Route;
 use super::told::places;
-use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
+use profidrive::value::{Reading, Selection};
 
 /// Subslot of the first port, in slot 0.
 const FIRST_PORT: u16 = 0x8001;

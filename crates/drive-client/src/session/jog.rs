@@ -6,8 +6,8 @@ use profidrive::state::Profile;
 
 use super::Session;
 use crate::axis::Jog;
-use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Wire};
+use profidrive::value::{Reading, Selection};
 
 /// The setting that is the speed of a jog setpoint.
 #[derive(Debug, Clone, Copy)]

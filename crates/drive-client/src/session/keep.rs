@@ -4,8 +4,8 @@ use profidrive::telegram::signal::kollmorgen;
 
 use super::Session;
 use crate::axis::Wiring;
-use crate::parameter::{Assignment, Reading};
 use crate::{Drive, Error, Wire, WriteMode};
+use profidrive::value::{Assignment, Reading};
 
 /// Setpoint signals of an AKD and the setting that each of them changes.
 /// Source: AKD manual 5.6, signals 108 and 109 of telegram 354.

@@ -10,8 +10,9 @@ use profinet::controller::ServiceError;
 use super::Session;
 use super::backup::LISTS;
 use crate::learn::{self, KindOfDrive};
-use crate::parameter::{Parameters, Reading, Selection};
-use crate::{Drive, Error, Model, Wire};
+use crate::{Drive, Error, Wire};
+use profidrive::model::Model;
+use profidrive::value::{Parameters, Reading, Selection};
 
 /// Control and status word.
 const WORDS: [u16; 2] = [967, 968];

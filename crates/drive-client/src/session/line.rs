@@ -10,8 +10,9 @@ use uss::{Protocol, SlaveId};
 
 use super::Session;
 use crate::line::{Answered, Bridge};
-use crate::parameter::Selection;
-use crate::{Client, Drive, DriveAddress, Error, LineAddress, Model, Wire};
+use crate::{Client, Drive, DriveAddress, Error, LineAddress, Wire};
+use profidrive::model::Model;
+use profidrive::value::Selection;
 
 /// Longer than a drive is asked before it counts as absent.
 const ASK_LIMIT: Duration = Duration::from_secs(5);

@@ -51,10 +51,8 @@ pub use jog::JogSpeed;
 pub use loss::{LossAction, LossReaction};
 pub use mode::{ModeBefore, PutBack};
 pub use monitor::Snapshot;
-pub(crate) use parameters::format_of;
 pub use parameters::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
 pub use route::{ClosedRoute, Route, RouteNotice};
-pub use scaling::take_scale;
 pub use stop::{StopMeans, StopOutcome, StopWay};
 
 /// How often a caller's wish to stop is looked at while nothing happens.

@@ -6,8 +6,8 @@ use profidrive::state::Mode;
 use super::Session;
 use crate::axis::ReportedTelegram;
 use crate::error::mode_words;
-use crate::parameter::Assignment;
 use crate::{Drive, Error, Wire, WriteMode};
+use profidrive::value::Assignment;
 
 /// What a drive had before it was put into a mode for one piece of work: see [`Session::enter_mode`].
 #[derive(Debug, Clone, PartialEq, Eq)]

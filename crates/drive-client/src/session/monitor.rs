@@ -5,8 +5,8 @@ use profidrive::parameter::pnu;
 use profidrive::state::{Mode, Profile};
 
 use super::Session;
-use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
+use profidrive::value::{Reading, Selection};
 
 const PARTS: [Part; 7] = [
     Part::ControlWord,

@@ -21,10 +21,10 @@ use super::info::controller_of;
 use super::plugged::{Plugged, modules_in};
 use super::route::{Route, RouteNotice, wants_data};
 use crate::axis::Cycle;
-use crate::drive::PROFIDRIVE_API;
 use crate::learn::device_of;
 use crate::modules::PLACE;
 use crate::{Connection, Drive, Error, Wire};
+use profidrive::model::PROFIDRIVE_API;
 
 /// How long a device may take to become ready.
 const READY_LIMIT: Duration = Duration::from_secs(30);

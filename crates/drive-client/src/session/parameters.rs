@@ -4,16 +4,16 @@ mod write;
 
 use std::ops::Range;
 
-use profidrive::catalogue::Parameter;
 use profidrive::parameter::{
-    Answer, Description, Dialect, ErrorNumber, Format, ParameterAddress, ParameterError, RequestId, Response,
-    encode_read, plan_reads, split_array,
+    Answer, Description, ErrorNumber, ParameterAddress, ParameterError, RequestId, Response, encode_read,
+    plan_reads, split_array,
 };
 
 use super::Session;
 use crate::line::Answered;
-use crate::parameter::{Interpretation, Reading, Selection, join, split};
+use crate::wide::{join, split};
 use crate::{ChannelCause, ChannelRefusal, Drive, Error, Refusal, Wire};
+use profidrive::value::{Interpretation, Reading, Selection};
 
 pub use write::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
 pub(super) use write::{Outgoing, saver};
@@ -299,14 +299,5 @@ fn malformed(drive: &Drive, error: &dyn std::fmt::Display) -> Error {
     Error::Malformed {
         drive: drive.label(),
         reason: error.to_string(),
-    }
-}
-
-/// The format that values of a parameter travel in to a drive: their true type where it takes that, else their size.
-pub(crate) const fn format_of(parameter: &Parameter, dialect: &Dialect) -> Format {
-    if dialect.substitution_only {
-        Format(parameter.size.format_code())
-    } else {
-        parameter.format.in_space(dialect.code_space)
     }
 }

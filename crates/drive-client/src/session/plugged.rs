@@ -7,9 +7,9 @@ use profinet::wire::block::BlockType;
 use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodule, decode_apis, index};
 
 use super::Session;
-use crate::drive::PROFIDRIVE_API;
 use crate::modules::{MakerModule, PLACE, UNKNOWN, modules_of, place_of};
 use crate::{Drive, Error, Wire};
+use profidrive::model::PROFIDRIVE_API;
 
 /// Application processes of a device whose modules are read.
 const MOST_APIS: usize = 16;

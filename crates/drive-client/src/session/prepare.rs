@@ -15,8 +15,8 @@ use crate::axis::{
     Wiring, choose_telegram, named_telegram, plan_move, process_words,
 };
 use crate::error::mode_words;
-use crate::parameter::{Reading, Selection};
 use crate::{Action, Drive, Error, Wire};
+use profidrive::value::{Reading, Selection};
 
 /// What matters for a move, and what a converter's ramps follow from.
 const MOTION: [Part; 30] = [

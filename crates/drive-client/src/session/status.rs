@@ -7,9 +7,9 @@ use profidrive::telegram::{Telegram, signal};
 
 use super::{Session, loss};
 use crate::axis::Wiring;
-use crate::parameter::Reading;
 use crate::status::DriveStatus;
 use crate::{Drive, Error, Wire};
+use profidrive::value::Reading;
 
 /// What every drive is asked by number.
 const PROFILE: [u16; 4] = [

@@ -6,8 +6,8 @@ use profidrive::catalogue::{Parameter, Part};
 
 use super::{Authority, AxisSettings, LocalControl, Session};
 use crate::axis::Purpose;
-use crate::parameter::Assignment;
 use crate::{Drive, Error, Wire, WriteMode};
+use profidrive::value::Assignment;
 
 /// Speed below which an axis counts as standing, rpm.
 pub(super) const STANDS: f64 = 1.0;

@@ -8,8 +8,8 @@ use super::Session;
 use super::parameters::Outgoing;
 use crate::axis::Objection;
 use crate::backup::{Backup, Journal, Step, Task, TaskChange, TasksTold, Window};
-use crate::parameter::{Reading, Selection};
 use crate::{Drive, Error, Refusal, Wire};
+use profidrive::value::{Reading, Selection};
 
 /// Motion tasks written between two times that the journal is kept.
 const BATCH: usize = 16;

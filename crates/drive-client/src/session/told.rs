@@ -7,8 +7,8 @@ use profidrive::state::Profile;
 use profidrive::telegram::{Telegram, signal};
 
 use super::Session;
-use crate::parameter::{Content, Reading, Selection};
 use crate::{Drive, Error, Wire};
+use profidrive::value::{Content, Reading, Selection};
 
 /// Where a drive without tables may have a part; the first number that it has counts.
 const WITHOUT_TABLES: [(Part, u16); 6] = [

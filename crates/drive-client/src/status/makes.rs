@@ -185,9 +185,9 @@ pub(super) fn causes(make: &str, warning: &WarningEntry) -> &'static [Cause] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameter::Parameters;
     use profidrive::catalogue::{AKD, Catalogue, VACON, VLT};
     use profidrive::notation::ParameterReference;
+    use profidrive::value::Parameters;
 
     const MAKES: [&Catalogue; 3] = [&AKD, &VLT, &VACON];
 

@@ -5,7 +5,7 @@ use alloc::string::String;
 use core::ops::RangeInclusive;
 
 use crate::notation::{Position, Quantity, UnitMismatch};
-use crate::parameter::{Attributes, Format};
+use crate::parameter::{Attributes, Dialect, Format};
 use crate::unit;
 use crate::unit::Variable;
 pub use crate::unit::akd::{Scale, Scaling};
@@ -136,6 +136,16 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// The format that its values are written in: its true type where drives of this dialect accept that, else its size.
+    #[must_use]
+    pub const fn format_in(&self, dialect: &Dialect) -> Format {
+        if dialect.substitution_only {
+            Format(self.size.format_code())
+        } else {
+            self.format.in_space(dialect.code_space)
+        }
+    }
+
     /// The unit of the engineering value of a drive with this scaling.
     ///
     /// ```

@@ -193,7 +193,7 @@ impl Inverter {
                 flying_start: roles.flying_start != 0 && read.raw(roles.flying_start) != 0,
                 ..InverterTuning::default()
             },
-            own_words: model.process.words.makers(choice),
+            own_words: model.known.words.makers(choice),
             not_by_bus: site != 0 && read.raw(site) == kept_off,
             thermal_warning: protection == Some(warning),
             thermal_trip: protection == Some(trip),
@@ -339,7 +339,7 @@ fn plate(roles: &InverterRoles, read: &Reader<'_>) -> Induction {
 impl Drive {
     /// Whose words the telegram in use has.
     pub(super) fn profile(&self) -> Profile {
-        let words = &self.model.process.words;
+        let words = &self.model.known.words;
         match &self.settings.inverter {
             _ if !self.process.has_own_words() => words.standard,
             Some(inverter) => inverter.own_words,

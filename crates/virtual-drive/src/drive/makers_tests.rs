@@ -14,7 +14,7 @@ fn request(model: &Model, parameter: &Parameter, id: u8, elements: u8) -> Vec<u8
     vec![
         9,
         id,
-        model.dialect.axis,
+        model.known.dialect.axis,
         1,
         0x10,
         elements,

@@ -27,7 +27,7 @@ impl Drive {
     /// # Errors
     /// When the block is no request; the record write is to be refused then.
     pub fn serve(&mut self, request: &[u8], out: &mut [u8]) -> Result<usize, Refusal> {
-        serve(request, self.model.dialect, self, out)
+        serve(request, self.model.known.dialect, self, out)
     }
 
     /// As [`serve`](Self::serve); names the save that the response waits for too.
@@ -35,7 +35,7 @@ impl Drive {
     /// # Errors
     /// As [`serve`](Self::serve).
     pub fn serve_saving(&mut self, request: &[u8], out: &mut [u8]) -> Result<Served, Refusal> {
-        serve_saving(request, self.model.dialect, self, out)
+        serve_saving(request, self.model.known.dialect, self, out)
     }
 
     /// Where the parameter is in the catalogue, and which element of it is meant.
@@ -112,7 +112,7 @@ impl ParameterAccess for Drive {
             (Size::Dword, false) => i64::from(raw as u32),
         };
         self.set_element(position, element, raw)?;
-        if keep == Keep::Permanent || self.model.dialect.saving == Saving::Always {
+        if keep == Keep::Permanent || self.model.known.dialect.saving == Saving::Always {
             self.save_element(position, element);
         }
         Ok(())

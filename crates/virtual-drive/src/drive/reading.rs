@@ -232,7 +232,7 @@ impl Drive {
                 5 => 1,
                 6 if self.model.roles.mode.is_some() => 0b101,
                 6 => 1,
-                7 => i64::from(self.model.dialect.axis),
+                7 => i64::from(self.model.known.dialect.axis),
                 _ => unit.get(element).copied().unwrap_or(0),
             },
             Table::Numbers(list) => (element < PER_LIST)

@@ -4,8 +4,6 @@
 
 use profidrive::catalogue;
 use profidrive::fault::Shape;
-use profidrive::parameter::Dialect;
-use profidrive::state::ControlWords;
 
 use super::akd_conditions::{ACTIONS, CONDITIONS};
 use super::live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
@@ -21,10 +19,8 @@ pub static AKD: Model = Model {
     live: LIVE,
     roles: ROLES,
     plant: Plant::SERVO,
-    dialect: &Dialect::AKD,
-    pkw: None,
+    known: &profidrive::model::AKD,
     process: ProcessFacts {
-        words: ControlWords::PROFIDRIVE,
         signals: Signals::Numbers,
         setpoints: Chosen::Nothing,
         actuals: Chosen::Nothing,

@@ -27,8 +27,6 @@ pub use vlt::VLT;
 
 use profidrive::catalogue::{Catalogue, Parameter};
 use profidrive::fault::Shape;
-use profidrive::parameter::Dialect;
-use profidrive::pkw::PkwDialect;
 
 use crate::axis::Plant;
 
@@ -62,10 +60,8 @@ pub struct Model {
     pub roles: Roles,
     /// Motor and load of the virtual drive.
     pub plant: Plant,
-    /// How its parameter manager answers.
-    pub dialect: &'static Dialect,
-    /// How its parameter channel in process data and on a serial line answers, where it has one.
-    pub pkw: Option<&'static PkwDialect>,
+    /// What its clients know too: dialect of its parameter manager, parameter channel, control words.
+    pub known: &'static profidrive::model::Model,
     /// What its process data are.
     pub process: ProcessFacts,
     /// What is particular about it on PROFINET.

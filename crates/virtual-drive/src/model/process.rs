@@ -1,13 +1,10 @@
 //! What differs in the process data, and on PROFINET around them.
 
-use profidrive::state::ControlWords;
 use profinet::wire::ByteOrder;
 
 /// What the process data of a model are.
 #[derive(Debug, Clone, Copy)]
 pub struct ProcessFacts {
-    /// Whose control and status word it is.
-    pub words: ControlWords,
     /// Which parameters the signals are.
     pub signals: Signals,
     /// What the words behind control word and setpoint set, in telegrams of the maker.

@@ -5,8 +5,6 @@
 
 use profidrive::catalogue;
 use profidrive::fault::Shape;
-use profidrive::parameter::Dialect;
-use profidrive::state::ControlWords;
 use profidrive::telegram::signal;
 
 use super::condition::{Cause, Condition, Limit, When};
@@ -26,10 +24,8 @@ pub static VACON: Model = Model {
         ..Roles::NONE
     },
     plant: PLANT,
-    dialect: &Dialect::VACON,
-    pkw: None,
+    known: &profidrive::model::VACON,
     process: ProcessFacts {
-        words: ControlWords::VACON,
         signals: Signals::Are(SIGNALS),
         setpoints: Chosen::Fixed(&DATA_IN),
         actuals: Chosen::Each(&DATA_OUT_SELECTION),

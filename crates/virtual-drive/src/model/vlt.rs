@@ -6,9 +6,6 @@
 
 use profidrive::catalogue;
 use profidrive::fault::Shape;
-use profidrive::parameter::Dialect;
-use profidrive::pkw::PkwDialect;
-use profidrive::state::ControlWords;
 use profidrive::telegram::signal;
 use profinet::wire::ByteOrder;
 
@@ -30,10 +27,8 @@ pub static VLT: Model = Model {
         ..Roles::NONE
     },
     plant: PLANT,
-    dialect: &Dialect::VLT,
-    pkw: Some(&PkwDialect::DANFOSS_PPO),
+    known: &profidrive::model::VLT,
     process: ProcessFacts {
-        words: ControlWords::VLT,
         signals: Signals::Are(SIGNALS),
         setpoints: Chosen::Array(915),
         actuals: Chosen::Array(916),

@@ -185,7 +185,7 @@ impl<K: Copy + PartialEq> Channels<K> {
         };
         let save = save.map(|change| {
             let mut refused = [0; LONGEST];
-            let length = not_saved(answer, change, drive.model().dialect, &mut refused);
+            let length = not_saved(answer, change, drive.model().known.dialect, &mut refused);
             (change.save, self.sent(refused.get(..length).unwrap_or_default()))
         });
         let answer = self.sent(answer);
@@ -253,8 +253,8 @@ fn in_records(number: u16, model: &Model) -> ErrorNumber {
         rows.any(|row| row.number == number)
     };
     match (
-        ErrorNumber(number).info(model.dialect.error_names),
-        model.pkw.filter(own),
+        ErrorNumber(number).info(model.known.dialect.error_names),
+        model.known.pkw.filter(own),
     ) {
         (None, Some(channel)) => PkwErrorNumber(number).to_parameter(channel.error_names),
         _ => ErrorNumber(number),

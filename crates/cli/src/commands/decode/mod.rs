@@ -2,7 +2,7 @@
 
 mod capture;
 
-use drive_client::Model;
+use profidrive::model::Model;
 use profidrive::pkw::PkwDialect;
 use uss::Protocol;
 

@@ -10,13 +10,13 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use drive_client::axis::{Jog, Trouble};
-use drive_client::parameter::{Assignment, Reading, Selection};
 use drive_client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, WriteMode, describe};
 use network::files;
 use network::host::{Host, StationId};
 use network::linux::Stop;
 use network::pcap::Writer;
 use network::segment::{Pace, Segment, SegmentMedium};
+use profidrive::value::{Assignment, Reading, Selection};
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::{IpSuite, MacAddress};
@@ -287,11 +287,9 @@ fn page(
     let mut selections: Vec<Selection> = Vec::new();
     for name in names {
         selections.push(
-            drive.parameters.select(
-                &name
-                    .parse()
-                    .map_err(drive_client::parameter::ParameterProblem::from)?,
-            )?,
+            drive
+                .parameters
+                .select(&name.parse().map_err(profidrive::value::ParameterProblem::from)?)?,
         );
     }
     let readings: Vec<Reading> = session.read(drive, &selections)?.into_iter().flatten().collect();
@@ -333,7 +331,7 @@ fn hold(axis: &mut Demonstrated<'_, '_>, time: Duration, show: &Show) -> Result<
         let selection = drive.parameters.select(
             &"PL.FB"
                 .parse()
-                .map_err(drive_client::parameter::ParameterProblem::from)?,
+                .map_err(profidrive::value::ParameterProblem::from)?,
         )?;
         show.position.set(session.read_one(drive, &selection)?.number());
         if let Some(status) = axis.status() {

@@ -1,8 +1,8 @@
 //! `profidrive list`
 
-use drive_client::parameter::{Parameters, Selection};
 use profidrive::catalogue::{Catalogue, Parameter};
 use profidrive::notation::{Notation, ParameterReference, Shown, Target};
+use profidrive::value::{Parameters, Selection};
 use serde_json::Value;
 
 use super::{access_word, name_bits, number_of, parameter_json, print_readings};

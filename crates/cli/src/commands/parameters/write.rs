@@ -1,9 +1,9 @@
 //! `profidrive write`
 
-use drive_client::parameter::Assignment;
 use drive_client::{ChangeOutcome, Drive, PlannedValue, WriteMode};
 use profidrive::catalogue::Role;
 use profidrive::parameter::Saving;
+use profidrive::value::Assignment;
 use serde_json::{Map, Value};
 
 use super::{last_failure, reading_json, refusal_json, refused_failure};
@@ -383,8 +383,8 @@ fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use drive_client::parameter::Parameters;
     use profidrive::catalogue::{AKD, Scaling};
+    use profidrive::value::Parameters;
 
     #[test]
     fn a_command_leaves_no_value_behind() {

@@ -24,7 +24,7 @@ const ACCEPT: Duration = Duration::from_secs(2);
 
 impl<M: Wire> Session<M> {
     /// Whether a speed can be told to the drive with the scale it has now: the setpoint travels in steps, and the nearest
-    /// one must not be more than [`MOST_ROUNDING`](crate::parameter::MOST_ROUNDING) away. Reads only.
+    /// one must not be more than [`MOST_ROUNDING`](profidrive::value::MOST_ROUNDING) away. Reads only.
     ///
     /// # Errors
     /// [`Error::SpeedStep`] with the speeds beside it, [`Error::SpeedLimit`] beyond what the setpoint holds, and when the

@@ -6,11 +6,14 @@ use profidrive::parameter::{
     encode_change_as, plan_changes, pnu,
 };
 
-use super::{MAX_REQUEST, format_of, malformed, needs_scaling, refusal};
-use crate::parameter::{Assignment, CheckedValue, Content, ParameterProblem, Reading, Selection, halves};
+use super::{MAX_REQUEST, malformed, needs_scaling, refusal};
 use crate::session::Session;
-use crate::session::scaling::is_scaling;
-use crate::{Drive, Error, Model, Refusal, Wire};
+use crate::wide::halves;
+use crate::{Drive, Error, Refusal, Wire};
+use profidrive::model::Model;
+use profidrive::value::{
+    Assignment, CheckedValue, Content, ParameterProblem, Reading, Selection, is_scaling,
+};
 
 /// Write, or only check and show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -427,7 +430,7 @@ fn encode(outcome: &ChangeOutcome, value: CheckedValue, model: &Model) -> Result
     let (format, width) = match (outcome.change.selection.parameter, &outcome.old) {
         // a description does not say in which format the drive takes the value
         (Some(_), Some(Ok(old))) if model.learned => (Format(old.format), old.octets.len()),
-        (Some(parameter), _) => (format_of(parameter, model.dialect), parameter.octets()),
+        (Some(parameter), _) => (parameter.format_in(model.dialect), parameter.octets()),
         (None, Some(Ok(old))) => (Format(old.format), old.octets.len()),
         (None, Some(Err(refusal))) => {
             return Err(Error::Refused {
@@ -463,8 +466,8 @@ fn encode(outcome: &ChangeOutcome, value: CheckedValue, model: &Model) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameter::Parameters;
     use profidrive::catalogue::{AKD, Catalogue, Scaling, VACON, VLT};
+    use profidrive::value::Parameters;
 
     fn akd() -> Model {
         Model::by_name("akd").unwrap()

@@ -1,13 +1,17 @@
 //! A value as it came from the drive, with everything known about it.
 
-use profidrive::catalogue::{Access, Parameter, WordKind};
-use profidrive::notation::{Notation, Shown};
-use profidrive::parameter::{CodeSpace, Format, Kind};
-use profidrive::state::{Mode, Profile};
+use alloc::borrow::ToOwned;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::catalogue::{Access, Parameter, WordKind};
+use crate::notation::{Notation, Shown};
+use crate::parameter::{CodeSpace, Format, Kind};
+use crate::state::{Mode, Profile};
 
 use super::check::sign_extend;
 use super::{Parameters, Selection};
-use crate::Model;
+use crate::model::Model;
 
 /// One value of a parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -309,7 +313,9 @@ fn whole(octets: &[u8]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling, VLT};
+    use crate::catalogue::{AKD, Scaling, VLT};
+    use alloc::string::ToString;
+    use alloc::vec;
 
     fn read(text: &str, interpretation: Interpretation, octets: &[u8]) -> Reading {
         let drive = Parameters {

@@ -3,21 +3,23 @@
 mod check;
 mod choice;
 mod reading;
+mod scaling;
 mod select;
-mod wide;
 
 pub use check::{Assignment, CheckedValue, MOST_ROUNDING};
-pub(crate) use check::{is_another, is_rounding};
+pub use check::{is_another, is_rounding};
 pub use choice::Given;
 pub use reading::{Beyond, Content, Interpretation, Reading};
+pub use scaling::{SCALING, is_scaling, take_scale};
 pub use select::Selection;
-pub(crate) use wide::{halves, join, split};
 
-pub use crate::session::take_scale;
+use crate::model::Model;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
 
-use crate::Model;
-use profidrive::catalogue::{Catalogue, Meaning, Parameter, Scaling};
-use profidrive::notation::{Quantity, QuantityError, ReferenceError, UnitMismatch, figures};
+use crate::catalogue::{Catalogue, Meaning, Parameter, Scaling};
+use crate::notation::{Quantity, QuantityError, ReferenceError, UnitMismatch, figures};
 
 /// What is known about the parameters of one drive: its tables, if there are any, and the values that scale others.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +41,7 @@ impl Parameters {
     }
 
     /// The number that means here what `raw` means under another scaling.
-    pub(crate) fn converted(&self, parameter: &Parameter, raw: i64, from: &Scaling) -> i64 {
+    pub fn converted(&self, parameter: &Parameter, raw: i64, from: &Scaling) -> i64 {
         if self.scales_as(parameter, from) {
             raw
         } else {
@@ -49,7 +51,7 @@ impl Parameters {
     }
 
     /// True when the numbers of a parameter mean the same under both scalings.
-    pub(crate) fn scales_as(&self, parameter: &Parameter, other: &Scaling) -> bool {
+    pub fn scales_as(&self, parameter: &Parameter, other: &Scaling) -> bool {
         self.scaling.linear(parameter.scale) == other.linear(parameter.scale)
             && (!parameter.user_unit || self.scaling.unit.unit() == other.unit.unit())
     }
@@ -246,26 +248,18 @@ pub enum ParameterProblem {
 }
 
 impl ParameterProblem {
-    /// What to do, where that is not said already. `DRIVE` in it stands for the drive.
+    /// What to do, where the message does not say it already.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
-            Self::Unknown { nearest, .. } if nearest.is_empty() => {
-                Some("`profidrive list DRIVE --filter TEXT` finds parameters by a part of their name".into())
+            Self::Unknown { nearest, .. } if !nearest.is_empty() => {
+                Some(format!("nearest names: {}", nearest.join(", ")))
             }
-            Self::Unknown { nearest, .. } => Some(format!("nearest names: {}", nearest.join(", "))),
             Self::HighHalf { whole, .. } => {
                 Some(format!("write {whole}: both halves are sent where it needs them"))
             }
             Self::ManyChoices { .. } => Some("write more of the text, or the number".into()),
-            Self::Unit { parameter, .. } | Self::Limit { parameter, .. } => Some(format!(
-                "`profidrive describe DRIVE {}` shows unit and limits",
-                written(parameter)
-            )),
-            Self::Coarse { parameter, .. } => Some(format!(
-                "write one of them; `profidrive describe DRIVE {}` shows unit and scaling, which make the steps",
-                written(parameter)
-            )),
+            Self::Coarse { .. } => Some("write one of them".into()),
             _ => None,
         }
     }
@@ -277,18 +271,6 @@ fn listed(choices: &[Meaning]) -> String {
         .iter()
         .map(|choice| format!("{} {}", choice.value, choice.text));
     texts.collect::<Vec<_>>().join(", ")
-}
-
-/// A label (`DRV.ACC (p2108)`, `Ramp 1 Ramp up Time (3-41)`) as one word that a command takes.
-fn written(label: &str) -> String {
-    match label.split_once(" (") {
-        Some((name, number)) if !name.contains(' ') && !number.contains(" (") => name.to_owned(),
-        Some(_) => {
-            let number = label.rsplit_once(" (").map_or(label, |(_, number)| number);
-            number.trim_end_matches(')').replace(' ', "")
-        }
-        None => label.replace(' ', ""),
-    }
 }
 
 fn elements_text(elements: u16) -> String {
@@ -314,24 +296,5 @@ fn unit_text(unit: &str) -> String {
         String::new()
     } else {
         format!(" {unit}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn advice_names_the_parameter_as_a_command_takes_it() {
-        for (label, word) in [
-            ("DRV.ACC (p2108)", "DRV.ACC"),
-            ("Ramp 1 Ramp up Time (3-41)", "3-41"),
-            ("Motor Power [kW] (1-20)", "1-20"),
-            ("Speed (max) limit (4-19)", "4-19"),
-            ("Acceleration time 1 (ID 103)", "ID103"),
-            ("p1234", "p1234"),
-        ] {
-            assert_eq!(written(label), word);
-        }
     }
 }

@@ -6,8 +6,8 @@
 use profidrive::catalogue::Parameter;
 use profidrive::parameter::ParameterAddress;
 
-use super::{Content, Interpretation, Parameters, Reading, Selection};
 use crate::Refusal;
+use profidrive::value::{Content, Interpretation, Parameters, Reading, Selection};
 
 /// The number of the high half, when the selection is a 64-bit value.
 fn high(selection: &Selection) -> Option<u16> {

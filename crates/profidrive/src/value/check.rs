@@ -1,9 +1,11 @@
 //! Values checked before they are sent.
 
-use std::str::FromStr;
+use alloc::borrow::ToOwned;
+use alloc::string::{String, ToString};
+use core::str::FromStr;
 
-use profidrive::catalogue::{Access, Parameter, Scale};
-use profidrive::notation::{Elements, Number, ParameterReference, Prefix, Quantity, Target};
+use crate::catalogue::{Access, Parameter, Scale};
+use crate::notation::{Elements, Number, ParameterReference, Prefix, Quantity, Target};
 
 use super::choice::Given;
 
@@ -76,12 +78,14 @@ pub const MOST_ROUNDING: f64 = 0.1;
 const SAME: f64 = 1e-6;
 
 /// True when `held` is no rounding of `asked` but another value.
-pub(crate) fn is_another(asked: f64, held: f64) -> bool {
+#[must_use]
+pub fn is_another(asked: f64, held: f64) -> bool {
     (held - asked).abs() > asked.abs() * MOST_ROUNDING * (1.0 + 1e-9)
 }
 
 /// True when `held` is what a drive makes of `asked` because it has steps.
-pub(crate) fn is_rounding(asked: f64, held: f64) -> bool {
+#[must_use]
+pub fn is_rounding(asked: f64, held: f64) -> bool {
     (held - asked).abs() > asked.abs() * SAME
 }
 
@@ -187,7 +191,7 @@ impl Parameters {
                 })?;
         let unit = parameter.unit_in(&self.scaling);
         let converted = quantity.unit.as_deref().is_some_and(|given| given != unit);
-        if parameter.scale == Scale::Raw && value.fract() != 0.0 && !converted {
+        if parameter.scale == Scale::Raw && value % 1.0 != 0.0 && !converted {
             return Err(ParameterProblem::Fraction {
                 parameter: selection.label(),
                 value,
@@ -294,7 +298,7 @@ fn unknown_parameter(selection: &Selection, quantity: &Quantity) -> Result<Check
         parameter: selection.label(),
         problem,
     })?;
-    if value.fract() != 0.0 {
+    if value % 1.0 != 0.0 {
         return Err(ParameterProblem::Fraction {
             parameter: selection.label(),
             value,
@@ -327,8 +331,8 @@ pub(super) const fn sign_extend(raw: u64, bits: u32) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
-    use profidrive::unit::UnitChoice;
+    use crate::catalogue::{AKD, Scaling};
+    use crate::unit::UnitChoice;
 
     fn check(text: &str) -> Result<CheckedValue, ParameterProblem> {
         let drive = Parameters {

@@ -1,7 +1,11 @@
 //! From what a person wrote to parameter number and elements.
 
-use profidrive::catalogue::{Access, Parameter};
-use profidrive::notation::{Elements, Notation, ParameterReference, Shown, Target};
+use alloc::borrow::ToOwned;
+use alloc::format;
+use alloc::string::{String, ToString};
+
+use crate::catalogue::{Access, Parameter};
+use crate::notation::{Elements, Notation, ParameterReference, Shown, Target};
 
 use super::{ParameterProblem, Parameters};
 
@@ -227,7 +231,7 @@ const fn unknown_id(pnu: u16, id: u16, notation: Notation) -> Selection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling, VACON, VLT};
+    use crate::catalogue::{AKD, Scaling, VACON, VLT};
 
     const DRIVE: Parameters = Parameters {
         catalogue: Some(&AKD),

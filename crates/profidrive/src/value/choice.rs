@@ -1,7 +1,11 @@
 //! Values as a person gives them: a number with its unit, or the text that a selection has for it.
 
-use profidrive::catalogue::{Meaning, Parameter};
-use profidrive::notation::{Quantity, QuantityError};
+use alloc::borrow::ToOwned;
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::catalogue::{Meaning, Parameter};
+use crate::notation::{Quantity, QuantityError};
 
 use super::{ParameterProblem, Selection};
 
@@ -11,7 +15,7 @@ const CUT: usize = 16;
 /// A value as given.
 ///
 /// ```
-/// use drive_client::parameter::{Assignment, Parameters};
+/// use profidrive::value::{Assignment, Parameters};
 /// use profidrive::catalogue::{Scaling, VLT};
 /// let tables = Parameters { catalogue: Some(&VLT), scaling: Scaling::default() };
 /// let raw = |text: &str| {
@@ -138,7 +142,9 @@ impl From<Quantity> for Given {
 mod tests {
     use super::super::{Assignment, Parameters};
     use super::*;
-    use profidrive::catalogue::{AKD, Catalogue, Scaling, VLT};
+    use crate::catalogue::{AKD, Catalogue, Scaling, VLT};
+    use alloc::format;
+    use alloc::string::ToString;
 
     fn raw(catalogue: &'static Catalogue, text: &str) -> Result<i64, String> {
         let tables = Parameters {
