@@ -15,7 +15,7 @@ use std::time::Duration;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use profidrive::notation::Quantity;
 
-pub use explain::{Decode, Explain, Octets, Only, Sender, Side, What, WordMode};
+pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use parameters::{Describe, List, Read, Write};
 pub use simulate::{DcpInOperation, Demo, Model, Simulate};
 pub use stations::{Blink, Ip, Name, Network, Reset, ResetMode, Scan};

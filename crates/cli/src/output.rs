@@ -360,17 +360,6 @@ fn with_schema(command: &str, fields: Map<String, Value>) -> Map<String, Value> 
     all
 }
 
-/// Makes a JSON object from fields.
-#[macro_export]
-macro_rules! fields {
-    ($($name:literal : $value:expr),* $(,)?) => {{
-        #[allow(unused_mut)]
-        let mut map = serde_json::Map::new();
-        $( map.insert($name.into(), serde_json::Value::from($value)); )*
-        map
-    }};
-}
-
 fn paint(on: bool, colour: Colour, text: &str) -> String {
     if on {
         format!("\x1b[{}m{text}\x1b[0m", colour.code())

@@ -2,6 +2,11 @@
 
 use std::time::Duration;
 
+use dissect::capture::{Event, Walker};
+use dissect::octets::{self, Kind};
+use profidrive::model::Model;
+use uss::Protocol;
+
 use super::steps::{Step, Steps};
 
 /// Capture files, damaged ones included: bounded in what they make us hold, and they end.
@@ -30,24 +35,54 @@ pub fn capture(data: &[u8]) {
         }
     }
     frames.push((now, data));
-    let notes = profidrive_cli::decode_frames(frames.iter().copied());
-    let length: usize = notes.iter().map(String::len).sum();
+    let notes = walked(&frames);
+    let length: usize = notes.iter().map(|event| event.text.len()).sum();
     assert!(
         length <= 4096 + 200 * data.len(),
         "{length} octets of notes for {}",
         data.len()
     );
-    assert_eq!(notes, profidrive_cli::decode_frames(frames));
+    assert_eq!(notes, walked(&frames));
+}
+
+fn walked(frames: &[(Duration, &[u8])]) -> Vec<Event> {
+    let mut walker = Walker::default();
+    let mut events = Vec::new();
+    for (at, frame) in frames {
+        events.extend(walker.frame(*at, frame));
+    }
+    events.extend(walker.end());
+    events
 }
 
 /// What `decode --hex` says about octets: for every make, bounded, and the same every time.
 pub fn octets(data: &[u8]) {
-    let told = profidrive_cli::decode_octets(data);
+    let told = explained(data);
     let length: usize = told.iter().map(String::len).sum();
     assert!(
         length <= 32_768 + 400 * data.len(),
         "{length} octets for {}",
         data.len()
     );
-    assert_eq!(told, profidrive_cli::decode_octets(data));
+    assert_eq!(told, explained(data));
+}
+
+/// As everything that they may be, from every model.
+fn explained(data: &[u8]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for model in Model::NAMES.iter().filter_map(|name| Model::by_name(name)) {
+        let rows = model.catalogue.map_or(&[][..], |tables| tables.device.telegrams);
+        let telegrams = rows.iter().map(|row| Kind::Telegram(row.telegram));
+        let kinds = [
+            Kind::Job(None),
+            Kind::Pkw,
+            Kind::Serial(Protocol::Fc),
+            Kind::Serial(Protocol::Uss),
+        ];
+        for kind in kinds.into_iter().chain(telegrams) {
+            let decoded = octets::decode(kind, data, Some(model), None, None);
+            lines.extend(decoded.into_iter().flat_map(|decoded| decoded.lines));
+        }
+    }
+    lines.into_iter().map(|(_, line)| line).collect()
 }

@@ -3,9 +3,25 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
+use dissect::explain::{KINDS, Kind, MODES};
+use profidrive::state::Mode;
 
-use super::{Kind, duration};
+use super::{Kind as ModelKind, duration};
+
+/// Takes the names of a table of a library, with what each is as its help.
+fn named<T: Copy + Send + Sync + 'static>(
+    table: &'static [(&'static str, &'static str, T)],
+) -> impl TypedValueParser<Value = T> {
+    let values = table
+        .iter()
+        .map(|(name, help, _)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(values).try_map(move |given| {
+        let row = table.iter().find(|(name, ..)| *name == given);
+        row.map(|(.., value)| *value).ok_or("no such name")
+    })
+}
 
 #[derive(Debug, Args)]
 pub struct Explain {
@@ -15,69 +31,15 @@ pub struct Explain {
     /// What the number is
     #[arg(
         long = "as",
-        value_enum,
+        value_parser = named(&KINDS),
         value_name = "stw1|zsw1|state|fault|error|format|pnio|ctw-fc|stw-fc|ctw-vlt|stw-vlt|ctw-vlt2800|stw-vlt2800|ctw-vacon|stw-vacon|pke|alarm-word|alarm-word2|warning-word|warning-word2"
     )]
-    pub kind: What,
+    pub kind: Kind,
     /// Mode of the drive, for stw1 and zsw1; without it both modes are shown
-    #[arg(long, value_enum, value_name = "MODE")]
-    pub mode: Option<WordMode>,
+    #[arg(long, value_parser = named(&MODES), value_name = "MODE")]
+    pub mode: Option<Mode>,
     #[command(flatten)]
-    pub model: Kind,
-}
-
-/// Mode that decides over the bits of STW1 and ZSW1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum WordMode {
-    /// Velocity mode (PNU 930 = 1)
-    Velocity,
-    /// Position mode (PNU 930 = 2)
-    Position,
-}
-
-/// What a number to explain is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum What {
-    /// Control word 1
-    Stw1,
-    /// Status word 1
-    Zsw1,
-    /// State of the drive, from status word 1 or by its name
-    State,
-    /// Fault number (PNU 947) of the model, an AKD where none is given
-    Fault,
-    /// Error number of a refused parameter
-    Error,
-    /// Format code of a parameter value
-    Format,
-    /// PNIO status: ErrorCode, ErrorDecode, ErrorCode1, ErrorCode2
-    Pnio,
-    /// Control word of a VLT with FC profile (8-10)
-    CtwFc,
-    /// Status word of a VLT with FC profile
-    StwFc,
-    /// Control word of a VLT with PROFIdrive profile
-    CtwVlt,
-    /// Status word of a VLT with PROFIdrive profile
-    StwVlt,
-    /// Control word of a VLT 2800 or FCD 300 with PROFIdrive profile
-    CtwVlt2800,
-    /// Status word of a VLT 2800 or FCD 300 with PROFIdrive profile
-    StwVlt2800,
-    /// Control word of a Vacon in telegrams 148 to 150
-    CtwVacon,
-    /// Status word of a Vacon in telegrams 148 to 150
-    StwVacon,
-    /// PKE of a parameter channel: request or reply, and parameter number
-    Pke,
-    /// Alarm word of a VLT (16-90)
-    AlarmWord,
-    /// Alarm word 2 of a VLT (16-91)
-    AlarmWord2,
-    /// Warning word of a VLT (16-92)
-    WarningWord,
-    /// Warning word 2 of a VLT (16-93)
-    WarningWord2,
+    pub model: ModelKind,
 }
 
 #[derive(Debug, Args)]
@@ -116,7 +78,7 @@ pub struct Decode {
     #[arg(long, value_name = "BYTES", requires = "hex")]
     pub request: Option<String>,
     #[command(flatten)]
-    pub model: Kind,
+    pub model: ModelKind,
 }
 
 /// Which events are printed.
@@ -143,15 +105,6 @@ pub enum Octets {
     Fc,
     /// USS telegram
     Uss,
-}
-
-/// Direction of a parameter job.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// From the controller to the drive
-    Request,
-    /// From the drive to the controller
-    Response,
 }
 
 /// Who sends.

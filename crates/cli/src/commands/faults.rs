@@ -268,6 +268,8 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
 
 #[cfg(test)]
 mod tests {
+    use dissect::explain::Kind;
+
     use super::*;
     use drive_client::status::DriveStatus;
     use profidrive::catalogue::{AKD, Catalogue, VACON, VLT};
@@ -365,8 +367,10 @@ mod tests {
                 let report = report(vec![entry], 8);
                 let listed = format!("{:?}", lines(&report, false));
                 let ends = advice(&report, "d").unwrap_or_default();
-                let (explained, _) = super::super::explain::fault(&row.number.to_string(), tables).unwrap();
-                let explained = explained.join("\n");
+                let number = row.number.to_string();
+                let known = profidrive::model::Model::by_name(tables.model);
+                let explained = dissect::explain::explain(&number, Kind::Fault, None, known).unwrap();
+                let explained = explained.lines.join("\n");
                 let place = format!(
                     "{model} F{}: {next} / {listed} / {ends} / {explained}",
                     row.number

@@ -38,7 +38,7 @@ pub struct Reading {
     pub decimals: u8,
     /// Text of the value of an enumeration.
     pub choice: Option<&'static str>,
-    /// What the bits say, for a word: see [`Word::told`](profidrive::catalogue::Word::told). `None` for all others.
+    /// What the bits say, for a word: see [`Word::told`](crate::catalogue::Word::told). `None` for all others.
     pub word: Option<Vec<String>>,
     /// Name of the 64-bit value whose high half this is.
     pub high_half_of: Option<&'static str>,

@@ -5,6 +5,8 @@ use std::io::stdin;
 use std::path::Path;
 use std::time::Duration;
 
+use dissect::Weight;
+use dissect::capture::{Counts, DeviceSummary, Event, StreamSummary, Walker, seconds};
 use indicatif::ProgressBar;
 use network::linux::{Capture, Stop};
 use network::pcap::{ReadError, Reader};
@@ -12,7 +14,6 @@ use serde_json::{Map, Value, json};
 
 use super::painted;
 use crate::args::{Decode, Only};
-use crate::decode::{Counts, DeviceSummary, Event, StreamSummary, Walker, Weight, seconds};
 use crate::failure::{Exit, Failure};
 use crate::fields;
 use crate::output::{Output, bytes};

@@ -2,14 +2,13 @@
 
 mod capture;
 
-use profidrive::model::Model;
-use profidrive::pkw::PkwDialect;
+use dissect::Weight;
+use dissect::job::{Decoded, Side};
+use dissect::octets::{self, Kind, NotDecoded};
 use uss::Protocol;
 
-use crate::args::{Decode, Octets, Sender, Side};
-use crate::decode::Weight;
+use crate::args::{Decode, Octets, Sender};
 use crate::failure::{Exit, Failure};
-use crate::job::{self, Decoded, JobDrive};
 use crate::output::{Colour, Output};
 
 /// Decodes octets, a capture file, or what is on `interface`.
@@ -43,60 +42,30 @@ pub fn run(args: &Decode, interface: Option<&str>, output: &Output) -> Result<()
     }
 }
 
-/// The drive that octets are from: the one named, else `otherwise`.
-fn drive(args: &Decode, otherwise: &str) -> JobDrive {
-    args.model
-        .model
-        .or_else(|| Model::by_name(otherwise))
-        .map_or_else(JobDrive::default, JobDrive::new)
-}
-
-/// The model that a telegram can only be from; an AKD where it is one of the profile or of several makers.
-fn model_with(telegram: u16) -> &'static str {
-    let has = |name: &&&str| {
-        let model = Model::by_name(name).map(JobDrive::new);
-        model.is_some_and(|model| model.telegram(telegram).is_some())
-    };
-    let mut having = Model::NAMES.iter().filter(has);
-    match (having.next(), having.next()) {
-        (Some(only), None) => only,
-        _ => "akd",
-    }
-}
-
 fn octets(data: &[u8], args: &Decode) -> Result<Decoded, Failure> {
     let request = args.request.as_deref().map(parse_hex).transpose()?;
-    let output = args.from.map(|sender| sender == Sender::Controller);
-    let job = |side| job::decode(&mut drive(args, "akd"), data, side, request.as_deref());
-    let none = |reason: String| Failure::new(Exit::Failed, format!("this is no such telegram: {reason}"));
-    let serial = |otherwise, protocol| {
-        job::serial::decode(&drive(args, otherwise), protocol, data, output).map_err(none)
+    let from_controller = args.from.map(|sender| sender == Sender::Controller);
+    let kind = match (args.octets, args.telegram) {
+        (Some(Octets::Request), _) => Kind::Job(Some(Side::Request)),
+        (Some(Octets::Response), _) => Kind::Job(Some(Side::Response)),
+        (Some(Octets::Pkw), _) => Kind::Pkw,
+        (Some(Octets::PkwFc), _) => Kind::PkwFc,
+        (Some(Octets::PkwUss), _) => Kind::PkwUss,
+        (Some(Octets::Fc), _) => Kind::Serial(Protocol::Fc),
+        (Some(Octets::Uss), _) => Kind::Serial(Protocol::Uss),
+        (None, Some(number)) => Kind::Telegram(number),
+        (None, None) => Kind::Job(args.from.map(|sender| match sender {
+            Sender::Controller => Side::Request,
+            Sender::Drive => Side::Response,
+        })),
     };
-    let words = |otherwise, dialect: Option<&PkwDialect>| {
-        let drive = drive(args, otherwise);
-        let output = output.or(request.as_ref().map(|_| false));
-        job::pkw::decode(&drive, dialect.unwrap_or(drive.ppo()), data, output).map_err(none)
-    };
-    match args.octets {
-        Some(Octets::Request) => job(Some(Side::Request)),
-        Some(Octets::Response) => job(Some(Side::Response)),
-        Some(Octets::Pkw) => words("standard", None),
-        Some(Octets::PkwFc) => words("vlt", Some(&PkwDialect::DANFOSS_FC)),
-        Some(Octets::PkwUss) => words("standard", Some(&PkwDialect::SIEMENS_USS)),
-        Some(Octets::Fc) => serial("vlt", Protocol::Fc),
-        Some(Octets::Uss) => serial("standard", Protocol::Uss),
-        None => match args.telegram {
-            Some(number) => {
-                let drive = drive(args, model_with(number));
-                job::telegram::decode(&drive, number, data, output).map_err(none)
-            }
-            None => job(match args.from {
-                Some(Sender::Controller) => Some(Side::Request),
-                Some(Sender::Drive) => Some(Side::Response),
-                None => None,
-            }),
-        },
-    }
+    octets::decode(kind, data, args.model.model, from_controller, request.as_deref()).map_err(|error| {
+        let failure = Failure::new(Exit::Failed, error.to_string());
+        match error {
+            NotDecoded::Job(_) => failure.hint("--as request or --as response says which side it is from"),
+            _ => failure,
+        }
+    })
 }
 
 /// Octets from text: `05 02`, `0502`, `05:02`, `0x05, 0x02`.

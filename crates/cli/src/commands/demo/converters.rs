@@ -16,9 +16,9 @@ use profinet::{IpSuite, MacAddress, Medium};
 use virtual_drive::station::Station;
 
 use super::{Show, page};
-use crate::job::JobDrive;
-use crate::job::telegram::Half;
 use crate::render::{hex16, value};
+use dissect::job::JobDrive;
+use dissect::job::telegram::Half;
 
 /// The controller of this part; the client keeps its own address.
 const MAC: MacAddress = MacAddress([0x02, 0x50, 0x4E, 0, 0, 0xC1]);

@@ -1,0 +1,90 @@
+//! ARP: who uses which IP address, and who floods the network.
+
+use std::collections::HashMap;
+use std::net::Ipv4Addr;
+use std::time::Duration;
+
+use profinet::MacAddress;
+
+use super::event::{Detail, Sink, Trouble};
+use super::names::Names;
+use crate::Weight;
+
+/// Most senders counted.
+const MAX_SENDERS: usize = 4096;
+/// Time over which the frames of a sender are counted.
+const WINDOW: Duration = Duration::from_secs(1);
+/// Frames of one sender within the window that are a flood: a scanner of a whole class C network stays below.
+const FLOOD: u32 = 300;
+
+/// ARP frames of each sender.
+#[derive(Debug, Default)]
+pub struct Arp {
+    senders: HashMap<MacAddress, Count>,
+}
+
+#[derive(Debug, Default)]
+struct Count {
+    since: Duration,
+    frames: u32,
+    /// The flood was reported, and did not end since.
+    flooding: bool,
+}
+
+/// One ARP frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ArpFrame {
+    pub source: MacAddress,
+    sender: (MacAddress, Ipv4Addr),
+}
+
+/// The ARP frame in an Ethernet frame, tag looked through; `None` for everything else.
+pub fn frame(bytes: &[u8]) -> Option<ArpFrame> {
+    let word = |at: usize| bytes.get(at..)?.first_chunk::<2>().copied();
+    let start = if word(12)? == [0x81, 0x00] { 16 } else { 12 };
+    if word(start)? != [0x08, 0x06] {
+        return None;
+    }
+    let arp = bytes.get(start + 2..)?;
+    // Ethernet, IPv4, their lengths
+    if !arp.starts_with(&[0, 1, 8, 0, 6, 4]) {
+        return None;
+    }
+    let mac = MacAddress(*arp.get(8..)?.first_chunk()?);
+    let ip = Ipv4Addr::from(*arp.get(14..)?.first_chunk::<4>()?);
+    Some(ArpFrame {
+        source: MacAddress(*bytes.get(6..)?.first_chunk()?),
+        sender: (mac, ip),
+    })
+}
+
+impl Arp {
+    /// Looks at one frame.
+    pub fn frame(&mut self, frame: &ArpFrame, names: &mut Names, sink: &mut Sink<'_>) {
+        let (mac, ip) = frame.sender;
+        // a probe for conflicts has no address of its own yet
+        if !ip.is_unspecified() {
+            names.seen_at(mac, ip, sink);
+        }
+        if self.senders.len() >= MAX_SENDERS && !self.senders.contains_key(&frame.source) {
+            self.senders
+                .retain(|_, count| sink.at.saturating_sub(count.since) < WINDOW);
+            if self.senders.len() >= MAX_SENDERS {
+                return;
+            }
+        }
+        let count = self.senders.entry(frame.source).or_default();
+        if sink.at.saturating_sub(count.since) >= WINDOW {
+            count.flooding &= count.frames >= FLOOD;
+            count.since = sink.at;
+            count.frames = 0;
+        }
+        count.frames = count.frames.saturating_add(1);
+        if count.frames == FLOOD && !count.flooding {
+            count.flooding = true;
+            let text = format!("ARP flood: {FLOOD} frames within 1 s");
+            let trouble = Trouble::ArpFlood { frames: FLOOD };
+            sink.tell(Weight::Error, "ARP", text, Detail::Trouble(trouble));
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Parameter jobs inside records: requests with names, answers matched with them.
+
+use std::net::Ipv4Addr;
+use std::time::Duration;
+
+use profinet::wire::PnioStatus;
+use profinet::wire::Uuid;
+use profinet::wire::block::{ReadRequest, WriteRequest};
+
+use super::event::{Detail, Job, Origin, Record, Sink, Trouble};
+use super::names::seconds;
+use super::pending::{CUT_OFF, Pending};
+use super::services::number;
+use crate::Weight;
+use crate::job::{self, Decoded, JobDrive};
+
+/// Time for the answer to a request: clients read it again and again for some 10 s.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Longest request that is remembered for its answer; those of drives have 240 octets.
+const MAX_REQUEST: usize = 4096;
+
+/// True for the records that carry parameter jobs.
+pub const fn is_parameter_record(index: u16) -> bool {
+    matches!(index, 0x002F | 0xB02E | 0xB02F)
+}
+
+/// Which drive, and the record of which connection.
+type Channel = (Ipv4Addr, Uuid, u16, u16, u16);
+
+/// Requests that wait for their answer.
+#[derive(Debug, Default)]
+pub struct Jobs {
+    open: Pending<Channel, Asked>,
+}
+
+#[derive(Debug, Default)]
+struct Asked {
+    origin: Origin,
+    data: Vec<u8>,
+}
+
+impl Jobs {
+    /// A request was written to a drive.
+    pub fn request(
+        &mut self,
+        at: Ipv4Addr,
+        drive: &mut JobDrive,
+        write: &WriteRequest,
+        data: &[u8],
+        sink: &mut Sink<'_>,
+    ) {
+        tell(job::request_job(drive, data), None, sink);
+        let channel = (at, write.ar_uuid, write.slot, write.subslot, write.index);
+        let asked = Asked {
+            origin: sink.origin(),
+            data: data
+                .get(..data.len().min(MAX_REQUEST))
+                .unwrap_or_default()
+                .to_vec(),
+        };
+        self.open.insert(channel, sink.at + PATIENCE, asked);
+    }
+
+    /// An answer of a drive was read, or refused.
+    pub fn answer(
+        &mut self,
+        at: Ipv4Addr,
+        drive: &mut JobDrive,
+        read: &ReadRequest,
+        data: Option<&[u8]>,
+        status: PnioStatus,
+        sink: &mut Sink<'_>,
+    ) {
+        let channel = (at, read.ar_uuid, read.slot, read.subslot, read.index);
+        match data {
+            Some(data) => {
+                let asked = self.open.remove(&channel);
+                let request = asked.as_ref().map(|asked| asked.data.as_slice());
+                let frame = asked.as_ref().map(|asked| asked.origin.frame);
+                tell(job::response_job(drive, data, request), frame, sink);
+                if asked.is_none() {
+                    let what = "parameter request".to_owned();
+                    let text = format!("answer to a {what} that is not in the capture");
+                    sink.tell(
+                        Weight::Warning,
+                        "parameter",
+                        text,
+                        Detail::Trouble(Trouble::Unasked { what }),
+                    );
+                }
+            }
+            // not ready yet: the controller reads again
+            None if status.is_state_conflict() && self.open.get_mut(&channel).is_some() => {}
+            None => {
+                self.open.remove(&channel);
+                let detail = Record {
+                    service: "read",
+                    api: read.api,
+                    slot: read.slot,
+                    subslot: read.subslot,
+                    index: read.index,
+                    status: Some(number(status)),
+                    ..Record::default()
+                };
+                let text = format!("answer refused: {status}");
+                sink.tell(Weight::Error, "parameter", text, Detail::Record(detail));
+            }
+        }
+    }
+
+    /// Reports the requests whose answer nobody read until `now`.
+    pub fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {
+        while let Some((deadline, asked)) = self.open.due(now) {
+            let waited = deadline.min(sink.at).saturating_sub(asked.origin.at);
+            if waited < CUT_OFF {
+                continue;
+            }
+            let reference = asked.data.first().copied().unwrap_or(0);
+            let what = format!("parameter request {reference}");
+            let text = format!("{what}: no answer was read within {}", seconds(waited));
+            let trouble = Trouble::Unanswered {
+                what,
+                sent: 1,
+                waited,
+            };
+            sink.tell_of(
+                asked.origin,
+                Weight::Warning,
+                "parameter",
+                text,
+                Detail::Trouble(trouble),
+            );
+        }
+    }
+}
+
+/// Reports a job, one event for each of its lines; its numbers are in the first.
+fn tell(decoded: Decoded, request_frame: Option<u64>, sink: &mut Sink<'_>) {
+    let mut fields = Some(decoded.fields);
+    for (weight, line) in decoded.lines {
+        let detail = Job {
+            channel: "record",
+            job: fields.take().unwrap_or_default(),
+            request_frame,
+        };
+        sink.tell(weight, "parameter", line, Detail::Job(detail));
+    }
+}

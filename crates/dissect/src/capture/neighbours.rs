@@ -1,0 +1,111 @@
+//! LLDP: who sits at which cable.
+
+use std::collections::BTreeMap;
+
+use profinet::MacAddress;
+use profinet::wire::lldp::Lldpdu;
+use profinet::wire::{DecodeError, Reader};
+
+use super::event::{Detail, Neighbour, Sink};
+use super::names::Names;
+use crate::Weight;
+
+/// Most senders remembered; what others say is told each time.
+const MAX_SENDERS: usize = 4096;
+
+/// What each sender said last: told once, since it is repeated every few seconds.
+#[derive(Debug, Default)]
+pub(super) struct Neighbours(BTreeMap<MacAddress, String>);
+
+impl Neighbours {
+    /// Looks at the LLDPDU of a frame.
+    pub(super) fn pdu(
+        &mut self,
+        source: MacAddress,
+        payload: &[u8],
+        names: &mut Names,
+        sink: &mut Sink<'_>,
+    ) -> Result<(), DecodeError> {
+        let told = Lldpdu::decode(Reader::new(payload))?;
+        let (port, station) = told.profinet_names();
+        let words = |octets: &[u8]| String::from_utf8_lossy(octets).into_owned();
+        let address = told.management.and_then(|management| management.ipv4());
+        let mut text = match (told.ttl, station) {
+            (0, _) => format!("{} goes", words(port)),
+            (_, b"") => format!("is here with {}, without a name", words(port)),
+            (_, station) => format!("is here with {} of {}", words(port), words(station)),
+        };
+        if let Some(address) = address.filter(|_| told.ttl > 0) {
+            text = format!("{text}, {address}");
+        }
+        if told.chassis_mac.is_some() && !station.is_empty() {
+            // a PROFINET station: the name is the one it has
+            names.seen(source, address, Some(station), sink);
+        }
+        if self.0.get(&source) != Some(&text) {
+            let detail = Neighbour {
+                port: words(port),
+                station: words(station),
+                ip: address,
+                ttl: told.ttl,
+            };
+            sink.tell(Weight::Normal, "LLDP", text.as_str(), Detail::Neighbour(detail));
+            if self.0.len() < MAX_SENDERS || self.0.contains_key(&source) {
+                self.0.insert(source, text);
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use profinet::MacAddress;
+    use profinet::wire::lldp::{GROUP, Id, LOCALLY_ASSIGNED, Lldpdu, Management};
+
+    use crate::capture::Walker;
+
+    #[test]
+    fn a_neighbour_is_told_once_and_when_it_goes() {
+        let own = |value| Id {
+            subtype: LOCALLY_ASSIGNED,
+            value,
+        };
+        let frame = |ttl| {
+            let mut frame = [&GROUP.0[..], &[2, 0, 0, 0, 0, 9], &[0x88, 0xCC]].concat();
+            Lldpdu {
+                ttl,
+                chassis_mac: Some(MacAddress([2, 0, 0, 0, 0, 9])),
+                management: Some(Management {
+                    family: 1,
+                    address: &[10, 0, 0, 2],
+                    numbering: 2,
+                    interface: 1,
+                    object: &[],
+                }),
+                ..Lldpdu::new(own(b"akd-1"), own(b"port-001"))
+            }
+            .encode(&mut frame);
+            frame
+        };
+        let mut walker = Walker::default();
+        let mut texts = Vec::new();
+        for ttl in [20, 20, 0] {
+            texts.extend(walker.frame(Duration::ZERO, &frame(ttl)));
+        }
+        let texts: Vec<_> = texts.iter().map(|n| (&n.from[..], &n.text[..])).collect();
+        assert_eq!(
+            texts,
+            [
+                ("akd-1", "is here with port-001 of akd-1, 10.0.0.2"),
+                ("akd-1", "port-001 goes")
+            ]
+        );
+        assert_eq!(
+            walker.frame(Duration::ZERO, &frame(20)[..20])[0].topic,
+            "malformed"
+        );
+    }
+}

@@ -1,0 +1,352 @@
+//! Parameter jobs in words: what a request asks, what a response answers.
+
+mod description;
+mod drive;
+mod explain;
+pub mod pkw;
+mod response;
+pub mod serial;
+pub mod telegram;
+
+use std::fmt;
+
+use profidrive::catalogue::WordKind;
+use profidrive::parameter::{
+    Attribute, CodeSpace, Description, Format, ParameterAddress, Request, RequestId, ValueBlock,
+};
+use profidrive::value::Reading;
+use serde_json::{Map, Value};
+
+use crate::Weight;
+use crate::fields;
+use crate::{hex_bytes, value, words};
+
+use response::decode_response;
+
+pub use drive::JobDrive;
+pub use explain::{explain_error, explain_format};
+
+/// Octets in front of the addresses or blocks.
+const HEADER: usize = 4;
+/// Octets of an address.
+const ADDRESS: usize = 6;
+
+/// Direction of a parameter job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// From the controller to the drive.
+    Request,
+    /// From the drive to the controller.
+    Response,
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Request => "request",
+            Self::Response => "response",
+        })
+    }
+}
+
+/// Octets that are no parameter job of this side.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("this is no parameter {side}: {reason}")]
+pub struct NoJob {
+    /// What they were taken for.
+    pub side: Side,
+    /// Why they are none.
+    pub reason: String,
+}
+
+/// A job in words and for programs.
+#[derive(Debug)]
+pub struct Decoded {
+    /// In words; the first line says what it is.
+    pub lines: Vec<(Weight, String)>,
+    /// For programs.
+    pub fields: Map<String, Value>,
+}
+
+/// Decodes one job; guesses its direction when `side` is not given.
+///
+/// # Errors
+/// When the octets are no such job.
+pub fn decode(
+    drive: &mut JobDrive,
+    data: &[u8],
+    side: Option<Side>,
+    request: Option<&[u8]>,
+) -> Result<Decoded, NoJob> {
+    let side = side.unwrap_or_else(|| {
+        if request.is_some() {
+            Side::Response
+        } else {
+            guess(data, drive.code_space())
+        }
+    });
+    match side {
+        Side::Request => decode_request(drive, data),
+        Side::Response => decode_response(drive, data, request),
+    }
+    .map_err(|reason| NoJob { side, reason })
+}
+
+/// Request or response? A response never carries addresses, a read request nothing else.
+fn guess(data: &[u8], space: CodeSpace) -> Side {
+    let id = data.get(1).copied().unwrap_or(0);
+    let addresses = HEADER + ADDRESS * usize::from(data.get(3).copied().unwrap_or(0));
+    match id {
+        // as long as a read request, but what would be its attribute is a format code
+        1 if data.len() == addresses && !looks_like_values(data) => Side::Request,
+        // the head alone, padded or not: a change that was carried out
+        2 if matches!(data.get(HEADER..), Some([] | [0, 0])) => Side::Response,
+        2 if data.len() > HEADER + 2 && Request::parse(data, space).is_ok_and(|job| values_fit(&job)) => {
+            Side::Request
+        }
+        // too short for its addresses and no value block: a request that was cut off
+        1 | 2 if data.len() < addresses && !looks_like_values(data) => Side::Request,
+        // values behind an address, cut off: an answer to a change has none where all of it was written
+        2 if data.len() > addresses && has_attribute(data) => Side::Request,
+        3..0x80 => Side::Request,
+        _ => Side::Response,
+    }
+}
+
+/// True where a response would have its first format code: no attribute is one.
+fn looks_like_values(data: &[u8]) -> bool {
+    !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30 | 0x80..))
+}
+
+/// True where a request would have the attribute of its first address.
+fn has_attribute(data: &[u8]) -> bool {
+    matches!(data.get(HEADER), Some(0x10 | 0x20 | 0x30))
+}
+
+fn values_fit(job: &Request<'_>) -> bool {
+    job.values().all(|block| block.is_ok())
+}
+
+fn label(drive: &JobDrive, address: ParameterAddress) -> String {
+    let text = drive.label(address);
+    match address.attribute {
+        Attribute::Value => text,
+        Attribute::Description => {
+            let element = description::element(address.subindex);
+            format!("{element} of {}", drive.whole_label(address.pnu))
+        }
+        Attribute::Text => format!("texts of {text}"),
+        Attribute::Other(code) => format!("attribute 0x{code:02X} of {text}"),
+    }
+}
+
+fn address_json(drive: &JobDrive, address: ParameterAddress) -> Map<String, Value> {
+    let name = drive.select(address).parameter.map(|parameter| parameter.name);
+    let whole = drive.tables().and_then(|tables| tables.by_high(address.pnu));
+    let mut fields = fields! {
+        "pnu": address.pnu, "index": address.subindex, "elements": address.elements,
+        "attribute": address.attribute.octet(), "name": name,
+    };
+    if let Some(whole) = whole {
+        fields.insert("high_half_of".into(), whole.name.into());
+    }
+    fields
+}
+
+fn format_name(drive: &JobDrive, format: Format) -> String {
+    format
+        .info(drive.code_space())
+        .map_or_else(|| format!("format 0x{:02X}", format.0), |row| row.name.to_owned())
+}
+
+fn block_text(drive: &JobDrive, address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> String {
+    if address.is_some_and(|address| address.attribute == Attribute::Description)
+        && let Some(description) = Description::decode(block.data)
+    {
+        return description::words(&description, drive.code_space());
+    }
+    if address.is_some_and(|address| address.attribute == Attribute::Text)
+        && let Some(texts) = description::texts(block.data)
+    {
+        return texts;
+    }
+    let readings = drive.readings(address, block);
+    let assumed = address.and_then(|address| drive.assumption(address));
+    if let ([one], Some(assumed)) = (readings.as_slice(), &assumed) {
+        let raw = one.raw().map_or_else(String::new, |raw| format!("raw {raw}, "));
+        return format!("{raw}{} if {assumed}", value::full(one));
+    }
+    let texts: Vec<String> = match readings.as_slice() {
+        [one] => vec![format!("{} {}", value::full(one), state(drive, one))],
+        many => many.iter().map(value::value).collect(),
+    };
+    let unit = readings
+        .first()
+        .filter(|_| readings.len() > 1)
+        .map_or("", |reading| reading.unit);
+    let condition = assumed.map_or_else(String::new, |assumed| format!(" if {assumed}"));
+    format!("{} {unit}", texts.join(", ")).trim_end().to_owned() + &condition
+}
+
+/// What a control or status word comes to as a whole.
+fn state(drive: &JobDrive, reading: &Reading) -> String {
+    let kind = drive
+        .tables()
+        .and_then(|tables| tables.word(reading.pnu))
+        .map(|word| word.kind);
+    // not of a make whose words nobody told
+    let raw = reading.raw().filter(|_| reading.word.is_some());
+    let word = raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
+    match (kind, word) {
+        (Some(WordKind::Control), Some(word)) => words::stw1_meaning_in(drive.mode(), word).to_owned(),
+        (Some(WordKind::Status), Some(word)) => words::state(word, None),
+        _ => String::new(),
+    }
+}
+
+fn block_json(
+    drive: &JobDrive,
+    address: Option<ParameterAddress>,
+    block: &ValueBlock<'_>,
+) -> Map<String, Value> {
+    let assumed = address.and_then(|address| drive.assumption(address));
+    let values: Vec<Value> = drive
+        .readings(address, block)
+        .iter()
+        .map(|reading| {
+            let mut value = value::json(reading);
+            if let (Value::Object(fields), Some(assumed)) = (&mut value, &assumed) {
+                fields.insert("assumed".into(), assumed.as_str().into());
+            }
+            value
+        })
+        .collect();
+    let mut fields = fields! {
+        "format": block.format.0, "format_name": format_name(drive, block.format), "count": block.count,
+        "hex": hex_bytes(block.data), "values": values,
+    };
+    if let Some(assumed) = assumed {
+        fields.insert("assumed".into(), assumed.into());
+    }
+    fields
+}
+
+fn raw_text(drive: &JobDrive, block: &ValueBlock<'_>) -> String {
+    const SHOWN: usize = 16;
+    let (start, more) = block
+        .data
+        .split_at_checked(SHOWN)
+        .map_or((block.data, ""), |(start, rest)| {
+            (start, if rest.is_empty() { "" } else { " .." })
+        });
+    format!("{} {}{more}", format_name(drive, block.format), hex_bytes(start))
+}
+
+const fn verb(id: RequestId) -> &'static str {
+    match id {
+        RequestId::Read => "read request",
+        RequestId::Change => "change request",
+        RequestId::ChangePermanent => "change request (kept)",
+        RequestId::ReadWide => "read request (double words)",
+        RequestId::ChangeWide => "change request (double words)",
+        RequestId::Other(_) => "request of an unknown kind",
+    }
+}
+
+fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
+    let job = Request::parse(data, drive.code_space()).map_err(|error| error.to_string())?;
+    let head = format!(
+        "{} {}, axis {}, {}",
+        verb(job.id()),
+        job.reference(),
+        job.axis(),
+        plural(job.parameters().into(), "parameter")
+    );
+    let mut lines = vec![(Weight::Normal, head)];
+    let mut parameters = Vec::new();
+    let mut values = job.values();
+    let objections = drive.objections(&job);
+    let name = drive.dialect().name;
+    let objected = |place: Option<usize>| {
+        let these = objections.iter().filter(move |one| one.parameter == place);
+        these.map(|one| (Weight::Error, format!("  not allowed ({name}): {one}")))
+    };
+    lines.extend(objected(None));
+    for (place, address) in job.addresses().enumerate() {
+        let mut fields = address_json(drive, address);
+        let mut text = label(drive, address);
+        if job.id().is_change() {
+            match values.next() {
+                Some(Ok(block)) => {
+                    text = format!(
+                        "{text} = {}   [{}]",
+                        block_text(drive, Some(address), &block),
+                        raw_text(drive, &block)
+                    );
+                    fields.extend(block_json(drive, Some(address), &block));
+                }
+                Some(Err(error)) => return Err(error.to_string()),
+                None => text.push_str(" = (no value)"),
+            }
+        }
+        lines.push((Weight::Normal, format!("  {text}")));
+        lines.extend(objected(Some(place)).map(|(weight, text)| (weight, format!("  {text}"))));
+        parameters.push(Value::Object(fields));
+    }
+    let mut fields = fields! {
+        "side": "request", "reference": job.reference(), "id": job.id().octet(), "axis": job.axis(),
+        "parameters": parameters,
+    };
+    if !objections.is_empty() {
+        let objections = objections.iter().map(|one| {
+            Value::Object(fields! {
+                "parameter": one.parameter, "text": one.to_string(), "error": one.answer.map(|number| number.0),
+            })
+        });
+        fields.insert("not_allowed".into(), objections.collect());
+    }
+    Ok(Decoded { lines, fields })
+}
+
+fn prefix(drive: &JobDrive, address: Option<ParameterAddress>, link: &str) -> String {
+    address.map_or_else(String::new, |address| label(drive, address) + link)
+}
+
+fn plural(count: usize, what: &str) -> String {
+    if count == 1 {
+        format!("1 {what}")
+    } else {
+        format!("{count} {what}s")
+    }
+}
+
+/// A request in a few words, for the line of a capture.
+pub fn request_job(drive: &JobDrive, data: &[u8]) -> Decoded {
+    joined(decode_request(drive, data), data)
+}
+
+/// A response in a few words, with the request it answers where that is known. What it says of the drive is taken over.
+pub fn response_job(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) -> Decoded {
+    joined(
+        decode_response(drive, data, request).or_else(|_| decode_response(drive, data, None)),
+        data,
+    )
+}
+
+/// One parameter on the line of the head, several below it.
+fn joined(decoded: Result<Decoded, String>, data: &[u8]) -> Decoded {
+    let mut decoded = decoded.unwrap_or_else(|reason| Decoded {
+        lines: vec![(
+            Weight::Error,
+            format!("malformed job ({reason}): {}", hex_bytes(data)),
+        )],
+        fields: fields! { "malformed": reason, "hex": hex_bytes(data) },
+    });
+    if let [(_, head), (weight, only)] = decoded.lines.as_slice() {
+        decoded.lines = vec![(*weight, format!("{head}: {}", only.trim_start()))];
+    }
+    decoded
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,369 @@
+//! The PKW channel in words: requests and replies with the names, values and units of the drive.
+
+use profidrive::parameter::{Attribute, Identifier, ParameterAddress};
+use profidrive::pkw::{Action, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, Width};
+use profidrive::value::Reading;
+use serde_json::{Map, Value};
+
+use super::{Decoded, JobDrive, description};
+use crate::Weight;
+use crate::fields;
+use crate::value;
+
+/// The eight octets of the channel. Without a direction both are told.
+pub fn decode(
+    drive: &JobDrive,
+    dialect: &PkwDialect,
+    data: &[u8],
+    output: Option<bool>,
+) -> Result<Decoded, String> {
+    let octets: [u8; PKW_LEN] = data.try_into().map_err(|_| {
+        format!(
+            "the parameter channel has {PKW_LEN} octets, there are {}",
+            data.len()
+        )
+    })?;
+    let pkw = Pkw::from_octets(octets);
+    let mut lines = Vec::new();
+    let mut sides = Vec::new();
+    for side in [true, false] {
+        if output.is_some_and(|wanted| wanted != side) {
+            continue;
+        }
+        let (weight, text) = if side {
+            request(drive, dialect, pkw, None)
+        } else {
+            reply(drive, dialect, pkw, None)
+        };
+        let who = if side { "request" } else { "reply" };
+        let mut told = fields! { "side": who, "text": text.as_str() };
+        if let Some(error) = refusal_json(dialect, pkw).filter(|_| !side) {
+            told.insert("error".into(), Value::Object(error));
+        }
+        sides.push(Value::Object(told));
+        lines.push((weight, format!("as a {who:<8} {text}")));
+    }
+    let fields = fields! {
+        "dialect": dialect.name, "model": drive.name(), "pke": pkw.pke, "ind": pkw.ind, "pwe": pkw.pwe,
+        "ak": pkw.ak(), "pnu": pkw.address(dialect).map(|address| address.pnu),
+        "subindex": pkw.address(dialect).map(|address| address.subindex), "sides": sides,
+    };
+    Ok(Decoded { lines, fields })
+}
+
+/// What IND says of a text.
+const TEXT_WRITE: u8 = 5;
+
+/// What a request wants. `text` is what stands in the place of PWE in a text block.
+pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8]>) -> (Weight, String) {
+    let code = pkw.request_code();
+    let info = code.info();
+    if info.action == Action::Nothing {
+        return (Weight::Normal, "no request".into());
+    }
+    let mut told = format!("{}: {}", info.name, label(drive, dialect, pkw, info.array));
+    match (info.action, info.width) {
+        (Action::Change, Some(width)) => {
+            told = format!("{told} = {}", number(drive, dialect, pkw, width));
+        }
+        (Action::ReadDescription | Action::ChangeDescription, _) => {
+            let element = description::element(subindex(dialect, pkw));
+            told = format!("{}: {element} of {}", info.name, whole(drive, dialect, pkw));
+        }
+        (Action::Text, _) => {
+            let writes = pkw
+                .address(dialect)
+                .is_some_and(|address| address.text == TEXT_WRITE);
+            told = format!(
+                "{} text of {}",
+                if writes { "change" } else { "read" },
+                label(drive, dialect, pkw, false)
+            );
+            if let Some(text) = text.filter(|text| writes && !text.is_empty()) {
+                told = format!("{told} = {}", quoted(text));
+            }
+        }
+        _ => {}
+    }
+    if dialect.knows(code) {
+        (Weight::Normal, told)
+    } else {
+        (
+            Weight::Warning,
+            format!("{told} (no request of {}: AK {})", dialect.name, code.0),
+        )
+    }
+}
+
+/// What a reply says.
+pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8]>) -> (Weight, String) {
+    let code = pkw.reply_code();
+    let info = code.info();
+    let normal = |text: String| (Weight::Normal, text);
+    if code == ReplyCode::NONE {
+        return normal("no reply".into());
+    }
+    let label = label(drive, dialect, pkw, info.array);
+    if let Some(width) = info.width {
+        let number = number(drive, dialect, pkw, width);
+        let spontaneous = if info.spontaneous { "spontaneous: " } else { "" };
+        return normal(format!("{spontaneous}{label} = {number}"));
+    }
+    match code {
+        ReplyCode::REFUSED => {
+            let number = PkwErrorNumber(pkw.pwe_low());
+            let row = number.info(dialect.error_names);
+            let what = number.words(dialect.error_names);
+            let remedy = row.map_or_else(String::new, |row| format!("; {}", row.remedy));
+            let who = if pkw.pke & dialect.pnu_mask() == 0 {
+                String::new()
+            } else {
+                format!("{label}: ")
+            };
+            (Weight::Error, format!("{who}refused: {what}{remedy}"))
+        }
+        ReplyCode::NO_RIGHTS => (Weight::Error, format!("{label}: refused: {}", info.name)),
+        ReplyCode::DESCRIPTION => {
+            let number = subindex(dialect, pkw);
+            let mut told = format!(
+                "{} of {} = 0x{:X}",
+                description::element(number),
+                whole(drive, dialect, pkw),
+                pkw.pwe
+            );
+            if number == 1 {
+                let words = description::identifier(Identifier(pkw.pwe_low()), drive.code_space());
+                told = format!("{told} ({words})");
+            }
+            normal(told)
+        }
+        ReplyCode::ELEMENTS => normal(format!(
+            "{} has {} elements",
+            whole(drive, dialect, pkw),
+            pkw.pwe_low()
+        )),
+        ReplyCode::TEXT => normal(match text {
+            Some(text) => format!("text of {label} = {}", quoted(text)),
+            None => format!("text of {label}"),
+        }),
+        _ => (Weight::Warning, format!("{label}: AK {} {}", code.0, info.name)),
+    }
+}
+
+/// Error number of a refusal, its meaning and what to do; of a refusal without a number its meaning.
+pub fn refusal_json(dialect: &PkwDialect, pkw: Pkw) -> Option<Map<String, Value>> {
+    match pkw.reply_code() {
+        ReplyCode::REFUSED => {
+            let number = PkwErrorNumber(pkw.pwe_low());
+            let remedy = number.info(dialect.error_names).map(|row| row.remedy);
+            Some(fields! {
+                "number": number.0, "meaning": number.words(dialect.error_names), "remedy": remedy,
+            })
+        }
+        ReplyCode::NO_RIGHTS => Some(fields! { "number": (), "meaning": ReplyCode::NO_RIGHTS.info().name }),
+        _ => None,
+    }
+}
+
+/// True when this is, or may be, what a drive answers to that request.
+pub fn answers(dialect: &PkwDialect, request: Pkw, reply: Pkw) -> bool {
+    let info = request.request_code().info();
+    let code = reply.reply_code();
+    let number = |pkw: Pkw| pkw.pke & dialect.pnu_mask();
+    if info.refusals.contains(&code) {
+        return number(reply) == number(request) || (number(reply) == 0 && !dialect.refusal_names_pnu);
+    }
+    info.replies.contains(&code) && number(reply) == number(request) && reply.ind == request.ind
+}
+
+/// The value that a reply carries, for what it tells about others.
+pub fn reading(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw) -> Option<Reading> {
+    let width = pkw.reply_code().info().width?;
+    let address = address(dialect, pkw)?;
+    Some(drive.number(address, octets(pkw, width, &mut [0; 4])))
+}
+
+fn address(dialect: &PkwDialect, pkw: Pkw) -> Option<ParameterAddress> {
+    let address = pkw.address(dialect)?;
+    Some(ParameterAddress::value(address.pnu, address.subindex.into()))
+}
+
+fn subindex(dialect: &PkwDialect, pkw: Pkw) -> u16 {
+    pkw.address(dialect).map_or(0, |address| address.subindex.into())
+}
+
+/// Number and name of a parameter with its element.
+fn label(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, array: bool) -> String {
+    let Some(address) = address(dialect, pkw) else {
+        let number = pkw.pke & dialect.pnu_mask();
+        return format!("PNU {number} of an unknown page (IND 0x{:04X})", pkw.ind);
+    };
+    let plain = drive
+        .parameter(address)
+        .is_some_and(|parameter| !parameter.is_array());
+    if plain && address.subindex == 0 && !array {
+        return whole(drive, dialect, pkw);
+    }
+    drive.label(address)
+}
+
+/// Number and name of a parameter without an element.
+fn whole(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw) -> String {
+    let Some(address) = address(dialect, pkw) else {
+        return label(drive, dialect, pkw, false);
+    };
+    drive.whole_label(address.pnu)
+}
+
+fn octets(pkw: Pkw, width: Width, buffer: &mut [u8; 4]) -> &[u8] {
+    *buffer = pkw.pwe.to_be_bytes();
+    match (width, &*buffer) {
+        (Width::Word, [_, _, word @ ..]) => word,
+        (_, all) => all,
+    }
+}
+
+fn number(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, width: Width) -> String {
+    let mut buffer = [0; 4];
+    let octets = octets(pkw, width, &mut buffer);
+    let raw = crate::hex_bytes(octets);
+    let name = match width {
+        Width::Word => "word",
+        Width::DoubleWord => "double word",
+    };
+    let Some(address) = address(dialect, pkw) else {
+        return format!("{}   [{name} {raw}]", pkw.value(width));
+    };
+    let reading = drive.number(address, octets);
+    let condition = drive
+        .assumption(ParameterAddress {
+            attribute: Attribute::Value,
+            ..address
+        })
+        .map_or_else(String::new, |assumed| format!(" if {assumed}"));
+    format!("{}{condition}   [{name} {raw}]", value::full(&reading))
+}
+
+/// Characters of a text block.
+fn quoted(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(text);
+    format!("\"{}\"", text.trim_end_matches(['\0', ' ']))
+}
+
+/// AK and parameter number of a PKE, as both sides may mean it.
+pub fn pke_lines(drive: &JobDrive, dialect: &PkwDialect, pke: u16) -> Vec<String> {
+    let pkw = Pkw { pke, ind: 0, pwe: 0 };
+    let [high, _] = pke.to_be_bytes();
+    let number = pke & dialect.pnu_mask();
+    let mut lines = vec![
+        format!("PKE {}   {}", crate::hex16(pke), crate::nibbles(pke)),
+        format!("  parameter  {}", whole(drive, dialect, pkw)),
+        format!("  request    {}", RequestCode(high >> 4)),
+        format!("  reply      {}", ReplyCode(high >> 4)),
+    ];
+    if pke & 0x0800 != 0 {
+        lines.push(format!(
+            "  bit 11     part of the number {number} in Danfoss drives; a spontaneous message for parameter {} elsewhere",
+            pke & 0x07FF
+        ));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn vlt() -> JobDrive {
+        JobDrive::of(0x0080, 1)
+    }
+
+    fn pkw(octets: [u8; 8]) -> Pkw {
+        Pkw::from_octets(octets)
+    }
+
+    #[test]
+    fn the_examples_of_the_fc_protocol() {
+        let told = |octets| request(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
+        let (_, text) = told([0x15, 0xFA, 0, 1, 0, 0, 0, 0]);
+        assert_eq!(text, "request value: Fault Log: Error Code (15-30[1])");
+        let (_, text) = told([0xE1, 0x9E, 0, 0, 0, 0, 0x03, 0xE8]);
+        assert!(
+            text.starts_with(
+                "change value (word) in RAM and EEPROM: Motor Speed High Limit [Hz] (4-14) = 100 Hz"
+            ),
+            "{text}"
+        );
+        let (_, text) = told([0xF6, 0x04, 0x04, 0, 0, 0, 0, 0]);
+        assert!(
+            text.starts_with("read text of ") && text.contains("(15-40"),
+            "{text}"
+        );
+        let (weight, text) = told([0x61, 0x9E, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(weight, Weight::Warning);
+        assert!(text.contains("no request of Danfoss FC protocol"), "{text}");
+        let told = |octets| reply(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
+        let (weight, text) = told([0x75, 0xFA, 0, 1, 0, 0, 0, 0x11]);
+        assert_eq!(weight, Weight::Error);
+        assert!(
+            text.starts_with(
+                "Fault Log: Error Code (15-30[1]): refused: 17 not possible in the present mode"
+            ),
+            "{text}"
+        );
+        let (_, text) = told([0x30, 0x01, 0, 1, 0, 0, 0x04, 0x05]);
+        assert_eq!(
+            text,
+            "description element 1 (identifier) of Language (0-01) = 0x405 (Unsigned8, has texts)"
+        );
+    }
+
+    #[test]
+    fn the_same_index_stands_elsewhere_in_a_ppo() {
+        let drive = vlt();
+        let (_, text) = request(&drive, drive.ppo(), pkw([0x65, 0xFA, 1, 0, 0, 0, 0, 0]), None);
+        assert_eq!(text, "request value (array): Fault Log: Error Code (15-30[1])");
+        let (_, text) = reply(&drive, drive.ppo(), pkw([0x65, 0xFA, 0, 0, 0, 0, 0, 10]), None);
+        assert_eq!(text, "Fault Log: Error Code (15-30) has 10 elements");
+        let (_, text) = reply(&drive, drive.ppo(), pkw([0x70, 0, 0, 0, 0, 0, 0, 2]), None);
+        assert!(text.starts_with("refused: 2 value exceeds the limits"), "{text}");
+    }
+
+    #[test]
+    fn replies_belong_to_their_request() {
+        let dialect = PkwDialect::DANFOSS_PPO;
+        let read = pkw([0x11, 0x9E, 0, 0, 0, 0, 0, 0]);
+        for (octets, fits) in [
+            ([0x11, 0x9E, 0, 0, 0, 0, 0x03, 0xE8], true),
+            ([0x21, 0x9E, 0, 0, 0, 0, 0x03, 0xE8], true),
+            ([0x71, 0x9E, 0, 0, 0, 0, 0, 2], true),
+            ([0x70, 0x00, 0, 0, 0, 0, 0, 2], true),
+            ([0x11, 0x9F, 0, 0, 0, 0, 0x03, 0xE8], false),
+            ([0x11, 0x9E, 1, 0, 0, 0, 0x03, 0xE8], false),
+            ([0x31, 0x9E, 0, 0, 0, 0, 0, 0], false),
+            ([0x00, 0x00, 0, 0, 0, 0, 0, 0], false),
+        ] {
+            assert_eq!(answers(&dialect, read, pkw(octets)), fits, "{octets:02X?}");
+        }
+    }
+
+    #[test]
+    fn a_pke_of_both_sides() {
+        let lines = pke_lines(&vlt(), &PkwDialect::DANFOSS_FC, 0x15FA).join("\n");
+        assert!(lines.contains("Fault Log: Error Code (15-30)"), "{lines}");
+        assert!(lines.contains("request    AK 1 request value"), "{lines}");
+        assert!(lines.contains("reply      AK 1 value (word)"), "{lines}");
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_octets_are_told(octets: [u8; 8], text in proptest::option::of(proptest::collection::vec(proptest::prelude::any::<u8>(), 0..40))) {
+            for drive in [vlt(), JobDrive::default(), JobDrive::of(0, 0)] {
+                for dialect in [&PkwDialect::DANFOSS_FC, &PkwDialect::DANFOSS_PPO, &PkwDialect::SIEMENS_USS, &PkwDialect::STANDARD] {
+                    request(&drive, dialect, pkw(octets), text.as_deref());
+                    reply(&drive, dialect, pkw(octets), text.as_deref());
+                }
+            }
+        }
+    }
+}

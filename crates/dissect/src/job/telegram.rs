@@ -1,0 +1,477 @@
+//! Cyclic data of a drive in words: parameter channel, control and status word, speed, further words.
+
+use profidrive::parameter::ParameterAddress;
+use profidrive::pkw::Pkw;
+use profidrive::state::{Profile, Zsw1};
+use profidrive::telegram::{Field, Image, Telegram, signal};
+use serde_json::{Map, Value, json};
+
+use super::{Decoded, JobDrive, pkw};
+use crate::Weight;
+use crate::fields;
+use crate::{hex_bytes, hex16, number, value, words};
+
+/// One direction of the cyclic data of a drive.
+#[derive(Debug, Clone, Copy)]
+pub struct Half<'a> {
+    /// Whose data it is.
+    pub drive: &'a JobDrive,
+    /// None: all that is known is that the first word is the control or status word.
+    pub telegram: Option<&'static Telegram>,
+    /// True from the controller to the drive.
+    pub output: bool,
+}
+
+impl Half<'_> {
+    fn image(&self) -> Option<&'static Image> {
+        let telegram = self.telegram?;
+        let image = if self.output {
+            &telegram.setpoint
+        } else {
+            &telegram.actual
+        };
+        // what a freely mapped telegram has, nobody told
+        (image.octets > 0).then_some(image)
+    }
+
+    /// Whose words these are.
+    pub fn profile(&self) -> Profile {
+        self.drive.words(self.telegram)
+    }
+
+    /// The parameter channel, where there is one.
+    pub fn pkw(&self, data: &[u8]) -> Option<Pkw> {
+        let channel = self.telegram.is_some_and(|telegram| telegram.pkw);
+        let octets = data.first_chunk().filter(|_| channel)?;
+        Some(Pkw::from_octets(*octets))
+    }
+
+    /// The control or status word.
+    pub fn word(&self, data: &[u8]) -> Option<u16> {
+        let number = if self.output { signal::STW1 } else { signal::ZSW1 };
+        match self.image() {
+            Some(image) => image.get(data, number).and_then(|word| u16::try_from(word).ok()),
+            None => data.first_chunk().map(|octets| u16::from_be_bytes(*octets)),
+        }
+    }
+
+    /// Setpoint or actual value of the speed, as it travels.
+    pub fn speed(&self, data: &[u8]) -> Option<i64> {
+        let number = if self.output {
+            signal::NSOLL_A
+        } else {
+            signal::NIST_A
+        };
+        self.image()?.get(data, number)
+    }
+
+    /// What the word is called: makers with words of their own say CTW and STW.
+    pub fn word_name(&self) -> &'static str {
+        match (self.profile(), self.output) {
+            (Profile::Profidrive, true) => "STW1",
+            (Profile::Profidrive, false) => "ZSW1",
+            (_, true) => "CTW",
+            (_, false) => "STW",
+        }
+    }
+
+    /// What the speed is called.
+    pub fn speed_name(&self) -> &'static str {
+        match (self.profile(), self.output) {
+            (Profile::Profidrive, true) => "NSOLL_A",
+            (Profile::Profidrive, false) => "NIST_A",
+            (_, true) => "MRV",
+            (_, false) => "MAV",
+        }
+    }
+
+    /// What the word says. `sent` is the control word on the way to the drive.
+    pub fn word_text(&self, word: u16, sent: Option<u16>) -> (Weight, String) {
+        let profile = self.profile();
+        let mode = self.drive.mode_in(self.telegram);
+        if self.output {
+            let set = words::set(profile.control_bits(mode), word);
+            let means = words::control_meaning(profile, mode, word);
+            return (Weight::Normal, format!("{means} {set}"));
+        }
+        let set = words::set(profile.status_bits(mode), word);
+        let general = profile.zsw1(word, sent.unwrap_or(0));
+        let weight = if general.has(Zsw1::FAULT) {
+            Weight::Error
+        } else if general.has(Zsw1::WARNING) {
+            Weight::Warning
+        } else {
+            Weight::Normal
+        };
+        (
+            weight,
+            format!("{} {set}", words::status_meaning(profile, word, sent)),
+        )
+    }
+
+    /// `50 %, 750 rpm if a reference of 1500 rpm`.
+    pub fn speed_text(&self, raw: i64) -> String {
+        let full = self.telegram.and_then(|telegram| telegram.full_speed);
+        let (rpm, assumed) = self.drive.speed(raw, full);
+        let rpm = format!("{} rpm", number((rpm * 100.0).round() / 100.0));
+        let percent = self.drive.percent(raw, full).map_or_else(String::new, |percent| {
+            format!("{} %, ", number((percent * 100.0).round() / 100.0))
+        });
+        let condition = assumed.map_or_else(String::new, |assumed| format!(" if {assumed}"));
+        format!("{percent}{rpm}{condition}")
+    }
+
+    /// Everything in the data, one line for each part.
+    pub fn lines(&self, data: &[u8]) -> Vec<(Weight, String)> {
+        let mut lines = Vec::new();
+        if let Some(pkw) = self.pkw(data) {
+            let dialect = self.drive.ppo();
+            let (weight, text) = if self.output {
+                pkw::request(self.drive, dialect, pkw, None)
+            } else {
+                pkw::reply(self.drive, dialect, pkw, None)
+            };
+            lines.push((weight, row("PKW", &text)));
+        }
+        if let Some(word) = self.word(data) {
+            let (weight, text) = self.word_text(word, None);
+            let condition = self
+                .drive
+                .assumed_words(self.telegram)
+                .map_or_else(String::new, |assumed| format!(" if {assumed}"));
+            lines.push((
+                weight,
+                row(self.word_name(), &format!("{} {text}{condition}", hex16(word))),
+            ));
+        }
+        if let Some(raw) = self.speed(data) {
+            let octets = self.image().and_then(|image| {
+                let field = image.field(if self.output {
+                    signal::NSOLL_A
+                } else {
+                    signal::NIST_A
+                })?;
+                data.get(usize::from(field.offset)..)?.get(..2)
+            });
+            let text = format!(
+                "{}   [{}]",
+                self.speed_text(raw),
+                hex_bytes(octets.unwrap_or_default())
+            );
+            lines.push((Weight::Normal, row(self.speed_name(), &text)));
+        }
+        lines.extend(self.others(data));
+        lines
+    }
+
+    /// The speed and the signals that are parameters, in units, with what each of them rests on and nobody told.
+    fn values_json(&self, data: &[u8]) -> Vec<Value> {
+        let full = self.telegram.and_then(|telegram| telegram.full_speed);
+        let mut values: Vec<Value> = Vec::new();
+        if let Some(raw) = self.speed(data) {
+            let (rpm, assumed) = self.drive.speed(raw, full);
+            let mut value = fields! { "name": self.speed_name(), "raw": raw, "value": rpm, "unit": "rpm" };
+            value.extend(assumed.map(|assumed| ("assumed".to_owned(), assumed.into())));
+            values.push(value.into());
+        }
+        let told = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
+        let fields = self.image().map_or(&[][..], |image| image.fields);
+        for field in fields.iter().filter(|field| !told.contains(&field.signal.number)) {
+            let Some(octets) = part(data, field) else { continue };
+            let Some(address) = self.address(field, octets) else {
+                continue;
+            };
+            let mut value = value::json(&self.drive.number(address, octets));
+            if let (Value::Object(fields), Some(assumed)) = (&mut value, self.drive.assumption(address)) {
+                fields.insert("assumed".into(), assumed.into());
+            }
+            values.push(value);
+        }
+        values
+    }
+
+    /// The parameter that a signal is, where the tables have one of this size.
+    fn address(&self, field: &Field, octets: &[u8]) -> Option<ParameterAddress> {
+        let address = ParameterAddress::value(field.signal.number, 0);
+        let known = self.drive.parameter(address)?;
+        (known.octets() == octets.len() && field.signal.vendor.is_some() || known.name == field.signal.name)
+            .then_some(address)
+    }
+
+    /// Signals and words beside control word and speed.
+    fn others(&self, data: &[u8]) -> Vec<(Weight, String)> {
+        let (Some(telegram), Some(image)) = (self.telegram, self.image()) else {
+            return Vec::new();
+        };
+        let told = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
+        let others = image
+            .fields
+            .iter()
+            .filter(|field| !told.contains(&field.signal.number));
+        let signals = others.filter_map(|field| {
+            let octets = part(data, field)?;
+            Some((
+                Weight::Normal,
+                row(
+                    field.signal.name,
+                    &format!("{}   [{}]", self.signal_text(field, octets), hex_bytes(octets)),
+                ),
+            ))
+        });
+        let words = telegram.parameter_words(image).filter_map(|(index, offset)| {
+            let octets = data.get(usize::from(offset)..)?.get(..2)?;
+            let name = format!("PCD {}", index + 1);
+            Some((Weight::Normal, row(&name, &format!("0x{}", joined(octets)))))
+        });
+        signals.chain(words).collect()
+    }
+
+    fn signal_text(&self, field: &Field, octets: &[u8]) -> String {
+        if let Some(address) = self.address(field, octets) {
+            let assumed = self.drive.assumption(address);
+            let condition = assumed.map_or_else(String::new, |assumed| format!(" if {assumed}"));
+            return value::full(&self.drive.number(address, octets)) + &condition;
+        }
+        field
+            .signal
+            .decode(octets)
+            .map_or_else(String::new, |raw| raw.to_string())
+    }
+}
+
+fn part<'d>(data: &'d [u8], field: &Field) -> Option<&'d [u8]> {
+    data.get(usize::from(field.offset)..)?
+        .get(..usize::from(field.signal.octets()))
+}
+
+fn joined(octets: &[u8]) -> String {
+    octets.iter().map(|octet| format!("{octet:02X}")).collect()
+}
+
+fn row(name: &str, text: &str) -> String {
+    format!("  {name:<8} {text}")
+}
+
+/// Cyclic data of a telegram by its number. Without a direction both are told.
+pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>) -> Result<Decoded, String> {
+    let found = drive.telegram(telegram).ok_or_else(|| {
+        let all = drive
+            .tables()
+            .map_or(&[][..], |tables| tables.device.telegrams)
+            .iter()
+            .map(|row| row.telegram.to_string())
+            .collect::<Vec<_>>();
+        format!(
+            "no telegram {telegram} of {} is known; there are {}",
+            drive.name(),
+            all.join(", ")
+        )
+    })?;
+    let mut lines = Vec::new();
+    let mut halves = Vec::new();
+    for half in halves_of(drive, found, data, output)? {
+        let side = half.output;
+        let from = if side {
+            "from the controller"
+        } else {
+            "from the drive"
+        };
+        lines.push((
+            Weight::Normal,
+            format!("{} telegram {telegram} {from}", drive.name()),
+        ));
+        let told = half.lines(data);
+        halves.push(json!({
+            "from": if side { "controller" } else { "drive" },
+            "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
+            "word": half.word(data), "speed": half.speed(data), "values": half.values_json(data),
+        }));
+        lines.extend(told);
+    }
+    let fields: Map<String, Value> =
+        fields! { "model": drive.name(), "telegram": telegram, "hex": hex_bytes(data), "halves": halves };
+    Ok(Decoded { lines, fields })
+}
+
+/// The directions that data of this length can have, or only that which is given.
+fn halves_of<'a>(
+    drive: &'a JobDrive,
+    telegram: &'static Telegram,
+    data: &[u8],
+    output: Option<bool>,
+) -> Result<Vec<Half<'a>>, String> {
+    let sides = [true, false]
+        .into_iter()
+        .filter(|side| output.is_none_or(|wanted| wanted == *side));
+    let (mut fitting, mut lengths) = (Vec::new(), Vec::new());
+    for output in sides {
+        let half = Half {
+            drive,
+            telegram: Some(telegram),
+            output,
+        };
+        let expected = half.image().map_or(data.len(), |image| usize::from(image.octets));
+        if telegram.free || data.len() == expected {
+            fitting.push(half);
+        }
+        let from = if output { "to" } else { "from" };
+        lengths.push(format!("{expected} octets {from} the drive"));
+    }
+    if fitting.is_empty() {
+        let (number, lengths) = (telegram.number, lengths.join(" and "));
+        return Err(format!(
+            "telegram {number} has {lengths}, there are {}",
+            data.len()
+        ));
+    }
+    Ok(fitting)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use profidrive::parameter::{CodeSpace, ValueBlock, pnu};
+
+    fn lines(vendor: u16, device: u16, telegram: u16, data: &[u8], output: bool) -> String {
+        let drive = JobDrive::of(vendor, device);
+        let decoded = decode(&drive, telegram, data, Some(output)).unwrap();
+        decoded.lines.into_iter().map(|(_, line)| line + "\n").collect()
+    }
+
+    /// FCM 300 p. 29: par. 207 = 1000, status word 0F07, 50 %.
+    #[test]
+    fn the_worked_ppo_1() {
+        let reply = [0x20, 0xCF, 0, 0, 0, 0, 3, 0xE8, 0x0F, 0x07, 0x20, 0];
+        let text = lines(0x0080, 1, 101, &reply, false);
+        assert!(text.contains("PKW      "), "{text}");
+        assert!(text.contains("1000"), "{text}");
+        assert!(text.contains("STW      0x0F07 S4 operation ["), "{text}");
+        assert!(text.contains("if 8-10 FC profile"), "{text}");
+        assert!(
+            text.contains("MAV      50 %, 750 rpm if a reference of 1500 rpm   [20 00]"),
+            "{text}"
+        );
+        let refused = [0x70, 0, 0, 0, 0, 0, 0, 2, 0x0F, 0x07, 0x20, 0];
+        let text = lines(0x0080, 1, 101, &refused, false);
+        assert!(text.contains("refused: 2 value exceeds the limits"), "{text}");
+        let request = [0x10, 0x78, 0, 0, 0, 0, 0, 0, 0x04, 0x7C, 0x20, 0];
+        let text = lines(0x0080, 1, 101, &request, true);
+        assert!(
+            text.contains("PKW      request value: Motor Power [kW] (1-20)"),
+            "{text}"
+        );
+        assert!(
+            text.contains("CTW      0x047C run: follows the setpoint ["),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn vacon_has_a_scale_and_words_of_its_own() {
+        let text = lines(0x01BA, 0x0100, 148, &[0x04, 0x7F, 0x13, 0x88], true);
+        assert!(
+            text.contains("CTW      0x047F run: follows the setpoint ["),
+            "{text}"
+        );
+        assert!(text.contains("MRV      50 %, 750 rpm"), "{text}");
+        let text = lines(0x01BA, 0x0100, 1, &[0x04, 0x7F, 0x20, 0x00], true);
+        assert!(text.contains("STW1     0x047F"), "{text}");
+        assert!(text.contains("NSOLL_A  50 %, 750 rpm"), "{text}");
+    }
+
+    #[test]
+    fn akd_signals_in_units() {
+        let text = lines(0x0105, 1, 1, &[0x04, 0x7F, 0x00, 0xA4], true);
+        assert!(
+            text.contains("NSOLL_A  60.04 rpm if PN.VELSCALING 1638"),
+            "{text}"
+        );
+        let data = [
+            0x04, 0x3F, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0x12, 0x34, 0, 5, 0, 1,
+        ];
+        let text = lines(0x0105, 1, 9, &data, true);
+        assert!(text.contains("MDI_TARPOS"), "{text}");
+    }
+
+    #[test]
+    fn a_value_of_an_assumed_scale_says_so_beside_it() {
+        let drive = JobDrive::of(0x0105, 1);
+        let told = decode(&drive, 1, &[0x04, 0x7F, 0x00, 0xA4], Some(true)).unwrap();
+        let value = &told.fields["halves"][0]["values"][0];
+        assert_eq!(
+            (&value["name"], &value["unit"]),
+            (&"NSOLL_A".into(), &"rpm".into())
+        );
+        assert_eq!(value["assumed"], "PN.VELSCALING 1638");
+        let data = [0; 20];
+        let told = decode(&drive, 9, &data, Some(true)).unwrap();
+        let values = told.fields["halves"][0]["values"].as_array().unwrap();
+        let of = |name: &str| values.iter().find(|value| value["name"] == name).unwrap();
+        assert!(of("MDI_VELOCITY").get("assumed").is_none(), "{values:?}");
+        assert_eq!(of("MDI_TARPOS")["assumed"], "PNU 1002 16");
+        assert!(of("MDI_ACC")["assumed"].is_string(), "{values:?}");
+    }
+
+    #[test]
+    fn the_length_tells_the_direction() {
+        let drive = JobDrive::of(0x0105, 1);
+        let from = |octets: usize, output| -> Vec<String> {
+            let told = decode(&drive, 9, &vec![0; octets], output).unwrap();
+            let halves = told.fields["halves"].as_array().unwrap().clone();
+            let sides = halves
+                .iter()
+                .map(|half| half["from"].as_str().unwrap().to_owned());
+            sides.collect()
+        };
+        assert_eq!(from(20, None), ["controller"]);
+        assert_eq!(from(10, None), ["drive"]);
+        assert!(decode(&drive, 9, &[0; 20], Some(false)).is_err());
+        let both = decode(&drive, 1, &[0; 4], None).unwrap();
+        assert_eq!(both.fields["halves"].as_array().unwrap().len(), 2);
+    }
+
+    /// PNU 930 alone decides for the drive; where it was not seen, the telegram is the best there is.
+    #[test]
+    fn the_mode_is_that_of_930_else_of_the_telegram() {
+        let names = |drive: &JobDrive, telegram, data: &[u8]| -> bool {
+            let decoded = decode(drive, telegram, data, Some(true)).unwrap();
+            decoded.lines.iter().any(|(_, line)| line.contains("NO_REJECT"))
+        };
+        let learn = |drive: &mut JobDrive, number, subindex, value: u16| {
+            let address = ParameterAddress::value(number, subindex);
+            let [high, low] = value.to_be_bytes();
+            let block = [0x42, 1, high, low];
+            let (block, _) = ValueBlock::parse(&block, 0, CodeSpace::V4).unwrap();
+            drive.learn(address, &block);
+        };
+        let data = [&[0x04, 0x7F][..], &[0; 22]].concat();
+        let mut drive = JobDrive::of(0x0105, 1);
+        assert!(names(&drive, 400, &data), "as delivered it carries SATZANW");
+        learn(&mut drive, pnu::SETPOINT_SIGNALS, 1, signal::NSOLL_A);
+        assert!(!names(&drive, 400, &data), "and now it does not");
+        assert!(names(&drive, 9, &data[..20]), "another one is not mapped");
+        learn(&mut drive, pnu::SETPOINT_SIGNALS, 4, signal::SATZANW);
+        assert!(names(&drive, 400, &data));
+        learn(&mut drive, pnu::OPERATING_MODE, 0, 1);
+        assert!(!names(&drive, 400, &data) && !names(&drive, 9, &data[..20]));
+        learn(&mut drive, pnu::OPERATING_MODE, 0, 2);
+        assert!(names(&drive, 1, &data[..4]));
+    }
+
+    #[test]
+    fn wrong_lengths_and_numbers_are_told() {
+        let drive = JobDrive::of(0x0080, 1);
+        let error = decode(&drive, 101, &[0; 11], Some(true)).unwrap_err();
+        assert_eq!(error, "telegram 101 has 12 octets to the drive, there are 11");
+        let error = decode(&drive, 101, &[0; 11], None).unwrap_err();
+        assert_eq!(
+            error,
+            "telegram 101 has 12 octets to the drive and 12 octets from the drive, there are 11"
+        );
+        let error = decode(&drive, 9999, &[0; 11], None).unwrap_err();
+        assert!(
+            error.ends_with("there are 1, 101, 102, 103, 104, 105, 106, 107, 108"),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,416 @@
+//! Worked examples, what is learned from a job, and nonsense.
+
+use super::*;
+
+fn words(hex: &str, request: Option<&str>) -> Vec<String> {
+    let bytes = |text: &str| -> Vec<u8> {
+        text.split(' ')
+            .map(|octet| u8::from_str_radix(octet, 16).unwrap())
+            .collect()
+    };
+    let request = request.map(bytes);
+    let decoded = decode(&mut JobDrive::default(), &bytes(hex), None, request.as_deref()).unwrap();
+    decoded.lines.into_iter().map(|(_, line)| line).collect()
+}
+
+#[test]
+fn the_worked_examples() {
+    let lines = words("05 02 00 01 10 01 03 A2 00 00 42 01 00 02", None);
+    assert_eq!(lines[0], "change request 5, axis 0, 1 parameter");
+    assert!(lines[1].starts_with("  Operating mode (p0930) = 2"), "{lines:?}");
+    assert!(lines[1].ends_with("[Word 00 02]"), "{lines:?}");
+    let lines = words("02 01 01 01 10 06 03 C4 00 00", None);
+    assert_eq!(lines[0], "read request 2, axis 1, 1 parameter");
+    let lines = words("05 02 00 01 00 00", None);
+    assert_eq!(lines, ["change response 5, axis 0, 1 parameter", "  written"]);
+    let lines = words("01 02 01 01", None);
+    assert_eq!(lines, ["change response 1, axis 1, 1 parameter", "  written"]);
+    let lines = words("01 82 01 01 44 01 00 01", None);
+    assert!(
+        lines[1].starts_with("  refused: 0x01 parameter value cannot be changed"),
+        "{lines:?}"
+    );
+}
+
+/// Each worked example of requests and responses of the profile, with what it is.
+#[test]
+fn every_example_of_the_profile() {
+    for (hex, head, rest) in [
+        (
+            "02 01 01 01 10 06 03 C4 00 00",
+            "read request 2, axis 1",
+            "(r0964[0..5])",
+        ),
+        (
+            "03 01 01 01 10 01 27 11 00 67",
+            "read request 3, axis 1",
+            "10001[103]",
+        ),
+        (
+            "05 02 00 01 10 01 03 A2 00 00 42 01 00 02",
+            "change request 5, axis 0",
+            "(p0930) = 2",
+        ),
+        (
+            "01 02 01 01 10 01 03 9F 00 00 06 01 00 00",
+            "change request 1, axis 1",
+            "0927 = 0",
+        ),
+        (
+            "80 02 01 01 10 01 04 61 00 00 08 01 41 42 66 66",
+            "change request 128, axis 1",
+            "1121 = 12.15   [Float32 41 42 66 66]",
+        ),
+        (
+            "02 01 01 01 42 06 01 BA 00 02 00 64 07 DE 00 65 00 01",
+            "read response 2, axis 1",
+            "442, 2, 100, 2014, 101, 1   [",
+        ),
+        (
+            "0B 01 01 01 42 01 0C 05",
+            "read response 11, axis 1",
+            "3077   [Word 0C 05]",
+        ),
+        (
+            "17 01 00 01 43 01 00 00 00 2B",
+            "read response 23, axis 0",
+            "43   [Double word 00 00 00 2B]",
+        ),
+        (
+            "17 81 00 01 44 01 00 11",
+            "read response with refusals 23, axis 0",
+            "refused: 0x11 not executable",
+        ),
+        ("01 02 01 01", "change response 1, axis 1", "written"),
+        (
+            "01 82 01 01 44 01 00 01",
+            "change response with refusals 1, axis 1",
+            "refused: 0x01 ",
+        ),
+        ("05 02 00 01 00 00", "change response 5, axis 0", "written"),
+        (
+            "07 81 00 02 42 01 00 02 44 01 00 00",
+            "read response with refusals 7, axis 0, 2 parameters",
+            "refused: 0x00 impermissible parameter number",
+        ),
+        (
+            "08 82 00 02 40 00 44 02 00 01 00 00",
+            "change response with refusals 8, axis 0, 2 parameters",
+            "refused: 0x01 parameter value cannot be changed, information 0",
+        ),
+    ] {
+        let lines = words(hex, None);
+        assert!(lines[0].starts_with(head), "{hex}: {lines:?}");
+        assert!(
+            lines[1..].iter().any(|line| line.contains(rest)),
+            "{hex}: {lines:?}"
+        );
+        assert!(!lines.iter().any(|line| line.contains('!')), "{hex}: {lines:?}");
+    }
+}
+
+fn octets(hex: &str) -> Vec<u8> {
+    hex.split(' ')
+        .map(|octet| u8::from_str_radix(octet, 16).unwrap())
+        .collect()
+}
+
+/// What the drive answers to a request, in one line.
+fn answered(drive: &mut JobDrive, request: &str, response: &str) -> String {
+    let lines = response_job(drive, &octets(response), Some(&octets(request))).lines;
+    lines.into_iter().map(|(_, line)| line).collect()
+}
+
+#[test]
+fn scales_are_taken_from_what_is_read_and_written() {
+    let mut drive = JobDrive::default();
+    let speed = ("01 01 00 01 10 01 00 05 00 00", "01 01 00 01 42 01 05 3E");
+    let text = answered(&mut drive, speed.0, speed.1);
+    assert!(
+        text.contains("NSOLL_A (p0005) = raw 1342, 491.335 rpm if PN.VELSCALING 1638   [Word 05 3E]"),
+        "{text}"
+    );
+    // PN.VELSCALING is read
+    let text = answered(
+        &mut drive,
+        "02 01 00 01 10 01 0B F8 00 00",
+        "02 01 00 01 42 01 00 C8",
+    );
+    assert!(text.contains("PN.VELSCALING (p3064) = 200"), "{text}");
+    let text = answered(&mut drive, speed.0, speed.1);
+    assert!(text.contains("NSOLL_A (p0005) = 59.992 rpm   ["), "{text}");
+    // its mirror is written, first refused, then accepted
+    let change = "03 02 00 01 10 01 03 F1 00 00 42 01 03 E8";
+    let refused = answered(&mut drive, change, "03 82 00 01 44 01 00 11");
+    assert!(refused.contains("refused"), "{refused}");
+    let text = answered(&mut drive, speed.0, speed.1);
+    assert!(text.contains("59.992 rpm"), "{text}");
+    for written in ["03 02 00 01", "03 02 00 01 00 00"] {
+        let mut drive = drive.clone();
+        answered(&mut drive, change, written);
+        let text = answered(&mut drive, speed.0, speed.1);
+        assert!(text.contains("299.96 rpm"), "{text}");
+    }
+    // an answer to something else tells nothing
+    let text = answered(
+        &mut drive,
+        "04 01 00 01 10 01 0B F8 00 00",
+        "09 01 00 01 42 01 00 01",
+    );
+    assert!(text.contains("answers request 9, not 4"), "{text}");
+    let text = answered(&mut drive, speed.0, speed.1);
+    assert!(text.contains("59.992 rpm"), "{text}");
+    // each scale of its own: the position is not known yet
+    let text = answered(
+        &mut drive,
+        "05 01 00 01 10 01 08 F6 00 00",
+        "05 01 00 01 43 01 00 00 00 05",
+    );
+    assert!(
+        text.contains("PL.FB (r2294) = raw 5, 5 counts if PN.POSSCALE 1000   ["),
+        "{text}"
+    );
+}
+
+#[test]
+fn another_makers_drive_has_other_parameters() {
+    let mut drive = JobDrive::of(0x0002, 0x0001);
+    let text = answered(
+        &mut drive,
+        "01 01 01 01 10 01 08 3C 00 00",
+        "01 01 01 01 43 01 00 2D C6 C0",
+    );
+    assert!(text.contains("2108 = 3000000   ["), "{text}");
+}
+
+#[test]
+fn words_by_name_and_high_halves() {
+    let mut drive = JobDrive::default();
+    let text = answered(
+        &mut drive,
+        "01 01 00 02 10 01 00 02 00 00 10 01 08 3D 00 00",
+        "01 01 00 02 42 01 02 70 43 01 00 00 00 00",
+    );
+    assert!(
+        text.contains("ZSW1 (r0002) = 0x0270 [INHIBIT, CTRL_REQ] S1 switching on inhibited   ["),
+        "{text}"
+    );
+    assert!(text.contains("high half of DRV.ACC (2109) = 0"), "{text}");
+}
+
+#[test]
+fn a_request_cut_off_is_called_a_request() {
+    for hex in [[5, 2, 0, 1, 0x10, 1, 3], [5, 1, 0, 1, 0x10, 1, 3]] {
+        let failure = decode(&mut JobDrive::default(), &hex, None, None).err().unwrap();
+        assert!(failure.to_string().contains("no parameter request"), "{failure}");
+    }
+    // a change with its value cut off, at each octet behind its addresses
+    let whole = [5, 2, 0, 1, 0x10, 1, 3, 0xA2, 0, 0, 0x43, 1, 0, 0, 0, 2];
+    for length in 11..whole.len() {
+        let failure = decode(&mut JobDrive::default(), &whole[..length], None, None);
+        let failure = failure.err().unwrap();
+        assert!(
+            failure.to_string().contains("no parameter request"),
+            "{length}: {failure}"
+        );
+    }
+}
+
+#[test]
+fn responses_with_their_request() {
+    let request = "07 01 00 02 10 01 08 3C 00 00 10 01 FF FE 00 00";
+    let lines = words("07 81 00 02 43 01 00 2D C6 C0 44 01 00 00", Some(request));
+    assert_eq!(
+        lines[1],
+        "  DRV.ACC (p2108) = 3000 rpm/s   [Double word 00 2D C6 C0]"
+    );
+    assert!(
+        lines[2].starts_with("  65534: refused: 0x00 impermissible parameter number"),
+        "{lines:?}"
+    );
+    let lines = words("08 01 00 01 42 01 00 02", Some(request));
+    assert!(
+        lines.iter().any(|line| line.contains("answers request 8, not 7")),
+        "{lines:?}"
+    );
+}
+
+#[test]
+fn a_response_that_repeats_the_address() {
+    let lines = words("05 01 00 01 10 01 03 A2 00 00 42 01 00 02", None);
+    assert!(lines[0].starts_with("read response 5"), "{lines:?}");
+    assert!(lines[1].starts_with("  Operating mode (p0930) = 2"), "{lines:?}");
+}
+
+#[test]
+fn nonsense_is_told_as_such() {
+    for bytes in [&[][..], &[1], &[1, 1, 0, 5, 0x42], &[1, 1, 0, 1, 0x42, 9, 1]] {
+        assert!(decode(&mut JobDrive::default(), bytes, None, None).is_err());
+    }
+}
+
+/// The same numbers mean something else to another make: formats, errors, requests, who a parameter is.
+#[test]
+fn jobs_of_the_other_makes() {
+    let told = |model: &str, request: &str, response: Option<&str>| {
+        let mut drive = JobDrive::new(profidrive::model::Model::by_name(model).unwrap());
+        match response {
+            Some(response) => answered(&mut drive, request, response),
+            None => request_job(&drive, &octets(request))
+                .lines
+                .into_iter()
+                .map(|(_, line)| line)
+                .collect(),
+        }
+    };
+    let read = "07 01 00 01 10 01 01 9E 00 00";
+    let text = told("vlt", read, Some("07 01 00 01 06 01 03 E8"));
+    assert!(
+        text.contains("Motor Speed High Limit [Hz] (4-14) = 100 Hz   [Unsigned16 03 E8]"),
+        "{text}"
+    );
+    let text = told("vlt", read, Some("07 81 00 01 44 01 00 65"));
+    assert!(text.contains("refused: 0x65 wrong axis"), "{text}");
+    for (id, verb) in [
+        ("42", "change request (kept)"),
+        ("52", "change request (double words)"),
+    ] {
+        let text = told(
+            "vlt",
+            &format!("07 {id} 00 01 10 01 01 9E 00 00 43 01 00 00 03 E8"),
+            None,
+        );
+        assert!(
+            text.starts_with(verb) && text.contains("(4-14) = 100 Hz"),
+            "{text}"
+        );
+    }
+    let text = told(
+        "vlt",
+        "07 51 00 01 10 01 01 9E 00 00",
+        Some("07 01 00 01 43 01 00 00 03 E8"),
+    );
+    assert!(text.contains("(4-14) = 100 Hz   [Double word"), "{text}");
+    let text = told(
+        "vlt",
+        "08 01 00 01 10 06 06 04 00 00",
+        Some("08 01 00 01 09 06 46 43 2D 33 30 32"),
+    );
+    assert!(text.contains("(15-40") && text.contains("= \"FC-302\""), "{text}");
+    let description = "09 01 00 01 20 01 01 9E 00 00";
+    let octets = "00 06 00 00 00 00 00 00 1C FF 00 00 00 00 4D 6F 74 6F 72 20 53 70 65 65 64 20 48 69 67 68 \
+                  00 00 00 00 00 00 05 28 00 00 00 00 00 00 00 00";
+    let text = told("vlt", description, Some(&format!("09 01 00 01 0A 2E {octets}")));
+    assert!(
+        text.contains("description of Motor Speed High Limit [Hz] (4-14) = \"Motor Speed High\", Unsigned16, 0 to 132 Hz"),
+        "{text}"
+    );
+    let texts = "0A 01 00 01 30 02 00 64 00 00";
+    let text = told(
+        "vlt",
+        texts,
+        Some(&format!(
+            "0A 01 00 01 0A 20 {} {}",
+            "53 70 65 65 64 20 6F 70 65 6E 20 6C 6F 6F 70 20",
+            "54 6F 72 71 75 65 20 20 20 20 20 20 20 20 20 20"
+        )),
+    );
+    assert!(text.contains("= \"Speed open loop\", \"Torque\""), "{text}");
+    // OPTEA p. 119: an application id stands in the subindex of PNU 10001
+    let read = "03 01 01 01 10 01 27 11 00 67";
+    let text = told("vacon", read, Some("03 01 01 01 42 01 00 32"));
+    assert!(
+        text.contains("Acceleration time 1 (ID 103) = 5 s   [Word 00 32]"),
+        "{text}"
+    );
+    let text = told("vacon", read, Some("03 81 01 01 44 01 00 66"));
+    assert!(text.contains("refused: 0x66 "), "{text}");
+    assert!(!text.contains("unknown service"), "{text}");
+}
+
+proptest::proptest! {
+    #[test]
+    fn any_bytes_give_an_answer(
+        data in proptest::collection::vec(proptest::prelude::any::<u8>(), 0..120),
+        request in proptest::option::of(proptest::collection::vec(proptest::prelude::any::<u8>(), 0..60)),
+    ) {
+        let mut drive = JobDrive::default();
+        let _ = decode(&mut drive, &data, None, request.as_deref());
+        let _ = decode(&mut drive, &data, Some(Side::Request), None);
+        let _ = response_job(&mut drive, &data, request.as_deref());
+    }
+}
+
+/// What the tables of the dialect forbid is named where it stands, with the number that the drive answers.
+#[test]
+fn what_the_dialect_forbids_is_named() {
+    let lines = |model: &str, hex: &str| -> Vec<String> {
+        let octets: Vec<u8> = hex
+            .split(' ')
+            .map(|octet| u8::from_str_radix(octet, 16).unwrap())
+            .collect();
+        let mut drive = JobDrive::new(profidrive::model::Model::by_name(model).unwrap());
+        let decoded = decode(&mut drive, &octets, Some(Side::Request), None).unwrap();
+        let lines = decoded.lines.into_iter();
+        lines
+            .filter(|(weight, _)| *weight == Weight::Error)
+            .map(|(_, line)| line)
+            .collect()
+    };
+    assert_eq!(
+        lines("vacon", "01 01 05 02 10 01 03 9A 00 00 10 EB 03 AF 00 00"),
+        [
+            "  not allowed (Vacon): axis 5 does not exist, only 1: answered with error 0x19",
+            "    not allowed (Vacon): 235 elements, 1 to 234 are allowed: answered with error 0x16",
+        ]
+    );
+    assert_eq!(
+        lines("vacon", "01 01 01 00"),
+        ["  not allowed (Vacon): 0 parameters, 1 to 39 are allowed: answered with error 0x68"]
+    );
+    assert_eq!(
+        lines("akd", "01 01 01 01 10 01 03 9A 00 00"),
+        ["  not allowed (AKD): axis 1 does not exist, only 0: answered with error 0x19"]
+    );
+    assert_eq!(
+        lines("standard", "01 01 07 01 10 01 03 9A 00 00"),
+        <[&str; 0]>::default()
+    );
+    let unknown = words("01 01 07 01 10 01 03 9A 00 00", None);
+    assert!(
+        unknown.iter().all(|line| !line.contains("not allowed")),
+        "{unknown:?}"
+    );
+}
+
+/// A request ID that does not exist is refused with a response ID of the drive's own; that is its answer.
+#[test]
+fn the_refusal_of_an_unknown_request_answers_it() {
+    let read = "10 01 03 9A 00 00";
+    for (device, head, answer) in [
+        ((0x01BA, 0x0100), "05 03 01 01", "05 80 01 01 44 01 00 21"),
+        ((0x01BA, 0x0100), "05 42 01 01", "05 80 01 01 44 01 00 21"),
+        ((0x0080, 0x0001), "05 03 00 01", "05 81 00 01 44 01 00 66"),
+        ((0x0080, 0x0001), "05 42 00 01", "05 81 00 01 44 01 00 66"),
+    ] {
+        let mut drive = JobDrive::of(device.0, device.1);
+        let request = octets(&format!("{head} {read}"));
+        let decoded = decode(&mut drive, &octets(answer), None, Some(&request)).unwrap();
+        let lines: Vec<&str> = decoded.lines.iter().map(|(_, line)| line.as_str()).collect();
+        assert!(lines.iter().any(|line| line.contains("refused: 0x")), "{lines:?}");
+        assert!(!lines.iter().any(|line| line.contains('!')), "{lines:?}");
+        assert!(!lines[0].contains("unknown"), "{lines:?}");
+    }
+    // the refusal of another request is none
+    let mut drive = JobDrive::of(0x01BA, 0x0100);
+    let request = octets(&format!("05 01 01 01 {read}"));
+    let decoded = decode(
+        &mut drive,
+        &octets("05 80 01 01 44 01 00 21"),
+        None,
+        Some(&request),
+    )
+    .unwrap();
+    let last = &decoded.lines.last().expect("a line").1;
+    assert_eq!(last, "  ! answers another kind of request");
+}
