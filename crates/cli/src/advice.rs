@@ -1,21 +1,78 @@
 //! Actions of the library as commands of this program.
 
-use drive_client::Action;
 use drive_client::status::Diagnosis;
+use drive_client::{Action, Advice, Choice};
 use serde_json::Value;
 
 use crate::fields;
 
-/// The command line of an action.
+/// The command line of an action; `None` for a choice, which is an option of the command that was given.
 pub fn command(action: &Action, drive: &str) -> Option<String> {
-    Some(match action {
-        Action::Stop => format!("profidrive stop {drive}"),
-        Action::Disable => format!("profidrive stop {drive} --disable"),
-        Action::Status => format!("profidrive status {drive}"),
-        Action::Write { parameter, value, .. } => {
-            format!("profidrive write {drive} {}={value}", parameter.replace(' ', ""))
+    let of = |device: &Option<&'static str>| device.unwrap_or(drive).to_owned();
+    let plain = |word: &str| word.replace(' ', "");
+    let rest = match action {
+        Action::Scan => "scan".to_owned(),
+        Action::Blink { device } => format!("blink {}", of(device)),
+        Action::SetName { device } => format!("name {} NAME", of(device)),
+        Action::SetAddress { device } => format!("ip {} A.B.C.D/NN", of(device)),
+        Action::Info => format!("info {drive}"),
+        Action::Status => format!("status {drive}"),
+        Action::Faults => format!("faults {drive}"),
+        Action::Acknowledge => format!("ack {drive}"),
+        Action::Monitor => format!("monitor {drive}"),
+        Action::Read { parameters } => {
+            let parameters: Vec<String> = parameters.iter().map(|one| plain(one)).collect();
+            format!(
+                "read {drive} {}",
+                if parameters.is_empty() {
+                    "PARAM".to_owned()
+                } else {
+                    parameters.join(" ")
+                }
+            )
         }
+        Action::Write { parameter, value, .. } => format!("write {drive} {}={value}", plain(parameter)),
+        Action::Describe { parameter } => format!("describe {drive} {}", plain(parameter)),
+        Action::Find { part, values } => {
+            let part = if part.is_empty() { "TEXT" } else { part };
+            format!(
+                "list {drive} --filter {part}{}",
+                if *values { " --values" } else { "" }
+            )
+        }
+        Action::Stop => format!("stop {drive}"),
+        Action::Disable => format!("stop {drive} --disable"),
+        Action::Run => format!("run {drive} --velocity SPEED"),
+        Action::Jog => format!("jog {drive}"),
+        Action::Move => format!("move {drive} --to POSITION"),
+        Action::Home => format!("home {drive}"),
         _ => return None,
+    };
+    Some(format!("profidrive {rest}"))
+}
+
+/// The option of a choice.
+const fn option(choice: Choice) -> &'static str {
+    match choice {
+        Choice::Description => "--gsdml FILE",
+        Choice::Model => "--model akd|vlt|vacon",
+        Choice::Cycle => "--cycle",
+        Choice::Time => "--timeout",
+        Choice::SpeedLimit => "--limit",
+        Choice::Mode => "--set-mode",
+        Choice::Relative => "--relative",
+        Choice::Percent => "--velocity 20%",
+        Choice::ReferenceSpeed => "--reference-speed 1500rpm",
+        _ => "another option",
+    }
+}
+
+/// Advice with its actions as commands and options of this program.
+pub fn text(advice: &Advice, drive: &str) -> String {
+    advice.worded(|action| match (action, command(action, drive)) {
+        (Action::Choose(choice), _) => option(*choice).to_owned(),
+        (_, Some(command)) => format!("`{command}`"),
+        (other, None) => other.to_string(),
     })
 }
 
@@ -41,7 +98,8 @@ pub fn next(diagnosis: &Diagnosis, drive: &str) -> Option<String> {
         .actions
         .iter()
         .filter_map(|action| sentence(action, drive));
-    let all: Vec<String> = actions.chain(diagnosis.next.clone()).collect();
+    let words = diagnosis.next.as_ref().map(|next| text(next, drive));
+    let all: Vec<String> = actions.chain(words).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 

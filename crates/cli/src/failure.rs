@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use drive_client::Advice;
 use serde_json::{Map, Value};
 
 use crate::advice;
@@ -150,7 +151,7 @@ impl From<drive_client::Error> for Failure {
             _ => error.to_string(),
         };
         let failure = Self::new(exit_of(&error), message);
-        match hint(&error, error.hint()) {
+        match hint(&error, error.advice()) {
             Some(hint) => failure.hint(hint),
             None => failure,
         }
@@ -168,12 +169,17 @@ fn carrier(error: &drive_client::Error) -> Option<&CarrierError> {
 }
 
 /// What to do about an error: what its kind says, what its carrier says, and its action as a command.
-pub fn hint(error: &drive_client::Error, of_kind: Option<String>) -> Option<String> {
+pub fn hint(error: &drive_client::Error, of_kind: Option<Advice>) -> Option<String> {
     let action = error
         .action()
         .and_then(|action| advice::sentence(&action, "DRIVE"));
     let of_carrier = carrier(error).and_then(CarrierError::hint);
-    let all: Vec<String> = of_kind.into_iter().chain(of_carrier).chain(action).collect();
+    let all: Vec<String> = of_kind
+        .map(|advice| advice::text(&advice, "DRIVE"))
+        .into_iter()
+        .chain(of_carrier)
+        .chain(action)
+        .collect();
     (!all.is_empty()).then(|| all.join("; "))
 }
 

@@ -13,7 +13,7 @@ use std::time::Duration;
 use bench::world::{Accident, Transport, World};
 use drive_client::axis::{Jog, Move, Purpose};
 use drive_client::status::{Diagnosis, diagnose};
-use drive_client::{Action, AxisSettings, Drive, Error, Session, StopWay, WriteMode};
+use drive_client::{Action, Advice, AxisSettings, Drive, Error, Session, StopWay, WriteMode};
 use profidrive::notation::Position;
 use profidrive::parameter::{Keep, ParameterAccess};
 use virtual_drive::model::{self, Model as Virtual};
@@ -165,69 +165,51 @@ fn motion(session: &mut Session<World>, drive: &mut Drive, motion: Motion) -> Re
     axis.release()
 }
 
-/// What the report of `status` recommends, as it is carried out here.
-fn advice(diagnosis: &Diagnosis, label: &str) -> Vec<String> {
-    let actions = diagnosis.actions.iter().map(|action| match action {
-        Action::Stop => "stop".to_owned(),
-        Action::Disable => "stop --disable".to_owned(),
-        Action::Status => "status".to_owned(),
-        Action::Write { parameter, value, .. } => format!("write {parameter}={value}"),
-        other => panic!("{other:?}: not carried out by this test yet"),
-    });
-    let notes = diagnosis.notes.iter().filter_map(|note| note.next.as_deref());
-    let texts = diagnosis.next.as_deref().into_iter().chain(notes);
-    // commands that stand in the text
-    let commands = texts.flat_map(|text| text.split('`').skip(1).step_by(2));
-    let commands = commands.filter_map(|command| command.strip_prefix("profidrive "));
-    let bare = |command: &str| command.replace(&format!(" {label}"), "");
-    actions.chain(commands.map(bare)).collect()
+/// What the report of a status recommends.
+fn recommended(diagnosis: &Diagnosis) -> Vec<Action> {
+    let notes = diagnosis.notes.iter().filter_map(|note| note.next.as_ref());
+    let texts = diagnosis.next.iter().chain(notes);
+    let in_text = texts.flat_map(Advice::actions);
+    diagnosis.actions.iter().chain(in_text).cloned().collect()
 }
 
-fn carry_out(session: &mut Session<World>, drive: &mut Drive, command: &str) -> Result<(), Error> {
-    let way = match command {
-        "stop" => Some(StopWay::Stop),
-        "stop --disable" => Some(StopWay::Disable),
-        _ => None,
-    };
-    if let Some(way) = way {
+fn carry_out(session: &mut Session<World>, drive: &mut Drive, action: &Action) -> Result<(), Error> {
+    let mut stop = |way| -> Result<(), Error> {
         let outcome = session.stop_drive(drive, way, SECOND * 15)?;
-        assert!(outcome.at_rest, "{command}: {outcome:?}");
-        return Ok(());
-    }
-    match command
-        .split_once(' ')
-        .map_or((command, ""), |(verb, rest)| (verb, rest))
-    {
-        ("ack", "") => {
+        assert!(outcome.at_rest, "{action}: {outcome:?}");
+        Ok(())
+    };
+    match action {
+        Action::Stop => stop(StopWay::Stop),
+        Action::Disable => stop(StopWay::Disable),
+        Action::Acknowledge => {
             let settings = AxisSettings::for_purpose(Purpose::Control);
             let mut axis = session.take_axis(drive, settings)?;
             axis.ready_or_fault()?;
             axis.acknowledge()?;
             axis.release()
         }
-        ("write", assignment) => {
-            let outcomes = session.write(
-                drive,
-                &[assignment.parse().expect("an assignment")],
-                WriteMode::Write,
-            )?;
+        Action::Write { parameter, value, .. } => {
+            let assignment = format!("{parameter}={value}");
+            let assignment = assignment.parse().expect("an assignment");
+            let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
             assert!(
                 matches!(outcomes[0].written, Some(Ok(()))),
-                "{command}: {outcomes:?}"
+                "{action}: {outcomes:?}"
             );
             Ok(())
         }
-        ("status" | "info" | "faults", _) => Ok(()),
-        ("read", names) => {
-            for name in names.split(' ') {
+        Action::Read { parameters } => {
+            for name in parameters {
                 let selection = drive.select(name)?;
                 session.read(drive, &[selection])?;
             }
             Ok(())
         }
         // what begins a motion is no advice that brings an axis to rest
-        ("run" | "move" | "jog" | "task" | "home", _) => Ok(()),
-        (other, _) => panic!("{other}: not carried out by this test yet"),
+        Action::Run | Action::Move | Action::Jog | Action::Home => Ok(()),
+        Action::Status | Action::Info | Action::Faults | Action::Find { .. } => Ok(()),
+        other => panic!("{other}: not carried out by this test yet"),
     }
 }
 
@@ -272,16 +254,17 @@ fn try_out(case: &Case<'_>, at: &str) {
             .unwrap_or_else(|error| panic!("{at}: status: {error}"));
         let diagnosis = diagnose(&status);
         last = format!("{diagnosis:?}");
-        let commands = advice(&diagnosis, &drive.label());
+        let actions = recommended(&diagnosis);
         let before = world.fastest();
-        for command in &commands {
-            if let Err(error) = carry_out(&mut session, &mut drive, command) {
-                panic!("{at}: `{command}` of {diagnosis:?}: {error}");
+        for action in &actions {
+            if let Err(error) = carry_out(&mut session, &mut drive, action) {
+                panic!("{at}: `{action}` of {diagnosis:?}: {error}");
             }
         }
-        let recovers = |command: &String| command.starts_with("stop") || command == "ack";
-        if commands.iter().any(recovers) {
-            assert!(world.fastest() <= before + 10.0, "{at}: faster by {commands:?}");
+        let recovers =
+            |action: &Action| matches!(action, Action::Stop | Action::Disable | Action::Acknowledge);
+        if actions.iter().any(recovers) {
+            assert!(world.fastest() <= before + 10.0, "{at}: faster by {actions:?}");
         } else if world.speed().abs() < 1.0 {
             break;
         }

@@ -404,7 +404,7 @@ fn demo_writes_a_capture_that_decode_reads() {
         "VLT telegram 101: subslot 1 0xFFFF, subslot 2 0x65 (12 in, 12 out)",
         "change value (double word): Ramp 1 Ramp up Time (3-41) = 1 s",
         "CTW 0x043C -> 0x047C run: follows the setpoint [START, DATA_VALID]; MRV 50 %, 750 rpm",
-        "40-00: refused: 0 parameter number does not exist",
+        "20-00: refused: 0 parameter number does not exist",
         "Deceleration time 1 (ID 104) = 1 s",
         "expects slot 1 API 0x3A00 module 0x00010095, VACON telegram 149: subslot 1 0xFFFF, subslot 2 0x10095 (12 in, 12 out)",
         "CTW 0x047E -> 0x047F run: follows the setpoint [ON1, RUN_EN, START_4, START_5, START_6, FB_CTRL]; MRV 25 %",

@@ -424,7 +424,7 @@ fn numbers_of_the_channel_come_as_received() {
         let factory = "writing Ramp 1 Ramp up Time (3-41) refused: 131 change not possible, the factory setup is selected";
         assert_eq!(refusal.to_string(), factory, "{name}");
         assert_eq!(refusal.received(), Some(131));
-        let remedy = refusal.remedy().unwrap();
+        let remedy = refusal.remedy().unwrap().to_string();
         assert!(remedy.contains("select another setup"), "{remedy}");
         assert_eq!(refusal.channel.unwrap().protocol, protocol);
         for (number, words) in [

@@ -9,7 +9,7 @@ use std::time::Duration;
 use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
 use drive_client::axis::{Move, Objection, Purpose, Trouble};
 use drive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
-use drive_client::{AxisSettings, Drive, Error, LocalControl, MakerModule, StopWay, WriteMode};
+use drive_client::{Action, AxisSettings, Drive, Error, LocalControl, MakerModule, StopWay, WriteMode};
 use profidrive::notation::Position;
 use profidrive::parameter::{Keep, ParameterAccess};
 use profidrive::state::{Mode, State};
@@ -55,8 +55,8 @@ fn a_drive_in_another_mode_is_left_alone() {
         );
         assert!(
             error
-                .hint()
-                .is_some_and(|hint| hint.contains("profidrive write akd-1 930=2"))
+                .advice()
+                .is_some_and(|advice| advice.to_string().contains("[write 930=2]"))
         );
     }
     assert_eq!(
@@ -321,9 +321,9 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
         "{error}"
     );
     // nothing is advised that ends nowhere
-    let hint = error.hint().expect("advice");
+    let hint = error.advice().expect("advice").to_string();
     assert!(
-        hint.contains("--gsdml FILE") && hint.contains("only telegram 1 works"),
+        hint.contains("[choose description]") && hint.contains("only telegram 1 works"),
         "{hint}"
     );
     // but in the maker's file, whatever telegram PNU 922 has meanwhile
@@ -411,7 +411,10 @@ fn an_axis_that_another_program_disables_is_told_by_what() {
         assert_eq!(note.is_some(), by_parameter, "{note:?}");
         if let Some(note) = note {
             assert!(note.sentence.contains("DRV.DIS"), "{note:?}");
-            assert!(note.next.is_some_and(|next| next.contains("stop --disable")));
+            assert!(
+                note.next
+                    .is_some_and(|next| next.actions().any(|action| *action == Action::Disable))
+            );
         }
     }
 }

@@ -222,7 +222,9 @@ fn local_control_is_refused_with_who_has_it() {
                 "{name}: {error}"
             );
             assert!(
-                error.hint().is_some_and(|hint| hint.contains("at its panel")),
+                error
+                    .advice()
+                    .is_some_and(|advice| advice.to_string().contains("at its panel")),
                 "{error}"
             );
             assert_eq!(error.action(), None, "no command of ours stops it");
@@ -490,7 +492,7 @@ fn a_drive_that_is_to_be_taken_over_needs_raw_frames() {
         .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
         .expect_err("not by UDP");
     assert!(matches!(error, Error::NeedsRawFrames { .. }), "{error}");
-    let text = format!("{error}; {}", error.hint().unwrap_or_default());
+    let text = format!("{error}; {}", error.advice().unwrap_or_default());
     for words in [
         "raw Ethernet frames",
         "nothing was commanded",

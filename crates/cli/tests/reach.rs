@@ -324,7 +324,7 @@ fn a_vlt_that_turns_on_without_its_controller_is_not_touched_by_a_read() {
         told.contains("controller \"plc\" has its only connection"),
         "{told}"
     );
-    let hint = error.hint().expect("what is possible");
+    let hint = error.advice().expect("what is possible").to_string();
     assert!(
         hint.contains("can be read beside the controller") && hint.contains("disconnect the controller"),
         "{hint}"
@@ -429,7 +429,7 @@ fn a_device_that_refuses_everything_is_reported_with_every_answer() {
     ] {
         assert!(told.contains(part), "{part}: {told}");
     }
-    assert!(error.hint().is_some());
+    assert!(error.advice().is_some());
     // what is known by discovery is still shown
     let info = session.info(&mut drive).expect("no error");
     assert!(info.identity.is_none() && info.refused.iter().any(|text| text.contains("no way")));

@@ -113,7 +113,7 @@ fn what_the_present_state_forbids_is_told_for_each_parameter() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (text, advice) in [
-        ("DRV.EN=1", "`status` tells what keeps it"),
+        ("DRV.EN=1", "[status] shows what prevents it"),
         ("915[0]=1", "PNU 922"),
     ] {
         let assignment: Assignment = text.parse().expect("an assignment");
@@ -123,7 +123,7 @@ fn what_the_present_state_forbids_is_told_for_each_parameter() {
         let Some(Err(refusal)) = &outcomes[0].written else {
             panic!("{text} was written")
         };
-        let remedy = refusal.remedy().unwrap_or_default();
+        let remedy = refusal.remedy().unwrap_or_default().to_string();
         assert!(remedy.contains(advice), "{text}: {remedy}");
         assert!(!remedy.contains("disabled"), "{text}: {remedy}");
     }

@@ -31,7 +31,7 @@ pub mod text;
 mod wide;
 mod wire;
 
-pub use action::Action;
+pub use action::{Action, Advice, AdvicePart, Choice};
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::Drive;

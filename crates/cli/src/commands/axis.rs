@@ -442,7 +442,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
             ..
         }
     );
-    let hint = failure::hint(&error, error.hint_for(drive));
+    let hint = failure::hint(&error, error.advice_for(drive));
     let mut failure = Failure::from(error);
     failure.hint = hint;
     if !asked {
@@ -469,7 +469,10 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
     let beside = switched_off_beside(&status).filter(|_| left_operation);
     for note in moved.into_iter().chain(beside) {
         failure.message = format!("{}; {}", failure.message, note.sentence);
-        failure.hint = note.next.or(failure.hint);
+        failure.hint = note
+            .next
+            .map(|next| advice::text(&next, &drive.label()))
+            .or(failure.hint);
     }
     failure
 }

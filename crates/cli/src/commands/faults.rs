@@ -9,6 +9,7 @@ use profidrive::fault::Counting;
 use profidrive::value::Assignment;
 use serde_json::{Map, Value};
 
+use crate::advice;
 use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
@@ -251,7 +252,9 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         let turns = |note: &Note| note.id == Cause::MovedFromOutside.id();
         if let Some(moved) = diagnose(&status).notes.into_iter().find(turns) {
             left.push(moved.sentence);
-            hint = moved.next.unwrap_or(hint);
+            hint = moved
+                .next
+                .map_or(hint, |next| advice::text(&next, &drive.label()));
         }
     }
     session.close()?;
@@ -364,6 +367,7 @@ mod tests {
                     ..DriveStatus::default()
                 };
                 let next = diagnose(&status).next.unwrap_or_default();
+                let next = advice::text(&next, "d");
                 let report = report(vec![entry], 8);
                 let listed = format!("{:?}", lines(&report, false));
                 let ends = advice(&report, "d").unwrap_or_default();

@@ -15,6 +15,7 @@ use profidrive::value::{ParameterProblem, Parameters, Reading, Selection};
 use serde_json::{Map, Value};
 use uss::Protocol;
 
+use crate::advice;
 use crate::args::{Interface, Read};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
@@ -161,9 +162,10 @@ pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
         Some(Protocol::Uss) => "uss",
     };
     let sent = !refusal.is_unsent();
+    let remedy = refusal.remedy().map(|remedy| advice::text(&remedy, "DRIVE"));
     let error = fields! {
         "number": refusal.received(), "meaning": refusal.words(),
-        "information": refusal.information.filter(|_| sent), "remedy": refusal.remedy(),
+        "information": refusal.information.filter(|_| sent), "remedy": remedy,
         "channel": channel, "sent": sent,
     };
     fields! { "pnu": refusal.shown.pnu, "index": refusal.shown.index, "name": refusal.name, "error": error }

@@ -6,6 +6,7 @@ use profidrive::state::Mode;
 use serde_json::{Map, Value};
 
 use super::axis::SetMode;
+use crate::advice;
 use crate::connect::Live;
 use crate::failure::{Exit, Failure};
 use crate::fields;
@@ -47,7 +48,7 @@ pub fn axis(
         let message = format!("{} would not run: {}", drive.label(), diagnosis.sentence);
         let failure = Failure::new(Exit::Refused, message);
         return Err(match diagnosis.next {
-            Some(next) => failure.hint(next),
+            Some(next) => failure.hint(advice::text(&next, &drive.label())),
             None => failure,
         });
     }

@@ -42,7 +42,7 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
         Note {
             id: "leftover",
             sentence,
-            next: Some(next),
+            next: Some(next.into()),
         }
     }));
     if output.json() {
@@ -61,7 +61,8 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
         for note in &diagnosis.notes {
             output.line(&output.paint(Colour::Warning, &format!("  also: {}", clean(&note.sentence))));
             if let Some(next) = &note.next {
-                output.line(&format!("    next: {}", clean(next)));
+                let next = advice::text(next, &drive.label());
+                output.line(&format!("    next: {}", clean(&next)));
             }
         }
         if !args.short {
@@ -248,7 +249,7 @@ fn json(status: &DriveStatus, diagnosis: &Diagnosis) -> Map<String, Value> {
         .iter()
         .map(|note| {
             Value::Object(
-                fields! { "cause": note.id, "sentence": note.sentence.as_str(), "next": note.next.as_deref() },
+                fields! { "cause": note.id, "sentence": note.sentence.as_str(), "next": note.next.as_ref().map(|next| advice::text(next, &status.drive)) },
             )
         })
         .collect();

@@ -49,7 +49,11 @@ fn speed_drives_refuse_positions_before_anything_is_enabled() {
                 matches!(error, Error::SpeedOnly { .. }),
                 "{name} {purpose:?}: {error}"
             );
-            assert!(error.hint().is_some_and(|hint| !hint.contains("930")));
+            assert!(
+                error
+                    .advice()
+                    .is_some_and(|advice| !advice.to_string().contains("930"))
+            );
         }
         let error = session.check_mode(&mut drive, Mode::Position);
         assert!(matches!(error, Err(Error::SpeedOnly { .. })), "{name}: {error:?}");
@@ -91,7 +95,12 @@ fn telegrams_of_the_makers_turn_their_drives_at_the_same_speed() {
     }
     let error = turned(&mut session, "vlt-1", with(999), 60.0).expect_err("no such telegram");
     assert_eq!(error.to_string(), "vlt-1 has no telegram 999");
-    assert!(error.hint().is_some_and(|hint| hint.contains("104")), "{error}");
+    assert!(
+        error
+            .advice()
+            .is_some_and(|advice| advice.to_string().contains("104")),
+        "{error}"
+    );
     let error = turned(&mut session, "akd-1", with(9), 60.0).expect_err("no speed in it");
     assert!(error.to_string().contains("carries what this needs"), "{error}");
 }
@@ -142,8 +151,8 @@ fn a_converter_is_not_stopped_beside_its_controller_and_says_so() {
         );
         assert!(
             error
-                .hint()
-                .is_some_and(|hint| hint.contains("at its controller")),
+                .advice()
+                .is_some_and(|advice| advice.to_string().contains("at its controller")),
             "{error}"
         );
         drop(enabled);

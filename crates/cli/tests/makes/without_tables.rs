@@ -131,9 +131,9 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
             error.to_string().contains("how many rpm that is nobody knows"),
             "{name}: {error}"
         );
-        let hint = error.hint().unwrap_or_default();
+        let hint = error.advice().unwrap_or_default().to_string();
         assert!(
-            hint.contains("--velocity 20%") && hint.contains("--reference-speed"),
+            hint.contains("[choose percent]") && hint.contains("[choose reference-speed]"),
             "{hint}"
         );
         let percent = AxisSettings {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::Advice;
+
 /// Share of the current limit from which on the current counts as being at it.
 const AT_LIMIT: f64 = 0.9;
 /// Following error from which on the axis is behind its setpoint, turns.
@@ -46,15 +48,16 @@ impl Evidence {
 
     /// What to do about it.
     #[must_use]
-    pub fn hint(&self) -> Option<&'static str> {
-        if self.limit_switch {
-            Some("move the other way; `profidrive read DRIVE HWLS.POSSTATE HWLS.NEGSTATE` shows the switches")
+    pub fn advice(&self) -> Option<Advice> {
+        let advice = if self.limit_switch {
+            "move the other way; {read HWLS.POSSTATE HWLS.NEGSTATE} shows the switches"
         } else if self.software_limit {
-            Some("move back inside; `profidrive read DRIVE SWLS.LIMIT0 SWLS.LIMIT1` shows the limits")
+            "move back inside; {read SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"
         } else {
-            self.cause()
-                .map(|_| "look at mechanics, brake and load; `profidrive read DRIVE IL.LIMITP IL.LIMITN` shows the limits")
-        }
+            self.cause()?;
+            "look at mechanics, brake and load; {read IL.LIMITP IL.LIMITN} shows the limits"
+        };
+        Some(advice.into())
     }
 }
 
@@ -107,7 +110,7 @@ mod tests {
         };
         assert_eq!(held.cause(), Some("the axis does not follow: something holds it"));
         let nothing = Evidence::default();
-        assert_eq!((nothing.cause(), nothing.hint()), (None, None));
+        assert_eq!((nothing.cause(), nothing.advice()), (None, None));
         assert_eq!(nothing.to_string(), "the drive does not tell why");
     }
 }

@@ -573,7 +573,7 @@ mod tests {
             assert!(
                 found
                     .iter()
-                    .all(|one| !one.hint().is_empty() && !one.to_string().is_empty())
+                    .all(|one| !one.advice().is_empty() && !one.to_string().is_empty())
             );
         }
         // steps of 2.8e-6 rpm

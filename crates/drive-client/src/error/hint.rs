@@ -10,7 +10,7 @@ use profinet::wire::dcp::BlockError;
 use super::Error;
 use crate::axis::{Objection, SpeedUnit, Trouble};
 use crate::session::LocalControl;
-use crate::{Action, Drive};
+use crate::{Action, Advice, Choice, Drive};
 
 impl Error {
     /// The next thing to do about it, where that is one action. A front end words it.
@@ -43,8 +43,8 @@ impl Error {
 
     /// What to do about it, with the parameters that a drive of this make has for it.
     #[must_use]
-    pub fn hint_for(&self, drive: &Drive) -> Option<String> {
-        let hint = self.hint()?;
+    pub fn advice_for(&self, drive: &Drive) -> Option<Advice> {
+        let advice = self.advice()?;
         let parts: &[Part] = match self {
             Self::SpeedNotReached { .. } => &[
                 Part::Acceleration,
@@ -67,29 +67,27 @@ impl Error {
         };
         let named = drive.named(parts);
         if named.is_empty() {
-            return Some(hint);
+            return Some(advice);
         }
-        let named: Vec<String> = named.iter().map(|name| name.replace(' ', "")).collect();
-        Some(format!(
-            "{hint}; `profidrive read DRIVE {}` shows more",
-            named.join(" ")
-        ))
+        let parameters = named.iter().map(|name| name.replace(' ', "")).collect();
+        let more = Advice::from(Action::Read { parameters }).and(" shows more");
+        Some(advice.then(more))
     }
 
-    /// What to do about it, where that can be said. `DRIVE` in it stands for the drive as the person calls it.
+    /// What to do about it, where that can be said.
     #[must_use]
-    pub fn hint(&self) -> Option<String> {
+    pub fn advice(&self) -> Option<Advice> {
         Some(match self {
             Self::NotFound { heard, .. } if heard.is_empty() => {
-                "check cable, interface and power; `profidrive scan` lists who answers".into()
+                "check cable, interface and power; {scan} lists who answers".into()
             }
-            Self::NotFound { .. } => "`profidrive scan` lists who answers".into(),
+            Self::NotFound { .. } => "{scan} lists who answers".into(),
             Self::Ambiguous { .. } => {
-                "use the MAC address; `profidrive blink MAC` shows which is which, `profidrive name MAC NAME` renames one"
+                "use the MAC address; {blink MAC} shows which is which, {name MAC} renames one"
                     .into()
             }
             Self::SharedAddress { .. } => {
-                "give one of them another address: `profidrive ip MAC A.B.C.D/NN`; `profidrive blink MAC` shows which is which"
+                "give one of them another address: {address MAC}; {blink MAC} shows which is which"
                     .into()
             }
             Self::Dcp {
@@ -115,9 +113,9 @@ impl Error {
                 "end that program (see: ss -ulpn sport = :34964), or use another computer; until then stop the drive at its panel or by its inputs"
                     .into()
             }
-            Self::NoIpAddress { .. } => "give it one: `profidrive ip DRIVE A.B.C.D/NN`".into(),
+            Self::NoIpAddress { .. } => "give it one: {address}".into(),
             Self::OwnedByController { .. } => {
-                "stop or disconnect the other controller first; `profidrive monitor` and `read` work beside it".into()
+                "stop or disconnect the other controller first; {monitor} and {read} work beside it".into()
             }
             Self::ParametersOwned { .. } => {
                 "identity, plugged modules, neighbours and diagnosis can be read beside the controller; disconnect the controller to read or write parameters"
@@ -134,35 +132,35 @@ impl Error {
                 cause: LostCause::Service(ServiceError::Refused { status, .. }),
                 ..
             } if faulty_timing(*status) => {
-                "the drive does not offer this update time; without an update time of your own one that it is known for is used".into()
+                "the drive does not offer this update time; without {choose cycle} one that it is known for is used".into()
             }
             Self::Connect {
                 cause: LostCause::Service(ServiceError::Timeout { .. }),
                 ..
             } => {
-                "check cable and power, and that its IP address has not gone to another device; `profidrive scan` lists who answers"
+                "check cable and power, and that its IP address has not gone to another device; {scan} lists who answers"
                     .into()
             }
-            Self::Refused { refusal, .. } => refusal.remedy()?.into(),
-            Self::Parameter(problem) => super::problem::hint(problem)?,
+            Self::Refused { refusal, .. } => refusal.remedy()?,
+            Self::Parameter(problem) => super::problem::advice(problem)?,
             Self::Axis { trouble, .. } => match trouble {
-                Trouble::Fault => "`profidrive faults DRIVE` shows the fault, `profidrive ack DRIVE` acknowledges it",
+                Trouble::Fault => "{faults} shows the fault, {acknowledge} acknowledges it",
                 Trouble::FaultStays => "remove the cause, then acknowledge again",
                 Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
                 Trouble::StuckIn { .. } => {
-                    "check enable inputs, STO and DC bus: `profidrive status DRIVE`"
+                    "check enable inputs, STO and DC bus: {status}"
                 }
                 Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
                 Trouble::StillTurns => "keep clear of it; apply a brake or take the load away",
                 Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
-                Trouble::NoInputs => "the module plugged may be that of another telegram than PNU 922 says: --gsdml FILE takes the right one from the device description of the maker; `profidrive info DRIVE` shows what is plugged",
-                Trouble::OtherMode { .. } => "`profidrive read DRIVE p930` shows the mode",
-                Trouble::NotAccepted { homed: false } => "`profidrive home DRIVE` sets the home position",
+                Trouble::NoInputs => "the module plugged may be that of another telegram than PNU 922 says: {choose description} takes the right one from the device description of the maker; {info} shows what is plugged",
+                Trouble::OtherMode { .. } => "{read p930} shows the mode",
+                Trouble::NotAccepted { homed: false } => "{home} sets the home position",
                 Trouble::NotAccepted { homed: true } | Trouble::AcceptanceStays | Trouble::TargetNotReached => {
-                    "`profidrive status DRIVE` tells why: faults, warnings, limits, the task itself"
+                    "{status} tells why: faults, warnings, limits, the task itself"
                 }
                 Trouble::HomingNotStarted | Trouble::HomingFailed => {
-                    "check HOME.MODE, HOME.V and the switches: `profidrive list DRIVE --filter HOME. --values`"
+                    "check HOME.MODE, HOME.V and the switches: {find HOME. values}"
                 }
             }
             .into(),
@@ -173,29 +171,31 @@ impl Error {
                 .into(),
             Self::Changing { .. } => "read it again; faults that come and go have a cause that comes and goes".into(),
             Self::NotAtRest { .. } => {
-                "switch it off first (OFF1, or stop its controller); `profidrive status DRIVE` says why it is on".into()
+                "switch it off first (OFF1, or stop its controller); {status} says why it is on".into()
             }
-            Self::SpeedOnly { .. } => "`profidrive run DRIVE --velocity SPEED` turns it at a speed".into(),
-            Self::WrongMode { drive, needed, .. } => {
-                let number = match needed {
-                    Mode::Velocity => 1,
-                    Mode::Position => 2,
-                };
-                format!("`profidrive write {drive} 930={number}` changes it, --set-mode does for this one command")
+            Self::SpeedOnly { .. } => "{run} turns it at a speed".into(),
+            Self::WrongMode { needed, .. } => match needed {
+                Mode::Velocity => "{write 930=1} changes it, {choose mode} does for this one command",
+                Mode::Position => "{write 930=2} changes it, {choose mode} does for this one command",
             }
+            .into(),
             Self::ForeignModule { wanted, plugged, .. } => {
-                let file = format!("--gsdml FILE takes the ident number of telegram {wanted} from the device description of the maker");
+                let description = Advice::from(Action::Choose(Choice::Description)).and(format!(
+                    " takes the ident number of telegram {wanted} from the device description of the vendor"
+                ));
                 match plugged {
-                    Some(plugged) => format!("{file}; without it only telegram {plugged} works, which is plugged"),
-                    None => file,
+                    Some(plugged) => {
+                        description.and(format!("; without it only telegram {plugged} works, which is plugged"))
+                    }
+                    None => description,
                 }
             }
             Self::UnknownModel { .. } => {
-                "if it is one of the known drives under another number, --model akd|vlt|vacon takes it for that".into()
+                "if it is one of the known drives under another number, {choose model} takes it for that".into()
             }
-            Self::LocalOperation { by, .. } => by.remedy(),
+            Self::LocalOperation { by, .. } => by.remedy().into(),
             Self::SpeedLost { .. } => {
-                "something else stopped or limits it (`profidrive stop`, a limit of the drive, a limit switch) or the load holds it".into()
+                "something else stopped or limits it ({stop}, a limit of the drive, a limit switch) or the load holds it".into()
             }
             Self::ScaleChanged { .. } => {
                 "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
@@ -205,22 +205,22 @@ impl Error {
                     .into()
             }
             Self::SpeedUnit { wanted: SpeedUnit::Rpm, .. } => {
-                "give the speed in percent (--velocity 20%), or say what 100 % is: --reference-speed 1500rpm".into()
+                "give the speed in percent ({choose percent}), or say what 100 % is: {choose reference-speed}".into()
             }
             Self::SpeedUnit { .. } => "give the speed in rpm".into(),
             Self::NoSuchTelegram { possible, .. } => {
                 let numbers: Vec<String> = possible.iter().map(u16::to_string).collect();
-                format!("there are: {}", numbers.join(", "))
+                format!("there are: {}", numbers.join(", ")).into()
             }
             Self::SpeedStep { .. } => "ask for one of them, or make the steps finer (AKD: PN.VELSCALING)".into(),
             Self::SpeedNotReached { .. } => {
                 "the ramp, a limit of the drive or the load holds it".into()
             }
-            Self::Held { error, evidence } => evidence.hint().map_or_else(|| error.hint(), |hint| Some(hint.into()))?,
+            Self::Held { error, evidence } => evidence.advice().or_else(|| error.advice())?,
             Self::NotEnabled { .. } => "enable it again".into(),
-            Self::Objections { objections, .. } => hints(objections)?,
-            Self::NotInTime { .. } => "--timeout gives it more time; `profidrive status DRIVE` tells what holds it".into(),
-            Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it".into(),
+            Self::Objections { objections, .. } => of_each(objections)?,
+            Self::NotInTime { .. } => "{choose time} gives it more time; {status} tells what holds it".into(),
+            Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it".into(),
             Self::NoAnswer { telegrams, noise, .. } => match (telegrams, noise) {
                 (0, 0) => "check that the drive is on, its address and protocol (VLT: 8-30, 8-31), A and B of the wire",
                 (_, 0) => "check the address of the drive (VLT: 8-31)",
@@ -238,14 +238,14 @@ impl Error {
 }
 
 /// What to do about each of them; the same advice once.
-fn hints(objections: &[Objection]) -> Option<String> {
-    let mut hints: Vec<&str> = Vec::new();
-    for hint in objections.iter().map(Objection::hint) {
-        if !hints.contains(&hint) {
-            hints.push(hint);
+fn of_each(objections: &[Objection]) -> Option<Advice> {
+    let mut all: Vec<Advice> = Vec::new();
+    for advice in objections.iter().map(Objection::advice) {
+        if !all.contains(&advice) {
+            all.push(advice);
         }
     }
-    (!hints.is_empty()).then(|| hints.join("; "))
+    all.into_iter().reduce(Advice::then)
 }
 
 /// Faulty IOCRBlockReq: send clock, reduction ratio.
@@ -269,11 +269,8 @@ mod tests {
             drive: "akd-1".into(),
             objections: vec![Objection::NotHomed, limit(true), limit(false)],
         };
-        let hint = error.hint().unwrap();
-        assert!(
-            hint.starts_with("`profidrive home DRIVE` sets the home position; `profidrive read"),
-            "{hint}"
-        );
+        let hint = error.advice().unwrap().to_string();
+        assert!(hint.starts_with("[home] sets the home position; [read"), "{hint}");
         assert_eq!(hint.matches("SWLS.LIMIT1").count(), 1, "{hint}");
     }
 
@@ -283,9 +280,9 @@ mod tests {
             drive: "akd-1".into(),
             cause: LostCause::Service(ServiceError::Timeout { what: "connect" }),
         };
-        let hint = error.hint().unwrap();
+        let hint = error.advice().unwrap().to_string();
         assert!(
-            hint.contains("cable and power") && hint.contains("profidrive scan"),
+            hint.contains("cable and power") && hint.contains("[scan]"),
             "{hint}"
         );
     }
@@ -305,9 +302,9 @@ mod tests {
                 },
             }),
         };
-        let hint = refused(10).hint().unwrap();
+        let hint = refused(10).advice().unwrap().to_string();
         assert!(hint.contains("update time") && !hint.contains("--"), "{hint}");
-        assert_eq!(refused(1).hint(), None);
+        assert_eq!(refused(1).advice(), None);
     }
 
     #[test]
@@ -330,6 +327,10 @@ mod tests {
             told.starts_with("akd-1: parameter access: not ready within 10000 ms"),
             "{told}"
         );
-        assert!(error.hint().is_some_and(|hint| hint.contains("try again")));
+        assert!(
+            error
+                .advice()
+                .is_some_and(|advice| advice.to_string().contains("try again"))
+        );
     }
 }

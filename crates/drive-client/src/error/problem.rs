@@ -2,23 +2,27 @@
 
 use profidrive::value::ParameterProblem;
 
-/// What to do, where that is not said already. `DRIVE` in it stands for the drive.
-pub(super) fn hint(problem: &ParameterProblem) -> Option<String> {
+use crate::{Action, Advice};
+
+/// What to do, where that is not said already.
+pub(super) fn advice(problem: &ParameterProblem) -> Option<Advice> {
+    let describe = |parameter| {
+        Advice::from(Action::Describe {
+            parameter: written(parameter),
+        })
+    };
     match problem {
         ParameterProblem::Unknown { nearest, .. } if nearest.is_empty() => {
-            Some("`profidrive list DRIVE --filter TEXT` finds parameters by a part of their name".into())
+            Some("{find} finds parameters by a part of their name".into())
         }
         ParameterProblem::Unit { parameter, .. } | ParameterProblem::Limit { parameter, .. } => {
-            Some(format!(
-                "`profidrive describe DRIVE {}` shows unit and limits",
-                written(parameter)
-            ))
+            Some(describe(parameter).and(" shows unit and limits"))
         }
-        ParameterProblem::Coarse { parameter, .. } => Some(format!(
-            "write one of them; `profidrive describe DRIVE {}` shows unit and scaling, which make the steps",
-            written(parameter)
-        )),
-        _ => problem.hint(),
+        ParameterProblem::Coarse { parameter, .. } => {
+            let shows = describe(parameter).and(" shows unit and scaling, which make the steps");
+            Some(Advice::from("write one of them").then(shows))
+        }
+        _ => problem.hint().map(Advice::from),
     }
 }
 

@@ -1,5 +1,6 @@
 //! One parameter that a drive refused, or that the channel to it cannot carry.
 
+use crate::Advice;
 use std::fmt;
 
 use profidrive::notation::Shown;
@@ -124,7 +125,7 @@ impl Refusal {
 
     /// What to do about it.
     #[must_use]
-    pub fn remedy(&self) -> Option<&'static str> {
+    pub fn remedy(&self) -> Option<Advice> {
         let general = || match self.cause() {
             None => self.number.info(self.names).map(|info| info.remedy),
             Some(ChannelCause::Number { number, names }) => number.info(names).map(|info| info.remedy),
@@ -135,7 +136,7 @@ impl Refusal {
                 Some("use a channel that carries it: records over PROFINET, or the panel of the drive")
             }
         };
-        self.advice.or_else(general)
+        self.advice.or_else(general).map(Advice::from)
     }
 
     /// What came back: the number as received with its meaning, or why nothing was sent.

@@ -527,8 +527,8 @@ mod tests {
         );
         assert!(
             error
-                .hint()
-                .is_some_and(|hint| hint.contains("`profidrive ip MAC"))
+                .advice()
+                .is_some_and(|advice| advice.to_string().contains("[address MAC]"))
         );
     }
 }

@@ -5,99 +5,91 @@ use profidrive::state::{Profile, Stw1};
 use super::{Cause, DriveStatus};
 use crate::WarningEntry;
 
-/// What to do about a cause with the parameters of a make, `DRIVE` stands for the drive. A make without a row gets the
+/// What to do about a cause with the parameters of a make, actions in braces ([`Advice`](crate::Advice)). A make without a row gets the
 /// advice that holds for all.
 const ADVICE: &[(&str, Cause, &str)] = &[
     (
         "AKD",
         Cause::NoPower,
-        "switch the mains on; `profidrive read DRIVE VBUS.VALUE VBUS.UVFTHRESH` shows the voltage",
+        "switch the mains on; {read VBUS.VALUE VBUS.UVFTHRESH} shows the voltage",
     ),
     (
         "AKD",
         Cause::ControlledStop,
-        "release that input: `profidrive list DRIVE --filter DIN --values` shows which",
+        "release that input: {find DIN values} shows which",
     ),
     (
         "AKD",
         Cause::DisableSource,
-        "`profidrive read DRIVE DRV.DISSOURCES` names the bits",
+        "{read DRV.DISSOURCES} names the bits",
     ),
     (
         "AKD",
         Cause::CommandSource,
-        "`profidrive write DRIVE DRV.CMDSOURCE=1` while it is disabled",
+        "{write DRV.CMDSOURCE=1} while it is disabled",
     ),
     (
         "AKD",
         Cause::MovedFromOutside,
         "keep clear: no command stops it; let it come to rest, take the load away, or have it held by a brake (MOTOR.BRAKE=1 where one is fitted, MOTOR.BRAKERLS=0)",
     ),
-    (
-        "AKD",
-        Cause::NotReady,
-        "`profidrive read DRIVE DRV.DISSOURCES` may tell more",
-    ),
-    (
-        "AKD",
-        Cause::MotionHeld,
-        "`profidrive read DRIVE DRV.MOTIONDISSOURCES`",
-    ),
+    ("AKD", Cause::NotReady, "{read DRV.DISSOURCES} may tell more"),
+    ("AKD", Cause::MotionHeld, "{read DRV.MOTIONDISSOURCES}"),
     (
         "AKD",
         Cause::LimitSwitch,
-        "move away from it, only the other direction is free; `profidrive read DRIVE HWLS.NEGSTATE HWLS.POSSTATE` shows the switches",
+        "move away from it, only the other direction is free; {read HWLS.NEGSTATE HWLS.POSSTATE} shows the switches",
     ),
     (
         "AKD",
         Cause::SoftwareLimit,
-        "move back inside: `profidrive read DRIVE SWLS.LIMIT0 SWLS.LIMIT1` shows the limits",
+        "move back inside: {read SWLS.LIMIT0 SWLS.LIMIT1} shows the limits",
     ),
     (
         "AKD",
         Cause::HomingFailed,
-        "check HOME.MODE and the switches, then `profidrive home DRIVE`",
+        "check HOME.MODE and the switches, then {home}",
     ),
     (
         "AKD",
         Cause::TaskHeld,
-        "`profidrive write DRIVE MT.CONTINUE=1` goes on after DRV.STOP; a new task replaces it",
+        "{write MT.CONTINUE=1} goes on after DRV.STOP; a new task replaces it",
     ),
     (
         "AKD",
         Cause::DoesNotTurn,
-        "`profidrive read DRIVE IL.FB IL.LIMITP VL.LIMITP VL.LIMITN`",
+        "{read IL.FB IL.LIMITP VL.LIMITP VL.LIMITN}",
     ),
     ("VLT", Cause::Sto, "close the safety circuit: 24 V at terminal 37"),
     (
         "VLT",
         Cause::NoPower,
-        "switch the mains on; `profidrive read DRIVE 16-30` shows the voltage of the DC link",
+        "switch the mains on; {read 16-30} shows the voltage of the DC link",
     ),
     (
         "VLT",
         Cause::NotReady,
-        "terminal 27 may command a coast (5-12): `profidrive read DRIVE 16-60` shows the inputs",
+        "terminal 27 may command a coast (5-12): {read 16-60} shows the inputs",
     ),
     (
         "VLT",
         Cause::DoesNotTurn,
-        "`profidrive read DRIVE 16-14 4-18 4-13` shows current and limits",
+        "{read 16-14 4-18 4-13} shows current and limits",
     ),
     (
         "VACON",
         Cause::NoPower,
-        "switch the mains on; `profidrive read DRIVE \"ID 7\"` shows the voltage of the DC link",
+        "switch the mains on; {read ID7} shows the voltage of the DC link",
     ),
     (
         "VACON",
         Cause::NotReady,
-        "an input may hold it: `profidrive read DRIVE \"ID 15\" \"ID 16\"` shows the inputs",
+        "an input may hold it: {read ID15 ID16} shows the inputs",
     ),
     (
         "VACON",
         Cause::DoesNotTurn,
-        "`profidrive read DRIVE \"ID 3\" \"ID 107\"` shows current and limit",
+        "{read ID3 ID107} shows current and limit",
     ),
 ];
 
@@ -117,7 +109,7 @@ const WARNINGS: &[(&str, u32, &[Cause])] = &[
 const DISABLES: &[(&str, &str, &str)] = &[(
     "AKD",
     "DRV.DIS",
-    "find out who: `profidrive stop --disable` of somebody else, service software (WorkBench), or a controller that writes DRV.DIS by record; then start again",
+    "find out who: {disable} of somebody else, service software (WorkBench), or a controller that writes DRV.DIS by record; then start again",
 )];
 
 /// Control word for operation, as PROFIdrive has it.
@@ -185,28 +177,21 @@ pub(super) fn causes(make: &str, warning: &WarningEntry) -> &'static [Cause] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Action, Advice};
     use profidrive::catalogue::{AKD, Catalogue, VACON, VLT};
     use profidrive::notation::ParameterReference;
     use profidrive::value::Parameters;
 
     const MAKES: [&Catalogue; 3] = [&AKD, &VLT, &VACON];
 
-    /// Everything behind `profidrive read DRIVE` or `write DRIVE`, and every word with the shape of an AKD name.
+    /// Every parameter that an action names, and every word with the shape of an AKD name.
     fn named(advice: &str) -> Vec<String> {
         let mut named = Vec::new();
-        for command in advice.split('`').skip(1).step_by(2) {
-            let Some((_, rest)) = command.split_once(" DRIVE ") else {
-                continue;
-            };
-            if rest.starts_with("--") {
-                continue;
-            }
-            let quoted: Vec<&str> = rest.split('"').collect();
-            if quoted.len() > 1 {
-                named.extend(quoted.iter().skip(1).step_by(2).map(|one| (*one).to_owned()));
-            } else {
-                let words = rest.split(' ').map(|one| one.split('=').next().unwrap_or(one));
-                named.extend(words.map(str::to_owned));
+        for action in Advice::from(advice).actions() {
+            match action {
+                Action::Read { parameters } => named.extend(parameters.iter().cloned()),
+                Action::Write { parameter, .. } => named.push(parameter.clone()),
+                _ => {}
             }
         }
         let akd = |word: &&str| {

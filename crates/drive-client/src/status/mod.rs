@@ -8,7 +8,7 @@ use std::fmt;
 
 use profidrive::state::{Mode, Profile, State, Stw1, Zsw1};
 
-use crate::{Action, FaultEntry, LocalControl, LossReaction, WarningEntry};
+use crate::{Action, Advice, FaultEntry, LocalControl, LossReaction, WarningEntry};
 
 pub use notes::Note;
 pub use rules::{Cause, moved_advice};
@@ -120,7 +120,7 @@ pub struct Diagnosis {
     /// One sentence, with the bit or parameter that says so.
     pub sentence: String,
     /// What to do next, where something is to be done.
-    pub next: Option<String>,
+    pub next: Option<Advice>,
     /// What to do next as actions, in their order; what [`next`](Self::next) says is besides.
     pub actions: Vec<Action>,
     /// What else stands in the way, or is about to.

@@ -4,7 +4,7 @@ use profidrive::state::Zsw1;
 
 use super::rules::{self, RULES};
 use super::{Cause, DriveStatus, makes};
-use crate::WarningEntry;
+use crate::{Advice, WarningEntry};
 
 /// Causes that are told beside another one too: what the controller does is no news then, what is at the drive is.
 const NOTED: [Cause; 6] = [
@@ -24,7 +24,7 @@ pub struct Note {
     /// One sentence.
     pub sentence: String,
     /// What to do about it, where something is to be done.
-    pub next: Option<String>,
+    pub next: Option<Advice>,
 }
 
 /// Everything beside the cause `told`.
@@ -47,7 +47,7 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
         notes.push(Note {
             id: moved.id(),
             sentence: rules::moved(status),
-            next: Some(rules::moved_advice(status.make).to_owned()),
+            next: Some(rules::moved_advice(status.make).into()),
         });
     }
     if status.brake_fitted == Some(true) && status.brake_released == Some(false) && status.unpowered() {
@@ -56,7 +56,7 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
             sentence: "the holding brake is applied as long as the power stage is off".to_owned(),
             next: Some(
                 "it opens with the power stage; MOTOR.BRAKERLS=1 opens it by hand, and lets a load fall"
-                    .to_owned(),
+                    .into(),
             ),
         });
     }
@@ -71,7 +71,7 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
             next: warning
                 .remedy
                 .filter(|remedy| !remedy.is_empty())
-                .map(str::to_owned),
+                .map(Advice::from),
         }
     }));
     if status.warnings.is_empty() && status.has(Zsw1::WARNING) {
@@ -79,7 +79,7 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
             id: "warning",
             sentence: "a warning is present (ZSW1 bit 7), the drive does not report its number here"
                 .to_owned(),
-            next: Some("look at its panel".to_owned()),
+            next: Some("look at its panel".into()),
         });
     }
     notes
@@ -104,7 +104,7 @@ pub(super) fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
         sentence: format!(
             "no fault, input or supply did it: it was disabled by parameter ({command}), by another program"
         ),
-        next: Some(advice.to_owned()),
+        next: Some(advice.into()),
     })
 }
 

@@ -4,7 +4,7 @@ use profidrive::catalogue::Cleared;
 use profidrive::state::{Start, State, Stw1, Zsw1};
 
 use super::{Diagnosis, DriveStatus, Verdict, makes, notes};
-use crate::{Action, FaultEntry};
+use crate::{Action, Advice, FaultEntry};
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
@@ -60,7 +60,7 @@ pub(super) struct Rule {
     verdict: Verdict,
     pub applies: fn(&DriveStatus) -> bool,
     pub sentence: fn(&DriveStatus) -> String,
-    /// What to do, of whatever make the drive is; `DRIVE` stands for the drive, empty where nothing is to be done. What
+    /// What to do, of whatever make the drive is; empty where nothing is to be done. What
     /// names parameters is in the table of the makes.
     pub next: &'static str,
 }
@@ -70,12 +70,12 @@ causes! {
     Silent = "silent", Held,
         |s| s.zsw1.is_none(),
         |_| "the drive does not tell its status word".into(),
-        "`profidrive info DRIVE` shows what it tells";
+        "{info} shows what it tells";
     /// ZSW1 bit 3.
     Fault = "fault", Held,
         |s| s.has(Zsw1::FAULT) || !s.faults.is_empty(),
         fault,
-        "remove the cause, then `profidrive ack DRIVE`, or acknowledge from its controller (STW1 bit 7)";
+        "remove the cause, then {acknowledge}, or acknowledge from its controller (STW1 bit 7)";
     /// Safe torque off.
     Sto = "sto", Held,
         |s| s.torque_allowed == Some(false) || makes::warned(s, Cause::Sto).is_some(),
@@ -137,7 +137,7 @@ causes! {
             "the drive is in a mode of its maker (PNU 930 is 0x{:04X}): neither speed nor position control",
             s.mode.unwrap_or_default()
         ),
-        "`profidrive write DRIVE 930=1` (speed) or `930=2` (position) while it is disabled";
+        "{write 930=1} (speed) or {write 930=2} (position) while it is disabled";
     /// Nobody is connected, and it stands in operation.
     EnabledAlone = "enabled-alone", Held,
         |s| s.controller == Some(None) && s.state() == Some(State::S4) && !turns(s),
@@ -147,7 +147,7 @@ causes! {
     NoController = "no-controller", Waits,
         |s| s.controller == Some(None) && !turns(s),
         |s| format!("nobody commands it: no controller is connected{}", stands_in(s)),
-        "start the controller, or take the axis with `profidrive run`, `move` or `jog`";
+        "start the controller, or take the axis with {run}, {move} or {jog}";
     /// Nobody is connected, its power stage is off, and it turns.
     MovedFromOutside = "moved-from-outside", Held,
         |s| s.controller == Some(None) && s.unpowered(),
@@ -238,12 +238,12 @@ causes! {
             "enabled in position mode (PNU 930 is 2), but {} carries no traversing tasks",
             telegram(s)
         ),
-        "plug telegram 7 or 9 in the controller, or `profidrive write DRIVE 930=1` for speed control";
+        "plug telegram 7 or 9 in the controller, or {write 930=1} for speed control";
     /// A position telegram in velocity mode.
     TaskTelegram = "task-telegram", Held,
         |s| s.mode == Some(1) && s.carries_speed == Some(false),
         |s| format!("enabled in velocity mode (PNU 930 is 1), but {} carries no speed setpoint", telegram(s)),
-        "plug telegram 1 in the controller, or `profidrive write DRIVE 930=2` for positioning";
+        "plug telegram 1 in the controller, or {write 930=2} for positioning";
     /// It turns.
     Moves = "moves", Runs,
         moves,
@@ -281,12 +281,12 @@ causes! {
     HomingFailed = "homing-failed", Held,
         |s| positioning(s) && !s.has(Zsw1::HOMED) && motion(s) & HOMING_ERROR != 0,
         |_| "enabled (S4), but homing has failed (DRV.MOTIONSTAT bit 4)".into(),
-        "check how it is to home and the switches, then `profidrive home DRIVE`";
+        "check how it is to home and the switches, then {home}";
     /// No home position.
     NotHomed = "not-homed", Held,
         |s| positioning(s) && !s.has(Zsw1::HOMED),
         |_| "enabled (S4), but the axis is not homed (ZSW1 bit 11 is 0): it accepts no task".into(),
-        "home it: STW1 bit 11 in the controller, or `profidrive home DRIVE`";
+        "home it: STW1 bit 11 in the controller, or {home}";
     /// STW1 bit 4, position mode.
     Rejected = "rejected", Waits,
         |s| positioning(s) && s.lacks(Stw1::NO_REJECT),
@@ -400,22 +400,22 @@ fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
 }
 
 /// What to do about a cause: as the make of the drive has it, else what holds for all.
-pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<String> {
+pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<Advice> {
     if let (Cause::LocalOperation, Some(local)) = (rule.cause, &status.local) {
-        return Some(local.remedy());
+        return Some(local.remedy().into());
     }
     let own = makes::advice(rule.cause, status.make);
     let general = || makes::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
     let next = own.map_or_else(general, str::to_owned);
     if rule.cause == Cause::Fault {
-        return Some(fault_advice(status, &next).replace("DRIVE", &status.drive));
+        return Some(fault_advice(status, &next));
     }
-    (!next.is_empty()).then(|| next.replace("DRIVE", &status.drive))
+    (!next.is_empty()).then(|| next.as_str().into())
 }
 
 /// What ends the faults that are present: the remedy of the first by the table, then `acknowledge`, or a restart where
 /// one of them goes away by nothing else.
-fn fault_advice(status: &DriveStatus, acknowledge: &str) -> String {
+fn fault_advice(status: &DriveStatus, acknowledge: &str) -> Advice {
     let remedy = status.faults.first().and_then(|fault| fault.remedy);
     let remedy = remedy.filter(|text| !text.is_empty());
     let restart = |fault: &&FaultEntry| fault.cleared == Some(Cleared::Restart);
@@ -423,10 +423,12 @@ fn fault_advice(status: &DriveStatus, acknowledge: &str) -> String {
     match (remedy, restart.and_then(|fault| fault.clearing.as_deref())) {
         (Some(remedy), None) => {
             let acknowledge = acknowledge.trim_start_matches("remove the cause, ");
-            format!("{remedy}; {acknowledge}")
+            Advice::from(remedy).then(acknowledge.into())
         }
-        (None, None) => acknowledge.to_owned(),
-        (remedy, Some(clearing)) => format!("{}; then {clearing}", remedy.unwrap_or("remove the cause")),
+        (None, None) => acknowledge.into(),
+        (remedy, Some(clearing)) => {
+            Advice::from(remedy.unwrap_or("remove the cause")).and(format!("; then {clearing}"))
+        }
     }
 }
 

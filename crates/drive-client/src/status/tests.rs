@@ -393,7 +393,8 @@ fn every_cause_has_its_sentence() {
             assert!(
                 found
                     .next
-                    .is_none_or(|next| !next.contains("DRIVE ") || !next.contains("`profidrive"))
+                    .is_none_or(|next| !next.to_string().contains(['{', '}'])),
+                "{cause:?}: an action that there is not"
             );
             met.push(cause);
         }
@@ -448,7 +449,7 @@ fn the_advice_names_the_drive() {
     let mut status = running();
     words(&mut status, 0x047F, 0x0278);
     let next = diagnose(&status).next.unwrap();
-    assert!(next.contains("`profidrive ack akd-1`"), "{next}");
+    assert!(next.to_string().contains("[acknowledge]"), "{next}");
 }
 
 /// Nobody has a connection, the power stage is off, the axis stands.
@@ -516,7 +517,7 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     status.speed_actual = Some(-404.6);
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::MovedFromOutside);
-    let next = found.next.unwrap();
+    let next = found.next.unwrap().to_string();
     assert!(
         next.contains("MOTOR.BRAKE") && !next.contains("profidrive stop"),
         "{next}"
@@ -557,16 +558,16 @@ fn no_word_of_another_profile_is_told() {
         "{}",
         found.sentence
     );
-    assert!(found.next.unwrap().contains("terminal 27"));
+    assert!(found.next.unwrap().to_string().contains("terminal 27"));
     let found = diagnose(&with(Profile::DanfossProfidrive, 0x047F, 0x0270));
     assert_eq!(found.cause, Cause::Inhibited);
     assert_eq!(
         found.next.unwrap(),
-        "in the controller: OFF first (control word 0x047E), then ON (0x047F) (Danfoss PROFIdrive)"
+        "in the controller: OFF first (control word 0x047E), then ON (0x047F) (Danfoss PROFIdrive)".into()
     );
     let fault = diagnose(&with(Profile::DanfossFc, 0x047F, 0x0278));
     assert_eq!(fault.cause, Cause::Fault);
-    let next = fault.next.unwrap();
+    let next = fault.next.unwrap().to_string();
     assert!(
         next.contains("control word bit 7") && !next.contains("operation"),
         "{next}"
@@ -575,7 +576,7 @@ fn no_word_of_another_profile_is_told() {
         for zsw1 in (0..0x4000_u16).map(|bits| (bits >> 11 << 12) | (bits & 0x7FF)) {
             for stw1 in [0, 0x047C, 0x047E, 0x047F, 0x0477, 0x043F] {
                 let told = diagnose(&with(profile, stw1, zsw1));
-                let next = told.next.unwrap_or_default();
+                let next = told.next.unwrap_or_default().to_string();
                 for word in ["STW1", "0x047E", "0x047F"] {
                     let own = [Stw1::READY, Stw1::RUN].map(|stw1| format!("0x{:04X}", profile.control(stw1)));
                     assert!(!next.contains(word) || own.contains(&word.to_owned()), "{next}");
@@ -604,7 +605,7 @@ fn other_makes_are_told_in_their_own_words() {
         "{}",
         off.sentence
     );
-    let next = off.next.unwrap();
+    let next = off.next.unwrap().to_string();
     let word = Profile::DanfossFc.control(Stw1(0x047F));
     assert!(
         next.contains(&format!("0x{word:04X}")) && !next.contains("STW1"),
@@ -624,7 +625,7 @@ fn other_makes_are_told_in_their_own_words() {
         found.sentence.ends_with("n68 Safe stop") && found.notes.is_empty(),
         "{found:?}"
     );
-    assert!(found.next.unwrap().contains("terminal 37"));
+    assert!(found.next.unwrap().to_string().contains("terminal 37"));
     let unpowered = DriveStatus {
         make: "VACON",
         profile: Profile::Profidrive,
@@ -633,5 +634,5 @@ fn other_makes_are_told_in_their_own_words() {
     };
     let found = diagnose(&unpowered);
     assert_eq!(found.cause, Cause::NoPower);
-    assert!(found.next.unwrap().contains("ID 7"));
+    assert!(found.next.unwrap().to_string().contains("ID7"));
 }

@@ -4,6 +4,8 @@ use std::fmt;
 
 use profidrive::notation::figures;
 
+use crate::Advice;
+
 /// Why a move is not sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -157,25 +159,26 @@ impl fmt::Display for Objection {
 impl Objection {
     /// What to do about it.
     #[must_use]
-    pub const fn hint(&self) -> &'static str {
+    pub fn advice(&self) -> Advice {
         match self {
-            Self::NotHomed => "`profidrive home DRIVE` sets the home position",
-            Self::Fault => "`profidrive status DRIVE` tells which, `profidrive ack DRIVE` acknowledges it",
+            Self::NotHomed => "{home} sets the home position",
+            Self::Fault => "{status} tells which, {acknowledge} acknowledges it",
             Self::NoTask { .. } => "the table of motion tasks shows which ones there are (MT.NUM, MT.LOAD)",
             Self::SoftwareLimit { .. } => {
-                "`profidrive read DRIVE SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1` shows the limits"
+                "{read SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"
             }
             Self::ModuloRange { .. } => {
-                "a target lies inside the range, its upper end not included; --relative goes on over the end"
+                "a target lies inside the range, its upper end not included; {choose relative} goes on over the end"
             }
             Self::LimitSwitch { .. } => "move the other way",
-            Self::Range { .. } => "a distance (--relative) may be shorter than a position",
+            Self::Range { .. } => "a distance ({choose relative}) may be shorter than a position",
             Self::NoSpeed { .. } => "give a speed above 0; the direction is that of the target",
             Self::NoDistance { .. } => "give a longer distance",
             Self::SpeedStep { .. } => "ask for one of them",
-            Self::SpeedLimit { .. } => "raise the limit with --limit if the machine allows it",
-            Self::DriveLimit { .. } => "`profidrive read DRIVE VL.LIMITP VL.LIMITN` shows the limits",
+            Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
+            Self::DriveLimit { .. } => "{read VL.LIMITP VL.LIMITN} shows the limits",
             Self::Ramp { .. } => "the steps are those of PN.ACCSCALING",
         }
+        .into()
     }
 }
