@@ -1,11 +1,9 @@
 //! The cyclic connection of a command on an ordinary PC: calm where nothing else is asked for, and measured before
 //! anything is enabled. In virtual time.
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::{bench_of, find, ip, parts_of};
+use crate::bench::{bench_of, find, ip, parts_of};
 use drive_client::axis::Purpose;
 use drive_client::{AxisSettings, Client, DriveAddress, Session, Wire};
 use network::host::Host;

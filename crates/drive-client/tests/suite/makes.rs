@@ -1,18 +1,13 @@
 //! One client for all makes: AKD, VLT and Vacon side by side, and drives that nobody has tables of, in virtual time.
 
-mod bench;
-#[path = "makes/running.rs"]
 mod running;
-#[path = "makes/saving.rs"]
 mod saving;
-#[path = "makes/status.rs"]
 mod status;
-#[path = "makes/without_tables.rs"]
 mod without_tables;
 
 use std::time::Duration;
 
-use bench::{Bench, bench_of, find, ip, select, with_drive};
+use crate::bench::{Bench, bench_of, find, ip, select, with_drive};
 use drive_client::axis::{Jog, Purpose, SpeedUnit};
 use drive_client::backup::{Backup, Choice, Journal, compare};
 use drive_client::status::diagnose;

@@ -1,14 +1,12 @@
 //! The ways to the records of a drive: device access, implicit reads, a connection as IO controller; on devices that refuse
 //! some of them, in virtual time.
 
-mod bench;
-mod remote_io;
-
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::{Bench, bench_of, command, drive_at, drive_mut, find, ip, other_controller, select};
+use crate::bench::{Bench, bench_of, command, drive_at, drive_mut, find, ip, other_controller, select};
+use crate::remote_io::remote_io;
 use drive_client::{
     AxisSettings, Client, Drive, Error, MakerModule, Route, RouteNotice, Session, StopWay, WriteMode,
     modules_of,
@@ -23,7 +21,6 @@ use profinet::cyclic::Timing;
 use profinet::device::{Device, Refusals, Stored};
 use profinet::wire::PnioStatus;
 use profinet::{Instant, IpSuite, MacAddress};
-use remote_io::remote_io;
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig, StationEvent};
 
@@ -460,7 +457,7 @@ fn a_device_description_that_declares_no_device_access_skips_the_try() {
 fn the_device_description_completes_modules_that_are_not_in_the_tables() {
     let file = "GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
     let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
-    config.description = bench::description(file);
+    config.description = crate::bench::description(file);
     config.refusals.device_access = Some(NO_AR_TYPE);
     config.network = Stored {
         name: "drive-1".into(),

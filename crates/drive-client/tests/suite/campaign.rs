@@ -6,11 +6,9 @@
 // helpers of tests fail by panicking, like the tests themselves
 #![allow(clippy::panic, clippy::unwrap_used)]
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::world::{Accident, Transport, World};
+use crate::bench::world::{Accident, Transport, World};
 use drive_client::axis::{Jog, Move, Purpose};
 use drive_client::status::{Diagnosis, diagnose};
 use drive_client::{Action, Advice, AxisSettings, Drive, Error, Session, StopWay, WriteMode};

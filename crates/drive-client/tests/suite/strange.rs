@@ -1,11 +1,9 @@
 //! Drives that the client cannot know by their device id: a known make under another one, and a vendor of which there
 //! are no tables, in virtual time.
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::{Bench, bench_of, drive_mut, find, ip, select};
+use crate::bench::{Bench, bench_of, drive_mut, find, ip, select};
 use drive_client::backup::{Backup, Choice, Journal, compare};
 use drive_client::{AxisSettings, Drive, WriteMode};
 use network::host::{Host, StationId};

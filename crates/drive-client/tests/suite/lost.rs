@@ -1,13 +1,11 @@
 //! A connection that is lost while an axis stops, in virtual time.
 
-mod bench;
-
 use std::cell::Cell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::watched::bench;
-use bench::world::{Accident, Transport, World};
+use crate::bench::watched::bench;
+use crate::bench::world::{Accident, Transport, World};
 use drive_client::{Action, AxisSettings, Error, WriteMode};
 use profidrive::value::Assignment;
 use virtual_drive::model;

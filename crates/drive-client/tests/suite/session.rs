@@ -1,14 +1,12 @@
 //! The client against virtual drives on an in-memory segment, in virtual time.
 
-mod bench;
-
 use std::cell::{Cell, RefCell};
 use std::net::SocketAddrV4;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select, station};
+use crate::bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select, station};
 use drive_client::axis::{Goal, Trouble};
 use drive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Session, WriteMode};
 use network::host::{Host, StationId};

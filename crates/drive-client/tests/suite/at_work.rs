@@ -1,10 +1,8 @@
 //! A drive at work is not reset: a controller, a power stage that is on, an axis that turns. In virtual time.
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::{Bench, bench, bench_of, find, other_controller, select, station, with_drive};
+use crate::bench::{Bench, bench, bench_of, find, other_controller, select, station, with_drive};
 use drive_client::{AtWork, Drive, Error, WriteMode};
 
 /// ResetToFactory of the application data.

@@ -1,10 +1,8 @@
 //! The session over a serial line: virtual drives behind slaves, in virtual time, with everything a line does to octets.
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::line::{Line, Shared, bench, bench_of, find};
+use crate::bench::line::{Line, Shared, bench, bench_of, find};
 use drive_client::axis::Purpose;
 use drive_client::{AxisSettings, Drive, Error, Session, StopWay, WriteMode};
 use profidrive::model::Model;

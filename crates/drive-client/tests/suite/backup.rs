@@ -3,14 +3,12 @@
 // helpers of tests fail by panicking, like the tests themselves
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-mod bench;
-#[path = "backup/tasks.rs"]
 mod tasks;
 
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::watched::{Bench, Claims, Wire, bench};
+use crate::bench::watched::{Bench, Claims, Wire, bench};
 use drive_client::Error;
 use drive_client::backup::{Backup, Choice, Journal, Saved, Step, compare};
 use network::segment::Conditions;

@@ -1,12 +1,10 @@
 //! What an axis under control tells, and what it is not told: virtual drives on a segment, in virtual time.
 
-mod bench;
-
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::{bench, find, is_at_rest, with_drive};
+use crate::bench::{bench, find, is_at_rest, with_drive};
 use drive_client::axis::{Move, Objection, Purpose};
 use drive_client::{AxisSettings, Error, WriteMode};
 use profidrive::notation::Position;

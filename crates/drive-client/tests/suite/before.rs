@@ -1,10 +1,8 @@
 //! What a drive can say against a motion is asked before its power stage is on. In virtual time.
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::{Bench, bench, find, with_drive};
+use crate::bench::{Bench, bench, find, with_drive};
 use drive_client::axis::{Jog, Objection, Purpose};
 use drive_client::{AxisSettings, Drive, Error, WriteMode};
 

@@ -1,8 +1,5 @@
 //! Virtual drives and a client on an in-memory segment, in virtual time.
 
-// each test program uses a part of it
-#![allow(dead_code)]
-
 pub mod line;
 pub mod watched;
 pub mod world;

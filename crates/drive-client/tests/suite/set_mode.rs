@@ -1,12 +1,10 @@
 //! A mode for one piece of work: what that changes at the drive is put back, however the work ends. In virtual time.
 
-mod bench;
-
 use std::cell::Cell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::{Bench, bench, find, is_at_rest, select, with_drive};
+use crate::bench::{Bench, bench, find, is_at_rest, select, with_drive};
 use drive_client::axis::{Jog, Purpose};
 use drive_client::{AxisSettings, Drive, Error, WriteMode};
 use network::host::StationId;

@@ -1,12 +1,10 @@
 //! Moving an axis: the client against virtual drives on an in-memory segment, in virtual time.
 
-mod bench;
-
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
+use crate::bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
 use drive_client::axis::{Move, Objection, Purpose, Trouble};
 use drive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
 use drive_client::{Action, AxisSettings, Drive, Error, LocalControl, MakerModule, StopWay, WriteMode};
@@ -197,7 +195,7 @@ fn why_it_does_not_run_from_first_contact_to_operation() {
     assert_eq!(seen(&mut enabled), Cause::Moves);
     drop(enabled);
     axis.release().expect("released");
-    bench::drive_mut(&mut session, ids[0]).inject_fault(439, false);
+    crate::bench::drive_mut(&mut session, ids[0]).inject_fault(439, false);
     let status = session.status(&mut drive).expect("a status");
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::Fault);
@@ -214,9 +212,9 @@ fn stop_beside_another_controller_stops_and_says_whose_it_is() {
     let (host, ar) = other_controller();
     let plc = (session.medium_mut().segment_mut().attach(host), ar);
     session.pass(Duration::from_secs(3)).expect("time passes");
-    bench::command(&mut session, plc, &[0x04, 0x7E, 0, 0]);
+    crate::bench::command(&mut session, plc, &[0x04, 0x7E, 0, 0]);
     session.pass(Duration::from_secs(1)).expect("time passes");
-    bench::command(&mut session, plc, &[0x04, 0x7F, 0x01, 0x11]);
+    crate::bench::command(&mut session, plc, &[0x04, 0x7F, 0x01, 0x11]);
     session.pass(Duration::from_secs(2)).expect("time passes");
     assert!(drive_at(&session, ids[0]).drive().axis().speed() > 90.0);
     let mut drive = find(&mut session, "akd-1").expect("there");
@@ -290,7 +288,7 @@ fn maker_module(telegram: &TelegramModule) -> MakerModule {
 
 #[test]
 fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
-    let (mut session, ids) = bench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
+    let (mut session, ids) = crate::bench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
@@ -328,7 +326,7 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
     );
     // but in the maker's file, whatever telegram PNU 922 has meanwhile
     write(&mut session, &mut drive, &["922=9"]);
-    drive.maker_modules = bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
+    drive.maker_modules = crate::bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
         .telegrams
         .iter()
         .map(maker_module)

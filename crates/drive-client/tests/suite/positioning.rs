@@ -1,13 +1,11 @@
 //! Positioning: the client against the virtual drive in position mode, in virtual time, and every way out of a motion.
 
-mod bench;
-
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::rc::Rc;
 use std::time::Duration;
 
-use bench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
+use crate::bench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
 use drive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
 use drive_client::status::{Cause, diagnose};
 use drive_client::{AxisSettings, Drive, Enabled, Error, WriteMode};

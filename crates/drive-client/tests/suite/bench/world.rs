@@ -161,11 +161,6 @@ impl World {
         self.0.borrow_mut().accident = Some((now + after, accident));
     }
 
-    /// True once what was planned has happened.
-    pub fn happened(&self) -> bool {
-        self.0.borrow().accident.is_none()
-    }
-
     /// Lets time pass without a client.
     pub fn pass(&self, time: Duration) {
         let until = Wire::now(self) + time;

@@ -1,10 +1,8 @@
 //! Drives that are in operation though nobody commands them any more, in virtual time: who may stop them, and how.
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::world::{Accident, Transport, World};
+use crate::bench::world::{Accident, Transport, World};
 use drive_client::axis::{Purpose, SpeedUnit};
 use drive_client::status::{Cause, diagnose};
 use drive_client::{

@@ -1,10 +1,8 @@
 //! Stopping a drive whose parameters cannot be read, in virtual time: control word and status word are enough.
 
-mod bench;
-
 use std::time::Duration;
 
-use bench::world::{Accident, Transport, World};
+use crate::bench::world::{Accident, Transport, World};
 use drive_client::axis::Purpose;
 use drive_client::{AxisSettings, Drive, Error, Session, StopOutcome, StopWay};
 use profidrive::parameter::{Keep, ParameterAccess};

@@ -1,0 +1,22 @@
+//! The client against virtual drives in memory and in virtual time: one program for all of it.
+
+mod bench;
+mod remote_io;
+
+mod at_work;
+mod backup;
+mod before;
+mod calm;
+mod campaign;
+mod line;
+mod lost;
+mod makes;
+mod motion;
+mod ownerless;
+mod positioning;
+mod reach;
+mod session;
+mod set_mode;
+mod strange;
+mod telling;
+mod unread;
