@@ -8,7 +8,7 @@ use std::error::Error;
 use std::fs::File;
 use std::io::BufReader;
 
-use drive_client::DriveAddress;
+use client::DriveAddress;
 use network::files;
 use network::pcap::{Reader, Writer};
 use profinet::wire::ethernet::Frame;

@@ -7,10 +7,10 @@ mod common;
 use std::error::Error;
 use std::time::Duration;
 
-use drive_client::axis::{Move, Purpose};
-use drive_client::{AxisSettings, DriveAddress};
-use profidrive::notation::Position;
-use profidrive::state::Mode;
+use client::axis::{Move, Purpose};
+use client::{AxisSettings, DriveAddress};
+use profile::notation::Position;
+use profile::state::Mode;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut session = common::session();

@@ -4,7 +4,7 @@
 
 use std::error::Error;
 
-use profidrive::parameter::{
+use profile::parameter::{
     Answer, Dialect, Format, NewValue, ParameterAddress, RequestId, Response, encode_change, encode_read,
 };
 

@@ -6,13 +6,13 @@ mod common;
 
 use std::error::Error;
 
-use drive_client::{DriveAddress, WriteMode};
-use profidrive::value::Assignment;
+use client::{DriveAddress, WriteMode};
+use profile::value::Assignment;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut session = common::session();
     let mut drive = session.find(&DriveAddress::Name("akd-1".into()))?;
-    println!("found {}", drive_client::describe(&drive.station));
+    println!("found {}", client::describe(&drive.station));
 
     let names = ["DRV.ACC", "VBUS.VALUE", "r947[0]"];
     let selections = names

@@ -7,7 +7,7 @@ mod common;
 use std::error::Error;
 use std::time::Duration;
 
-use drive_client::{AxisSettings, DriveAddress};
+use client::{AxisSettings, DriveAddress};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut session = common::session();

@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p examples --example state_machine`
 
-use profidrive::state::{Inputs, Machine, Stw1};
+use profile::state::{Inputs, Machine, Stw1};
 
 fn main() {
     for (title, words) in [

@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::time::Duration;
 
-use profidrive::state::Stw1;
+use profile::state::Stw1;
 use profinet::Instant;
 use virtual_drive::drive::Drive;
 use virtual_drive::model;

@@ -3,11 +3,11 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use profidrive::parameter::{Dialect, Request, serve};
+use profile::parameter::{Dialect, Request, serve};
 
 use crate::table::Row;
 
-#[path = "../../crates/profidrive/benches/one_word/mod.rs"]
+#[path = "../../crates/profile/benches/one_word/mod.rs"]
 mod one_word;
 #[path = "../../crates/virtual-drive/tests/pair/mod.rs"]
 mod pair;

@@ -6,6 +6,10 @@
 // A benchmark reports by panicking when what it measures does not work.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+// the benchmarks and tests of the crates that are measured here too know their crate by its own name
+extern crate profile as profidrive_profile;
+extern crate virtual_drive as profidrive_virtual_drive;
+
 mod core;
 mod cycles;
 mod drives;

@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use drive_client::Session;
+use client::Session;
 use network::linux::{PacketMedium, ServerPort};
 use profinet::Medium;
 use profinet::controller::ControllerConfig;

@@ -4,8 +4,8 @@
 use std::fmt::Write;
 use std::time::{Duration, Instant as Wall};
 
+use plant::{Scenario, World};
 use profinet::Instant;
-use scenario::{Scenario, World};
 use virtual_drive::drive::Drive;
 use virtual_drive::model;
 

@@ -2,7 +2,7 @@
 
 use std::net::Ipv4Addr;
 
-use drive_client::Session;
+use client::Session;
 use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium};
 use profinet::controller::ControllerConfig;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::Duration;
 
-use drive_client::modules_of;
+use client::modules_of;
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profinet::controller::{

@@ -3,8 +3,8 @@
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-use profidrive::parameter::{Answer, Dialect, ParameterAddress, Request, RequestId, Response, ResponseError};
-use profidrive::telegram::{DANFOSS, VACON};
+use profile::parameter::{Answer, Dialect, ParameterAddress, Request, RequestId, Response, ResponseError};
+use profile::telegram::{DANFOSS, VACON};
 use profinet::wire::Reader;
 use profinet::wire::block::{ReadResponse, WriteRequest};
 use profinet::wire::rpc::{Header, NdrRequest, NdrResponse, PacketType, operation};

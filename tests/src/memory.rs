@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Duration;
 
-use drive_client::{Drive, DriveAddress, Session};
+use client::{Drive, DriveAddress, Session};
 use network::host::Host;
 use network::pcap::Writer;
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive::catalogue::{AKD, Access};
-use profidrive::notation::ParameterReference;
-use profidrive::value::Selection;
+use profile::catalogue::{AKD, Access};
+use profile::notation::ParameterReference;
+use profile::value::Selection;
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::{Instant, IpSuite, MacAddress};

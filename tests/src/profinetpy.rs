@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::Device;
+use profile::catalogue::Device;
 
 use crate::lab::{Lab, Side};
 use crate::process::Finished;

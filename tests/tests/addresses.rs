@@ -4,7 +4,7 @@
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
-use drive_client::{DriveAddress, Session, WriteMode};
+use client::{DriveAddress, Session, WriteMode};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profinet::controller::ControllerConfig;
@@ -82,7 +82,7 @@ impl Plant {
 
 const SECOND: Duration = Duration::from_secs(1);
 
-fn read(plant: &mut Plant, drive: &mut drive_client::Drive, name: &str) -> Option<i64> {
+fn read(plant: &mut Plant, drive: &mut client::Drive, name: &str) -> Option<i64> {
     let reference = name.parse().expect("a name");
     let selection = drive.parameters.select(&reference).expect("known");
     plant.session.read_one(drive, &selection).expect("read").raw()

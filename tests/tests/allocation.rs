@@ -4,10 +4,8 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use allocations::made_by as allocations;
-use profidrive::parameter::{
-    Attributes, Dialect, ErrorNumber, Format, Keep, ParameterAccess, ParameterAddress,
-};
-use profidrive::parameter::{RequestId, Response, encode_read, serve};
+use profile::parameter::{Attributes, Dialect, ErrorNumber, Format, Keep, ParameterAccess, ParameterAddress};
+use profile::parameter::{RequestId, Response, encode_read, serve};
 use profinet::cyclic::{Consumer, Provider, ProviderConfig, SubmoduleSize, Timing, pack};
 use profinet::wire::ethernet::{Frame, FrameId, Tag};
 use profinet::wire::rt::Iops;

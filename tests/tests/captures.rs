@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use network::pcap::Writer;
-use profidrive::parameter::Dialect;
+use profile::parameter::Dialect;
 use profinet::wire::block::{Block, BlockType, IocrRequest, IocrResponse, IocrType};
 use profinet::wire::ethernet::{self, Frame, FrameId};
 use profinet::wire::rpc::{Header, NdrRequest, NdrResponse, PacketType, operation};

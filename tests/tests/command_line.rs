@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::Dialect;
+use profile::parameter::Dialect;
 use serde_json::Value;
 use system_tests::{Lab, Side, built, client, compare, judge, memory, simulate, wait_until};
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
 
-use profidrive::catalogue::AKD;
+use profile::catalogue::AKD;
 use system_tests::profinetpy::controller;
 use system_tests::{Lab, Side, built, judge, peer, python, root, step};
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use profidrive::parameter::Dialect;
+use profile::parameter::Dialect;
 use system_tests::{Lab, Side, capture_files, compare, judge, memory};
 
 const SHORT: Duration = Duration::from_secs(10);

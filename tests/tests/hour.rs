@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use drive_client::modules_of;
+use client::modules_of;
 use network::host::Host;
 use network::segment::{Conditions, Segment, StationId};
-use profidrive::catalogue::AKD;
-use profidrive::parameter::{
+use profile::catalogue::AKD;
+use profile::parameter::{
     Answer, Dialect, Format, NewValue, ParameterAddress, RequestId, Response, encode_change, encode_read,
 };
 use profinet::controller::{

@@ -1,6 +1,6 @@
 //! The fault message counter of the AKD PROFINET manual (5.14), through the network.
 
-use profidrive::parameter::pnu;
+use profile::parameter::pnu;
 use profinet::wire::ethernet::FrameId;
 use system_tests::bus::Bus;
 use system_tests::traffic::{Content, content};

@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::{Catalogue, VACON, VLT};
-use profidrive::telegram::{Telegram, signal};
+use profile::catalogue::{Catalogue, VACON, VLT};
+use profile::telegram::{Telegram, signal};
 use serde_json::Value;
 use system_tests::profinetpy::{controller, slots};
 use system_tests::{Lab, Side, judge, simulate};

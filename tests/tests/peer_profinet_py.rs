@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::AKD;
-use profidrive::parameter::Dialect;
+use profile::catalogue::AKD;
+use profile::parameter::Dialect;
 use profinet::MacAddress;
 use system_tests::profinetpy::{controller, slots};
 use system_tests::{Lab, Side, built, compare, judge, simulate, step, traffic};

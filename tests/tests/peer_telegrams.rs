@@ -4,8 +4,8 @@
 use std::collections::HashMap;
 use std::time::Duration;
 
-use profidrive::catalogue::AKD;
-use profidrive::telegram::{Direction, KOLLMORGEN, Mapping, Telegram, signal};
+use profile::catalogue::AKD;
+use profile::telegram::{Direction, KOLLMORGEN, Mapping, Telegram, signal};
 use system_tests::profinetpy::{controller, slots};
 use system_tests::{Lab, Side, judge, simulate};
 

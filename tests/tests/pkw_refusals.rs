@@ -3,7 +3,7 @@
 
 use std::process::Command;
 
-use drive_client::modules_of;
+use client::modules_of;
 use serde_json::Value;
 use system_tests::bus::Bus;
 use system_tests::{Lab, built, client, simulate};

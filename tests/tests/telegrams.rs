@@ -1,9 +1,9 @@
 //! Each telegram of the AKD between our controller and the drive: any setpoints, compared with the parameters of the same
 //! numbers, and what cannot be changed while a controller is connected.
 
-use profidrive::catalogue::AKD;
-use profidrive::parameter::ErrorNumber;
-use profidrive::telegram::{KOLLMORGEN, Mapping, Telegram, signal};
+use profile::catalogue::AKD;
+use profile::parameter::ErrorNumber;
+use profile::telegram::{KOLLMORGEN, Mapping, Telegram, signal};
 use system_tests::bus::Bus;
 
 /// A small generator: the same numbers on every machine.

@@ -3,7 +3,7 @@
 //! ApplicationReady in little-endian with ArgsMaximum 120. The dissector
 //! reads every frame of it. Source: captures of cisagov/icsnpp-profinet-io-cm.
 
-use drive_client::modules_of;
+use client::modules_of;
 use profinet::wire::block::{DiffModule, DiffSubmodule, ModuleState, SubmoduleState};
 use system_tests::bus::Bus;
 use system_tests::judge;

@@ -9,44 +9,63 @@ use crate::Outcome;
 
 /// Who may depend on whom inside the workspace (ARCHITECTURE.md draws it). Arrows only point down.
 const ALLOWED: &[(&str, &[&str])] = &[
-    ("profidrive", &[]),
-    ("profinet", &[]),
-    ("gsdml", &[]),
-    ("uss", &[]),
-    ("virtual-drive", &["profidrive", "profinet", "gsdml", "uss"]),
-    ("drive-client", &["profidrive", "profinet", "uss"]),
-    ("dissect", &["profidrive", "profinet", "uss"]),
-    ("network", &["profinet"]),
+    ("profidrive-profile", &[]),
+    ("profidrive-profinet", &[]),
+    ("profidrive-gsdml", &[]),
+    ("profidrive-uss", &[]),
     (
-        "scenario",
-        &["profidrive", "profinet", "virtual-drive", "network"],
+        "profidrive-virtual-drive",
+        &[
+            "profidrive-profile",
+            "profidrive-profinet",
+            "profidrive-gsdml",
+            "profidrive-uss",
+        ],
+    ),
+    (
+        "profidrive-client",
+        &["profidrive-profile", "profidrive-profinet", "profidrive-uss"],
+    ),
+    (
+        "profidrive-dissect",
+        &["profidrive-profile", "profidrive-profinet", "profidrive-uss"],
+    ),
+    ("profidrive-network", &["profidrive-profinet"]),
+    (
+        "profidrive-plant",
+        &[
+            "profidrive-profile",
+            "profidrive-profinet",
+            "profidrive-virtual-drive",
+            "profidrive-network",
+        ],
     ),
     (
         "profidrive-cli",
         &[
-            "profidrive",
-            "profinet",
-            "gsdml",
-            "uss",
-            "virtual-drive",
-            "drive-client",
-            "dissect",
-            "network",
-            "scenario",
+            "profidrive-profile",
+            "profidrive-profinet",
+            "profidrive-gsdml",
+            "profidrive-uss",
+            "profidrive-virtual-drive",
+            "profidrive-client",
+            "profidrive-dissect",
+            "profidrive-network",
+            "profidrive-plant",
         ],
     ),
     (
         "examples",
         &[
-            "profidrive",
-            "profinet",
-            "gsdml",
-            "uss",
-            "virtual-drive",
-            "drive-client",
-            "dissect",
-            "network",
-            "scenario",
+            "profidrive-profile",
+            "profidrive-profinet",
+            "profidrive-gsdml",
+            "profidrive-uss",
+            "profidrive-virtual-drive",
+            "profidrive-client",
+            "profidrive-dissect",
+            "profidrive-network",
+            "profidrive-plant",
         ],
     ),
     ("xtask", &[]),
@@ -54,30 +73,30 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "system-tests",
         &[
-            "profidrive",
-            "profinet",
-            "gsdml",
-            "uss",
-            "virtual-drive",
-            "drive-client",
-            "dissect",
-            "network",
-            "scenario",
+            "profidrive-profile",
+            "profidrive-profinet",
+            "profidrive-gsdml",
+            "profidrive-uss",
+            "profidrive-virtual-drive",
+            "profidrive-client",
+            "profidrive-dissect",
+            "profidrive-network",
+            "profidrive-plant",
             "profidrive-cli",
         ],
     ),
     (
         "comparisons",
         &[
-            "profidrive",
-            "profinet",
-            "gsdml",
-            "uss",
-            "virtual-drive",
-            "drive-client",
-            "dissect",
-            "network",
-            "scenario",
+            "profidrive-profile",
+            "profidrive-profinet",
+            "profidrive-gsdml",
+            "profidrive-uss",
+            "profidrive-virtual-drive",
+            "profidrive-client",
+            "profidrive-dissect",
+            "profidrive-network",
+            "profidrive-plant",
             "system-tests",
         ],
     ),
@@ -87,12 +106,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
 
 /// Outside crates that would bring sockets, threads or clocks into a protocol room.
 const NO_IO: &[&str] = &[
-    "profidrive",
-    "profinet",
-    "gsdml",
-    "uss",
-    "virtual-drive",
-    "drive-client",
+    "profidrive-profile",
+    "profidrive-profinet",
+    "profidrive-gsdml",
+    "profidrive-uss",
+    "profidrive-virtual-drive",
+    "profidrive-client",
 ];
 const IO_CRATES: &[&str] = &[
     "libc",
@@ -168,8 +187,8 @@ mod tests {
     #[test]
     fn an_upward_arrow_is_found() {
         let found = violations(&metadata(
-            r#"{"packages":[{"name":"profinet","dependencies":[{"name":"profidrive","kind":null},{"name":"libc","kind":null}]},
-                {"name":"profidrive","dependencies":[]}]}"#,
+            r#"{"packages":[{"name":"profidrive-profinet","dependencies":[{"name":"profidrive-profile","kind":null},{"name":"libc","kind":null}]},
+                {"name":"profidrive-profile","dependencies":[]}]}"#,
         ))
         .unwrap();
         assert_eq!(
@@ -184,8 +203,8 @@ mod tests {
     #[test]
     fn development_dependencies_are_free_and_strangers_are_not() {
         let found = violations(&metadata(
-            r#"{"packages":[{"name":"profinet","dependencies":[{"name":"network","kind":"dev"}]},
-                {"name":"network","dependencies":[]},{"name":"stranger","dependencies":[]}]}"#,
+            r#"{"packages":[{"name":"profidrive-profinet","dependencies":[{"name":"profidrive-network","kind":"dev"}]},
+                {"name":"profidrive-network","dependencies":[]},{"name":"stranger","dependencies":[]}]}"#,
         ))
         .unwrap();
         assert_eq!(

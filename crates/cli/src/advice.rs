@@ -1,7 +1,7 @@
 //! Actions of the library as commands of this program.
 
-use drive_client::status::Diagnosis;
-use drive_client::{Action, Advice, Choice};
+use client::status::Diagnosis;
+use client::{Action, Advice, Choice};
 use serde_json::Value;
 
 use crate::fields;

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use profidrive::notation::Quantity;
+use profile::notation::Quantity;
 
 pub use explain::{Decode, Explain, Octets, Only, Sender};
 pub use parameters::{Describe, List, Read, Write};
@@ -81,7 +81,7 @@ pub struct Interface {
     pub interface: Option<String>,
     /// What the drive is to be taken for, where the person said so
     #[arg(skip)]
-    pub model: Option<profidrive::model::Model>,
+    pub model: Option<profile::model::Model>,
     /// The device description of the drive's vendor, where the person has one
     #[arg(skip)]
     pub gsdml: Option<PathBuf>,
@@ -92,7 +92,7 @@ pub struct Interface {
 pub struct Kind {
     /// Takes the drive for an `akd`, `vlt` or `vacon` whatever it says it is, or by the profile alone: `standard`
     #[arg(long, value_name = "MODEL", value_parser = model)]
-    pub model: Option<profidrive::model::Model>,
+    pub model: Option<profile::model::Model>,
     /// Device description of the vendor: ident numbers of modules that are not in the tables, and whether the drive accepts
     /// connections for records
     #[arg(long, value_name = "FILE")]
@@ -259,9 +259,9 @@ pub struct Completions {
 }
 
 /// A model by the name that a person gives it.
-fn model(text: &str) -> Result<profidrive::model::Model, String> {
-    profidrive::model::Model::by_name(text)
-        .ok_or_else(|| format!("there are {}", profidrive::model::Model::NAMES.join(", ")))
+fn model(text: &str) -> Result<profile::model::Model, String> {
+    profile::model::Model::by_name(text)
+        .ok_or_else(|| format!("there are {}", profile::model::Model::NAMES.join(", ")))
 }
 
 /// A time with its unit (`5s`, `16ms`, `2min`); a bare number is in seconds.

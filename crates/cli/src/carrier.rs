@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::fmt;
 
-use drive_client::{Client, LineAddress, Parity, Wire};
+use client::{Client, LineAddress, Parity, Wire};
 use network::linux::{Error as NetworkError, PacketMedium, UdpMedium};
 use network::serial::{self, Line, Port, Settings, Talker};
 use profinet::{Instant, Medium};

@@ -3,7 +3,7 @@
 use std::net::Ipv4Addr;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use drive_client::{Drive, DriveAddress, Error, LineAddress, LineConfig, Session};
+use client::{Drive, DriveAddress, Error, LineAddress, LineConfig, Session};
 use network::linux::{
     Error as NetworkError, InterfaceInfo, PacketMedium, Patience, ServerPort, Stop, UdpMedium,
 };
@@ -204,7 +204,7 @@ pub fn drive(
     text: &str,
     output: &Output,
 ) -> Result<(Live, Drive), Failure> {
-    let address: DriveAddress = text.parse().map_err(|error: drive_client::DriveAddressError| {
+    let address: DriveAddress = text.parse().map_err(|error: client::DriveAddressError| {
         Failure::usage(error.to_string())
             .hint("DRIVE is a station name (akd-1), an IP address, a MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS at a serial line")
     })?;

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use drive_client::Advice;
+use client::Advice;
 use serde_json::{Map, Value};
 
 use crate::advice;
@@ -143,11 +143,11 @@ impl From<network::serial::Error> for Failure {
     }
 }
 
-impl From<drive_client::Error> for Failure {
-    fn from(error: drive_client::Error) -> Self {
+impl From<client::Error> for Failure {
+    fn from(error: client::Error) -> Self {
         // a carrier says itself what failed
         let message = match (&error, carrier(&error)) {
-            (drive_client::Error::Medium(_), Some(carrier)) => carrier.to_string(),
+            (client::Error::Medium(_), Some(carrier)) => carrier.to_string(),
             _ => error.to_string(),
         };
         let failure = Self::new(exit_of(&error), message);
@@ -159,9 +159,9 @@ impl From<drive_client::Error> for Failure {
 }
 
 /// The carrier that failed.
-fn carrier(error: &drive_client::Error) -> Option<&CarrierError> {
+fn carrier(error: &client::Error) -> Option<&CarrierError> {
     match error {
-        drive_client::Error::Medium(inner) | drive_client::Error::CarrierLost { error: inner, .. } => {
+        client::Error::Medium(inner) | client::Error::CarrierLost { error: inner, .. } => {
             inner.downcast_ref()
         }
         _ => None,
@@ -169,7 +169,7 @@ fn carrier(error: &drive_client::Error) -> Option<&CarrierError> {
 }
 
 /// What to do about an error: what its kind says, what its carrier says, and its action as a command.
-pub fn hint(error: &drive_client::Error, of_kind: Option<Advice>) -> Option<String> {
+pub fn hint(error: &client::Error, of_kind: Option<Advice>) -> Option<String> {
     let action = error
         .action()
         .and_then(|action| advice::sentence(&action, "DRIVE"));
@@ -183,15 +183,15 @@ pub fn hint(error: &drive_client::Error, of_kind: Option<Advice>) -> Option<Stri
     (!all.is_empty()).then(|| all.join("; "))
 }
 
-impl From<profidrive::value::ParameterProblem> for Failure {
-    fn from(problem: profidrive::value::ParameterProblem) -> Self {
-        drive_client::Error::from(problem).into()
+impl From<profile::value::ParameterProblem> for Failure {
+    fn from(problem: profile::value::ParameterProblem) -> Self {
+        client::Error::from(problem).into()
     }
 }
 
-fn exit_of(error: &drive_client::Error) -> Exit {
-    use drive_client::Error;
-    use drive_client::axis::{Objection, Trouble};
+fn exit_of(error: &client::Error) -> Exit {
+    use client::Error;
+    use client::axis::{Objection, Trouble};
     use profinet::controller::{DcpError, LostCause, ServiceError};
     match error {
         Error::Axis {
@@ -267,16 +267,16 @@ fn exit_of(error: &drive_client::Error) -> Exit {
 
 #[cfg(test)]
 mod tests {
-    use drive_client::{LossAction, LossReaction};
+    use client::{LossAction, LossReaction};
 
     use super::*;
 
     #[test]
     fn numbers_that_cannot_be_told_are_mistakes_of_the_command_line() {
-        use drive_client::axis::Objection;
+        use client::axis::Objection;
         let exit = |objections: Vec<Objection>| {
             let drive = "akd-1".into();
-            Failure::from(drive_client::Error::Objections { drive, objections }).exit
+            Failure::from(client::Error::Objections { drive, objections }).exit
         };
         let none = Objection::NoDistance { counts: 0.1 };
         assert_eq!(exit(vec![none]), Exit::Usage);
@@ -296,7 +296,7 @@ mod tests {
             after: None,
             remedy: None,
         };
-        let failure = Failure::from(drive_client::Error::CarrierLost {
+        let failure = Failure::from(client::Error::CarrierLost {
             drive: "vlt-1".into(),
             error: Box::new(CarrierError::Network(network)),
             reaction: Some(Box::new(reaction)),

@@ -6,10 +6,10 @@
 
 use std::path::PathBuf;
 
-use drive_client::{Drive, Error};
+use client::{Drive, Error};
 use network::files::StateFile;
-use profidrive::catalogue::Part;
-use profidrive::notation::{ParameterReference, Quantity};
+use profile::catalogue::Part;
+use profile::notation::{ParameterReference, Quantity};
 
 use crate::connect::Live;
 

@@ -1,11 +1,11 @@
 //! One number explained: a control or status word, a state, a fault, an error, a format.
 
-use profidrive::catalogue::{AKD, Catalogue, VLT};
-use profidrive::model::Model;
-use profidrive::pkw::{PkwDialect, ReplyCode, RequestCode};
-use profidrive::state::bits::{self as state_bits, Bit};
-use profidrive::state::{Mode, Profile};
-use profidrive::telegram::DANFOSS;
+use profile::catalogue::{AKD, Catalogue, VLT};
+use profile::model::Model;
+use profile::pkw::{PkwDialect, ReplyCode, RequestCode};
+use profile::state::bits::{self as state_bits, Bit};
+use profile::state::{Mode, Profile};
+use profile::telegram::DANFOSS;
 use profinet::wire::status::PnioStatus;
 use serde_json::{Map, Value};
 
@@ -183,10 +183,10 @@ fn tables(model: Option<Model>) -> &'static Catalogue {
 /// formats are those of the model, else of an AKD.
 ///
 /// ```
-/// use dissect::explain::{Kind, explain};
+/// use profidrive_dissect::explain::{Kind, explain};
 /// let told = explain("0x047F", Kind::Stw1, None, None)?;
 /// assert_eq!(told.lines[0], "STW1 0x047F   0000 0100 0111 1111");
-/// # Ok::<(), dissect::explain::NotExplained>(())
+/// # Ok::<(), profidrive_dissect::explain::NotExplained>(())
 /// ```
 ///
 /// # Errors

@@ -20,7 +20,7 @@ pub mod words;
 
 use serde::Serialize;
 
-pub use profidrive::notation::figures as number;
+pub use profile::notation::figures as number;
 pub use text::{hex_bytes, hex16, nibbles};
 
 /// How much something matters that was found in a capture or in octets.

@@ -1,7 +1,7 @@
 //! Octets without their frame: what they are, and what they say.
 
-use profidrive::model::Model;
-use profidrive::pkw::PkwDialect;
+use profile::model::Model;
+use profile::pkw::PkwDialect;
 use uss::Protocol;
 
 use crate::job::{self, Decoded, JobDrive, NoJob, Side};
@@ -39,7 +39,7 @@ pub enum NotDecoded {
 /// says who sent them, where that is known; `request` is what a response answers.
 ///
 /// ```
-/// use dissect::octets::{self, Kind};
+/// use profidrive_dissect::octets::{self, Kind};
 /// let told = octets::decode(Kind::Serial(uss::Protocol::Fc), &[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00, 0xDD], None, None, None)?;
 /// assert!(told.lines[0].1.starts_with("FC telegram, address 0x81"));
 /// # Ok::<(), octets::NotDecoded>(())

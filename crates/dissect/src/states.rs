@@ -1,6 +1,6 @@
 //! A state of the general state machine in words: what it is, how it is left, how it is reached.
 
-use profidrive::state::{Condition, FaultReaction, Mode, Motion, State, TRANSITIONS, Transition, bits};
+use profile::state::{Condition, FaultReaction, Mode, Motion, State, TRANSITIONS, Transition, bits};
 use serde_json::{Map, Value};
 
 use crate::fields;

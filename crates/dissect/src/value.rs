@@ -1,6 +1,6 @@
 //! Values in words.
 
-use profidrive::value::{Content, Reading};
+use profile::value::{Content, Reading};
 use serde_json::Value;
 
 use crate::fields;
@@ -136,8 +136,8 @@ fn trimmed(value: f64, decimals: u8) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
-    use profidrive::value::{Interpretation, Parameters};
+    use profile::catalogue::{AKD, Scaling};
+    use profile::value::{Interpretation, Parameters};
 
     fn read(text: &str, octets: &[u8]) -> Reading {
         let drive = Parameters {

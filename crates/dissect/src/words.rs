@@ -1,7 +1,7 @@
 //! Control and status words, states: what the bits say to a person.
 
-use profidrive::state::bits::{self, Bit};
-use profidrive::state::{Correction, Mode, Profile, Setpoint, SpeedCommand, State, Stw1, Zsw1};
+use profile::state::bits::{self, Bit};
+use profile::state::{Correction, Mode, Profile, Setpoint, SpeedCommand, State, Stw1, Zsw1};
 use serde_json::{Value, json};
 
 use crate::{hex16, nibbles};

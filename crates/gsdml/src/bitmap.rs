@@ -15,7 +15,7 @@ const HEAD: usize = 14 + 40;
 /// A picture to be drawn and written as a BMP file of 24 bits without compression, the form every tool takes.
 ///
 /// ```
-/// use gsdml::Bitmap;
+/// use profidrive_gsdml::Bitmap;
 /// let mut picture = Bitmap::new([255, 255, 255]);
 /// picture.fill(10, 5, 50, 30, [0, 90, 160]);
 /// let file = picture.to_bmp();

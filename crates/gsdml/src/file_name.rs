@@ -13,7 +13,7 @@ use crate::value::{SchemaVersion, shortened};
 /// and family by the date in the name.
 ///
 /// ```
-/// use gsdml::FileName;
+/// use profidrive_gsdml::FileName;
 /// let name: FileName = "GSDML-V2.3-LENZE-8440PN200-20141030-010000.xml".parse().unwrap();
 /// assert_eq!((name.vendor.as_str(), name.family.as_str()), ("LENZE", "8440PN200"));
 /// assert_eq!(name.date, 20141030);

@@ -13,15 +13,15 @@
 //!     <DeviceAccessPointItem ID="DAP" ModuleIdentNumber="0x1" MinDeviceInterval="512"/>
 //!   </DeviceAccessPointList><ExternalTextList><PrimaryLanguage/></ExternalTextList></ApplicationProcess>
 //! </ProfileBody></ISO15745Profile>"#;
-//! let description = gsdml::parse(text.as_bytes()).unwrap();
+//! let description = profidrive_gsdml::parse(text.as_bytes()).unwrap();
 //! assert_eq!(description.identity.vendor_id, 0x0105);
 //! assert_eq!(description.access_points[0].min_device_interval, 512);
 //!
-//! let problem = gsdml::parse(&text.replace("512", "5e5").into_bytes()).unwrap_err();
+//! let problem = profidrive_gsdml::parse(&text.replace("512", "5e5").into_bytes()).unwrap_err();
 //! assert_eq!((problem.position.line, problem.position.column), (5, 61));
 //!
 //! // usable, but far from complete
-//! assert!(gsdml::check(text.as_bytes(), None).problems.len() > 3);
+//! assert!(profidrive_gsdml::check(text.as_bytes(), None).problems.len() > 3);
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]

@@ -32,7 +32,7 @@ pub type Language = BTreeMap<TextId, String>;
 /// `ExternalTextList`: every text in the primary language (English), some also in others.
 ///
 /// ```
-/// use gsdml::Texts;
+/// use profidrive_gsdml::Texts;
 /// let mut texts = Texts::default();
 /// let id = texts.add("T_NAME", "Telegram 1");
 /// texts.translate("de", &id, "Telegramm 1");

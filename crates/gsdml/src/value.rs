@@ -13,7 +13,7 @@ const MOST_RANGES: usize = 4096;
 /// Ranges are kept as they are, so that `0..65535` costs no more than `0`.
 ///
 /// ```
-/// use gsdml::ValueList;
+/// use profidrive_gsdml::ValueList;
 /// let slots: ValueList = "0..4 7".parse().unwrap();
 /// assert!(slots.contains(3) && slots.contains(7) && !slots.contains(5));
 /// assert_eq!(slots.iter().collect::<Vec<_>>(), [0, 1, 2, 3, 4, 7]);
@@ -160,7 +160,7 @@ pub(crate) fn shortened(text: &str) -> String {
 /// Version of the schema, ordered as published: 2.2 < 2.25 < 2.3 < 2.31 < 2.4.
 ///
 /// ```
-/// use gsdml::SchemaVersion;
+/// use profidrive_gsdml::SchemaVersion;
 /// let version: SchemaVersion = "V2.35".parse().unwrap();
 /// assert!(version > "V2.3".parse().unwrap() && version < "V2.4".parse().unwrap());
 /// assert_eq!(version.to_string(), "V2.35");

@@ -44,7 +44,7 @@ pub struct StateFileError {
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let folder = std::env::temp_dir().join(format!("state-file-doc-{}", std::process::id()));
-/// use network::files::StateFile;
+/// use profidrive_network::files::StateFile;
 /// let file = StateFile::new(folder.join("akd-1.state"));
 /// assert_eq!(file.read()?, None);
 /// file.replace(b"name = akd-1\n")?;

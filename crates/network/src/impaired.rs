@@ -18,9 +18,9 @@ const MOST_WAITING: usize = 4096;
 /// While nothing is wrong frames pass straight through, without a copy and without a random number.
 ///
 /// ```
-/// # use network::host::{Host, Station};
-/// # use network::impaired::Impaired;
-/// # use network::segment::Conditions;
+/// # use profidrive_network::host::{Host, Station};
+/// # use profidrive_network::impaired::Impaired;
+/// # use profidrive_network::segment::Conditions;
 /// # use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 /// # use std::net::{Ipv4Addr, SocketAddrV4};
 /// # struct Engine;

@@ -18,8 +18,8 @@ const ETHERNET: usize = 14;
 /// nothing in the neighbours' tables.
 ///
 /// ```
-/// use network::host::{Host, Station};
-/// use network::probe::Probe;
+/// use profidrive_network::host::{Host, Station};
+/// use profidrive_network::probe::Probe;
 /// # use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 /// # use std::net::{Ipv4Addr, SocketAddrV4};
 /// # struct Engine;

@@ -4,8 +4,8 @@
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
-use network::host::{Host, Station};
-use network::segment::{Conditions, Segment};
+use profidrive_network::host::{Host, Station};
+use profidrive_network::segment::{Conditions, Segment};
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 
 /// Sends a frame to its peer per cycle, hears the peer's.

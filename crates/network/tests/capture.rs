@@ -5,9 +5,9 @@
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::process::Command;
 
-use network::host::Host;
-use network::pcap::{Reader, Writer};
-use network::segment::Segment;
+use profidrive_network::host::Host;
+use profidrive_network::pcap::{Reader, Writer};
+use profidrive_network::segment::Segment;
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Transmit};
 
 /// Sends one datagram to its peer as soon as it can, and answers what it gets.

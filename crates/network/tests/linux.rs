@@ -11,8 +11,10 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use namespace::{inside, run, start, veth};
-use network::host::{Host, StationId};
-use network::linux::{Error, InterfaceInfo, PacketMedium, Runner, ServerPort, Stop, Turn, UdpMedium, now};
+use profidrive_network::host::{Host, StationId};
+use profidrive_network::linux::{
+    Error, InterfaceInfo, PacketMedium, Runner, ServerPort, Stop, Turn, UdpMedium, now,
+};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium, RPC_PORT, Transmit};
 
 /// Answers datagrams with the same octets; sends a frame every `every`; keeps what it hears.

@@ -83,9 +83,9 @@ pub struct Counts {
 /// The neighbours of one port.
 ///
 /// ```
-/// use profinet::lldp::Neighbours;
-/// use profinet::wire::lldp::{Id, LOCALLY_ASSIGNED, Lldpdu};
-/// use profinet::{Instant, MacAddress};
+/// use profidrive_profinet::lldp::Neighbours;
+/// use profidrive_profinet::wire::lldp::{Id, LOCALLY_ASSIGNED, Lldpdu};
+/// use profidrive_profinet::{Instant, MacAddress};
 /// let own = |value| Id { subtype: LOCALLY_ASSIGNED, value };
 /// let mut payload = Vec::new();
 /// Lldpdu { ttl: 20, ..Lldpdu::new(own(b"plc1"), own(b"port-001")) }.encode(&mut payload);

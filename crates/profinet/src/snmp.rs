@@ -23,9 +23,9 @@ pub trait Mib {
 /// Answers a request. `None` for what gets no answer: another community, another version, no request, malformed.
 ///
 /// ```
-/// use profinet::snmp::{Mib, answer};
-/// use profinet::wire::Reader;
-/// use profinet::wire::snmp::{Binding, Message, Oid, PduKind, Value, Version};
+/// use profidrive_profinet::snmp::{Mib, answer};
+/// use profidrive_profinet::wire::Reader;
+/// use profidrive_profinet::wire::snmp::{Binding, Message, Oid, PduKind, Value, Version};
 /// struct OneName;
 /// impl Mib for OneName {
 ///     fn get(&self, name: &Oid) -> Value {

@@ -10,7 +10,7 @@ use core::time::Duration;
 ///
 /// ```
 /// use core::time::Duration;
-/// use profinet::Instant;
+/// use profidrive_profinet::Instant;
 /// let t = Instant::ZERO + Duration::from_millis(16);
 /// assert_eq!(t - Instant::ZERO, Duration::from_millis(16));
 /// ```

@@ -3,15 +3,15 @@
 use std::net::SocketAddrV4;
 use std::time::{Duration, Instant as Wall};
 
-use profinet::controller::{
+use profidrive_profinet::controller::{
     ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, Resolve, SubmoduleConfig, Target,
 };
-use profinet::cyclic::Timing;
-use profinet::device::{
+use profidrive_profinet::cyclic::Timing;
+use profidrive_profinet::device::{
     self, Device, DeviceConfig, Identity, ModuleDescription, Stored, SubmoduleDescription,
 };
-use profinet::wire::rt::Iops;
-use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
+use profidrive_profinet::wire::rt::Iops;
+use profidrive_profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
 
 const DRIVE: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);
 

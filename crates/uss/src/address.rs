@@ -30,7 +30,7 @@ pub enum Addressee {
 /// Source: Siemens CU240S p. 178 (USS); Danfoss VLT 2800 design guide p. 108 (FC).
 ///
 /// ```
-/// use uss::{Address, Addressee, Protocol};
+/// use profidrive_uss::{Address, Addressee, Protocol};
 /// assert_eq!(Address::fc(1).unwrap(), Address(0x81));
 /// assert_eq!(Address(0x81).addressee(Protocol::Fc), Addressee::Slave(1));
 /// assert_eq!(Address(0x80).addressee(Protocol::Fc), Addressee::Broadcast);

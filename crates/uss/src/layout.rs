@@ -19,7 +19,7 @@ pub enum PkwPart {
 /// Source: Siemens CU240S p. 179 (0, 3, 4 or 127 words of parameter part, 0 to 16 of process part), Danfoss FC design guides.
 ///
 /// ```
-/// use uss::Layout;
+/// use profidrive_uss::Layout;
 /// let data = [0x15, 0xFA, 0, 1, 0, 0, 0, 0, 0x04, 0x7C, 0x20, 0x00];
 /// for layout in [Layout::FC, Layout::USS] {
 ///     let parts = layout.split(&data).unwrap();
@@ -98,7 +98,7 @@ impl Layout {
     /// When they do not fit the layout or the buffer.
     ///
     /// ```
-    /// use uss::{Layout, Parts};
+    /// use profidrive_uss::{Layout, Parts};
     /// let mut out = [0; 12];
     /// let parts = Parts { pkw: &[0xF6, 0x04, 0x04, 0], pzd: &[0; 4] };
     /// assert_eq!(Layout::FC.join(parts, &mut out), Ok(8));

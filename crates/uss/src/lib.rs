@@ -13,7 +13,7 @@
 //! protocol).
 //!
 //! ```
-//! use uss::{Address, Layout, Telegram};
+//! use profidrive_uss::{Address, Layout, Telegram};
 //! let octets = [0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00, 0xDD];
 //! let telegram = Telegram::decode(&octets).unwrap();
 //! assert_eq!(telegram.address, Address::fc(1).unwrap());

@@ -117,10 +117,10 @@ enum State {
 ///
 /// ```
 /// use core::time::Duration;
-/// use uss::{Address, Event, Master, MasterConfig};
+/// use profidrive_uss::{Address, Event, Master, MasterConfig};
 /// let mut master = Master::new(MasterConfig::fc(9600));
 /// let drive = master.add(Address::fc(1).unwrap(), &[0x04, 0x7C, 0x20, 0x00]).unwrap();
-/// let mut out = [0; uss::MAX_TELEGRAM];
+/// let mut out = [0; profidrive_uss::MAX_TELEGRAM];
 /// let now = Duration::from_secs(1);
 /// let length = master.poll_transmit(now, &mut out).unwrap();
 /// assert_eq!(out[..length], [0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00, 0xDD]);

@@ -46,7 +46,7 @@ pub struct ReceiverStatistics {
 ///
 /// ```
 /// use core::time::Duration;
-/// use uss::{Layout, Receiver, Timing};
+/// use profidrive_uss::{Layout, Receiver, Timing};
 /// let timing = Timing::fc(9600);
 /// let mut receiver = Receiver::new(timing, Layout::FC);
 /// let mut now = Duration::from_secs(1);

@@ -82,7 +82,7 @@ pub struct Request<'a> {
 ///
 /// ```
 /// use core::time::Duration;
-/// use uss::{Slave, SlaveConfig};
+/// use profidrive_uss::{Slave, SlaveConfig};
 /// let mut slave = Slave::new(SlaveConfig::fc(1, 9600));
 /// let now = Duration::from_secs(1);
 /// slave.handle_octets(now, &[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00, 0xDD]);
@@ -90,7 +90,7 @@ pub struct Request<'a> {
 /// slave.handle_timeout(now);
 /// assert_eq!(slave.poll_request().unwrap().data, [0x04, 0x7C, 0x20, 0x00]);
 /// slave.respond(&[0x06, 0x03, 0x00, 0x00]).unwrap();
-/// let mut out = [0; uss::MAX_TELEGRAM];
+/// let mut out = [0; profidrive_uss::MAX_TELEGRAM];
 /// let length = slave.poll_transmit(now, &mut out).unwrap();
 /// assert_eq!(out[..length], [0x02, 0x06, 0x81, 0x06, 0x03, 0x00, 0x00, 0x80]);
 /// ```

@@ -16,7 +16,7 @@ const HEAD: usize = 3;
 /// The check octet: all octets before it, STX included, exclusive or.
 ///
 /// ```
-/// assert_eq!(uss::bcc(&[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00]), 0xDD);
+/// assert_eq!(profidrive_uss::bcc(&[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00]), 0xDD);
 /// ```
 #[must_use]
 pub fn bcc(octets: &[u8]) -> u8 {
@@ -78,7 +78,7 @@ pub enum EncodeError {
 /// Source: Danfoss VLT 2800 design guide p. 108, Siemens CU240S p. 178.
 ///
 /// ```
-/// use uss::{Address, Telegram};
+/// use profidrive_uss::{Address, Telegram};
 /// let telegram = Telegram { address: Address(0x81), data: &[0x04, 0x7C, 0x20, 0x00] };
 /// let mut out = [0; 16];
 /// let length = telegram.encode(&mut out).unwrap();

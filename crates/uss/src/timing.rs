@@ -14,7 +14,7 @@ const START_DELAY: u32 = 2;
 ///
 /// ```
 /// use core::time::Duration;
-/// use uss::Timing;
+/// use profidrive_uss::Timing;
 /// let timing = Timing::uss(9600);
 /// assert_eq!(timing.start_delay.as_micros(), 2291);
 /// assert_eq!(Timing::fc(9600).response, Duration::from_millis(50));

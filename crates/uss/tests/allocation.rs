@@ -3,9 +3,11 @@
 use std::time::Duration;
 
 use allocations::made_by as allocations;
-use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
-use profidrive::pkw::{Client, ClientTiming, Job, MAX_BLOCK, PkwDialect, Server};
-use uss::{Address, Layout, MAX_DATA, MAX_TELEGRAM, Master, MasterConfig, Parts, Slave, SlaveConfig};
+use profidrive_uss::{
+    Address, Layout, MAX_DATA, MAX_TELEGRAM, Master, MasterConfig, Parts, Slave, SlaveConfig,
+};
+use profile::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
+use profile::pkw::{Client, ClientTiming, Job, MAX_BLOCK, PkwDialect, Server};
 
 struct Drive;
 

@@ -4,12 +4,14 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
-use profidrive::pkw::{
+use profidrive_uss::{
+    Address, Event, Layout, MAX_DATA, MAX_TELEGRAM, Master, MasterConfig, Parts, Slave, SlaveConfig,
+};
+use profile::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
+use profile::pkw::{
     Answer, Client, ClientTiming, Job, JobError, MAX_BLOCK, Memory, Outcome, PkwDialect, PkwErrorNumber,
     PkwValue, Server,
 };
-use uss::{Address, Event, Layout, MAX_DATA, MAX_TELEGRAM, Master, MasterConfig, Parts, Slave, SlaveConfig};
 
 fn hex(text: &str) -> Vec<u8> {
     text.split_whitespace()
@@ -167,7 +169,7 @@ fn a_reply_is_refreshed() {
     for actual in [5, 600, 0xFFFF] {
         drive.drive.actual = actual;
         let mut request = hex("02 0E 81 16 4D 00 00 00 00 00 00 00 00 00 00");
-        request.push(uss::bcc(&request));
+        request.push(profidrive_uss::bcc(&request));
         let (reply, _) = drive.exchange(start, &request).unwrap();
         assert_eq!(reply[3..9], hex("16 4D 00 00 00 00"));
         assert_eq!(reply[9..11], actual.to_be_bytes());

@@ -9,9 +9,9 @@ mod bad_line;
 use std::time::Duration;
 
 use bad_line::{Line, Run, Tally};
-use profidrive::pkw::ClientTiming;
+use profidrive_uss::Protocol;
+use profile::pkw::ClientTiming;
 use proptest::prelude::*;
-use uss::Protocol;
 
 /// Longer than any telegram of this line can be under way, its repetitions included.
 const TIMING: ClientTiming = ClientTiming {

@@ -5,10 +5,10 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use profidrive_virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
+use profidrive_virtual_drive::drive::Drive;
+use profidrive_virtual_drive::model;
 use profinet::Instant;
-use virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
-use virtual_drive::drive::Drive;
-use virtual_drive::model;
 
 #[path = "../tests/pair/mod.rs"]
 mod pair;

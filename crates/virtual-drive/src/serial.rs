@@ -6,10 +6,10 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use profidrive::parameter::SaveId;
-use profidrive::pkw::{PkwDialect, PkwErrorNumber, Server};
-use profidrive::state::Stw1;
-use profidrive::telegram::Telegram;
+use profile::parameter::SaveId;
+use profile::pkw::{PkwDialect, PkwErrorNumber, Server};
+use profile::state::Stw1;
+use profile::telegram::Telegram;
 use profinet::Instant;
 use uss::{
     Layout, MAX_DATA, Parts, PkwPart, Protocol, ReceiverStatistics, Slave, SlaveConfig, SlaveCounters,
@@ -77,7 +77,7 @@ enum Master {
 /// ```
 /// use profinet::Instant;
 /// use uss::SlaveConfig;
-/// use virtual_drive::{model, serial::{SerialConfig, SerialStation}};
+/// use profidrive_virtual_drive::{model, serial::{SerialConfig, SerialStation}};
 ///
 /// let mut station = SerialStation::new(SerialConfig::new(&model::AKD, SlaveConfig::fc(1, 9600)));
 /// let now = Instant::from_millis(1000);

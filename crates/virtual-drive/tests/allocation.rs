@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
+use profidrive_virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
+use profidrive_virtual_drive::drive::Drive;
+use profidrive_virtual_drive::model;
 use profinet::Instant;
-use virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
-use virtual_drive::drive::Drive;
-use virtual_drive::model;
 
 mod pair;
 

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use gsdml::{Gsdml, Submodule};
+use profidrive_virtual_drive::description::export::export;
+use profidrive_virtual_drive::description::{Description, ImportError};
+use profidrive_virtual_drive::model::{AKD, ALL};
+use profidrive_virtual_drive::station::StationConfig;
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
-use virtual_drive::description::export::export;
-use virtual_drive::description::{Description, ImportError};
-use virtual_drive::model::{AKD, ALL};
-use virtual_drive::station::StationConfig;
 
 mod pair;
 

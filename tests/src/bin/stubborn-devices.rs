@@ -11,7 +11,7 @@
 //! | rio-1 | 192.168.77.54 | remote I/O | ARType 6, and answers no DCP Set |
 #![forbid(unsafe_code)]
 
-#[path = "../../../crates/drive-client/tests/suite/remote_io/mod.rs"]
+#[path = "../../../crates/client/tests/suite/remote_io/mod.rs"]
 mod remote_io;
 
 use std::io::Read;

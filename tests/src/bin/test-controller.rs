@@ -11,7 +11,7 @@ use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use network::linux::{InterfaceInfo, PacketMedium, ServerPort};
-use profidrive::catalogue::AKD;
+use profile::catalogue::AKD;
 use profinet::controller::{
     ArId, ConnectConfig, Controller, ControllerConfig, Event, Filter, IdentifyOptions, ModuleConfig,
     RecordAddress, Resolve, SubmoduleConfig, Target,

@@ -1,6 +1,6 @@
 //! Backup files, which anybody may have edited.
 
-use drive_client::backup::{Backup, Choice, Journal, Pattern, Plan, compare};
+use client::backup::{Backup, Choice, Journal, Pattern, Plan, compare};
 
 /// A backup file: what is read prints as something that reads the same, is no different from itself, and is planned onto
 /// itself without a change.

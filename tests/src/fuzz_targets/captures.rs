@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use dissect::capture::{Event, Walker};
 use dissect::octets::{self, Kind};
-use profidrive::model::Model;
+use profile::model::Model;
 use uss::Protocol;
 
 use super::steps::{Step, Steps};

@@ -3,7 +3,7 @@
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
-use profidrive::catalogue::AKD;
+use profile::catalogue::AKD;
 use profinet::controller::{
     ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, Resolve, SubmoduleConfig, Target,
 };

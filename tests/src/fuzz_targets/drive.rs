@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::Dialect;
+use profile::parameter::Dialect;
 use profinet::Instant;
 use virtual_drive::drive::{Disconnect, Drive};
 use virtual_drive::model;

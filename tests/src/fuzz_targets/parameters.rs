@@ -1,7 +1,7 @@
 //! Parameters: what people type, and requests, answers and descriptions of the parameter channel.
 
-use profidrive::notation::{ParameterReference, Quantity};
-use profidrive::parameter::{
+use profile::notation::{ParameterReference, Quantity};
+use profile::parameter::{
     Answer, Attributes, Description, Dialect, ErrorNumber, Format, Keep, ParameterAccess, ParameterAddress,
     Request, RequestId, Response, ResponseError, serve,
 };

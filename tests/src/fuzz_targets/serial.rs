@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
-use profidrive::pkw::{
+use profile::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
+use profile::pkw::{
     Client, ClientTiming, Job, MAX_BLOCK, Memory, PKW_LEN, Pkw, PkwDialect, PkwValue, RequestCode, Server,
 };
 use uss::{

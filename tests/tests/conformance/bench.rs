@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive::catalogue::Device;
+use profile::catalogue::Device;
 use profinet::controller::{
     ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve,
     ServiceError, SubmoduleConfig, Target,

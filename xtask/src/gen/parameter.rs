@@ -16,17 +16,17 @@ const PKW_ERRORS: &str = "data/profile/pkw-errors.toml";
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
     Ok(vec![
         Generated {
-            path: "crates/profidrive/src/parameter/generated_formats.rs".into(),
+            path: "crates/profile/src/parameter/generated_formats.rs".into(),
             from: FORMATS.into(),
             text: formats(&read(root, FORMATS)?)?,
         },
         Generated {
-            path: "crates/profidrive/src/parameter/generated_errors.rs".into(),
+            path: "crates/profile/src/parameter/generated_errors.rs".into(),
             from: ERRORS.into(),
             text: errors(&read(root, ERRORS)?)?,
         },
         Generated {
-            path: "crates/profidrive/src/pkw/generated_errors.rs".into(),
+            path: "crates/profile/src/pkw/generated_errors.rs".into(),
             from: PKW_ERRORS.into(),
             text: pkw_errors(&read(root, PKW_ERRORS)?)?,
         },

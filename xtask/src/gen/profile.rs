@@ -14,7 +14,7 @@ pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
     let signals: SignalFile = read(root, "data/profile/signals.toml")?;
     let telegrams: TelegramFile = read(root, "data/profile/telegrams.toml")?;
     Ok(vec![Generated {
-        path: "crates/profidrive/src/telegram/generated.rs".into(),
+        path: "crates/profile/src/telegram/generated.rs".into(),
         from: "data/profile/".into(),
         text: render(&signals, &telegrams)?,
     }])

@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use dissect::explain::{KINDS, Kind, MODES};
-use profidrive::state::Mode;
+use profile::state::Mode;
 
 use super::{Kind as ModelKind, duration};
 

@@ -5,7 +5,7 @@ use std::net::Ipv4Addr;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use drive_client::{AtWork, Drive, Error, describe};
+use client::{AtWork, Drive, Error, describe};
 use network::linux::InterfaceInfo;
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
@@ -112,7 +112,7 @@ fn other_of_that_name(session: &mut Live, drive: &Drive, name: &str) -> Result<(
     if name.is_empty() {
         return Ok(());
     }
-    let address = drive_client::DriveAddress::Name(name.to_owned());
+    let address = client::DriveAddress::Name(name.to_owned());
     match session.find(&address) {
         Ok(other) if other.station.mac == drive.station.mac => Ok(()),
         Ok(other) => {
@@ -133,7 +133,7 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
         gateway: args.gateway.unwrap_or(Ipv4Addr::UNSPECIFIED),
     };
     not_our_own(ip.address)?;
-    let address = drive_client::DriveAddress::Ip(ip.address);
+    let address = client::DriveAddress::Ip(ip.address);
     match session.find(&address) {
         Ok(other) if other.station.mac != drive.station.mac => {
             let message = format!(

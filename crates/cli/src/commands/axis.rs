@@ -5,13 +5,13 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Cycle, Goal, MotionFacts, Purpose, SpeedUnit, Strained, Trouble};
-use drive_client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
-use drive_client::{
+use client::axis::{Cycle, Goal, MotionFacts, Purpose, SpeedUnit, Strained, Trouble};
+use client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
+use client::{
     AxisSettings, AxisStatus, Drive, Error, FaultEntry, LossAction, ModeBefore, PutBack, Rest, WarningEntry,
 };
-use profidrive::notation::Quantity;
-use profidrive::state::Mode;
+use profile::notation::Quantity;
+use profile::state::Mode;
 use profinet::cyclic::Timing;
 use serde_json::{Map, Value};
 
@@ -25,9 +25,9 @@ use crate::output::Output;
 use crate::render::live::{AxisView, LiveView};
 use crate::render::number;
 
-pub type Axis<'s> = drive_client::Axis<'s, Carrier>;
+pub type Axis<'s> = client::Axis<'s, Carrier>;
 
-pub type Enabled<'a, 's> = drive_client::Enabled<'a, 's, Carrier>;
+pub type Enabled<'a, 's> = client::Enabled<'a, 's, Carrier>;
 
 /// Longest wait of a motion that ends with Ctrl-C only.
 pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use drive_client::backup::{Backup, MAX_TEXT, Task, TasksTold};
-use drive_client::{Drive, Refusal};
+use client::backup::{Backup, MAX_TEXT, Task, TasksTold};
+use client::{Drive, Refusal};
 use network::files::StateFile;
 use serde_json::{Map, Value};
 

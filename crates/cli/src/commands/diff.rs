@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use drive_client::backup::{Backup, Difference, Side, TasksTold, compare, compare_tasks};
-use drive_client::{Drive, DriveAddress};
-use profidrive::catalogue::Role;
-use profidrive::value::Reading;
+use client::backup::{Backup, Difference, Side, TasksTold, compare, compare_tasks};
+use client::{Drive, DriveAddress};
+use profile::catalogue::Role;
+use profile::value::Reading;
 use serde_json::{Map, Value};
 
 use super::backup::{self, task_json};
@@ -195,7 +195,7 @@ fn folded(first: &Difference, last: &Difference, left: &Backup, right: &Backup) 
 /// What the controller decides by connecting: telegram, mapping, command source, address.
 fn of_connection(one: &Difference, backup: &Backup) -> bool {
     one.reading().is_some_and(|reading| {
-        drive_client::backup::rule(backup.parameters(), reading.pnu, reading.index).role == Role::Network
+        client::backup::rule(backup.parameters(), reading.pnu, reading.index).role == Role::Network
     })
 }
 

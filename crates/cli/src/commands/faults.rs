@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use drive_client::status::{Cause, Note, diagnose};
-use drive_client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
-use profidrive::catalogue::{Cleared, Role};
-use profidrive::fault::Counting;
-use profidrive::value::Assignment;
+use client::status::{Cause, Note, diagnose};
+use client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
+use profile::catalogue::{Cleared, Role};
+use profile::fault::Counting;
+use profile::value::Assignment;
 use serde_json::{Map, Value};
 
 use crate::advice;
@@ -234,7 +234,7 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
     let outcomes = session.write(&mut drive, &[assignment], WriteMode::Write)?;
     if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
         let drive = drive.label();
-        return Err(drive_client::Error::Refused { drive, refusal }.into());
+        return Err(client::Error::Refused { drive, refusal }.into());
     }
     // the drive takes the command in its own time
     let end = session.now() + PATIENCE;
@@ -274,11 +274,11 @@ mod tests {
     use dissect::explain::Kind;
 
     use super::*;
-    use drive_client::status::DriveStatus;
-    use profidrive::catalogue::{AKD, Catalogue, VACON, VLT};
-    use profidrive::fault::Shape;
-    use profidrive::notation::ParameterReference;
-    use profidrive::state::Zsw1;
+    use client::status::DriveStatus;
+    use profile::catalogue::{AKD, Catalogue, VACON, VLT};
+    use profile::fault::Shape;
+    use profile::notation::ParameterReference;
+    use profile::state::Zsw1;
 
     fn fault(number: u16, situation: u8) -> FaultEntry {
         FaultEntry {
@@ -372,7 +372,7 @@ mod tests {
                 let listed = format!("{:?}", lines(&report, false));
                 let ends = advice(&report, "d").unwrap_or_default();
                 let number = row.number.to_string();
-                let known = profidrive::model::Model::by_name(tables.model);
+                let known = profile::model::Model::by_name(tables.model);
                 let explained = dissect::explain::explain(&number, Kind::Fault, None, known).unwrap();
                 let explained = explained.lines.join("\n");
                 let place = format!(
@@ -392,7 +392,7 @@ mod tests {
                 let shown = format!("{next} {} {clearing} {ends}", row.remedy);
                 for name in named(&shown) {
                     let reference: ParameterReference = name.parse().unwrap();
-                    let parameters = profidrive::value::Parameters {
+                    let parameters = profile::value::Parameters {
                         catalogue: Some(tables),
                         scaling: tables.scaling,
                     };

@@ -1,10 +1,10 @@
 //! `profidrive info DRIVE`
 
-use drive_client::{Drive, FaultEntry, Identity, Info, describe};
-use profidrive::model::PROFIDRIVE_API;
-use profidrive::parameter::pnu;
-use profidrive::state::{Mode, bits};
-use profidrive::value::Reading;
+use client::{Drive, FaultEntry, Identity, Info, describe};
+use profile::model::PROFIDRIVE_API;
+use profile::parameter::pnu;
+use profile::state::{Mode, bits};
+use profile::value::Reading;
 use profinet::wire::record::IdentifiedModule;
 use serde_json::Value;
 
@@ -328,7 +328,7 @@ fn json(drive: &Drive, info: &Info, faults: &[FaultEntry]) -> serde_json::Map<St
         })
     });
     fields.insert("modules".into(), modules.collect::<Vec<Value>>().into());
-    fields.insert("route".into(), info.route.map(drive_client::Route::name).into());
+    fields.insert("route".into(), info.route.map(client::Route::name).into());
     fields.insert("drive".into(), info.is_drive(drive).into());
     let readings: Vec<Value> = info.readings.iter().map(value::json).collect();
     fields.insert("parameters".into(), readings.into());

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use scenario::{Happening, keys};
+use plant::{Happening, keys};
 
 use crate::args::duration;
 use crate::desk::{Answer, Question, Request, ask, namespace, sockets};

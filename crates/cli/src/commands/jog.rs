@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
-use drive_client::{Drive, Error, JogSpeed, WriteMode};
-use profidrive::notation::{Number, ParameterReference, Quantity};
-use profidrive::value::{Assignment, Content, Parameters, Reading, Selection};
+use client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
+use client::{Drive, Error, JogSpeed, WriteMode};
+use profile::notation::{Number, ParameterReference, Quantity};
+use profile::value::{Assignment, Content, Parameters, Reading, Selection};
 
 use super::axis::{self, End};
 use super::rehearse;
@@ -330,7 +330,7 @@ fn set_speed(session: &mut Live, drive: &mut Drive, pnu: u16, speed: &Quantity) 
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
+    use profile::catalogue::{AKD, Scaling};
 
     #[test]
     fn a_speed_is_noted_with_the_digits_that_the_drive_needs() {

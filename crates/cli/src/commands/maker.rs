@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use drive_client::{Drive, MakerModule};
+use client::{Drive, MakerModule};
 use gsdml::AccessPoint;
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 use profinet::cyclic::{TICK, Timing};

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use drive_client::axis::Purpose;
-use drive_client::{Drive, Error, Snapshot};
-use profidrive::notation::ParameterReference;
-use profidrive::state::{State, Zsw1};
-use profidrive::value::{ParameterProblem, Selection};
+use client::axis::Purpose;
+use client::{Drive, Error, Snapshot};
+use profile::notation::ParameterReference;
+use profile::state::{State, Zsw1};
+use profile::value::{ParameterProblem, Selection};
 use serde_json::Value;
 
 use super::axis::{self, End, FOR_EVER, told};
@@ -211,9 +211,8 @@ fn show_snapshot(time: Duration, snapshot: &Snapshot, raw: bool, output: &Output
         return;
     }
     let word = |word: Option<u16>| word.map_or_else(|| "-".into(), hex16);
-    let speed = |reading: &Option<profidrive::value::Reading>| {
-        reading.as_ref().map_or_else(|| "-".into(), value::full)
-    };
+    let speed =
+        |reading: &Option<profile::value::Reading>| reading.as_ref().map_or_else(|| "-".into(), value::full);
     let mut line = format!(
         "{:>8.2} s  {:<30}  STW1 {}  ZSW1 {}  set {:>12}  actual {:>12}",
         time.as_secs_f64(),

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{Move as Order, MovePlan, Purpose, SpeedUnit};
-use drive_client::{Drive, Error};
-use profidrive::notation::Quantity;
-use profidrive::state::Mode;
+use client::axis::{Move as Order, MovePlan, Purpose, SpeedUnit};
+use client::{Drive, Error};
+use profile::notation::Quantity;
+use profile::state::Mode;
 use serde_json::{Map, Value};
 
 use super::axis::{self, End, SetMode};

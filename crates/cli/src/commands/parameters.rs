@@ -5,13 +5,13 @@ mod limits;
 mod list;
 mod write;
 
-use drive_client::Refusal;
-use profidrive::catalogue::{Access, Catalogue, Parameter, Part};
-use profidrive::notation::{ParameterReference, Shown};
-use profidrive::parameter::pnu;
-use profidrive::state::Mode;
-use profidrive::telegram::Telegram;
-use profidrive::value::{ParameterProblem, Parameters, Reading, Selection};
+use client::Refusal;
+use profile::catalogue::{Access, Catalogue, Parameter, Part};
+use profile::notation::{ParameterReference, Shown};
+use profile::parameter::pnu;
+use profile::state::Mode;
+use profile::telegram::Telegram;
+use profile::value::{ParameterProblem, Parameters, Reading, Selection};
 use serde_json::{Map, Value};
 use uss::Protocol;
 
@@ -52,7 +52,7 @@ pub fn read(args: &Read, interface: &Interface, output: &Output) -> Result<(), F
 /// What the bits of control and status words are called depends on telegram, profile and mode, which only the drive knows.
 fn name_bits(
     session: &mut connect::Live,
-    drive: &mut drive_client::Drive,
+    drive: &mut client::Drive,
     readings: &mut [Result<Reading, Refusal>],
 ) -> Result<(), Failure> {
     let depends = |reading: &Reading| drive.parameters.is_word_of_state(reading);
@@ -95,7 +95,7 @@ fn last_failure(mut problems: Vec<Failure>, output: &Output) -> Result<(), Failu
 }
 
 fn refused_failure(drive: &str, refusal: &Refusal) -> Failure {
-    drive_client::Error::Refused {
+    client::Error::Refused {
         drive: drive.to_owned(),
         refusal: *refusal,
     }
@@ -193,7 +193,7 @@ fn number_of(tables: &Catalogue, parameter: &Parameter) -> String {
 /// Limits as the tables have them; null where only the size limits.
 fn parameter_json(tables: &Catalogue, parameter: &Parameter, drive: &Parameters) -> Map<String, Value> {
     let limits = drive.limits(parameter);
-    let meanings = |list: &[profidrive::catalogue::Meaning]| -> Vec<Value> {
+    let meanings = |list: &[profile::catalogue::Meaning]| -> Vec<Value> {
         list.iter()
             .map(|row| Value::Object(fields! { "value": row.value, "text": row.text }))
             .collect()

@@ -1,8 +1,8 @@
 //! What a command that moves an axis would do: checked as far as reading can, said, not done.
 
-use drive_client::status::{Verdict, diagnose};
-use drive_client::{AxisPlan, AxisSettings, Drive, Error};
-use profidrive::state::Mode;
+use client::status::{Verdict, diagnose};
+use client::{AxisPlan, AxisSettings, Drive, Error};
+use profile::state::Mode;
 use serde_json::{Map, Value};
 
 use super::axis::SetMode;

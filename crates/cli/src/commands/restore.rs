@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use drive_client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
-use drive_client::{Drive, Error, describe};
+use client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
+use client::{Drive, Error, describe};
 use network::files::StateFile;
-use profidrive::catalogue::Role;
-use profidrive::model::Model;
-use profidrive::parameter::Saving;
+use profile::catalogue::Role;
+use profile::model::Model;
+use profile::parameter::Saving;
 use serde_json::{Map, Value};
 
 use super::backup;

@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::axis::{MotionFacts, Purpose, SpeedUnit};
-use drive_client::{AxisSettings, Drive, Error};
-use profidrive::catalogue::Part;
-use profidrive::notation::Quantity;
-use profidrive::state::Mode;
-use profidrive::telegram::DANFOSS;
+use client::axis::{MotionFacts, Purpose, SpeedUnit};
+use client::{AxisSettings, Drive, Error};
+use profile::catalogue::Part;
+use profile::notation::Quantity;
+use profile::state::Mode;
+use profile::telegram::DANFOSS;
 
 use super::axis::{self, End, SetMode};
 use super::rehearse;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use profidrive::model::Model;
+use profile::model::Model;
 use profinet::controller::Station;
 use profinet::wire::dcp::role;
 use serde_json::Value;

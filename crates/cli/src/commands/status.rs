@@ -1,10 +1,10 @@
 //! `profidrive status`
 
 use clap::Args;
-use drive_client::LossReaction;
-use drive_client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
-use profidrive::catalogue::{Catalogue, Part};
-use profidrive::state::{Mode, Profile};
+use client::LossReaction;
+use client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
+use profile::catalogue::{Catalogue, Part};
+use profile::state::{Mode, Profile};
 use serde_json::{Map, Value};
 
 use super::axis::{told, warned};
@@ -208,8 +208,8 @@ fn allowed(allowed: bool) -> String {
     }
 }
 
-fn homed(zsw1: profidrive::state::Zsw1) -> String {
-    if zsw1.has(profidrive::state::Zsw1::HOMED) {
+fn homed(zsw1: profile::state::Zsw1) -> String {
+    if zsw1.has(profile::state::Zsw1::HOMED) {
         "yes (ZSW1 bit 11)".into()
     } else {
         "no (ZSW1 bit 11)".into()
@@ -302,8 +302,8 @@ fn entry(number: u32, meaning: Option<&str>, remedy: Option<&str>) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::AKD;
-    use profidrive::state::{Stw1, Zsw1};
+    use profile::catalogue::AKD;
+    use profile::state::{Stw1, Zsw1};
 
     #[test]
     fn facts_of_a_position_drive() {

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::status::moved_advice;
-use drive_client::{StopOutcome, StopWay};
+use client::status::moved_advice;
+use client::{StopOutcome, StopWay};
 
 use crate::args::{Interface, duration};
 use crate::connect::{self, Need};

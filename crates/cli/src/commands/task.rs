@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use clap::Args;
-use drive_client::Drive;
-use drive_client::axis::Purpose;
-use profidrive::state::Mode;
+use client::Drive;
+use client::axis::Purpose;
+use profile::state::Mode;
 
 use super::axis::{self, End, SetMode};
 use crate::args::{Cyclic, Interface, duration};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use drive_client::text::is_unsafe;
+use client::text::is_unsafe;
 
 /// Returns the text on one line: `\n`, `\t` and `\u{1b}` stand for what must not be printed.
 pub fn clean(text: &str) -> String {

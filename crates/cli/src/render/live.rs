@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use drive_client::AxisStatus;
-use drive_client::axis::SpeedUnit;
-use profidrive::state::{Mode, bits};
-use profidrive::value::Beyond;
+use client::AxisStatus;
+use client::axis::SpeedUnit;
+use profile::state::{Mode, bits};
+use profile::value::Beyond;
 use serde_json::Value;
 
 use super::{hex16, nibbles, words};

@@ -1,6 +1,6 @@
 //! The parameter channel in cyclic data: each request once, and its reply once.
 
-use profidrive::pkw::{Pkw, PkwDialect, ReplyCode, RequestCode};
+use profile::pkw::{Pkw, PkwDialect, ReplyCode, RequestCode};
 use serde_json::Value;
 
 use super::event::{Detail, Job, Sink};

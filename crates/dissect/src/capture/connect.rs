@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::TelegramModule;
-use profidrive::telegram::Telegram;
+use profile::catalogue::TelegramModule;
+use profile::telegram::Telegram;
 use profinet::wire::block::{
     ArProperties, ArRequest, ArType, BlockType, Blocks, ConnectResponse, ExpectedModule, ExpectedSubmodule,
     IocrRequest, IocrType,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
-use profidrive::telegram::Telegram;
+use profile::telegram::Telegram;
 use profinet::MacAddress;
 use profinet::wire::Uuid;
 use profinet::wire::block::{ConnectResponse, IocrRequest, IocrType};

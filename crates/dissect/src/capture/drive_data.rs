@@ -1,8 +1,8 @@
 //! The telegram of a drive in cyclic data: words, speeds, parameter channel.
 
-use profidrive::pkw::Pkw;
-use profidrive::state::Zsw1;
-use profidrive::telegram::Telegram;
+use profile::pkw::Pkw;
+use profile::state::Zsw1;
+use profile::telegram::Telegram;
 use profinet::wire::rt::Iops;
 
 use super::channel::Channel;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::net::Ipv4Addr;
 
-use profidrive::model::Model;
+use profile::model::Model;
 use profinet::wire::Uuid;
 
 use crate::job::JobDrive;

@@ -1,5 +1,5 @@
 //! Reads the frames of a capture in order and reports what happened: discovery, connects, parameter jobs, state changes,
-//! alarms, errors, and what is missing. Decoding is done by `profinet::wire` and `profidrive::parameter`; here are only
+//! alarms, errors, and what is missing. Decoding is done by `profinet::wire` and `profile::parameter`; here are only
 //! the words, the numbers, and what belongs together.
 //!
 //! A capture may be damaged, cut or hostile: whatever does not decode is counted and reported, memory is bounded.
@@ -33,7 +33,7 @@ mod udp;
 use std::collections::HashMap;
 use std::time::Duration;
 
-use profidrive::model::Model;
+use profile::model::Model;
 use profinet::MacAddress;
 use profinet::wire::DecodeError;
 use profinet::wire::ethernet::{Frame, FrameKind};

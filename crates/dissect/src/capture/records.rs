@@ -1,7 +1,7 @@
 //! Records by number.
 
-use profidrive::catalogue::{Parameter, RecordView, Scale, Scaling};
-use profidrive::parameter::ParameterAddress;
+use profile::catalogue::{Parameter, RecordView, Scale, Scaling};
+use profile::parameter::ParameterAddress;
 
 use super::diff;
 use crate::job::JobDrive;

@@ -1,7 +1,7 @@
 //! Descriptions of parameters (attribute 0x20) and their texts (attribute 0x30) in words.
 
-use profidrive::parameter::{CodeSpace, Description, Identifier, Kind};
-use profidrive::unit::{ConversionIndex, Variable};
+use profile::parameter::{CodeSpace, Description, Identifier, Kind};
+use profile::unit::{ConversionIndex, Variable};
 
 use crate::number;
 
@@ -132,7 +132,7 @@ pub fn texts(octets: &[u8]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::parameter::Format;
+    use profile::parameter::Format;
 
     #[test]
     fn a_description_says_type_limits_and_unit() {

@@ -1,15 +1,15 @@
 //! What a job is read with: the model of its drive, and what is known of the values that scale others.
 
-use profidrive::catalogue::{Catalogue, Parameter, Part, RecordView, Scale};
-use profidrive::model::Model;
-use profidrive::notation::{Elements, Notation, ParameterReference, Prefix, Target};
-use profidrive::parameter::{
+use profile::catalogue::{Catalogue, Parameter, Part, RecordView, Scale};
+use profile::model::Model;
+use profile::notation::{Elements, Notation, ParameterReference, Prefix, Target};
+use profile::parameter::{
     CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, Request, ValueBlock, objections, pnu,
 };
-use profidrive::pkw::PkwDialect;
-use profidrive::state::{Mode, Profile};
-use profidrive::telegram::{Telegram, signal};
-use profidrive::value::{Interpretation, Parameters, Reading, Selection, take_scale};
+use profile::pkw::PkwDialect;
+use profile::state::{Mode, Profile};
+use profile::telegram::{Telegram, signal};
+use profile::value::{Interpretation, Parameters, Reading, Selection, take_scale};
 use profinet::wire::Uuid;
 
 /// Words of one direction that are remembered.
@@ -38,7 +38,7 @@ pub struct JobDrive {
 impl Default for JobDrive {
     /// Nobody said what it is: its numbers are read as those of an AKD.
     fn default() -> Self {
-        let device = &profidrive::catalogue::AKD.device;
+        let device = &profile::catalogue::AKD.device;
         Self {
             assumed: true,
             ..Self::of(device.vendor_id, device.device_id)

@@ -1,8 +1,8 @@
 //! Error numbers and formats of parameter jobs in words.
 
-use profidrive::model::Model;
-use profidrive::parameter::{CodeSpace, ErrorNames, ErrorNumber, Format};
-use profidrive::pkw::PkwErrorNames;
+use profile::model::Model;
+use profile::parameter::{CodeSpace, ErrorNames, ErrorNumber, Format};
+use profile::pkw::PkwErrorNames;
 use serde_json::{Map, Value};
 
 use crate::fields;

@@ -10,11 +10,11 @@ pub mod telegram;
 
 use std::fmt;
 
-use profidrive::catalogue::WordKind;
-use profidrive::parameter::{
+use profile::catalogue::WordKind;
+use profile::parameter::{
     Attribute, CodeSpace, Description, Format, ParameterAddress, Request, RequestId, ValueBlock,
 };
-use profidrive::value::Reading;
+use profile::value::Reading;
 use serde_json::{Map, Value};
 
 use crate::Weight;

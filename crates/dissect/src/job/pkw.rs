@@ -1,8 +1,8 @@
 //! The PKW channel in words: requests and replies with the names, values and units of the drive.
 
-use profidrive::parameter::{Attribute, Identifier, ParameterAddress};
-use profidrive::pkw::{Action, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, Width};
-use profidrive::value::Reading;
+use profile::parameter::{Attribute, Identifier, ParameterAddress};
+use profile::pkw::{Action, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, Width};
+use profile::value::Reading;
 use serde_json::{Map, Value};
 
 use super::{Decoded, JobDrive, description};

@@ -1,8 +1,6 @@
 //! What a response answers, and what it tells about the drive.
 
-use profidrive::parameter::{
-    Attribute, CodeSpace, ErrorNumber, Format, ParameterAddress, Request, ValueBlock,
-};
+use profile::parameter::{Attribute, CodeSpace, ErrorNumber, Format, ParameterAddress, Request, ValueBlock};
 use serde_json::{Map, Value, json};
 
 use super::{

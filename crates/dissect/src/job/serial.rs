@@ -1,7 +1,7 @@
 //! Telegrams of serial lines in words: Danfoss FC protocol and USS.
 
-use profidrive::pkw::{Pkw, PkwDialect, RequestCode};
-use profidrive::state::Profile;
+use profile::pkw::{Pkw, PkwDialect, RequestCode};
+use profile::state::Profile;
 use serde_json::{Map, Value, json};
 use uss::{Addressee, Layout, Protocol, Telegram};
 
@@ -97,7 +97,7 @@ fn row(name: &str, text: &str) -> String {
 /// The parameter part: PKE, IND and PWE, or a text in its place.
 fn parameter(drive: &JobDrive, dialect: &PkwDialect, part: &[u8], output: bool) -> Option<(Weight, String)> {
     let (head, rest) = part.split_at_checked(TEXT_AT)?;
-    let mut octets = [0; profidrive::pkw::PKW_LEN];
+    let mut octets = [0; profile::pkw::PKW_LEN];
     let used = part.len().min(octets.len());
     octets.get_mut(..used)?.copy_from_slice(part.get(..used)?);
     let pkw = Pkw::from_octets(octets);

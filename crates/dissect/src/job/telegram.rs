@@ -1,9 +1,9 @@
 //! Cyclic data of a drive in words: parameter channel, control and status word, speed, further words.
 
-use profidrive::parameter::ParameterAddress;
-use profidrive::pkw::Pkw;
-use profidrive::state::{Profile, Zsw1};
-use profidrive::telegram::{Field, Image, Telegram, signal};
+use profile::parameter::ParameterAddress;
+use profile::pkw::Pkw;
+use profile::state::{Profile, Zsw1};
+use profile::telegram::{Field, Image, Telegram, signal};
 use serde_json::{Map, Value, json};
 
 use super::{Decoded, JobDrive, pkw};
@@ -330,7 +330,7 @@ fn halves_of<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::parameter::{CodeSpace, ValueBlock, pnu};
+    use profile::parameter::{CodeSpace, ValueBlock, pnu};
 
     fn lines(vendor: u16, device: u16, telegram: u16, data: &[u8], output: bool) -> String {
         let drive = JobDrive::of(vendor, device);

@@ -253,7 +253,7 @@ fn nonsense_is_told_as_such() {
 #[test]
 fn jobs_of_the_other_makes() {
     let told = |model: &str, request: &str, response: Option<&str>| {
-        let mut drive = JobDrive::new(profidrive::model::Model::by_name(model).unwrap());
+        let mut drive = JobDrive::new(profile::model::Model::by_name(model).unwrap());
         match response {
             Some(response) => answered(&mut drive, request, response),
             None => request_job(&drive, &octets(request))
@@ -349,7 +349,7 @@ fn what_the_dialect_forbids_is_named() {
             .split(' ')
             .map(|octet| u8::from_str_radix(octet, 16).unwrap())
             .collect();
-        let mut drive = JobDrive::new(profidrive::model::Model::by_name(model).unwrap());
+        let mut drive = JobDrive::new(profile::model::Model::by_name(model).unwrap());
         let decoded = decode(&mut drive, &octets, Some(Side::Request), None).unwrap();
         let lines = decoded.lines.into_iter();
         lines

@@ -68,7 +68,7 @@ pub struct StationId(pub(crate) usize);
 /// forgotten.
 ///
 /// ```
-/// use network::host::{Host, Station};
+/// use profidrive_network::host::{Host, Station};
 /// use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 /// # use std::net::{Ipv4Addr, SocketAddrV4};
 /// # struct Nothing;

@@ -17,7 +17,7 @@ use super::stop::Stop;
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use std::time::Duration;
-/// use network::linux::{Capture, Stop};
+/// use profidrive_network::linux::{Capture, Stop};
 /// let stop = Stop::on_signals()?;
 /// let mut capture = Capture::open("eth0", stop.clone())?;
 /// while !stop.is_stopped() {

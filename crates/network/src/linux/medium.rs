@@ -44,7 +44,7 @@ pub enum ServerPort {
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// use network::linux::{PacketMedium, ServerPort};
+/// use profidrive_network::linux::{PacketMedium, ServerPort};
 /// use profinet::Medium;
 /// let medium = PacketMedium::open("eth0", ServerPort::Required)?;
 /// println!("{} {}", medium.interface().name, medium.now().as_millis());
@@ -63,7 +63,7 @@ pub struct PacketMedium {
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use std::net::Ipv4Addr;
-/// use network::linux::{ServerPort, UdpMedium};
+/// use profidrive_network::linux::{ServerPort, UdpMedium};
 /// let medium = UdpMedium::open(Ipv4Addr::LOCALHOST, ServerPort::None)?;
 /// assert_eq!(medium.dropped_frames(), 0);
 /// # Ok(()) }

@@ -40,8 +40,8 @@ pub enum Turn {
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// # fn stations() -> Vec<Box<dyn network::host::Station>> { Vec::new() }
-/// use network::linux::{Runner, Stop, Turn, now};
+/// # fn stations() -> Vec<Box<dyn profidrive_network::host::Station>> { Vec::new() }
+/// use profidrive_network::linux::{Runner, Stop, Turn, now};
 /// let mut runner = Runner::open("eth0")?;
 /// runner.set_stop(Stop::on_signals()?)?;
 /// for station in stations() {

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, AtomicU64, Ordering};
 ///
 /// ```
 /// # fn main() -> std::io::Result<()> {
-/// use network::linux::Stop;
+/// use profidrive_network::linux::Stop;
 /// let stop = Stop::new()?;
 /// let other = stop.clone();
 /// std::thread::spawn(move || other.stop()).join().expect("the thread ends");

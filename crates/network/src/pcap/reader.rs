@@ -74,7 +74,7 @@ struct Interface {
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use std::time::Duration;
-/// use network::pcap::{Reader, Writer};
+/// use profidrive_network::pcap::{Reader, Writer};
 /// use profinet::Instant;
 /// # let mut file = Vec::new();
 /// # { let mut writer = Writer::new(&mut file, "x", Duration::ZERO)?; writer.write(Instant::from_millis(16), &[0xFF; 60])?; writer.flush()?; }

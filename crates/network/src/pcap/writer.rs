@@ -21,7 +21,7 @@ const OPTION_RESOLUTION: u16 = 9;
 ///
 /// ```
 /// # fn main() -> std::io::Result<()> {
-/// use network::pcap::Writer;
+/// use profidrive_network::pcap::Writer;
 /// use profinet::Instant;
 /// let mut file = Vec::new();
 /// let mut writer = Writer::starting_now(&mut file, "segment")?;

@@ -23,7 +23,7 @@ pub enum Pace {
 /// several endpoints can be stepped in turn. What arrives for one while another is stepped is kept for it.
 ///
 /// ```
-/// use network::segment::{Pace, Segment, SegmentMedium};
+/// use profidrive_network::segment::{Pace, Segment, SegmentMedium};
 /// use profinet::{Instant, Medium};
 /// let mut medium = SegmentMedium::new(Segment::new(1), Pace::Virtual);
 /// assert_eq!(medium.now(), Instant::ZERO);

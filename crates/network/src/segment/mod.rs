@@ -43,7 +43,7 @@ struct Guest<'a> {
 /// The in-memory segment.
 ///
 /// ```
-/// use network::segment::{Conditions, Segment};
+/// use profidrive_network::segment::{Conditions, Segment};
 /// use profinet::Instant;
 /// let mut segment = Segment::new(42);
 /// segment.set_all_conditions(Conditions { loss: 0.01, ..Conditions::default() });

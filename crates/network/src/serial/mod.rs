@@ -41,8 +41,8 @@ pub trait Talker {
 ///
 /// ```
 /// use std::time::Duration;
-/// use network::linux::now;
-/// use network::serial::{Line, Port, Settings, Talker};
+/// use profidrive_network::linux::now;
+/// use profidrive_network::serial::{Line, Port, Settings, Talker};
 /// use profinet::Instant;
 ///
 /// /// Sends back what it hears.

@@ -117,10 +117,10 @@ impl Side {
 /// ```
 /// # use core::time::Duration;
 /// # use std::borrow::Cow;
-/// use profinet::alarm::{AlarmConfig, AlarmEvent, Alarms};
-/// use profinet::wire::alarm::{AlarmSpecifier, AlarmType, Notification, Priority};
-/// use profinet::wire::ethernet::{Frame, Tag};
-/// use profinet::{Instant, MacAddress};
+/// use profidrive_profinet::alarm::{AlarmConfig, AlarmEvent, Alarms};
+/// use profidrive_profinet::wire::alarm::{AlarmSpecifier, AlarmType, Notification, Priority};
+/// use profidrive_profinet::wire::ethernet::{Frame, Tag};
+/// use profidrive_profinet::{Instant, MacAddress};
 ///
 /// let (a, b) = (MacAddress([2, 0, 0, 0, 0, 1]), MacAddress([2, 0, 0, 0, 0, 2]));
 /// let config = AlarmConfig {

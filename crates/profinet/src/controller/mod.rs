@@ -50,8 +50,8 @@ const RECORDS_INSTANCE: u16 = 0x8000;
 /// A controller.
 ///
 /// ```
-/// use profinet::controller::{Controller, ControllerConfig, Event, Filter};
-/// use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+/// use profidrive_profinet::controller::{Controller, ControllerConfig, Event, Filter};
+/// use profidrive_profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
 ///
 /// let mac = MacAddress([2, 0x50, 0x4e, 0, 0, 2]);
 /// let mut controller = Controller::new(ControllerConfig::new(mac, IpSuite::NONE, "plc", 1));

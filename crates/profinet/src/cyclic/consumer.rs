@@ -78,10 +78,10 @@ pub struct CyclicStatistics {
 ///
 /// ```
 /// use core::time::Duration;
-/// use profinet::cyclic::{Consumer, Provider, ProviderConfig, SubmoduleSize, Timing, pack};
-/// use profinet::wire::ethernet::{Frame, FrameId, Tag};
-/// use profinet::wire::rt::Iops;
-/// use profinet::{Instant, MacAddress};
+/// use profidrive_profinet::cyclic::{Consumer, Provider, ProviderConfig, SubmoduleSize, Timing, pack};
+/// use profidrive_profinet::wire::ethernet::{Frame, FrameId, Tag};
+/// use profidrive_profinet::wire::rt::Iops;
+/// use profidrive_profinet::{Instant, MacAddress};
 ///
 /// let (_, output) = pack(&[SubmoduleSize::new(0, 1, 1, 4, 4)]).unwrap();
 /// let (sender, id) = (MacAddress([2, 0, 0, 0, 0, 2]), FrameId(0xC000));

@@ -37,10 +37,10 @@ pub struct ProviderConfig {
 ///
 /// ```
 /// use core::time::Duration;
-/// use profinet::cyclic::{Provider, ProviderConfig, SubmoduleSize, Timing, pack};
-/// use profinet::wire::ethernet::{FrameId, Tag};
-/// use profinet::wire::rt::Iops;
-/// use profinet::{Instant, MacAddress};
+/// use profidrive_profinet::cyclic::{Provider, ProviderConfig, SubmoduleSize, Timing, pack};
+/// use profidrive_profinet::wire::ethernet::{FrameId, Tag};
+/// use profidrive_profinet::wire::rt::Iops;
+/// use profidrive_profinet::{Instant, MacAddress};
 ///
 /// let (_, output) = pack(&[SubmoduleSize::new(0, 1, 1, 4, 4)]).unwrap();
 /// let config = ProviderConfig {

@@ -90,7 +90,7 @@ impl IocrError {
 ///
 /// ```
 /// use core::time::Duration;
-/// use profinet::cyclic::Timing;
+/// use profidrive_profinet::cyclic::Timing;
 /// let timing = Timing { send_clock_factor: 32, reduction_ratio: 16, phase: 1 };
 /// assert_eq!(timing.interval(), Duration::from_millis(16));
 /// assert_eq!(timing.hold_time(3), Duration::from_millis(48));
@@ -129,7 +129,7 @@ impl Timing {
     /// The highest DataHoldFactor with this interval: 0x1E00, and no longer than 1.92 s.
     ///
     /// ```
-    /// use profinet::cyclic::Timing;
+    /// use profidrive_profinet::cyclic::Timing;
     /// use core::time::Duration;
     /// let timing = Timing::for_interval(Duration::from_millis(16)).unwrap();
     /// assert_eq!(timing.highest_hold_factor(), 120);

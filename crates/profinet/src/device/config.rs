@@ -273,7 +273,7 @@ impl Stored {
     /// Checks that a device could have been given these data: what comes from a disk is foreign too.
     ///
     /// ```
-    /// use profinet::device::Stored;
+    /// use profidrive_profinet::device::Stored;
     /// let stored = Stored { name: "../../etc/passwd".into(), ..Stored::default() };
     /// assert!(stored.check().is_err());
     /// ```

@@ -71,8 +71,8 @@ const FRAMES: usize = 16;
 /// inputs first, then call `handle_timeout`: the input frame then goes out with the next `poll_transmit`.
 ///
 /// ```
-/// use profinet::device::{Device, DeviceConfig, Identity, ModuleDescription, Stored, SubmoduleDescription};
-/// use profinet::{Endpoint, MacAddress};
+/// use profidrive_profinet::device::{Device, DeviceConfig, Identity, ModuleDescription, Stored, SubmoduleDescription};
+/// use profidrive_profinet::{Endpoint, MacAddress};
 ///
 /// let identity = Identity {
 ///     vendor_id: 0x0105, device_id: 1, instance: 1, station_type: "AKD".into(), order_id: "AKD-P00306".into(),
@@ -87,7 +87,7 @@ const FRAMES: usize = 16;
 /// let device = Device::new(config, Stored { name: "akd-1".into(), ..Stored::default() });
 /// assert_eq!(device.name(), "akd-1");
 /// // a device tells its neighbour who it is, without being asked
-/// assert_eq!(device.poll_timeout(), Some(profinet::Instant::ZERO));
+/// assert_eq!(device.poll_timeout(), Some(profidrive_profinet::Instant::ZERO));
 /// ```
 #[derive(Debug)]
 pub struct Device {

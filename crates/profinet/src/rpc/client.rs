@@ -102,14 +102,14 @@ impl Pending {
 ///
 /// ```
 /// use std::net::{Ipv4Addr, SocketAddrV4};
-/// use profinet::Instant;
-/// use profinet::rpc::{CallError, Client, ClientConfig};
-/// use profinet::wire::Uuid;
-/// use profinet::wire::rpc::{Header, operation};
+/// use profidrive_profinet::Instant;
+/// use profidrive_profinet::rpc::{CallError, Client, ClientConfig};
+/// use profidrive_profinet::wire::Uuid;
+/// use profidrive_profinet::wire::rpc::{Header, operation};
 ///
 /// let mut client = Client::new(ClientConfig::default());
 /// let header = Header::request(Uuid::NIL, Uuid::DEVICE_INTERFACE, Uuid([7; 16]), 0, operation::READ);
-/// let device = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 2), profinet::RPC_PORT);
+/// let device = SocketAddrV4::new(Ipv4Addr::new(10, 0, 0, 2), profidrive_profinet::RPC_PORT);
 /// let call = client.call(Instant::ZERO, device, header, b"stub".to_vec());
 /// let mut buffer = [0; 1518];
 /// for second in [0, 2, 4, 6] {

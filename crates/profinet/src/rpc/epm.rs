@@ -34,7 +34,7 @@ pub struct Registration {
 /// prefix letter and three numbers, separated by blanks, closed by NUL.
 ///
 /// ```
-/// let text = profinet::rpc::annotation("AKD", "AKD-P00306", 1, b'V', [1, 11, 0]);
+/// let text = profidrive_profinet::rpc::annotation("AKD", "AKD-P00306", 1, b'V', [1, 11, 0]);
 /// assert_eq!(&text[..63], b"AKD                       AKD-P00306               1 V  1 11  0");
 /// ```
 #[must_use]

@@ -123,10 +123,10 @@ enum Short {
 ///
 /// ```
 /// use std::net::{Ipv4Addr, SocketAddrV4};
-/// use profinet::Instant;
-/// use profinet::rpc::{Interface, Server, ServerLimits};
-/// use profinet::wire::Uuid;
-/// use profinet::wire::rpc::{Header, operation};
+/// use profidrive_profinet::Instant;
+/// use profidrive_profinet::rpc::{Interface, Server, ServerLimits};
+/// use profidrive_profinet::wire::Uuid;
+/// use profidrive_profinet::wire::rpc::{Header, operation};
 ///
 /// let interface = Interface { uuid: Uuid::DEVICE_INTERFACE, operations: operation::COUNT };
 /// let mut server = Server::new(vec![interface], ServerLimits::default());

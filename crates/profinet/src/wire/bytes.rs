@@ -80,7 +80,7 @@ impl fmt::Display for Problem {
 /// A cursor over received octets that never reads past the end.
 ///
 /// ```
-/// use profinet::wire::Reader;
+/// use profidrive_profinet::wire::Reader;
 /// let mut reader = Reader::new(&[0x01, 0x02, 0x03]);
 /// assert_eq!(reader.u16("BlockType"), Ok(0x0102));
 /// let error = reader.u16("BlockLength").unwrap_err();
@@ -375,7 +375,7 @@ pub struct BufferTooSmall {
 /// Writes into a fixed buffer; too much is counted, not written.
 ///
 /// ```
-/// use profinet::wire::{SliceWriter, Writer};
+/// use profidrive_profinet::wire::{SliceWriter, Writer};
 /// let mut buffer = [0; 4];
 /// let mut out = SliceWriter::new(&mut buffer);
 /// out.u16(0x8892);

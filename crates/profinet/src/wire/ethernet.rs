@@ -156,7 +156,7 @@ impl fmt::Debug for FrameId {
 /// One received PROFINET frame, tag looked through.
 ///
 /// ```
-/// use profinet::wire::ethernet::{Frame, FrameId, Tag};
+/// use profidrive_profinet::wire::ethernet::{Frame, FrameId, Tag};
 /// let bytes = [
 ///     2, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0, 2, 0x81, 0x00, 0xC0, 0x00, 0x88, 0x92, 0x80, 0x00, 0x80,
 /// ];

@@ -192,7 +192,7 @@ impl Trailer {
 /// One cyclic frame, looked at with the data length that was agreed at connect time.
 ///
 /// ```
-/// use profinet::wire::rt::{Cyclic, DataStatus};
+/// use profidrive_profinet::wire::rt::{Cyclic, DataStatus};
 /// let mut payload = [0x80; 44];
 /// payload[40..].copy_from_slice(&[0x1C, 0x00, 0x35, 0x00]);
 /// let frame = Cyclic::parse(&payload, 40).unwrap();

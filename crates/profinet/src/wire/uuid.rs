@@ -49,7 +49,7 @@ impl Uuid {
     /// Object UUID of a station: DEA00000-6C97-11D1-8271-iiiiddddvvvv.
     ///
     /// ```
-    /// use profinet::wire::Uuid;
+    /// use profidrive_profinet::wire::Uuid;
     /// let object = Uuid::object(1, 0x0002, 0x0493);
     /// assert_eq!(object.to_string(), "dea00000-6c97-11d1-8271-000100020493");
     /// ```

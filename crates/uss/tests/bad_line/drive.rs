@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
+use profile::parameter::{Attributes, ErrorNumber, Format, Keep, ParameterAccess};
 
 /// Octets of the text.
 pub const TEXT: usize = 12;

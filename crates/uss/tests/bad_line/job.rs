@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use profidrive::pkw::{Answer, Client, Job, JobError, Memory, Outcome, PkwErrorNumber, PkwValue};
-use uss::Protocol;
+use profidrive_uss::Protocol;
+use profile::pkw::{Answer, Client, Job, JobError, Memory, Outcome, PkwErrorNumber, PkwValue};
 
 use super::drive::{LABEL, Named, TEXT};
 use super::{Dice, Tally};

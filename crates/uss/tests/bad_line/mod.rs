@@ -5,11 +5,11 @@ mod job;
 
 use std::time::Duration;
 
-use profidrive::pkw::{Client, ClientTiming, MAX_BLOCK, PkwDialect, Server};
-use uss::{
+use profidrive_uss::{
     Address, Event, Layout, MAX_DATA, MAX_TELEGRAM, Master, MasterConfig, Parts, Protocol, Slave,
     SlaveConfig, SlaveId,
 };
+use profile::pkw::{Client, ClientTiming, MAX_BLOCK, PkwDialect, Server};
 
 use drive::Named;
 use job::Asked;

@@ -46,7 +46,7 @@ const MOST_STEPS: usize = 512;
 /// A motor with its load under control.
 ///
 /// ```
-/// use virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
+/// use profidrive_virtual_drive::axis::{Axis, Command, Plant, Ramps, Tuning};
 /// let mut axis = Axis::new(Plant::default());
 /// let ramps = Ramps { acceleration: 3000.0, deceleration: 3000.0 };
 /// for _ in 0..100 {

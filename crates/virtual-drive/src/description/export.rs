@@ -5,8 +5,8 @@ use gsdml::{
     Features, FileName, Graphic, GraphicRef, Gsdml, Interface, IoData, IoLimits, Module, ModuleInfo,
     ModuleRef, Port, SchemaVersion, Submodule, TextId, Texts, ValueList,
 };
-use profidrive::catalogue::{self, Words};
-use profidrive::telegram::{Image, Signal, Telegram};
+use profile::catalogue::{self, Words};
+use profile::telegram::{Image, Signal, Telegram};
 use profinet::MacAddress;
 use profinet::device::{DeviceConfig, ModuleDescription, ResetMode, SubmoduleDescription};
 
@@ -43,8 +43,8 @@ pub struct Exported {
 /// The device description of a model. Always the same for the same model.
 ///
 /// ```
-/// use virtual_drive::description::export::export;
-/// use virtual_drive::model;
+/// use profidrive_virtual_drive::description::export::export;
+/// use profidrive_virtual_drive::model;
 /// let exported = export(&model::AKD);
 /// assert_eq!(exported.description.modules.len(), 10);
 /// assert!(exported.file_name.to_string().starts_with("GSDML-V2.35-Kollmorgen-AKD"));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gsdml::{AccessPoint, Gsdml, Module, Submodule, SubmoduleRef};
-use profidrive::catalogue::Catalogue;
+use profile::catalogue::Catalogue;
 use profinet::device::{Identity, ModuleDescription, ResetMode, SubmoduleDescription};
 use thiserror::Error;
 

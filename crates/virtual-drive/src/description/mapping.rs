@@ -1,8 +1,8 @@
 //! Which telegram of a model a maker's submodule carries.
 
 use gsdml::{DataDescription, DataItem, Gsdml, Submodule, TextId};
-use profidrive::catalogue::{Catalogue, TelegramModule};
-use profidrive::telegram::{Image, Telegram};
+use profile::catalogue::{Catalogue, TelegramModule};
+use profile::telegram::{Image, Telegram};
 
 use super::LONGEST_TELEGRAM;
 

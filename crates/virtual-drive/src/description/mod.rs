@@ -29,8 +29,8 @@ pub(crate) const LONGEST_TELEGRAM: u16 = 64;
 /// Identity and modules of a virtual drive.
 ///
 /// ```
-/// use virtual_drive::description::Description;
-/// use virtual_drive::model;
+/// use profidrive_virtual_drive::description::Description;
+/// use profidrive_virtual_drive::model;
 /// let description = Description::of(&model::AKD);
 /// assert_eq!(description.identity.vendor_id, 0x0105);
 /// let telegram = description.telegrams.iter().find(|module| module.telegram == 353).unwrap();

@@ -1,5 +1,5 @@
 use gsdml::{Bitmap, FileName, Severity, ValueList, check, parse};
-use profidrive::telegram::Telegram;
+use profile::telegram::Telegram;
 
 use super::export::export;
 use super::*;

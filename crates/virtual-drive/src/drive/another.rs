@@ -1,8 +1,8 @@
 //! Parameters that are other names of a value: the same thing under a number of the profile (PNU 1008 and
 //! PN.ACCSCALING), and setpoint signals that set a parameter (DRV_ACC and DRV.ACC).
 
-use profidrive::catalogue::{Parameter, Scale};
-use profidrive::parameter::ErrorNumber;
+use profile::catalogue::{Parameter, Scale};
+use profile::parameter::ErrorNumber;
 
 use super::Drive;
 use crate::model::Live;

@@ -81,7 +81,7 @@ impl Bench {
         self.drive.parameter(number).unwrap()
     }
 
-    pub fn write(&mut self, number: u16, raw: i64) -> Result<(), profidrive::parameter::ErrorNumber> {
+    pub fn write(&mut self, number: u16, raw: i64) -> Result<(), profile::parameter::ErrorNumber> {
         let position = crate::model::numbered(self.drive.model.catalogue, number).unwrap();
         self.drive.set_element(position, 0, raw)
     }

@@ -3,7 +3,7 @@
 use super::tests::Bench;
 use super::*;
 use crate::model::AKD;
-use profidrive::parameter::Refusal;
+use profile::parameter::Refusal;
 
 fn hex(text: &str) -> Vec<u8> {
     text.split_whitespace()

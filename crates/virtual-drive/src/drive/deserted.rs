@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::Parameter;
-use profidrive::state::FaultReaction;
+use profile::catalogue::Parameter;
+use profile::state::FaultReaction;
 
 use super::faults::Keeper;
 use super::velocity::on_ramp;

@@ -6,9 +6,9 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::Cleared;
-use profidrive::fault::{Counting, Fault, FaultBuffer, Shape};
-use profidrive::state::FaultReaction;
+use profile::catalogue::Cleared;
+use profile::fault::{Counting, Fault, FaultBuffer, Shape};
+use profile::state::FaultReaction;
 use profinet::Instant;
 
 use super::{Drive, Event, RESTLESS};

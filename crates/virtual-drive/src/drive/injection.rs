@@ -12,13 +12,13 @@ use rows::ROWS;
 /// The notation is the one of plant files and of `profidrive inject`; [`Injection::keys`] lists it.
 ///
 /// ```
-/// use virtual_drive::drive::Injection;
+/// use profidrive_virtual_drive::drive::Injection;
 /// assert_eq!("sto=on".parse(), Ok(Injection::Sto(true)));
 /// assert_eq!("load=2.5Nm".parse(), Ok(Injection::Load(2.5)));
 /// let lasting: Injection = "fault=439!".parse()?;
 /// assert_eq!(lasting, Injection::Fault { number: 439, lasting: true });
 /// assert_eq!(lasting.to_string(), "fault=439!");
-/// # Ok::<(), virtual_drive::drive::InjectionError>(())
+/// # Ok::<(), profidrive_virtual_drive::drive::InjectionError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]

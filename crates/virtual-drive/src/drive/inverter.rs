@@ -1,8 +1,8 @@
 //! What a frequency converter obeys beside what all drives do: motor data, references, ramp times, jog speeds, DC brake;
 //! and what it tells of that.
 
-use profidrive::catalogue::{Parameter, Part};
-use profidrive::state::{Conditions, Correction, Orders, Profile, SpeedCommand, State};
+use profile::catalogue::{Parameter, Part};
+use profile::state::{Conditions, Correction, Orders, Profile, SpeedCommand, State};
 
 use super::Drive;
 use crate::axis::{Endurance, Induction, InverterTuning, Motor, Plant, Ramps, Tuning};

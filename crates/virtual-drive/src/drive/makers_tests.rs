@@ -1,7 +1,7 @@
 //! What holds for the tables of every model: each parameter is read, and written with what it can be.
 
-use profidrive::catalogue::{Access, Parameter};
-use profidrive::parameter::{ErrorNumber, Format, Keep, ParameterAccess};
+use profile::catalogue::{Access, Parameter};
+use profile::parameter::{ErrorNumber, Format, Keep, ParameterAccess};
 
 use super::bench::{Bench, CYCLE, ask};
 use super::*;

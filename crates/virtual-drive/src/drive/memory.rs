@@ -4,7 +4,7 @@
 //! DRV.NVSAVE saves, DRV.NVLOAD fetches what was saved last, DRV.RSTVAR puts the values as delivered into the working
 //! memory and leaves what is saved alone. Motion tasks are kept like parameters. Source: AKD Parameter Guide 12/2009.
 
-use profidrive::parameter::{ErrorNumber, SaveId};
+use profile::parameter::{ErrorNumber, SaveId};
 
 use super::settings::Settings;
 use super::{Drive, RESTLESS};

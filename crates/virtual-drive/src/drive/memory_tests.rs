@@ -4,8 +4,8 @@ use super::tests::Bench;
 use super::*;
 use crate::model::AKD;
 use crate::store::Image;
-use profidrive::catalogue::Access;
-use profidrive::parameter::ErrorNumber;
+use profile::catalogue::Access;
+use profile::parameter::ErrorNumber;
 
 /// The text that the drive wants to be kept.
 fn saved(bench: &mut Bench) -> Option<String> {

@@ -28,15 +28,15 @@ mod writing;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use profidrive::catalogue::Scaling;
-use profidrive::parameter::SaveId;
-use profidrive::pkw;
-use profidrive::state::{FaultReaction, Machine, Orders, SetpointChannel, Stw1, Zsw1};
+use profile::catalogue::Scaling;
+use profile::parameter::SaveId;
+use profile::pkw;
+use profile::state::{FaultReaction, Machine, Orders, SetpointChannel, Stw1, Zsw1};
 use profinet::Instant;
 
 pub use address::AddressSource;
 pub use injection::{Injection, InjectionError, Key as InjectionKey};
-pub use profidrive::state::State;
+pub use profile::state::State;
 pub use settings::Mode;
 
 use crate::axis::{Axis, Plant};
@@ -179,7 +179,7 @@ impl Link {
 /// ```
 /// use std::time::Duration;
 /// use profinet::Instant;
-/// use virtual_drive::{drive::Drive, model};
+/// use profidrive_virtual_drive::{drive::Drive, model};
 ///
 /// let mut drive = Drive::new(&model::AKD);
 /// drive.connect(1, Duration::from_millis(48)).unwrap();

@@ -1,6 +1,6 @@
 //! From the state machine to what the power stage does, and back into the status word.
 
-use profidrive::state::{Inputs, Motion, Orders, Profile, State, Stw1, Zsw1};
+use profile::state::{Inputs, Motion, Orders, Profile, State, Stw1, Zsw1};
 
 use super::velocity::on_ramp;
 use super::{Drive, Event, Mode, Service};

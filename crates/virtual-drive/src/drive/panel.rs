@@ -4,7 +4,7 @@
 //! ZSW1 bit 9; FC 300 programming guide 0-40 to 0-42 and 8-01, Vacon application manuals ID 172, from memory. That
 //! a panel starts again by itself after its fault was acknowledged is ours.
 
-use profidrive::state::{State, Stw1};
+use profile::state::{State, Stw1};
 
 use super::{Drive, Mode, Service};
 use crate::axis::Command;

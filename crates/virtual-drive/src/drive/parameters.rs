@@ -1,12 +1,12 @@
 //! Parameter service: the drive behind base mode parameter access.
 
-use profidrive::catalogue::{Access, Parameter, Scale, Size};
-use profidrive::notation::Notation;
-use profidrive::parameter::{
+use profile::catalogue::{Access, Parameter, Scale, Size};
+use profile::notation::Notation;
+use profile::parameter::{
     Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, SaveId,
     SaveState, Saving, Served, serve, serve_saving,
 };
-use profidrive::unit::Variable;
+use profile::unit::Variable;
 
 use super::Drive;
 use crate::model::Live;

@@ -1,9 +1,9 @@
 //! What a parameter reads as.
 
-use profidrive::catalogue::{Access, Parameter, Scale, Size};
+use profile::catalogue::{Access, Parameter, Scale, Size};
 
-use profidrive::parameter::ErrorNumber;
-use profidrive::telegram::Mapping;
+use profile::parameter::ErrorNumber;
+use profile::telegram::Mapping;
 
 use super::faults::motor_sensor;
 use super::inverter::HORSEPOWER;

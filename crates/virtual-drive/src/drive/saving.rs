@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 
-use profidrive::parameter::{SaveId, SaveState};
+use profile::parameter::{SaveId, SaveState};
 
 use super::Event;
 

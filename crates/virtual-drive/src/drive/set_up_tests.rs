@@ -1,6 +1,6 @@
 //! Set-ups of the virtual FC 302, and the telegram that outlives the power.
 
-use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess};
+use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
 
 use super::bench::{Bench, ask};
 use super::*;

@@ -6,9 +6,9 @@
 //! those of motor, brakes, references, ramps and limits. That a running motor changes between set-ups only when their
 //! motor data are the same is our reading of 0-12.
 
-use profidrive::catalogue::Access;
-use profidrive::parameter::ErrorNumber;
-use profidrive::pkw::PkwErrorNumber;
+use profile::catalogue::Access;
+use profile::parameter::ErrorNumber;
+use profile::pkw::PkwErrorNumber;
 
 use super::Drive;
 use crate::model::{Live, Model, SetUpRoles};

@@ -1,7 +1,7 @@
 //! What the drive obeys, taken out of its parameters once after each change instead of in every cycle.
 
-use profidrive::catalogue::Scaling;
-use profidrive::unit::UnitChoice;
+use profile::catalogue::Scaling;
+use profile::unit::UnitChoice;
 
 use super::faults::Watching;
 use super::inverter::Inverter;

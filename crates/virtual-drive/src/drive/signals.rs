@@ -4,9 +4,9 @@
 
 use std::time::Duration;
 
-use profidrive::state::{Orders, Stw1};
-use profidrive::telegram::{Field, Mapping, Telegram, signal};
-use profidrive::unit::akd;
+use profile::state::{Orders, Stw1};
+use profile::telegram::{Field, Mapping, Telegram, signal};
+use profile::unit::akd;
 
 use super::words::{ChosenWord, MOST_WORDS};
 use super::{Disconnect, Drive, Event, Link};

@@ -3,8 +3,8 @@
 use super::tests::Bench;
 use super::*;
 use crate::model::AKD;
-use profidrive::catalogue::{Access, Size};
-use profidrive::parameter::ErrorNumber;
+use profile::catalogue::{Access, Size};
+use profile::parameter::ErrorNumber;
 
 #[test]
 fn every_parameter_reads_within_its_size_and_refuses_what_it_must() {

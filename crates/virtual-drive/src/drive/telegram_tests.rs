@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::model::AKD;
-use profidrive::parameter::ErrorNumber;
-use profidrive::telegram::Mapping;
+use profile::parameter::ErrorNumber;
+use profile::telegram::Mapping;
 
 mod free;
 

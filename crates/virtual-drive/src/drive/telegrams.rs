@@ -3,8 +3,8 @@
 //! Source: AKD manual 5.8, 5.11.1 and 5.11.10; profile reference on the configuration of telegrams. Whether 922 is kept over
 //! power-off the table of parameters says: of an AKD neither it nor the mappings are, of a VLT it is (9-22).
 
-use profidrive::parameter::ErrorNumber;
-use profidrive::telegram::{Direction, FreeMapping, Mapping, Signal, Telegram, signal};
+use profile::parameter::ErrorNumber;
+use profile::telegram::{Direction, FreeMapping, Mapping, Signal, Telegram, signal};
 
 use super::Drive;
 use super::signals::FIRST_TELEGRAM;
@@ -115,7 +115,7 @@ impl Drive {
     ///
     /// ```
     /// use std::time::Duration;
-    /// use virtual_drive::{drive::Drive, model};
+    /// use profidrive_virtual_drive::{drive::Drive, model};
     /// let mut drive = Drive::new(&model::AKD);
     /// drive.plug(0, 4, 32); // telegram 0 in a module of 2 and 16 words
     /// drive.connect(0, Duration::from_millis(48)).unwrap();

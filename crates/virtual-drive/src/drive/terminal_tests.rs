@@ -1,6 +1,6 @@
 //! Digital inputs: what each function does at an edge or for as long as it is active.
 
-use profidrive::state::State;
+use profile::state::State;
 
 use super::Drive;
 use super::bench::{Bench, CYCLE};

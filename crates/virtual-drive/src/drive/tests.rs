@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::model::AKD;
-use profidrive::parameter::ErrorNumber;
+use profile::parameter::ErrorNumber;
 
 /// ZSW1 bits 0, 1, 2, 4, 5, 6.
 const MASK: u16 = 0x0077;
@@ -181,7 +181,7 @@ fn jog_one_and_two() {
     // Not while it moves: the jog has to wait for standstill.
     bench.send(0x047F, 5000, 40);
     bench.send(0x050F, 5000, 1);
-    assert_eq!(bench.drive.channel.jog(), profidrive::state::Jog::Off);
+    assert_eq!(bench.drive.channel.jog(), profile::state::Jog::Off);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The virtual Vacon 100: its words, its ids behind PNU 10001, its faults.
 
-use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess};
+use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
 
 use super::bench::{Bench, ask};
 use super::*;

@@ -2,7 +2,7 @@
 //!
 //! Source: AKD manual 5.4, 5.5 and 5.9 (application class 1).
 
-use profidrive::state::{Setpoint, SpeedCommand, Zsw1};
+use profile::state::{Setpoint, SpeedCommand, Zsw1};
 
 use super::{Drive, Mode};
 use crate::axis::{Command, Ramps};

@@ -1,6 +1,6 @@
 //! The virtual FC 302: its control words, references, parameters, alarms and process data.
 
-use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess};
+use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
 
 use super::bench::{Bench, CYCLE, ask};
 use super::*;

@@ -3,8 +3,8 @@
 //!
 //! Source: MCA 101 manual p. 16 and 27, MCA 120 manual p. 27, OPTEA manual p. 103.
 
-use profidrive::pkw::PkwErrorNumber;
-use profidrive::telegram::{Telegram, signal};
+use profile::pkw::PkwErrorNumber;
+use profile::telegram::{Telegram, signal};
 
 use super::Drive;
 use crate::model::{Chosen, Live, numbered};

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use profidrive::catalogue::{Access, Parameter};
+use profile::catalogue::{Access, Parameter};
 
-use profidrive::parameter::ErrorNumber;
-use profidrive::telegram::{Direction, signal};
+use profile::parameter::ErrorNumber;
+use profile::telegram::{Direction, signal};
 
 use super::{Drive, Event, Service};
 use crate::model::{Action, Live, Table, numbered};

@@ -2,8 +2,8 @@
 //!
 //! Source of the numbers: AKD PROFINET manual ed. M chapters 5 and 6; of the meanings `data/akd/`.
 
-use profidrive::catalogue;
-use profidrive::fault::Shape;
+use profile::catalogue;
+use profile::fault::Shape;
 
 use super::akd_conditions::{ACTIONS, CONDITIONS};
 use super::live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
@@ -19,7 +19,7 @@ pub static AKD: Model = Model {
     live: LIVE,
     roles: ROLES,
     plant: Plant::SERVO,
-    known: &profidrive::model::AKD,
+    known: &profile::model::AKD,
     process: ProcessFacts {
         signals: Signals::Numbers,
         setpoints: Chosen::Nothing,
@@ -285,8 +285,8 @@ const LIVE: &[(u16, Live)] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::Access;
-    use profidrive::telegram::{Direction, Signal};
+    use profile::catalogue::Access;
+    use profile::telegram::{Direction, Signal};
 
     fn is_setpoint(number: u16) -> bool {
         let signal = Signal::find(number, AKD.catalogue.device.vendor_id);

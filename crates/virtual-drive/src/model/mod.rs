@@ -25,8 +25,8 @@ pub use terminal::{InputFunction, Terminal};
 pub use vacon::VACON;
 pub use vlt::VLT;
 
-use profidrive::catalogue::{Catalogue, Parameter};
-use profidrive::fault::Shape;
+use profile::catalogue::{Catalogue, Parameter};
+use profile::fault::Shape;
 
 use crate::axis::Plant;
 
@@ -39,7 +39,7 @@ pub static ALL: [&Model; 3] = [&AKD, &VLT, &VACON];
 /// The model with this name, case does not matter.
 ///
 /// ```
-/// use virtual_drive::model;
+/// use profidrive_virtual_drive::model;
 /// assert_eq!(model::by_name("vlt").unwrap().catalogue.model, "VLT");
 /// assert!(model::by_name("sinamics").is_none());
 /// ```
@@ -61,7 +61,7 @@ pub struct Model {
     /// Motor and load of the virtual drive.
     pub plant: Plant,
     /// What its clients know too: dialect of its parameter manager, parameter channel, control words.
-    pub known: &'static profidrive::model::Model,
+    pub known: &'static profile::model::Model,
     /// What its process data are.
     pub process: ProcessFacts,
     /// What is particular about it on PROFINET.

@@ -3,9 +3,9 @@
 //! Source of the numbers and their meaning: `data/vacon/`, much of it recalled; of the words: OPTEA manual p. 103-123,
 //! Vacon 100 PROFINET manual p. 25-32. Limits of the supervision are ours.
 
-use profidrive::catalogue;
-use profidrive::fault::Shape;
-use profidrive::telegram::signal;
+use profile::catalogue;
+use profile::fault::Shape;
+use profile::telegram::signal;
 
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Live, Quantity, Sensor, Table};
@@ -24,7 +24,7 @@ pub static VACON: Model = Model {
         ..Roles::NONE
     },
     plant: PLANT,
-    known: &profidrive::model::VACON,
+    known: &profile::model::VACON,
     process: ProcessFacts {
         signals: Signals::Are(SIGNALS),
         setpoints: Chosen::Fixed(&DATA_IN),

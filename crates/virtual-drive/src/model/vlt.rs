@@ -4,9 +4,9 @@
 //! (MG33B), MCA 101 and MCA 120 manuals. The answer to a connect is that of a real drive
 //! (captures of cisagov/icsnpp-profinet-io-cm). Where no source tells it, it is ours and says so.
 
-use profidrive::catalogue;
-use profidrive::fault::Shape;
-use profidrive::telegram::signal;
+use profile::catalogue;
+use profile::fault::Shape;
+use profile::telegram::signal;
 use profinet::wire::ByteOrder;
 
 use super::condition::{Cause, Condition, Limit, When};
@@ -27,7 +27,7 @@ pub static VLT: Model = Model {
         ..Roles::NONE
     },
     plant: PLANT,
-    known: &profidrive::model::VLT,
+    known: &profile::model::VLT,
     process: ProcessFacts {
         signals: Signals::Are(SIGNALS),
         setpoints: Chosen::Array(915),

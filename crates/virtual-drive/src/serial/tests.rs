@@ -1,8 +1,8 @@
 use super::*;
 use crate::model;
-use profidrive::parameter::{Keep, ParameterAccess};
-use profidrive::pkw::{Answer, Client, ClientTiming, Job, Memory, PkwValue};
-use profidrive::state::State;
+use profile::parameter::{Keep, ParameterAccess};
+use profile::pkw::{Answer, Client, ClientTiming, Job, Memory, PkwValue};
+use profile::state::State;
 use uss::{Address, Event, Master as LineMaster, MasterConfig, SlaveId};
 
 /// A master and some drives on one line, in virtual time.
@@ -77,7 +77,7 @@ impl Bench {
         self.master.set_data(slave, &[a, b, c, d]).unwrap();
     }
 
-    fn job(&mut self, slave: SlaveId, client: &mut Client, job: Job<'_>) -> profidrive::pkw::Outcome {
+    fn job(&mut self, slave: SlaveId, client: &mut Client, job: Job<'_>) -> profile::pkw::Outcome {
         client.start(time(self.now), job).unwrap();
         for _ in 0..100 {
             let mut data = [0; MAX_DATA];

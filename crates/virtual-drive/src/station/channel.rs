@@ -7,11 +7,11 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-use profidrive::notation::Quantity;
-use profidrive::parameter::{
+use profile::notation::Quantity;
+use profile::parameter::{
     ErrorNumber, Format, ParameterAccess, Refusal, SaveId, SaveState, Served, not_saved,
 };
-use profidrive::pkw::{PkwDialect, PkwErrorNumber};
+use profile::pkw::{PkwDialect, PkwErrorNumber};
 use profinet::Instant;
 use profinet::wire::PnioStatus;
 use profinet::wire::status::record as code1;

@@ -1,8 +1,8 @@
 //! What a station has to tell.
 
-use profidrive::catalogue::Catalogue;
-use profidrive::parameter::SaveId;
-use profidrive::state::State;
+use profile::catalogue::Catalogue;
+use profile::parameter::SaveId;
+use profile::state::State;
 use profinet::device::{SetRefusal, Stored};
 use profinet::wire::PnioStatus;
 use profinet::{IpSuite, MacAddress};

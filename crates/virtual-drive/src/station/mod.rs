@@ -16,8 +16,8 @@ use std::collections::VecDeque;
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
-use profidrive::catalogue::RecordView;
-use profidrive::parameter::{ParameterAccess, SaveId, SaveState};
+use profile::catalogue::RecordView;
+use profile::parameter::{ParameterAccess, SaveId, SaveState};
 use profinet::device::{
     ArKey, ArKind, Device, Event as DeviceEvent, RecordAddress, Refusals, ResetMode, Stored, Token,
 };
@@ -98,7 +98,7 @@ impl StationConfig {
 ///
 /// ```
 /// use profinet::{Endpoint, MacAddress};
-/// use virtual_drive::{model, station::{Station, StationConfig}};
+/// use profidrive_virtual_drive::{model, station::{Station, StationConfig}};
 /// let station = Station::new(StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1])));
 /// // it tells its neighbour who it is, and waits until somebody speaks
 /// assert_eq!(station.poll_timeout(), Some(profinet::Instant::ZERO));

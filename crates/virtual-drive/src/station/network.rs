@@ -1,6 +1,6 @@
 //! Name, address and I&M data on their way to non-volatile memory, which the owner of the station writes.
 
-use profidrive::parameter::SaveId;
+use profile::parameter::SaveId;
 use profinet::{Instant, IpSuite};
 
 use super::{Station, StationEvent};

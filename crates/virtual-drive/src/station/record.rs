@@ -2,8 +2,8 @@
 //!
 //! Source: Vacon 100 PROFINET manual 5.4.4, OPTEA manual p. 116 (ID 102 is 0x1388 in 16 bits and 0x0007A120 in 32).
 
-use profidrive::catalogue::RecordView;
-use profidrive::parameter::{ErrorNumber, Keep, ParameterAccess, SaveId};
+use profile::catalogue::RecordView;
+use profile::parameter::{ErrorNumber, Keep, ParameterAccess, SaveId};
 use profinet::wire::PnioStatus;
 use profinet::wire::status::record as code1;
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use profidrive::parameter::ParameterAccess;
+use profile::parameter::ParameterAccess;
 use profinet::controller::{Event, RecordAddress};
 
 use super::channel::Channels;
@@ -221,7 +221,7 @@ fn the_same_value_again_is_acknowledged_when_it_is_stored() {
     for stored in [true, false] {
         let mut drive = Drive::new(&VLT);
         drive.confirm_saves();
-        let permanent = |drive: &mut Drive| drive.write(341, 0, 500, profidrive::parameter::Keep::Permanent);
+        let permanent = |drive: &mut Drive| drive.write(341, 0, 500, profile::parameter::Keep::Permanent);
         permanent(&mut drive).unwrap();
         let first = drive.started_save().expect("a save");
         permanent(&mut drive).unwrap();

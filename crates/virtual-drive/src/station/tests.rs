@@ -3,7 +3,7 @@
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
-use profidrive::state::State;
+use profile::state::State;
 use profinet::controller::{
     ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, RecordAddress, Resolve,
     SubmoduleConfig, Target,

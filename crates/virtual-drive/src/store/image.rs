@@ -15,7 +15,7 @@
 
 use core::fmt::Write as _;
 
-use profidrive::catalogue::{Parameter, Scale, Scaling};
+use profile::catalogue::{Parameter, Scale, Scaling};
 
 /// Version of the format, the number in the first line.
 pub const FORMAT: u32 = 2;
@@ -313,7 +313,7 @@ pub fn crc32(bytes: &[u8]) -> u32 {
 mod tests {
     use super::super::Values;
     use super::*;
-    use profidrive::catalogue::AKD;
+    use profile::catalogue::AKD;
     use proptest::prelude::*;
 
     #[test]

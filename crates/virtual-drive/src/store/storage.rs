@@ -183,7 +183,7 @@ impl Storage for CrashingStorage {
 mod tests {
     use super::super::{Image, Values};
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
+    use profile::catalogue::{AKD, Scaling};
 
     fn states() -> (String, String) {
         let mut values = Values::new(&AKD);

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use profidrive::catalogue::{Access, Catalogue, Parameter, Scale, Scaling};
-use profidrive::notation::Notation;
+use profile::catalogue::{Access, Catalogue, Parameter, Scale, Scaling};
+use profile::notation::Notation;
 
 use super::{Image, ImageError};
 use crate::model::numbered;
@@ -356,7 +356,7 @@ fn read(text: &str) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, VLT};
+    use profile::catalogue::{AKD, VLT};
     use proptest::prelude::*;
 
     #[test]

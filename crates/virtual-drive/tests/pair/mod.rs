@@ -3,14 +3,14 @@
 use std::net::SocketAddrV4;
 use std::time::Duration;
 
+use profidrive_virtual_drive::model::AKD;
+use profidrive_virtual_drive::station::{Station, StationConfig};
 use profinet::controller::{
     ArId, ConnectConfig, Controller, ControllerConfig, ModuleConfig, Resolve, SubmoduleConfig, Target,
 };
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
-use virtual_drive::model::AKD;
-use virtual_drive::station::{Station, StationConfig};
 
 /// The station.
 pub const DRIVE: MacAddress = MacAddress([2, 0, 0, 0, 0, 1]);

@@ -48,7 +48,7 @@ const fn alarm_word(parameter: &'static str, warnings: bool, first: u8) -> Alarm
     }
 }
 
-/// Every model. A further one is a row here, its tables in `data/` and a line in `profidrive::catalogue`.
+/// Every model. A further one is a row here, its tables in `data/` and a line in `profile::catalogue`.
 const MODELS: &[Model] = &[
     Model {
         folder: "akd",
@@ -110,7 +110,7 @@ impl Model {
             return Err(format!("{}: [values] {name} is no parameter", data("device.toml")).into());
         }
         let made = |file: &str, from: &str, text: String| Generated {
-            path: format!("crates/profidrive/src/catalogue/{}/{file}.rs", self.folder),
+            path: format!("crates/profile/src/catalogue/{}/{file}.rs", self.folder),
             from: data(from),
             text,
         };
@@ -168,7 +168,7 @@ mod tests {
             let files = model.files(&root).unwrap();
             assert_eq!(files.len(), 9);
             for file in &files {
-                let home = format!("crates/profidrive/src/catalogue/{}/", model.folder);
+                let home = format!("crates/profile/src/catalogue/{}/", model.folder);
                 assert!(file.path.starts_with(&home), "{}", file.path);
                 assert!(root.join(&file.from).exists(), "{}", file.from);
             }

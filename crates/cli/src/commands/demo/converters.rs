@@ -3,13 +3,13 @@
 
 use std::time::Duration;
 
-use drive_client::{Drive, DriveAddress, Error, Session, WriteMode, describe, modules_of};
+use client::{Drive, DriveAddress, Error, Session, WriteMode, describe, modules_of};
 use network::host::{Host, StationId};
 use network::segment::SegmentMedium;
-use profidrive::catalogue::Device;
-use profidrive::pkw::{Answer, Client, ClientTiming, Job, Memory, Outcome, PkwDialect, PkwValue};
-use profidrive::state::{Profile, Stw1, Zsw1};
-use profidrive::telegram::{Telegram, signal};
+use profile::catalogue::Device;
+use profile::pkw::{Answer, Client, ClientTiming, Job, Memory, Outcome, PkwDialect, PkwValue};
+use profile::state::{Profile, Stw1, Zsw1};
+use profile::telegram::{Telegram, signal};
 use profinet::controller::{ArId, ConnectConfig, Controller, ControllerConfig, Event, Target};
 use profinet::cyclic::Timing;
 use profinet::{IpSuite, MacAddress, Medium};

@@ -9,14 +9,14 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Duration;
 
-use drive_client::axis::{Jog, Trouble};
-use drive_client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, WriteMode, describe};
+use client::axis::{Jog, Trouble};
+use client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, WriteMode, describe};
 use network::files;
 use network::host::{Host, StationId};
 use network::linux::Stop;
 use network::pcap::Writer;
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive::value::{Assignment, Reading, Selection};
+use profile::value::{Assignment, Reading, Selection};
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
 use profinet::{IpSuite, MacAddress};
@@ -289,7 +289,7 @@ fn page(
         selections.push(
             drive
                 .parameters
-                .select(&name.parse().map_err(profidrive::value::ParameterProblem::from)?)?,
+                .select(&name.parse().map_err(profile::value::ParameterProblem::from)?)?,
         );
     }
     let readings: Vec<Reading> = session.read(drive, &selections)?.into_iter().flatten().collect();
@@ -328,11 +328,9 @@ fn hold(axis: &mut Demonstrated<'_, '_>, time: Duration, show: &Show) -> Result<
         axis.hold(part)?;
         left -= part;
         let (session, drive) = axis.session();
-        let selection = drive.parameters.select(
-            &"PL.FB"
-                .parse()
-                .map_err(profidrive::value::ParameterProblem::from)?,
-        )?;
+        let selection = drive
+            .parameters
+            .select(&"PL.FB".parse().map_err(profile::value::ParameterProblem::from)?)?;
         show.position.set(session.read_one(drive, &selection)?.number());
         if let Some(status) = axis.status() {
             show.view.borrow_mut().show(&AxisView {

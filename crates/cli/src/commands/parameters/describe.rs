@@ -1,10 +1,10 @@
 //! `profidrive describe`
 
-use drive_client::{Described, Drive, Refusal};
-use profidrive::catalogue::{Access, Parameter, Role, Scaling, Word};
-use profidrive::notation::{Notation, Shown};
-use profidrive::parameter::Saving;
-use profidrive::value::{Reading, Selection};
+use client::{Described, Drive, Refusal};
+use profile::catalogue::{Access, Parameter, Role, Scaling, Word};
+use profile::notation::{Notation, Shown};
+use profile::parameter::Saving;
+use profile::value::{Reading, Selection};
 use serde_json::Value;
 
 use super::limits::{self, Limits};
@@ -235,8 +235,8 @@ fn size_words(parameter: &Parameter) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::AKD;
-    use profidrive::value::Parameters;
+    use profile::catalogue::AKD;
+    use profile::value::Parameters;
 
     #[test]
     fn a_description_says_unit_and_limits() {

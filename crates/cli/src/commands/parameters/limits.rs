@@ -1,8 +1,8 @@
 //! Limits of a parameter in words, and whose they are: of the drive, of the tables, or only of the data type.
 
-use drive_client::{Described, DescribedLimits};
-use profidrive::catalogue::Parameter;
-use profidrive::value::Parameters;
+use client::{Described, DescribedLimits};
+use profile::catalogue::Parameter;
+use profile::value::Parameters;
 use serde_json::{Map, Value};
 
 use crate::fields;
@@ -106,7 +106,7 @@ pub fn json(told: Option<&Described>) -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::model::Model;
+    use profile::model::Model;
 
     fn drive() -> Parameters {
         Parameters::of(&Model::by_name("vlt").unwrap())

@@ -1,8 +1,8 @@
 //! `profidrive list`
 
-use profidrive::catalogue::{Catalogue, Parameter};
-use profidrive::notation::{Notation, ParameterReference, Shown, Target};
-use profidrive::value::{Parameters, Selection};
+use profile::catalogue::{Catalogue, Parameter};
+use profile::notation::{Notation, ParameterReference, Shown, Target};
+use profile::value::{Parameters, Selection};
 use serde_json::Value;
 
 use super::{access_word, name_bits, number_of, parameter_json, print_readings};
@@ -124,7 +124,7 @@ fn filtered(parameters: &Parameters, tables: &'static Catalogue, text: &str) -> 
 /// A drive without tables lists its numbers itself (PNU 980 and following).
 fn list_numbers(
     session: &mut connect::Live,
-    drive: &mut drive_client::Drive,
+    drive: &mut client::Drive,
     output: &Output,
 ) -> Result<(), Failure> {
     let numbers = session.numbers(drive)?;
@@ -161,7 +161,7 @@ fn list_numbers(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling, VACON, VLT};
+    use profile::catalogue::{AKD, Scaling, VACON, VLT};
 
     #[test]
     fn filters_find_names_words_and_numbers() {

@@ -1,9 +1,9 @@
 //! `profidrive write`
 
-use drive_client::{ChangeOutcome, Drive, PlannedValue, WriteMode};
-use profidrive::catalogue::Role;
-use profidrive::parameter::Saving;
-use profidrive::value::Assignment;
+use client::{ChangeOutcome, Drive, PlannedValue, WriteMode};
+use profile::catalogue::Role;
+use profile::parameter::Saving;
+use profile::value::Assignment;
 use serde_json::{Map, Value};
 
 use super::{last_failure, reading_json, refusal_json, refused_failure};
@@ -383,8 +383,8 @@ fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use profidrive::catalogue::{AKD, Scaling};
-    use profidrive::value::Parameters;
+    use profile::catalogue::{AKD, Scaling};
+    use profile::value::Parameters;
 
     #[test]
     fn a_command_leaves_no_value_behind() {
@@ -398,7 +398,7 @@ mod tests {
             let value = tables.check(&selection, &assignment.value).unwrap();
             let value = PlannedValue::Number(value);
             let outcome = ChangeOutcome {
-                change: drive_client::PlannedChange { selection, value },
+                change: client::PlannedChange { selection, value },
                 old: None,
                 written: Some(Ok(())),
                 new: None,

@@ -5,11 +5,11 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use drive_client::{LineAddress, Parity};
+use client::{LineAddress, Parity};
 use network::linux::{Bell, Stop, now};
 use network::serial::{Error as SerialError, Line, Port, Talker};
+use plant::Happening;
 use profinet::Instant;
-use scenario::Happening;
 use uss::SlaveConfig;
 use virtual_drive::serial::{SerialConfig, SerialStation};
 use virtual_drive::station::AnswerFault;

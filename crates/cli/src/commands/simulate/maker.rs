@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use scenario::Scenario;
+use plant::Scenario;
 use virtual_drive::description::{Description, Import};
 use virtual_drive::model::{self, Model as DriveModel};
 

@@ -20,10 +20,10 @@ use network::files;
 use network::host::StationId;
 use network::linux::{Bell, Error as NetworkError, Runner, Stop, Turn, now};
 use network::pcap::Writer;
+use plant::{Happening, Scenario, ScenarioError, Timeline, Unit, What};
 use profinet::controller;
 use profinet::device::Stored;
 use profinet::{Endpoint, Instant};
-use scenario::{Happening, Scenario, ScenarioError, Timeline, Unit, What};
 use virtual_drive::model::Model as DriveModel;
 use virtual_drive::station::Station;
 
@@ -385,7 +385,7 @@ fn happenings(request: &Request, model: &DriveModel) -> Result<Vec<Happening>, S
         let happening: Happening = text.parse()?;
         happening.fits(model).map(|()| happening)
     };
-    let all: Result<Vec<Happening>, scenario::HappeningError> = request.happenings.iter().map(read).collect();
+    let all: Result<Vec<Happening>, plant::HappeningError> = request.happenings.iter().map(read).collect();
     all.map_err(|error| error.to_string())
 }
 

@@ -3,9 +3,9 @@
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
+use plant::{DrivePlan, derived_mac};
 use profinet::wire::dcp::check_name;
 use profinet::{IpSuite, MacAddress};
-use scenario::{DrivePlan, derived_mac};
 use virtual_drive::model::Model as DriveModel;
 
 use crate::args::{Network, Simulate};

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use profidrive::parameter::SaveId;
+use profile::parameter::SaveId;
 use profinet::device::Stored;
 
 use super::Keeping;

@@ -8,7 +8,7 @@ use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 
 use network::linux::Bell;
-use profidrive::parameter::SaveId;
+use profile::parameter::SaveId;
 use profinet::Instant;
 use virtual_drive::station::{Station, StationEvent};
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
-use drive_client::describe;
+use client::describe;
 use network::host::{Host, StationId};
 use network::linux::{InterfaceInfo, Runner, now};
 use network::probe::Probe;

@@ -6,8 +6,8 @@ use std::time::Duration;
 use network::files::create;
 use network::linux::{Stop, now};
 use network::pcap::Writer;
+use plant::{Entry, Scenario, World};
 use profinet::Instant;
-use scenario::{Entry, Scenario, World};
 
 use crate::failure::{Exit, Failure};
 use crate::fields;

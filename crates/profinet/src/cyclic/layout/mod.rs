@@ -167,7 +167,7 @@ pub struct StatusObject {
 /// never recomputed.
 ///
 /// ```
-/// use profinet::cyclic::{SubmoduleSize, pack};
+/// use profidrive_profinet::cyclic::{SubmoduleSize, pack};
 /// // a device access point without data, and a drive's telegram 1: two words each way
 /// let (input, output) =
 ///     pack(&[SubmoduleSize::new(0, 0, 1, 0, 0), SubmoduleSize::new(0x3A00, 1, 1, 4, 4)]).unwrap();

@@ -56,7 +56,7 @@ impl From<RtaType> for u8 {
 /// One RTA PDU.
 ///
 /// ```
-/// use profinet::wire::alarm::{RtaPdu, RtaType};
+/// use profidrive_profinet::wire::alarm::{RtaPdu, RtaType};
 /// let bytes = [0, 1, 0, 1, 0x13, 0x01, 0xFF, 0xFE, 0xFF, 0xFF, 0, 0];
 /// let pdu = RtaPdu::parse(&bytes).unwrap();
 /// assert_eq!((pdu.kind, pdu.send_sequence, pdu.ack_sequence), (RtaType::Ack, 0xFFFE, 0xFFFF));

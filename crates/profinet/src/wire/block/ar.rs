@@ -307,9 +307,9 @@ impl ArServer {
 /// All blocks of a positive Connect.res.
 ///
 /// ```
-/// use profinet::wire::block::{ArResponse, ArType, ConnectResponse};
-/// use profinet::wire::{Reader, Uuid};
-/// use profinet::MacAddress;
+/// use profidrive_profinet::wire::block::{ArResponse, ArType, ConnectResponse};
+/// use profidrive_profinet::wire::{Reader, Uuid};
+/// use profidrive_profinet::MacAddress;
 /// let ar = ArResponse {
 ///     ar_type: ArType::SUPERVISOR,
 ///     ar_uuid: Uuid([1; 16]),

@@ -29,8 +29,8 @@ impl ControlCommand {
 /// IEC 61158-6-10, IODControlReq, IOXControlReq, ReleaseBlock and their responses.
 ///
 /// ```
-/// use profinet::wire::block::{BlockType, ControlBlock, ControlCommand};
-/// use profinet::wire::Uuid;
+/// use profidrive_profinet::wire::block::{BlockType, ControlBlock, ControlCommand};
+/// use profidrive_profinet::wire::Uuid;
 /// let request = ControlBlock::new(BlockType::PRM_END, Uuid([7; 16]), 2, ControlCommand::PRM_END);
 /// let mut out = Vec::new();
 /// request.done().encode(&mut out);

@@ -27,7 +27,7 @@ pub const MAX_DELAY_FACTOR: u16 = 6400;
 /// One DCP PDU, its length field checked.
 ///
 /// ```
-/// use profinet::wire::dcp::{Pdu, ServiceId, Value};
+/// use profidrive_profinet::wire::dcp::{Pdu, ServiceId, Value};
 /// // Identify by name
 /// let bytes = [
 ///     5, 0, 0, 0, 0, 2, 0, 1, 0, 12, 2, 2, 0, 7, b'd', b'r', b'i', b'v', b'e', b'-', b'1', 0,
@@ -210,7 +210,7 @@ impl<'a> Block<'a> {
 /// Writes a DCP PDU block by block; [`finish`](Self::finish) fills in the length.
 ///
 /// ```
-/// use profinet::wire::dcp::{PduWriter, ServiceId, ServiceType, Value};
+/// use profidrive_profinet::wire::dcp::{PduWriter, ServiceId, ServiceType, Value};
 /// let mut bytes = Vec::new();
 /// let mut pdu = PduWriter::new(&mut bytes, ServiceId::Identify, ServiceType::Request, 2, 1);
 /// pdu.filter(&Value::Name(b"drive-1"));

@@ -59,7 +59,7 @@ pub enum NameRule {
 /// The first rule that is broken, from left to right.
 ///
 /// ```
-/// use profinet::wire::dcp::{NameRule, check_name};
+/// use profidrive_profinet::wire::dcp::{NameRule, check_name};
 /// assert_eq!(check_name(b"akd-1.line-2"), Ok(()));
 /// assert_eq!(check_name(b"AKD-1"), Err(NameRule::Character { character: 'A', position: 0 }));
 /// ```
@@ -131,7 +131,7 @@ fn is_port(label: &[u8]) -> bool {
 /// checksum; this is not it.)
 ///
 /// ```
-/// use profinet::wire::dcp::legal_name;
+/// use profidrive_profinet::wire::dcp::legal_name;
 /// assert_eq!(legal_name("Drive_1 (links)"), "drive-1-links");
 /// ```
 #[must_use]

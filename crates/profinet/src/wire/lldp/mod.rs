@@ -80,8 +80,8 @@ pub type Delays = [u32; 5];
 /// One LLDPDU. Decoding borrows from the frame; encoding writes the known parts in the usual order.
 ///
 /// ```
-/// use profinet::wire::Reader;
-/// use profinet::wire::lldp::{Id, LOCALLY_ASSIGNED, Lldpdu};
+/// use profidrive_profinet::wire::Reader;
+/// use profidrive_profinet::wire::lldp::{Id, LOCALLY_ASSIGNED, Lldpdu};
 /// let own = |value| Id { subtype: LOCALLY_ASSIGNED, value };
 /// let told = Lldpdu { ttl: 20, ..Lldpdu::new(own(b"akd-1"), own(b"port-001")) };
 /// let mut octets = Vec::new();

@@ -8,8 +8,8 @@ use crate::wire::{DecodeError, Problem, Reader, Writer};
 /// IEC 61158-6-10, I&M0.
 ///
 /// ```
-/// use profinet::wire::record::Im0;
-/// use profinet::wire::Reader;
+/// use profidrive_profinet::wire::record::Im0;
+/// use profidrive_profinet::wire::Reader;
 /// let im0 = Im0 { vendor_id: 0x0105, profile_id: 0x3A00, supported: 0x1E, ..Im0::default() };
 /// let mut record = Vec::new();
 /// im0.encode(&mut record);

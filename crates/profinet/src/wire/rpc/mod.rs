@@ -193,8 +193,8 @@ impl Flags {
 /// IEC 61158-6-10, RPC-PDU; 80 octets. `order` decides how the numbers and UUIDs are read.
 ///
 /// ```
-/// use profinet::wire::rpc::{Header, PacketType, operation};
-/// use profinet::wire::Uuid;
+/// use profidrive_profinet::wire::rpc::{Header, PacketType, operation};
+/// use profidrive_profinet::wire::Uuid;
 /// let header = Header::request(Uuid::object(1, 1, 0x0105), Uuid::DEVICE_INTERFACE, Uuid::NIL, 0, operation::READ);
 /// let mut pdu = Vec::new();
 /// header.encode(&mut pdu, 0);

@@ -45,7 +45,7 @@ pub mod tag {
 /// An object identifier; compares as the order of a MIB goes.
 ///
 /// ```
-/// use profinet::wire::snmp::Oid;
+/// use profidrive_profinet::wire::snmp::Oid;
 /// let system = Oid::from([1, 3, 6, 1, 2, 1, 1]);
 /// assert_eq!(system.to_string(), "1.3.6.1.2.1.1");
 /// assert!(system < system.with(&[1, 0]));

@@ -173,8 +173,8 @@ impl Binding {
 /// A message with its PDU.
 ///
 /// ```
-/// use profinet::wire::Reader;
-/// use profinet::wire::snmp::{Binding, Message, Oid, PduKind, Value, Version};
+/// use profidrive_profinet::wire::Reader;
+/// use profidrive_profinet::wire::snmp::{Binding, Message, Oid, PduKind, Value, Version};
 /// let name = Oid::from([1, 3, 6, 1, 2, 1, 1, 5, 0]);
 /// let asked = Message {
 ///     version: Version::V2c, community: b"public".to_vec(), kind: PduKind::GET, request: 7, first: 0, second: 0,

@@ -13,7 +13,7 @@ use super::{DecodeError, Reader, Writer};
 /// IEC 61158-6-10, coding of the field PNIOStatus.
 ///
 /// ```
-/// use profinet::wire::PnioStatus;
+/// use profidrive_profinet::wire::PnioStatus;
 /// let status = PnioStatus::from_u32(0xDE80_B000);
 /// assert_eq!(status.to_string(), "DE 80 B0 00: read refused, invalid index");
 /// ```

@@ -1,6 +1,6 @@
 //! The notation of injections: everything that can be written, and nothing else.
 
-use profidrive::notation::Quantity;
+use profile::notation::Quantity;
 
 use super::Injection;
 
@@ -371,7 +371,7 @@ impl Form {
                 }
                 let quantity: Quantity = text
                     .parse()
-                    .map_err(|error: profidrive::notation::QuantityError| error.to_string())?;
+                    .map_err(|error: profile::notation::QuantityError| error.to_string())?;
                 let value = quantity.in_unit(unit).map_err(|error| error.to_string())?;
                 if (low..=high).contains(&value) {
                     Ok(make(Some(value)))

@@ -2,9 +2,9 @@
 
 use core::time::Duration;
 
-use profidrive::parameter::ErrorNumber;
-use profidrive::state::State;
-use profidrive::telegram::signal;
+use profile::parameter::ErrorNumber;
+use profile::state::State;
+use profile::telegram::signal;
 
 use super::tests::{Bench, READY, START};
 use crate::axis::{Plant, Travel};

@@ -1,6 +1,6 @@
 //! Every mode of homing on an axis with switches, stops and an index pulse.
 
-use profidrive::telegram::signal;
+use profile::telegram::signal;
 
 use super::tests::{Bench, READY, START};
 use super::units::REVOLUTION;

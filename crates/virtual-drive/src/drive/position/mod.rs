@@ -39,7 +39,7 @@ mod seeds;
 #[cfg(test)]
 mod tests;
 
-use profidrive::state::{PositionCommand, PositionEffect, PositionMachine, PositionState, Stw1};
+use profile::state::{PositionCommand, PositionEffect, PositionMachine, PositionState, Stw1};
 
 use super::settings::Settings;
 use crate::axis::{Axis, Command, Inputs, Ramps};

@@ -1,8 +1,8 @@
 //! The parameters and commands of positioning that do something when they are written.
 
-use profidrive::parameter::ErrorNumber;
-use profidrive::state::{PositionCommand, PositionState};
-use profidrive::telegram::signal;
+use profile::parameter::ErrorNumber;
+use profile::state::{PositionCommand, PositionState};
+use profile::telegram::signal;
 
 use super::task::{MOST_TASKS, Task};
 use super::{Seen, homing};

@@ -1,6 +1,6 @@
 //! What positioning obeys, taken out of the parameters once after each change.
 
-use profidrive::catalogue::Scaling;
+use profile::catalogue::Scaling;
 
 use super::homing::HomeSetup;
 use super::limits::Limits;

@@ -2,7 +2,7 @@
 //!
 //! Source: AKD manual 5.5 and 5.10.3; bits of DRV.MOTIONSTAT from the AKD Parameter Guide 12/2009.
 
-use profidrive::state::{PositionFacts, PositionState, Zsw1};
+use profile::state::{PositionFacts, PositionState, Zsw1};
 
 use super::task::Refusal;
 use super::{MDI, Positioning, Seen, Setup};

@@ -2,9 +2,9 @@
 
 use core::time::Duration;
 
-use profidrive::parameter::ErrorNumber;
-use profidrive::state::State;
-use profidrive::telegram::{Mapping, signal};
+use profile::parameter::ErrorNumber;
+use profile::state::State;
+use profile::telegram::{Mapping, signal};
 use profinet::Instant;
 
 use super::units::REVOLUTION;

@@ -1,8 +1,8 @@
 //! Positioning in the tick of the drive: signals in, wishes to the machine, commands to the axis.
 
-use profidrive::state::{PositionCommand, PositionEffect, PositionInputs, PositionState, Stw1};
-use profidrive::telegram::signal;
-use profidrive::unit::akd;
+use profile::state::{PositionCommand, PositionEffect, PositionInputs, PositionState, Stw1};
+use profile::telegram::signal;
+use profile::unit::akd;
 
 use super::run::Leg;
 use super::task::{Refusal, Task};

@@ -1,6 +1,6 @@
 //! Lengths: the unit that the user chose, and axes that turn round and round.
 
-use profidrive::unit::UnitChoice;
+use profile::unit::UnitChoice;
 
 /// 2^-32 revolutions of one revolution: positions inside the drive count in these.
 pub(in crate::drive) const REVOLUTION: f64 = 4_294_967_296.0;

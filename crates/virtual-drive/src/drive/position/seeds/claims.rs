@@ -1,7 +1,7 @@
 //! What must be true in every cycle.
 
-use profidrive::state::{PositionState, State};
-use profidrive::telegram::signal;
+use profile::state::{PositionState, State};
+use profile::telegram::signal;
 
 use super::{Bound, FOLLOWING, Life, TASKS, Trial};
 use crate::drive::position::units::REVOLUTION;

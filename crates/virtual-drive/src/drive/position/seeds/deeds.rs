@@ -2,8 +2,8 @@
 
 use core::time::Duration;
 
-use profidrive::state::{PositionState, State};
-use profidrive::telegram::signal;
+use profile::state::{PositionState, State};
+use profile::telegram::signal;
 
 use super::{Life, READY, TASKS, Trial};
 use crate::drive::Disconnect;

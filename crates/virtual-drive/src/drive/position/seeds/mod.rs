@@ -5,7 +5,7 @@
 
 use core::time::Duration;
 
-use profidrive::state::PositionState;
+use profile::state::PositionState;
 
 use super::tests::{Bench, READY};
 use crate::axis::{Plant, Travel};

@@ -1,0 +1,374 @@
+//! What a person can do next, as values: each front end words them as its own commands, buttons or calls.
+
+use std::fmt;
+
+/// Something to do about a state of a drive or about an error.
+///
+/// An action applies to the drive that the state or the error is about, unless it names another.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Action {
+    /// List the devices of the network.
+    Scan,
+    /// Make a device show itself.
+    Blink {
+        /// How the device is addressed, where a name would not say which.
+        device: Option<&'static str>,
+    },
+    /// Give a device a name.
+    SetName {
+        /// How the device is addressed, where a name would not say which.
+        device: Option<&'static str>,
+    },
+    /// Give a device an IP address.
+    SetAddress {
+        /// How the device is addressed, where a name would not say which.
+        device: Option<&'static str>,
+    },
+    /// Identity and plugged modules.
+    Info,
+    /// Read the status of the drive.
+    Status,
+    /// Read faults and warnings.
+    Faults,
+    /// Acknowledge the faults.
+    Acknowledge,
+    /// Show state and values as they change.
+    Monitor,
+    /// Read parameters.
+    Read {
+        /// As their vendor writes them; empty for any.
+        parameters: Vec<String>,
+    },
+    /// Write a parameter.
+    Write {
+        /// The parameter as its vendor writes it.
+        parameter: String,
+        /// The raw value.
+        value: i64,
+        /// Name of the value, where it has one.
+        meaning: Option<&'static str>,
+    },
+    /// Unit, limits and scaling of a parameter.
+    Describe {
+        /// The parameter.
+        parameter: String,
+    },
+    /// Find parameters by a part of their name.
+    Find {
+        /// The part; empty for any.
+        part: String,
+        /// With their values.
+        values: bool,
+    },
+    /// Bring the axis to rest along its ramp.
+    Stop,
+    /// Bring the axis to rest and switch its power stage off.
+    Disable,
+    /// Turn the axis at a speed.
+    Run,
+    /// Turn the axis at its jog speed.
+    Jog,
+    /// Move the axis to a position.
+    Move,
+    /// Set the home position.
+    Home,
+    /// Repeat what was tried with another choice.
+    Choose(Choice),
+}
+
+/// A choice of the caller that makes a difference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Choice {
+    /// The device description of the vendor: modules, ident numbers, update times.
+    Description,
+    /// Which model the drive is taken for.
+    Model,
+    /// The update time of the cyclic connection.
+    Cycle,
+    /// How long to wait.
+    Time,
+    /// The highest speed allowed.
+    SpeedLimit,
+    /// Change the mode of the drive for this one task.
+    Mode,
+    /// A distance instead of a position.
+    Relative,
+    /// A speed in percent of the reference.
+    Percent,
+    /// What 100 % of the reference is.
+    ReferenceSpeed,
+}
+
+/// Every choice with its stable name.
+const CHOICES: [(&str, Choice); 9] = [
+    ("description", Choice::Description),
+    ("model", Choice::Model),
+    ("cycle", Choice::Cycle),
+    ("time", Choice::Time),
+    ("speed-limit", Choice::SpeedLimit),
+    ("mode", Choice::Mode),
+    ("relative", Choice::Relative),
+    ("percent", Choice::Percent),
+    ("reference-speed", Choice::ReferenceSpeed),
+];
+
+impl Action {
+    /// Stable name for programs.
+    ///
+    /// ```
+    /// assert_eq!(profidrive_client::Action::Disable.id(), "disable");
+    /// ```
+    #[must_use]
+    pub const fn id(&self) -> &'static str {
+        match self {
+            Self::Scan => "scan",
+            Self::Blink { .. } => "blink",
+            Self::SetName { .. } => "name",
+            Self::SetAddress { .. } => "address",
+            Self::Info => "info",
+            Self::Status => "status",
+            Self::Faults => "faults",
+            Self::Acknowledge => "acknowledge",
+            Self::Monitor => "monitor",
+            Self::Read { .. } => "read",
+            Self::Write { .. } => "write",
+            Self::Describe { .. } => "describe",
+            Self::Find { .. } => "find",
+            Self::Stop => "stop",
+            Self::Disable => "disable",
+            Self::Run => "run",
+            Self::Jog => "jog",
+            Self::Move => "move",
+            Self::Home => "home",
+            Self::Choose(_) => "choose",
+        }
+    }
+
+    /// The action that `name` and its arguments stand for: `read VBUS.VALUE`, `write 930=1`, `choose model`.
+    fn named(name: &str, arguments: &[&str]) -> Option<Self> {
+        let first = || arguments.first().copied().unwrap_or_default();
+        let device = (first() == "MAC").then_some("MAC");
+        Some(match name {
+            "scan" => Self::Scan,
+            "blink" => Self::Blink { device },
+            "name" => Self::SetName { device },
+            "address" => Self::SetAddress { device },
+            "info" => Self::Info,
+            "status" => Self::Status,
+            "faults" => Self::Faults,
+            "acknowledge" => Self::Acknowledge,
+            "monitor" => Self::Monitor,
+            "read" => Self::Read {
+                parameters: arguments.iter().map(|one| (*one).to_owned()).collect(),
+            },
+            "write" => {
+                let (parameter, value) = first().split_once('=')?;
+                Self::Write {
+                    parameter: parameter.to_owned(),
+                    value: value.parse().ok()?,
+                    meaning: None,
+                }
+            }
+            "describe" => Self::Describe {
+                parameter: first().to_owned(),
+            },
+            "find" => Self::Find {
+                part: first().to_owned(),
+                values: arguments.get(1) == Some(&"values"),
+            },
+            "stop" => Self::Stop,
+            "disable" => Self::Disable,
+            "run" => Self::Run,
+            "jog" => Self::Jog,
+            "move" => Self::Move,
+            "home" => Self::Home,
+            "choose" => {
+                let found = CHOICES.iter().find(|(id, _)| *id == first());
+                Self::Choose(found.map(|(_, choice)| *choice)?)
+            }
+            _ => return None,
+        })
+    }
+
+    /// What it is done with, as text.
+    fn arguments(&self) -> String {
+        match self {
+            Self::Blink { device } | Self::SetName { device } | Self::SetAddress { device } => {
+                device.unwrap_or_default().to_owned()
+            }
+            Self::Read { parameters } => parameters.join(" "),
+            Self::Write { parameter, value, .. } => format!("{parameter}={value}"),
+            Self::Describe { parameter } => parameter.clone(),
+            Self::Find { part, values: true } => format!("{part} values"),
+            Self::Find { part, values: false } => part.clone(),
+            Self::Choose(choice) => {
+                let found = CHOICES.iter().find(|(_, one)| one == choice);
+                found.map_or_else(String::new, |(id, _)| (*id).to_owned())
+            }
+            _ => String::new(),
+        }
+    }
+}
+
+/// `read VBUS.VALUE`
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let arguments = self.arguments();
+        if arguments.is_empty() {
+            f.write_str(self.id())
+        } else {
+            write!(f, "{} {arguments}", self.id())
+        }
+    }
+}
+
+/// A part of an [`Advice`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum AdvicePart {
+    /// Words.
+    Text(String),
+    /// An action, in place of the words for it.
+    Action(Action),
+}
+
+/// What to do, in words with actions between them.
+///
+/// Written as text with the actions in braces. A front end takes the [`parts`](Self::parts) and puts its own command,
+/// button or call in the place of each action; as text the action keeps its name:
+///
+/// ```
+/// use profidrive_client::{Action, Advice, AdvicePart};
+/// let advice = Advice::from("switch the mains on; {read VBUS.VALUE} shows the voltage");
+/// let read = Action::Read { parameters: vec!["VBUS.VALUE".into()] };
+/// assert_eq!(advice.parts()[1], AdvicePart::Action(read));
+/// assert_eq!(advice.to_string(), "switch the mains on; [read VBUS.VALUE] shows the voltage");
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Advice(Vec<AdvicePart>);
+
+impl Advice {
+    /// Words and actions in their order.
+    #[must_use]
+    pub fn parts(&self) -> &[AdvicePart] {
+        &self.0
+    }
+
+    /// The actions in it.
+    pub fn actions(&self) -> impl Iterator<Item = &Action> {
+        self.0.iter().filter_map(|part| match part {
+            AdvicePart::Action(action) => Some(action),
+            AdvicePart::Text(_) => None,
+        })
+    }
+
+    /// True where there is nothing to do.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// One advice behind the other.
+    #[must_use]
+    pub fn then(mut self, other: Self) -> Self {
+        if !self.is_empty() && !other.is_empty() {
+            self.0.push(AdvicePart::Text("; ".into()));
+        }
+        self.0.extend(other.0);
+        self
+    }
+
+    /// The same with words behind it.
+    #[must_use]
+    pub fn and(mut self, text: impl Into<String>) -> Self {
+        self.0.push(AdvicePart::Text(text.into()));
+        self
+    }
+
+    /// The words of a front end: its own for each action, the same text between them.
+    pub fn worded(&self, mut action: impl FnMut(&Action) -> String) -> String {
+        let words = self.0.iter().map(|part| match part {
+            AdvicePart::Text(text) => text.clone(),
+            AdvicePart::Action(one) => action(one),
+        });
+        words.collect()
+    }
+}
+
+impl From<&str> for Advice {
+    fn from(text: &str) -> Self {
+        let mut parts = Vec::new();
+        let mut rest = text;
+        while let Some((before, behind)) = rest.split_once('{') {
+            let Some((inside, after)) = behind.split_once('}') else {
+                break;
+            };
+            let mut words = inside.split(' ');
+            let name = words.next().unwrap_or_default();
+            let arguments: Vec<&str> = words.collect();
+            let Some(action) = Action::named(name, &arguments) else {
+                break;
+            };
+            if !before.is_empty() {
+                parts.push(AdvicePart::Text(before.to_owned()));
+            }
+            parts.push(AdvicePart::Action(action));
+            rest = after;
+        }
+        if !rest.is_empty() {
+            parts.push(AdvicePart::Text(rest.to_owned()));
+        }
+        Self(parts)
+    }
+}
+
+/// Words alone: braces in it are braces.
+impl From<String> for Advice {
+    fn from(text: String) -> Self {
+        Self(vec![AdvicePart::Text(text)])
+    }
+}
+
+impl From<Action> for Advice {
+    fn from(action: Action) -> Self {
+        Self(vec![AdvicePart::Action(action)])
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.worded(|action| format!("[{action}]")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn actions_in_text_are_found_and_shown_by_name() {
+        for text in [
+            "scan",
+            "blink MAC",
+            "write 930=1",
+            "read SWLS.LIMIT0 SWLS.LIMIT1",
+            "find DIN values",
+            "find HOME.",
+            "choose reference-speed",
+            "disable",
+        ] {
+            let words: Vec<&str> = text.split(' ').collect();
+            let action = Action::named(words[0], &words[1..]);
+            assert_eq!(action.map(|action| action.to_string()).as_deref(), Some(text));
+        }
+        for nonsense in ["fly", "write 930", "choose nothing"] {
+            let words: Vec<&str> = nonsense.split(' ').collect();
+            assert_eq!(Action::named(words[0], &words[1..]), None, "{nonsense}");
+        }
+        let advice = Advice::from("{home} sets the home position").then(Advice::from("or wait"));
+        assert_eq!(advice.to_string(), "[home] sets the home position; or wait");
+        assert_eq!(advice.actions().collect::<Vec<_>>(), [&Action::Home]);
+        assert!(Advice::from("").is_empty());
+    }
+}

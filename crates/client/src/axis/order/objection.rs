@@ -1,0 +1,184 @@
+//! What speaks against a move.
+
+use std::fmt;
+
+use profile::notation::figures;
+
+use crate::Advice;
+
+/// Why a move is not sent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Objection {
+    /// ZSW1 bit 11 is 0.
+    NotHomed,
+    /// ZSW1 bit 3.
+    Fault,
+    /// The table of the drive has no motion task of this number.
+    NoTask {
+        /// Its number.
+        number: u16,
+    },
+    /// The target is outside of the software limits.
+    SoftwareLimit {
+        /// Target in turns.
+        target: f64,
+        /// The limit in turns.
+        limit: f64,
+        /// True for the upper one.
+        upper: bool,
+    },
+    /// An absolute target outside of the range of a modulo axis.
+    ModuloRange {
+        /// Target in turns.
+        target: f64,
+        /// Lower end in turns, inside the range.
+        low: f64,
+        /// Upper end in turns, the first position outside.
+        high: f64,
+    },
+    /// The limit switch in the direction of the move is hit.
+    LimitSwitch {
+        /// True for the one at the positive end.
+        positive: bool,
+    },
+    /// The target does not fit 32 bits of increments.
+    Range {
+        /// Target in increments.
+        counts: f64,
+    },
+    /// No speed at all, or none that the drive could take.
+    NoSpeed {
+        /// Speed wanted, rpm.
+        speed: f64,
+    },
+    /// A distance of less than half an increment: the axis would not move.
+    NoDistance {
+        /// Distance wanted, in increments.
+        counts: f64,
+    },
+    /// A speed between two that can be told, and neither is near.
+    SpeedStep {
+        /// Speed wanted, rpm.
+        speed: f64,
+        /// The speeds below and above it that can be told, rpm.
+        nearest: [f64; 2],
+    },
+    /// Above what the caller allows.
+    SpeedLimit {
+        /// Speed wanted, rpm.
+        speed: f64,
+        /// Speed allowed, rpm.
+        limit: f64,
+    },
+    /// Above what the drive allows.
+    DriveLimit {
+        /// Speed wanted, rpm.
+        speed: f64,
+        /// VL.LIMITP or VL.LIMITN, rpm.
+        limit: f64,
+    },
+    /// A ramp that the drive cannot take.
+    Ramp {
+        /// Ramp wanted, rpm/s.
+        ramp: f64,
+        /// Lowest, rpm/s.
+        lowest: f64,
+        /// Highest, rpm/s.
+        highest: f64,
+    },
+}
+
+impl fmt::Display for Objection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotHomed => f.write_str("the axis is not homed (ZSW1 bit 11 is 0)"),
+            Self::Fault => f.write_str("a fault is present (ZSW1 bit 3)"),
+            Self::NoTask { number } => write!(f, "motion task {number} is empty"),
+            Self::SoftwareLimit { target, limit, upper } => write!(
+                f,
+                "the target {target:.3} rev is {} the software limit {} of {limit:.3} rev",
+                if *upper { "above" } else { "below" },
+                if *upper { "SWLS.LIMIT1" } else { "SWLS.LIMIT0" },
+            ),
+            Self::ModuloRange { target, low, high } => write!(
+                f,
+                "the target {target:.3} rev is outside of the modulo range of {low:.3} to {high:.3} rev (PL.MODP1, PL.MODP2)"
+            ),
+            Self::LimitSwitch { positive } => write!(
+                f,
+                "the {} limit switch is hit, the move leads further into it",
+                if *positive { "positive" } else { "negative" }
+            ),
+            Self::Range { counts } => write!(
+                f,
+                "the target of {counts:.0} counts does not fit 32 bits (MDI_TARPOS)"
+            ),
+            Self::NoSpeed { speed } => write!(f, "{} rpm is no speed for a move", figures(*speed)),
+            Self::NoDistance { counts } => write!(
+                f,
+                "a distance of {} counts is less than half an increment: the axis would not move",
+                figures(*counts)
+            ),
+            Self::SpeedStep { speed, nearest } => write!(
+                f,
+                "{} rpm cannot be told: the nearest speeds are {} rpm and {} rpm (MDI_VELOCITY)",
+                figures(*speed),
+                figures(nearest[0]),
+                figures(nearest[1])
+            ),
+            Self::SpeedLimit { speed, limit } => {
+                write!(
+                    f,
+                    "{} rpm is above the limit of {} rpm",
+                    figures(*speed),
+                    figures(*limit)
+                )
+            }
+            Self::DriveLimit { speed, limit } => write!(
+                f,
+                "{} rpm is above the limit of the drive, {} rpm (VL.LIMITP, VL.LIMITN)",
+                figures(*speed),
+                figures(*limit)
+            ),
+            Self::Ramp {
+                ramp,
+                lowest,
+                highest,
+            } => write!(
+                f,
+                "{} rpm/s is outside of what MDI_ACC and MDI_DEC carry, {} to {} rpm/s",
+                figures(*ramp),
+                figures(*lowest),
+                figures(*highest)
+            ),
+        }
+    }
+}
+
+impl Objection {
+    /// What to do about it.
+    #[must_use]
+    pub fn advice(&self) -> Advice {
+        match self {
+            Self::NotHomed => "{home} sets the home position",
+            Self::Fault => "{status} tells which, {acknowledge} acknowledges it",
+            Self::NoTask { .. } => "the table of motion tasks shows which ones there are (MT.NUM, MT.LOAD)",
+            Self::SoftwareLimit { .. } => {
+                "{read SWLS.EN SWLS.LIMIT0 SWLS.LIMIT1} shows the limits"
+            }
+            Self::ModuloRange { .. } => {
+                "a target lies inside the range, its upper end not included; {choose relative} goes on over the end"
+            }
+            Self::LimitSwitch { .. } => "move the other way",
+            Self::Range { .. } => "a distance ({choose relative}) may be shorter than a position",
+            Self::NoSpeed { .. } => "give a speed above 0; the direction is that of the target",
+            Self::NoDistance { .. } => "give a longer distance",
+            Self::SpeedStep { .. } => "ask for one of them",
+            Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
+            Self::DriveLimit { .. } => "{read VL.LIMITP VL.LIMITN} shows the limits",
+            Self::Ramp { .. } => "the steps are those of PN.ACCSCALING",
+        }
+        .into()
+    }
+}

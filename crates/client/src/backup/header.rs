@@ -1,0 +1,284 @@
+//! Whose settings a backup holds.
+
+use profile::catalogue::{Part, Scaling};
+use profile::unit::UnitChoice;
+
+use super::TasksTold;
+use crate::text::{escape, unescape};
+use crate::{Drive, Identity};
+use profile::model::Model;
+
+/// Whose settings they are. No date: the same settings give the same text.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Header {
+    /// Name of the model.
+    pub model: String,
+    /// PROFINET vendor number.
+    pub vendor_id: u16,
+    /// PROFINET device number.
+    pub device_id: u16,
+    /// Name of station.
+    pub station: String,
+    /// Order number, empty where the drive does not tell.
+    pub order_id: String,
+    /// Serial number.
+    pub serial_number: String,
+    /// Software revision, for example `V1.17.0`.
+    pub software: String,
+    /// What is said about the motion tasks as a whole.
+    pub tasks: TasksTold,
+}
+
+impl Header {
+    /// Of a drive and what it says in I&M0.
+    #[must_use]
+    pub fn of(drive: &Drive, identity: Option<&Identity>) -> Self {
+        let text = |take: fn(&Identity) -> &String| {
+            identity.map_or_else(String::new, |one| take(one).trim().to_owned())
+        };
+        Self {
+            model: drive.model.name.to_owned(),
+            vendor_id: drive.station.vendor_id,
+            device_id: drive.station.device_id,
+            station: drive.station.name.trim().to_owned(),
+            order_id: text(|identity| &identity.order_id),
+            serial_number: text(|identity| &identity.serial_number),
+            software: text(|identity| &identity.software_revision),
+            tasks: TasksTold::Nothing,
+        }
+    }
+
+    /// What is known about the kind of drive: by its numbers, else by the name of the model, as a drive may be taken for
+    /// one whatever its numbers are.
+    #[must_use]
+    pub fn known(&self) -> Model {
+        let by_numbers = Model::of(self.vendor_id, self.device_id);
+        match by_numbers.catalogue {
+            Some(_) => by_numbers,
+            None => Model::by_name(&self.model).unwrap_or(by_numbers),
+        }
+    }
+
+    /// Why the settings are of another kind of drive; `None` when they fit.
+    #[must_use]
+    pub fn misfit(&self, drive: &Drive) -> Option<String> {
+        let station = &drive.station;
+        let same_numbers = (self.vendor_id, self.device_id) == (station.vendor_id, station.device_id);
+        // a text may be written by hand without the name
+        let same_name = self.model.is_empty() || self.model == drive.model.name;
+        (!(same_numbers && same_name)).then(|| {
+            format!(
+                "the settings are of model {} (vendor 0x{:04X}, device 0x{:04X}), {} is model {} (vendor 0x{:04X}, device 0x{:04X})",
+                self.model,
+                self.vendor_id,
+                self.device_id,
+                drive.label(),
+                drive.model.name,
+                station.vendor_id,
+                station.device_id
+            )
+        })
+    }
+
+    /// Differences between two drives of a kind that a person should know before one gets the settings of the other.
+    #[must_use]
+    pub fn remarks(&self, other: &Self) -> Vec<String> {
+        [
+            ("order number", &self.order_id, &other.order_id),
+            ("software", &self.software, &other.software),
+        ]
+        .iter()
+        .filter(|(_, a, b)| a != b && !a.is_empty() && !b.is_empty())
+        .map(|(what, a, b)| format!("{what}: {a} in the settings, {b} in the drive"))
+        .collect()
+    }
+
+    /// The lines of the text.
+    pub(super) fn lines(&self, scaling: Option<&Scaling>) -> Vec<String> {
+        let mut lines = vec![
+            format!("model: {}", line(&self.model)),
+            format!("vendor: 0x{:04X}", self.vendor_id),
+            format!("device: 0x{:04X}", self.device_id),
+        ];
+        for (key, value) in [
+            ("station", &self.station),
+            ("order number", &self.order_id),
+            ("serial number", &self.serial_number),
+            ("software", &self.software),
+        ] {
+            if !value.is_empty() {
+                lines.push(format!("{key}: {}", line(value)));
+            }
+        }
+        let has = |part| {
+            self.known()
+                .catalogue
+                .is_some_and(|tables| tables.part(part).is_some())
+        };
+        if let Some(scaling) = scaling.filter(|_| has(Part::VelocityScaling)) {
+            lines.push(format!(
+                "scaling: velocity {}, acceleration {}, position {}, singleturn {}, peak current {}",
+                scaling.velocity,
+                scaling.acceleration,
+                scaling.position,
+                scaling.singleturn_bits,
+                scaling.peak_current
+            ));
+        }
+        if let Some(scaling) = scaling.filter(|_| has(Part::UnitRotary)) {
+            let unit = scaling.unit.unit();
+            let values = unit_values(scaling.unit).map(|(name, value)| format!("{name} {value}"));
+            lines.push(format!(
+                "units: {}  # positions in {}, {} per revolution",
+                values.join(", "),
+                unit.symbol,
+                unit.per_revolution
+            ));
+        }
+        lines.extend(self.tasks.line().as_deref().map(line));
+        lines
+    }
+
+    /// Takes one line `key: value`; the scaling goes into `scaling`.
+    pub(super) fn take(
+        &mut self,
+        key: &str,
+        value: &str,
+        scaling: &mut Option<Scaling>,
+        units: &mut Option<UnitChoice>,
+    ) -> Result<(), String> {
+        if let Some(wrong) = value.chars().find(|c| c.is_control()) {
+            return Err(format!("`{key}:` has {wrong:?} in it, which is no text"));
+        }
+        let text = || unescape(value).trim().to_owned();
+        match key {
+            "model" => self.model = text(),
+            "vendor" => self.vendor_id = number(value)?,
+            "device" => self.device_id = number(value)?,
+            "station" => self.station = text(),
+            "order number" => self.order_id = text(),
+            "serial number" => self.serial_number = text(),
+            "software" => self.software = text(),
+            "tasks" => self.tasks = TasksTold::parse(&text())?,
+            "scaling" => *scaling = Some(read_scaling(value)?),
+            "units" => *units = Some(read_units(value)?),
+            _ => return Err(format!("`{key}:` is no line of the head of a backup")),
+        }
+        Ok(())
+    }
+}
+
+/// Text on one line without a comment; [`unescape`] is the way back.
+fn line(text: &str) -> String {
+    escape(text.trim(), |c| c == '#')
+}
+
+fn number(text: &str) -> Result<u16, String> {
+    text.strip_prefix("0x")
+        .and_then(|digits| u16::from_str_radix(digits, 16).ok())
+        .ok_or_else(|| format!("`{text}` is no number of four hexadecimal digits such as 0x0105"))
+}
+
+/// The parameters behind the unit of positions, as a line has them.
+fn unit_values(unit: UnitChoice) -> [(&'static str, i64); 6] {
+    [
+        ("MOTOR.TYPE", i64::from(unit.linear)),
+        ("UNIT.PROTARY", unit.rotary_unit),
+        ("UNIT.PLINEAR", unit.linear_unit),
+        ("UNIT.PIN", unit.custom.0),
+        ("UNIT.POUT", unit.custom.1),
+        ("MOTOR.PITCH", unit.pitch),
+    ]
+}
+
+fn read_units(text: &str) -> Result<UnitChoice, String> {
+    let mut unit = UnitChoice::DELIVERED;
+    for part in text.split(',') {
+        let part = part.trim();
+        let (name, value) = part
+            .rsplit_once(' ')
+            .ok_or_else(|| format!("`{part}`: write a parameter and its value"))?;
+        let value: u32 = value
+            .parse()
+            .map_err(|_| format!("`{value}` is no value of {name}"))?;
+        let value = i64::from(value);
+        match name {
+            "MOTOR.TYPE" => unit.linear = value == 1,
+            "UNIT.PROTARY" => unit.rotary_unit = value,
+            "UNIT.PLINEAR" => unit.linear_unit = value,
+            "UNIT.PIN" => unit.custom.0 = value,
+            "UNIT.POUT" => unit.custom.1 = value,
+            "MOTOR.PITCH" => unit.pitch = value,
+            _ => return Err(format!("the unit of positions does not depend on `{name}`")),
+        }
+    }
+    Ok(unit)
+}
+
+fn read_scaling(text: &str) -> Result<Scaling, String> {
+    let mut scaling = Scaling::default();
+    for part in text.split(',') {
+        let (what, value) = part
+            .trim()
+            .rsplit_once(' ')
+            .ok_or_else(|| format!("`{}`: write what is scaled and a number", part.trim()))?;
+        let wrong = || format!("`{value}` is no scaling of {what}");
+        let whole = || {
+            value
+                .parse::<u16>()
+                .ok()
+                .filter(|number| *number > 0)
+                .ok_or_else(wrong)
+        };
+        match what {
+            "velocity" => scaling.velocity = whole()?,
+            "acceleration" => scaling.acceleration = whole()?,
+            "singleturn" => scaling.singleturn_bits = whole()?,
+            "position" => {
+                scaling.position = value
+                    .parse()
+                    .ok()
+                    .filter(|number| *number > 0)
+                    .ok_or_else(wrong)?;
+            }
+            "peak current" => {
+                let amperes: f64 = value.parse().map_err(|_| wrong())?;
+                scaling.peak_current = Some(amperes)
+                    .filter(|amperes| amperes.is_finite() && *amperes > 0.0)
+                    .ok_or_else(wrong)?;
+            }
+            _ => return Err(format!("nothing is scaled by `{what}`")),
+        }
+    }
+    Ok(scaling)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backup::Backup;
+    use crate::text::is_unsafe;
+
+    /// A terminal shows the text as it is in a file, and it is read back as it was.
+    #[test]
+    fn text_of_a_drive_is_escaped_and_read_back() {
+        let hostile = "a#1\u{1b}[2J\u{202e}\u{ad}\\b".to_owned();
+        let header = Header {
+            model: "AKD".into(),
+            station: hostile.clone(),
+            order_id: hostile.clone(),
+            serial_number: "\n".to_owned() + &hostile,
+            software: hostile.clone(),
+            tasks: TasksTold::LeftOut(hostile),
+            ..Header::default()
+        };
+        let lines = header.lines(None);
+        assert!(!lines.concat().chars().any(is_unsafe), "{lines:?}");
+        let text = format!("profidrive backup 1\n{}\n", lines.join("\n"));
+        let expected = Header {
+            serial_number: header.serial_number.trim().to_owned(),
+            ..header
+        };
+        assert_eq!(Backup::parse(&text).unwrap().header, expected);
+    }
+}

@@ -1,0 +1,187 @@
+//! A backup as text: one parameter a line, by number, the same settings always the same text.
+
+use std::fmt::{self, Write as _};
+
+use profile::catalogue::{Parameter, Scaling};
+use profile::notation::Quantity;
+use profile::parameter::{CodeSpace, Format};
+
+use super::parse::nearest;
+use super::task::Name;
+use super::{Backup, selection};
+use crate::text::{escape, is_unsafe};
+use profile::value::{Content, Parameters, Reading};
+
+/// Version of the form, the number in the first line.
+pub const FORM: u32 = 1;
+/// First words of the first line.
+pub const MAGIC: &str = "profidrive backup";
+/// Where comments begin, if the value is not longer.
+const COMMENT: usize = 40;
+/// Longest decimal text that is printed where a shorter one and the raw number would do.
+const SHORT: usize = 10;
+
+impl fmt::Display for Backup {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(f, &[], &|reading| comment(self, reading), &|_| String::new())
+    }
+}
+
+impl Backup {
+    /// The text, with remarks under the head, a comment behind each value, and what is told about each task.
+    pub(super) fn write(
+        &self,
+        out: &mut dyn fmt::Write,
+        remarks: &[String],
+        comment: &dyn Fn(&Reading) -> String,
+        told: &dyn Fn(u16) -> String,
+    ) -> fmt::Result {
+        writeln!(out, "{MAGIC} {FORM}")?;
+        let scaling = self.parameters.catalogue.map(|_| &self.parameters.scaling);
+        for line in self.header.lines(scaling) {
+            writeln!(out, "{line}")?;
+        }
+        for remark in remarks {
+            writeln!(out, "# {}", one_line(remark))?;
+        }
+        writeln!(out)?;
+        for reading in &self.readings {
+            let mut line = assignment(self, reading);
+            let words = one_line(&comment(reading));
+            if !words.is_empty() {
+                let space = COMMENT.saturating_sub(line.chars().count()).max(2);
+                let _ = write!(line, "{:space$}# {words}", "");
+            }
+            writeln!(out, "{line}")?;
+        }
+        for (number, task) in &self.tasks {
+            let line = format!("{} = {}", Name(*number), task.text(&self.parameters));
+            match one_line(&told(*number)) {
+                words if words.is_empty() => writeln!(out, "{line}")?,
+                words => writeln!(out, "{line}  # {words}")?,
+            }
+        }
+        for refusal in &self.refused {
+            writeln!(out, "# {}", one_line(&refusal.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
+/// `p2108 DRV.ACC = 3000 rpm/s`
+fn assignment(backup: &Backup, reading: &Reading) -> String {
+    let shown = selection(&backup.parameters, reading).shown(0);
+    let name = reading
+        .name
+        .map(|name| format!(" {}", plain(name)))
+        .unwrap_or_default();
+    format!("{shown}{name} = {}", value(&backup.parameters, reading))
+}
+
+/// A name without what has a meaning in the text of a backup.
+pub(super) fn plain(name: &str) -> String {
+    let kept = name
+        .chars()
+        .filter(|&c| !matches!(c, '#' | '=' | ':') && !is_unsafe(c));
+    kept.collect()
+}
+
+pub(super) fn value(parameters: &Parameters, reading: &Reading) -> String {
+    let parameter = parameters.at(reading.pnu, reading.index.unwrap_or(0));
+    match (reading.raw(), parameter) {
+        (Some(raw), Some(parameter)) => number(parameter, raw, &reading.octets, &parameters.scaling),
+        _ => hex(&reading.octets),
+    }
+}
+
+/// A number in its unit; the raw number too where the text does not say it exactly.
+fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> String {
+    if !parameter.bits.is_empty() {
+        return hex(octets);
+    }
+    let exact = parameter.engineering(raw, scaling);
+    let text = decimal(exact, parameter.decimals());
+    let unit = unit(parameter.unit_in(scaling));
+    let says = |text: &str, exactly: bool| {
+        let value = text.parse::<Quantity>().map(|one| one.number.as_f64());
+        value.is_ok_and(|value| (!exactly || value == exact) && nearest(value, parameter, scaling) == Ok(raw))
+    };
+    if says(&text, true) {
+        return format!("{text}{unit}");
+    }
+    let whole = format!("{exact}");
+    if says(&whole, true) && (whole.len() <= SHORT || !says(&text, false)) {
+        return format!("{whole}{unit}");
+    }
+    if says(&text, false) {
+        return format!("{text}{unit} (raw {})", hex(octets));
+    }
+    // more digits than a decimal number of a program has
+    hex(octets)
+}
+
+/// The unit behind a value; one that starts with a number would be read as a part of it.
+pub fn unit(unit: &str) -> String {
+    match unit.chars().next() {
+        Some(first) if !first.is_ascii_digit() => format!(" {unit}"),
+        _ => String::new(),
+    }
+}
+
+fn decimal(value: f64, decimals: u8) -> String {
+    let text = format!("{value:.*}", usize::from(decimals));
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+fn hex(octets: &[u8]) -> String {
+    let mut text = String::from("0x");
+    for octet in octets {
+        let _ = write!(text, "{octet:02X}");
+    }
+    text
+}
+
+/// What a person wants to know behind the value.
+fn comment(backup: &Backup, reading: &Reading) -> String {
+    let parameter = backup.parameters.at(reading.pnu, reading.index.unwrap_or(0));
+    let Some(parameter) = parameter else {
+        let format = Format(reading.format);
+        let kind = format.info(CodeSpace::V4).map_or("", |info| info.name);
+        return match &reading.content {
+            Content::Number { raw, .. } => format!("{raw} {kind}"),
+            Content::Float(value) => format!("{value} {kind}"),
+            Content::Text(text) => format!("\"{text}\" {kind}"),
+            Content::Octets => kind.to_owned(),
+        };
+    };
+    let meaning = match reading.choice {
+        Some(choice) => choice.to_owned(),
+        None => reading
+            .word
+            .as_ref()
+            .map_or_else(String::new, |told| told.join(", ")),
+    };
+    let steps = if unit(parameter.unit).is_empty() && !parameter.unit.is_empty() {
+        format!("in steps of {}", parameter.unit)
+    } else {
+        String::new()
+    };
+    let kept = if parameter.saved {
+        ""
+    } else {
+        "not saved by the drive"
+    };
+    let parts = [meaning.as_str(), parameter.description, steps.as_str(), kept];
+    let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    parts.join("; ")
+}
+
+/// A comment ends with its line, and moves no cursor where the text is shown.
+pub(super) fn one_line(text: &str) -> String {
+    let line = text.replace(['\n', '\r', '\t'], " ");
+    escape(&line, |_| false)
+}

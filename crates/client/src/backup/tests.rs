@@ -1,0 +1,618 @@
+//! Text, comparison and plan, without a drive.
+
+use profile::catalogue::{AKD, Access, Parameter, Phase, Role, Scaling};
+use profile::notation::{Notation, Shown};
+use profile::parameter::{ErrorNumber, Format};
+use profile::unit::UnitChoice;
+use proptest::prelude::*;
+
+use super::*;
+use profile::value::Interpretation;
+
+fn header() -> Header {
+    Header {
+        model: "AKD".into(),
+        vendor_id: AKD.device.vendor_id,
+        device_id: AKD.device.device_id,
+        station: "akd-1".into(),
+        order_id: "AKD-P00306-NBPN-0000".into(),
+        serial_number: "V-000001".into(),
+        software: "V1.17.0".into(),
+        tasks: TasksTold::Nothing,
+    }
+}
+
+fn tables(scaling: Scaling) -> Parameters {
+    Parameters {
+        catalogue: Some(&AKD),
+        scaling,
+    }
+}
+
+fn reading(parameters: &Parameters, parameter: &'static Parameter, index: u16, raw: i64) -> Reading {
+    let octets = raw.to_be_bytes();
+    let octets = &octets[8 - parameter.octets()..];
+    let selection = Selection {
+        pnu: parameter.pnu,
+        first: index,
+        count: 1,
+        indexed: parameter.is_array(),
+        ..Selection::of(parameter, Notation::Name)
+    };
+    parameters.reading(
+        &selection,
+        0,
+        parameter.size.format_code(),
+        Interpretation::Plain,
+        octets,
+    )
+}
+
+/// A drive with these values; everything else as delivered.
+fn drive(scaling: Scaling, values: &[(&str, i64)]) -> Backup {
+    let parameters = tables(scaling);
+    let answers = everything(&Header::known(&header()))
+        .into_iter()
+        .map(|selection| {
+            let parameter = selection.parameter.unwrap();
+            let set = values.iter().find(|(name, _)| *name == parameter.name);
+            let raw = set.map_or_else(|| parameter.raw_default(&scaling), |(_, raw)| *raw);
+            Ok(reading(&parameters, parameter, 0, raw))
+        });
+    Backup::new(header(), parameters, answers)
+}
+
+fn file(lines: &str) -> Backup {
+    Backup::parse(&with_head(lines)).unwrap()
+}
+
+fn with_head(lines: &str) -> String {
+    format!(
+        "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\nscaling: velocity 1638, acceleration 763, \
+         position 1000, singleturn 16, peak current 9\n{lines}\n"
+    )
+}
+
+#[test]
+fn every_setting_is_one_line_by_number() {
+    let text = drive(Scaling::default(), &[]).to_string();
+    assert!(
+        text.starts_with("profidrive backup 1\nmodel: AKD\nvendor: 0x0105\n"),
+        "{text}"
+    );
+    let line = text.lines().find(|line| line.starts_with("p2108 ")).unwrap();
+    assert_eq!(
+        line,
+        "p2108 DRV.ACC = 3000 rpm/s              # Acceleration ramp of the velocity loop command"
+    );
+    let line = text.lines().find(|line| line.starts_with("p2135 ")).unwrap();
+    assert!(line.starts_with("p2135 DRV.OPMODE = 1 "), "{line}");
+    assert!(line.to_lowercase().contains("# velocity"), "{line}");
+    // what a controller or the drive itself writes, and what does something, is not in it
+    for name in [
+        "NSOLL_A",
+        "DRV.NVSAVE",
+        "DRV.REBOOT",
+        "MOTOR.BRAKERLS",
+        "VL.FB_32",
+        "MT.MOVE",
+    ] {
+        assert!(!text.contains(&format!(" {name} = ")), "{name}");
+    }
+    let numbers: Vec<u16> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix('p')?.get(..4)?.parse().ok())
+        .collect();
+    assert!(numbers.len() > 400 && numbers.is_sorted());
+    assert!(!text.lines().any(|line| line.ends_with(' ')));
+}
+
+#[test]
+fn a_value_that_its_unit_cannot_say_exactly_has_its_raw_number() {
+    let text = drive(Scaling::default(), &[("Jog v1", 164)]).to_string();
+    let line = text.lines().find(|line| line.starts_with("p1004 ")).unwrap();
+    assert!(
+        line.starts_with("p1004 Jog v1 = 60.059 rpm (raw 0x00A4) "),
+        "{line}"
+    );
+    assert_eq!(
+        file("p1004 Jog v1 = 60.059 rpm (raw 0x00A4)").readings()[0].raw(),
+        Some(164)
+    );
+    assert_eq!(file("Jog v1 = -60 rpm").readings()[0].raw(), Some(-164));
+    let error = Backup::parse(&with_head("p1004 Jog v1 = 70 rpm (raw 0x00A4)")).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("line 6: Jog v1 (p1004): 70 rpm is not the raw value beside it"),
+        "{error}"
+    );
+}
+
+#[test]
+fn mistakes_are_told_with_their_lines() {
+    for (lines, told) in [
+        (
+            "p2108 DRV.DEC = 3000 rpm/s",
+            "line 6: p2108 is DRV.ACC, not DRV.DEC",
+        ),
+        (
+            "DRV.ACCC = 1",
+            "line 6: AKD has no parameter `DRV.ACCC`; nearest names: DRV.ACC",
+        ),
+        (
+            "p2108 = 3000 A",
+            "line 6: DRV.ACC (p2108): `A` is a unit of current",
+        ),
+        (
+            "p2439 = 5e9 rpm",
+            "line 6: VL.LIMITP_32 (p2439): 5000000000 rpm does not fit its 4 octets",
+        ),
+        (
+            "p2135 = 1.5",
+            "line 6: DRV.OPMODE (p2135): takes whole numbers, not 1.5",
+        ),
+        (
+            "p2135 = 0x100",
+            "line 6: DRV.OPMODE (p2135): 0x100 does not fit its 1 octets",
+        ),
+        ("p2135 =", "line 6: DRV.OPMODE (p2135): no value given"),
+        (
+            "p2135",
+            "line 6: `p2135` is neither PARAM = VALUE nor a line of the head",
+        ),
+        (
+            "\n\np2135 = 1\np2108 = 3000\nDRV.OPMODE = 2",
+            "line 10: DRV.OPMODE stands in line 8 already",
+        ),
+        (
+            "colour: blue",
+            "line 6: `colour:` is no line of the head of a backup",
+        ),
+        (
+            "vendor: 261",
+            "line 6: `261` is no number of four hexadecimal digits",
+        ),
+        ("scaling: velocity 0", "line 6: `0` is no scaling of velocity"),
+        ("scaling: warp 9", "line 6: nothing is scaled by `warp`"),
+        ("p915 = 1", "one element in each line"),
+        ("p915[16] = 1", "element 16 does not exist"),
+        ("= 1", "line 6: a value without a parameter"),
+        ("p65000 = 7", "line 6: `7`: nothing is known about this parameter"),
+        ("p65000 = 0x123", "line 6: `0x123`"),
+    ] {
+        let error = Backup::parse(&with_head(lines)).unwrap_err().to_string();
+        assert!(error.contains(told), "{lines:?}: {error}");
+    }
+    for (text, told) in [
+        (
+            "",
+            "line 1: this is no backup: the first line is `profidrive backup 1`, not ``",
+        ),
+        ("#!/bin/sh\nrm x\n", "line 1: this is no backup"),
+        (
+            "profidrive backup 2\n",
+            "line 1: a backup of form 2, this program reads form 1",
+        ),
+        (
+            "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\np1006 = 7630 rpm/s\n",
+            "line 5: Jog Acc (p1006): the line `scaling:` of the head is needed",
+        ),
+    ] {
+        let error = Backup::parse(text).unwrap_err().to_string();
+        assert!(error.starts_with(told), "{text:?}: {error}");
+    }
+    let many = Backup::parse(&with_head(&"nonsense\n".repeat(1000))).unwrap_err();
+    assert_eq!(many.problems.len(), 20);
+    assert!(Backup::parse(&format!("profidrive backup 1\n{}", " ".repeat(MAX_TEXT))).is_err());
+}
+
+#[test]
+fn a_drive_without_tables_is_kept_by_number_and_octets() {
+    let parameters = Parameters {
+        catalogue: None,
+        scaling: Scaling::default(),
+    };
+    let read = |pnu, index: Option<u16>, format: Format, octets: &[u8]| {
+        let selection = Selection {
+            first: index.unwrap_or(0),
+            indexed: index.is_some(),
+            ..Selection::number(pnu, Notation::Name)
+        };
+        let interpretation = Interpretation::of(format, profile::parameter::CodeSpace::V4);
+        Ok(parameters.reading(&selection, 0, format.0, interpretation, octets))
+    };
+    let header = Header {
+        model: "PROFIdrive".into(),
+        vendor_id: 0x1234,
+        ..Header::default()
+    };
+    let refused = Refusal {
+        shown: Shown {
+            pnu: 1300,
+            index: None,
+            writable: None,
+            notation: Notation::Name,
+        },
+        name: None,
+        write: false,
+        number: ErrorNumber::NO_RIGHTS,
+        names: profile::parameter::ErrorNames::Profile,
+        information: None,
+        advice: None,
+        channel: None,
+    };
+    let backup = Backup::new(
+        header,
+        parameters,
+        [
+            read(1200, None, Format::INTEGER16, &[0xFF, 0xFE]),
+            read(1100, Some(1), Format::UNSIGNED32, &[0, 0, 1, 0]),
+            read(1201, None, Format::VISIBLE_STRING, b"feed\n#x"),
+            Err(refused),
+        ],
+    );
+    let text = backup.to_string();
+    assert!(text.contains("\n1100[1] = 0x00000100 "), "{text}");
+    assert!(
+        text.contains("\n1200 = 0xFFFE ") && text.contains("# -2 Integer16"),
+        "{text}"
+    );
+    assert!(text.contains("\n# reading 1300 refused: 0x0B "), "{text}");
+    let again = Backup::parse(&text).unwrap();
+    assert_eq!(again.readings()[2].octets, b"feed\n#x");
+    assert_eq!(again, Backup::parse(&again.to_string()).unwrap());
+    // the drive says what kind of value it is
+    let mut changed = again.clone();
+    changed.readings[1].octets = vec![0, 5];
+    let plan = Plan::new(&changed, &backup, &Choice::default());
+    assert_eq!(plan.changes.len(), 1);
+    assert_eq!(
+        (plan.changes[0].new.raw(), plan.changes[0].new.format),
+        (Some(5), Format::INTEGER16.0)
+    );
+    changed.readings[1].octets = vec![5];
+    let plan = Plan::new(&changed, &backup, &Choice::default());
+    assert!(matches!(plan.skipped[1].why, Skip::Size { drive: 2, file: 1 }));
+}
+
+#[test]
+fn a_plan_says_what_it_leaves_out_and_why() {
+    let present = drive(Scaling::default(), &[]);
+    let wanted = file(
+        "p2108 = 5000 rpm/s\np2115 = 3000 rpm/s\np922 = 353\nDRV.CMDSOURCE = 0\nIP.MODE = 0\np930 = 2\nNSOLL_A = 5 rpm\nMOTOR.BRAKERLS = 1\n\
+         MT.P = 5 counts\nDRV.ACTIVE = 1\nDRV.NVSAVE = 1\nVL.LIMITP_32 = 12001 rpm\nDRV.DIR = 1\nFB1.INITPSAVED = 3",
+    );
+    let plan = Plan::new(&wanted, &present, &Choice::default());
+    let changed: Vec<&str> = plan.changes.iter().filter_map(|change| change.new.name).collect();
+    assert_eq!(changed, ["DRV.DIR", "DRV.ACC"]);
+    assert_eq!(
+        (
+            plan.changes[1].old.number(),
+            plan.changes[1].new.number(),
+            plan.changes[1].saved
+        ),
+        (Some(3000.0), Some(5000.0), Some(true))
+    );
+    let skipped: Vec<String> = plan
+        .skipped
+        .iter()
+        .map(|skipped| format!("{} {}", skipped.reading.name.unwrap(), skipped.why))
+        .collect();
+    assert_eq!(
+        skipped,
+        [
+            "NSOLL_A a setpoint",
+            "Telegram selection belongs to the connection: the controller decides it when it connects",
+            "Operating mode the same as DRV.OPMODE",
+            "DRV.ACTIVE read-only",
+            "DRV.CMDSOURCE belongs to the connection: the telegram decides it",
+            "DRV.DEC same value",
+            "MOTOR.BRAKERLS writing it does something: it releases the brake",
+            "MT.P shows one row of a table of the drive",
+            "VL.LIMITP_32 outside 0 to 12000 rpm",
+            "DRV.NVSAVE writing it does something",
+            "IP.MODE belongs to the connection: the address of the drive depends on it",
+            "FB1.INITPSAVED the drive itself writes it",
+        ]
+    );
+    assert_eq!(plan.left_out(), 11);
+    let back = plan.way_back();
+    assert_eq!(back.readings().len(), 2);
+    assert_eq!(back.reading(2108, None).unwrap().number(), Some(3000.0));
+
+    let choice = Choice {
+        network: true,
+        saved_only: true,
+        beyond_limits: true,
+        only: vec![
+            "DRV.*".parse().unwrap(),
+            "p922".parse().unwrap(),
+            "vl.*".parse().unwrap(),
+        ],
+    };
+    let plan = Plan::new(&wanted, &present, &choice);
+    let changed: Vec<&str> = plan.changes.iter().filter_map(|change| change.new.name).collect();
+    assert_eq!(changed, ["DRV.CMDSOURCE", "VL.LIMITP_32", "DRV.ACC"]);
+    assert!(
+        plan.skipped
+            .iter()
+            .any(|one| one.reading.pnu == 922 && one.why == Skip::NotSaved)
+    );
+    assert!(
+        plan.skipped
+            .iter()
+            .any(|one| one.reading.name == Some("DRV.DIR") && one.why == Skip::NotSaved)
+    );
+}
+
+#[test]
+fn settings_of_another_model_do_not_fit_whatever_its_numbers() {
+    let station = profinet::controller::Station {
+        name: "akd-1".into(),
+        vendor_id: AKD.device.vendor_id,
+        device_id: AKD.device.device_id,
+        ..profinet::controller::Station::default()
+    };
+    let drive = crate::Drive::new(station);
+    assert_eq!(header().misfit(&drive), None);
+    let vlt = Header {
+        model: "VLT".into(),
+        ..header()
+    };
+    assert!(vlt.misfit(&drive).unwrap().contains("of model VLT"));
+    let unnamed = Header {
+        model: String::new(),
+        ..header()
+    };
+    assert_eq!(unnamed.misfit(&drive), None);
+    let other = Header {
+        device_id: 9,
+        ..header()
+    };
+    assert!(other.misfit(&drive).is_some());
+}
+
+#[test]
+fn scalings_go_first_and_what_they_scale_follows_in_its_unit() {
+    let present = drive(Scaling::default(), &[("Jog Acc", 10)]);
+    // as the file was made, the drive had coarser steps
+    let text = with_head(
+        "p1006 Jog Acc = 7630 rpm/s\np3065 PN.ACCSCALING = 109\np2382 SWLS.EN = 3\np2439 = 2000 rpm",
+    );
+    let plan = Plan::new(&Backup::parse(&text).unwrap(), &present, &Choice::default());
+    let order: Vec<(&str, Phase)> = plan
+        .changes
+        .iter()
+        .map(|change| (change.new.name.unwrap(), change.phase))
+        .collect();
+    assert_eq!(
+        order,
+        [
+            ("PN.ACCSCALING", Phase::Scaling),
+            ("VL.LIMITP_32", Phase::Limit),
+            ("Jog Acc", Phase::Value),
+            ("SWLS.EN", Phase::Enable)
+        ]
+    );
+    // 7630 rpm/s in steps of 109 rpm/s
+    assert_eq!(plan.changes[2].new.raw(), Some(70));
+    // without the scaling the number of the drive stays what it is
+    let choice = Choice {
+        only: vec!["Jog*".parse().unwrap()],
+        ..Choice::default()
+    };
+    let plan = Plan::new(&Backup::parse(&text).unwrap(), &present, &choice);
+    assert_eq!(plan.changes.len(), 0);
+    assert_eq!(plan.skipped[0].why, Skip::Same);
+}
+
+#[test]
+fn what_the_drive_cannot_have_is_counted() {
+    let present = drive(Scaling::default(), &[]);
+    let wanted =
+        file("p2108 = 5000 rpm/s\np2439 = 100000 rpm\np2403 VBUS.VALUE = 12 V\np922 = 9\np5 = 100 rpm");
+    let plan = Plan::new(&wanted, &present, &Choice::default());
+    // the setpoint and the telegram are left out by rule, the limit and the measured value are refused
+    assert_eq!((plan.changes.len(), plan.left_out(), plan.refused()), (1, 4, 2));
+    let choice = Choice {
+        only: vec!["DRV.*".parse().unwrap()],
+        ..Choice::default()
+    };
+    assert_eq!(Plan::new(&wanted, &present, &choice).refused(), 0);
+}
+
+#[test]
+fn old_and_new_values_are_each_in_the_unit_of_their_time() {
+    let degrees = UnitChoice {
+        rotary_unit: 2,
+        ..Scaling::default().unit
+    };
+    let there = drive(
+        Scaling {
+            unit: degrees,
+            ..Scaling::default()
+        },
+        &[("UNIT.PROTARY", 2)],
+    );
+    let wanted = Backup::parse(&there.to_string()).unwrap();
+    let present = drive(Scaling::default(), &[]);
+    let plan = Plan::new(&wanted, &present, &Choice::default());
+    assert_ne!(
+        plan.parameters().scaling.unit,
+        plan.parameters_after().scaling.unit
+    );
+    let mut seen = 0;
+    for change in &plan.changes {
+        let Some(parameter) = change.new.name.and_then(|name| AKD.by_name(name)) else {
+            continue;
+        };
+        if change.old.unit == change.new.unit {
+            continue;
+        }
+        seen += 1;
+        assert_eq!(
+            (change.old.unit, change.new.unit),
+            ("counts", "deg"),
+            "{}",
+            change.label()
+        );
+        assert_eq!(
+            change.limits,
+            Some(plan.parameters_after().limits(parameter)),
+            "{}",
+            change.label()
+        );
+    }
+    assert!(seen > 3, "{seen}");
+}
+
+#[test]
+fn differences_are_in_units_and_say_what_is_missing() {
+    let left = file("p2108 = 3000 rpm/s\np2115 = 1000 rpm/s\np1006 = 7630 rpm/s");
+    let coarse = with_head("p2108 = 4000 rpm/s\np2117 = 1\np1006 = 7630 rpm/s")
+        .replace("acceleration 763", "acceleration 109");
+    let right = Backup::parse(&coarse).unwrap();
+    assert_ne!(left.readings()[0].raw(), right.readings()[0].raw());
+    let differences = compare(&left, &right);
+    let names: Vec<_> = differences.iter().filter_map(Difference::name).collect();
+    assert_eq!(names, ["DRV.ACC", "DRV.DEC", "DRV.DIR"]);
+    assert_eq!(differences[1].right, Side::Missing);
+    assert_eq!(differences[2].left, Side::Missing);
+    assert!(compare(&left, &left).is_empty());
+}
+
+#[test]
+fn a_journal_is_a_backup_of_the_old_values() {
+    let present = drive(Scaling::default(), &[]);
+    let wanted = file("p2108 = 5000 rpm/s\np2115 = 5000 rpm/s\np2439 = 1000 rpm");
+    let plan = Plan::new(&wanted, &present, &Choice::default());
+    let mut journal = Journal::new(&plan);
+    journal.set(0, Step::ReadBack);
+    journal.set(1, Step::InDoubt);
+    journal.end("the cable\nwas pulled");
+    let text = journal.to_string();
+    assert!(
+        text.contains("\n# not complete: 1 of 3 written and read back, 1 in doubt, 1 not written\n"),
+        "{text}"
+    );
+    assert!(text.contains("\n# ended early: the cable was pulled\n"), "{text}");
+    assert!(
+        text.contains("p2439 VL.LIMITP_32 = 3000 rpm           # -> 1000 rpm: written, read back"),
+        "{text}"
+    );
+    assert!(
+        text.contains("# -> 5000 rpm/s: in doubt: sent, not answered"),
+        "{text}"
+    );
+    assert!(text.contains("# -> 5000 rpm/s: not written"), "{text}");
+    assert_eq!(Backup::parse(&text).unwrap(), plan.way_back());
+}
+
+fn some_scaling() -> impl Strategy<Value = Scaling> {
+    (
+        1_u16..=2000,
+        1_u16..=14648,
+        1_u32..=1_000_000,
+        1_u16..=32,
+        1_u16..=480,
+    )
+        .prop_map(
+            |(velocity, acceleration, position, singleturn_bits, peak)| Scaling {
+                velocity,
+                acceleration,
+                position,
+                singleturn_bits,
+                peak_current: f64::from(peak) / 10.0,
+                unit: UnitChoice {
+                    rotary_unit: i64::from(velocity % 5),
+                    ..UnitChoice::DELIVERED
+                },
+                reference: None,
+            },
+        )
+}
+
+proptest! {
+    /// Whatever numbers a drive has: its text reads back as the same numbers, and prints as the same text.
+    #[test]
+    fn every_number_survives_the_text(scaling in some_scaling(), seed: u64) {
+        let parameters = tables(scaling);
+        let mut state = seed | 1;
+        let mut next = || {
+            state = state.wrapping_mul(0x5851_F42D_4C95_7F2D).wrapping_add(0x1405_7B7E_F767_814F);
+            state.rotate_left(29)
+        };
+        let answers: Vec<_> = AKD
+            .parameters
+            .iter()
+            .filter(|parameter| parameter.access != Access::WriteOnly)
+            .map(|parameter| {
+                let bits = 8 * parameter.octets() as u32;
+                // small numbers, large ones, the ends
+                let raw = match next() % 4 {
+                    0 => next() & 0xFF,
+                    1 => u64::MAX,
+                    2 => 1 << (bits - 1),
+                    _ => next(),
+                };
+                let unused = u32::from(parameter.wide && !parameter.signed);
+                let raw = (raw << (64 - bits)) >> (64 - bits) << unused >> unused;
+                let index = if parameter.is_array() { next() as u16 % parameter.elements } else { 0 };
+                Ok(reading(&parameters, parameter, index, raw as i64))
+            })
+            .collect();
+        let backup = Backup::new(header(), parameters, answers);
+        let text = backup.to_string();
+        let again = Backup::parse(&text);
+        prop_assert!(again.is_ok(), "{:?}", again);
+        let again = again.unwrap();
+        prop_assert_eq!(&again, &backup);
+        prop_assert_eq!(again.parameters().scaling, scaling);
+        prop_assert_eq!(again.to_string(), text);
+        prop_assert!(compare(&again, &backup).is_empty());
+    }
+
+    /// Any line, any file: an error with a line of the file, or something that prints and reads back as the same.
+    #[test]
+    fn any_text_is_read_or_refused(lines in prop::collection::vec("[ -~\\n#=:(]{0,40}|p?2108 ?= ?[-0-9.e]{1,8} ?(rpm/s|A)?|p915\\[[0-9]{1,3}\\] = 0x[0-9A-F]{0,6}", 0..12)) {
+        let text = with_head(&lines.join("\n"));
+        match Backup::parse(&text) {
+            Ok(backup) => prop_assert_eq!(&Backup::parse(&backup.to_string()).unwrap(), &backup),
+            Err(error) => {
+                let count = text.lines().count();
+                prop_assert!(!error.problems.is_empty());
+                prop_assert!(error.problems.iter().all(|problem| (1..=count).contains(&problem.line)));
+            }
+        }
+    }
+
+    /// A plan is carried out in its order and undone by its way back, whatever differs.
+    #[test]
+    fn a_plan_leads_there_and_back(from: [u16; 6], to: [u16; 6]) {
+        let names = ["DRV.ACC", "DRV.DEC", "PN.VELSCALING", "Jog v1", "SWLS.EN", "VL.LIMITP_32"];
+        let limit = |name: &str, value: u16| -> i64 {
+            let parameter = AKD.by_name(name).unwrap();
+            let (low, high) = parameter.raw_limits(&Scaling::default());
+            i64::from(value).clamp(low.max(1), high)
+        };
+        let state = |values: [u16; 6]| {
+            let set: Vec<(&str, i64)> = names.iter().zip(values).map(|(name, value)| (*name, limit(name, value))).collect();
+            let scaling = Scaling { velocity: set[2].1 as u16, ..Scaling::default() };
+            drive(scaling, &set)
+        };
+        let (present, wanted) = (state(from), state(to));
+        let plan = Plan::new(&wanted, &present, &Choice::default());
+        prop_assert!(plan.changes.is_sorted_by_key(|change| change.phase));
+        for change in &plan.changes {
+            prop_assert_eq!(rule(present.parameters(), change.new.pnu, None).role, Role::Setting);
+            let target = wanted.reading(change.new.pnu, None).unwrap();
+            prop_assert_eq!(change.new.raw(), target.raw());
+            let back = plan.way_back();
+            prop_assert_eq!(back.reading(change.new.pnu, None), present.reading(change.new.pnu, None));
+        }
+        for skipped in &plan.skipped {
+            prop_assert!(matches!(skipped.why, Skip::Same | Skip::Network(_)), "{:?}", skipped);
+        }
+    }
+}

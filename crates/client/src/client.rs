@@ -1,0 +1,592 @@
+//! The controller with drive knowledge: what it heard, and axes it keeps under control between two inputs.
+
+use std::collections::{HashMap, VecDeque};
+use std::net::{Ipv4Addr, SocketAddrV4};
+use std::time::Duration;
+
+use profile::state::{Mode, State, Stw1, Zsw1};
+use profinet::controller::{
+    ArId, CallId, Controller, ControllerConfig, DcpError, DcpId, DcpReply, Event, LostCause, ServiceError,
+    Station,
+};
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+
+use profile::parameter::DecodeError;
+use profile::pkw::JobError;
+use uss::{ReceiverStatistics, SlaveId};
+
+use crate::axis::{AxisControl, Command, Goal, Progress, Seen, Traverse, Wiring};
+use crate::line::{Answered, Bridge, Line, LineConfig};
+use crate::mapper::{Mapper, Registered};
+
+/// Most results that are kept for nobody.
+const MAX_RESULTS: usize = 4096;
+
+/// What became of a connection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Connection {
+    /// Under way.
+    Opening,
+    /// Records can be read and written.
+    Open,
+    /// Cyclic data flows.
+    Running,
+    /// Ended without being asked to, or never came about.
+    Lost(LostCause),
+    /// The drive at the serial line does not answer any more.
+    Silent,
+    /// Released as asked for.
+    Released,
+}
+
+/// A connection that a client has: a relation of PROFINET, or a drive at a serial line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Link {
+    /// On the network.
+    Relation(ArId),
+    /// At the line.
+    Slave(SlaveId),
+}
+
+impl From<ArId> for Link {
+    fn from(ar: ArId) -> Self {
+        Self::Relation(ar)
+    }
+}
+
+impl From<SlaveId> for Link {
+    fn from(slave: SlaveId) -> Self {
+        Self::Slave(slave)
+    }
+}
+
+/// A PROFINET controller that knows drives; an [`Endpoint`], driven by any [`Medium`](profinet::Medium).
+///
+/// Axes under control are stepped here, right after each input: a caller that blocks on a parameter read does not
+/// hold up the axis beside it.
+///
+/// One made with [`on_line`](Self::on_line) is the master of a serial line too.
+///
+/// ```
+/// use profidrive_client::Client;
+/// use profinet::controller::{ControllerConfig, Filter};
+/// use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Transmit};
+///
+/// let own = MacAddress([2, 0, 0, 0, 0, 9]);
+/// let mut client = Client::new(ControllerConfig::new(own, IpSuite::NONE, "tool", 1));
+/// let id = client.controller().identify(Instant::ZERO, Filter::default()).unwrap();
+/// let mut buffer = [0; MAX_FRAME];
+/// let sent = client.poll_transmit(Instant::ZERO, &mut buffer);
+/// assert!(matches!(sent, Some(Transmit::Frame { .. }))); // who is there?
+/// // what comes back goes to `handle_frame`; here nobody answers, and the time runs out
+/// while let Some(wake) = client.poll_timeout() {
+///     client.handle_timeout(wake);
+///     while client.poll_transmit(wake, &mut buffer).is_some() {}
+/// }
+/// assert!(client.take_stations(id).unwrap().is_empty());
+/// ```
+#[derive(Debug)]
+pub struct Client {
+    controller: Controller,
+    mapper: Mapper,
+    line: Option<Line>,
+    connections: HashMap<ArId, Connection>,
+    axes: Vec<AxisLink>,
+    heard: HashMap<DcpId, Vec<Station>>,
+    identified: VecDeque<DcpId>,
+    dcp: HashMap<DcpId, Result<DcpReply, DcpError>>,
+    records: HashMap<CallId, Result<Vec<u8>, ServiceError>>,
+}
+
+/// One axis of one cyclic connection.
+#[derive(Debug)]
+struct AxisLink {
+    link: Link,
+    /// Where the telegram is; nowhere on a line.
+    slot: u16,
+    subslot: u16,
+    wiring: Wiring,
+    control: AxisControl,
+    seen: Option<Seen>,
+    sent: Option<Command>,
+    /// The control word that what the drive says is an answer to.
+    answered: Stw1,
+    /// Frames and status word when the present control word was sent.
+    since: (u64, Option<Zsw1>),
+}
+
+/// Frames after which a drive has had time to answer a control word, whether its status word changed or not.
+const ANSWER: u64 = 4;
+
+impl AxisLink {
+    /// Puts the present command into the outputs, if it is not there.
+    fn send(&mut self, controller: &mut Controller, line: Option<&mut Line>) {
+        let command = self.control.command();
+        if self.sent == Some(command) {
+            return;
+        }
+        let data = self.wiring.encode(&command);
+        let sent = match self.link {
+            Link::Relation(ar) => controller.set_output(ar, self.slot, self.subslot, data).is_ok(),
+            Link::Slave(slave) => match (line, data.try_into()) {
+                (Some(line), Ok(outputs)) => {
+                    line.set_outputs(slave, outputs);
+                    true
+                }
+                _ => false,
+            },
+        };
+        if sent {
+            self.sent = Some(command);
+        }
+    }
+
+    /// The drive has answered the present control word: by another status word, or by saying the same for some cycles.
+    fn note_answer(&mut self, received: u64) {
+        let word = self.control.command().stw1;
+        let status = self.seen.map(|seen| seen.zsw1);
+        if self.answered != word && (status != self.since.1 || received >= self.since.0 + ANSWER) {
+            self.answered = word;
+        }
+        // in local operation it follows no ON of ours: pulses without operation are those of its stop
+        if self.seen.is_some_and(|seen| !seen.control_requested()) {
+            self.answered = self.answered.without(Stw1::ON);
+        }
+    }
+}
+
+/// An axis at a glance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AxisView {
+    /// What is wanted.
+    pub goal: Goal,
+    /// How far it is.
+    pub progress: Progress,
+    /// What is being sent, in the bits of the profile.
+    pub command: Command,
+    /// The control word as it is sent, in the words of the make.
+    pub sent: u16,
+    /// What the drive said last; `None` before the first valid input.
+    pub seen: Option<Seen>,
+    /// The control word that what the drive said last is an answer to.
+    pub answered: Stw1,
+    /// True when the axis stands with the pulses off.
+    pub at_rest: bool,
+    /// True when a quick stop was commanded because the ramp stop took too long.
+    pub quick_stop: bool,
+    /// True when the drive tells that the axis moves, whether it is driven or not.
+    pub turns: bool,
+    /// True while the axis stands where its task does not end.
+    pub stays_away: bool,
+    /// True once the drive has accepted the task, or has begun to home.
+    pub accepted: bool,
+    /// The task that an intermediate stop holds.
+    pub held: Option<Traverse>,
+    /// What the drive is for, as the control was told.
+    pub mode: Mode,
+}
+
+impl AxisView {
+    /// State of the drive: its status word read with the control word that it answers. `None` before the first valid
+    /// input and while the drive is not ready.
+    #[must_use]
+    pub fn state(&self) -> Option<State> {
+        self.seen?.state(self.answered)
+    }
+}
+
+impl Client {
+    /// A client; nothing is sent before something is asked for.
+    #[must_use]
+    pub fn new(config: ControllerConfig) -> Self {
+        Self {
+            mapper: Mapper::new(config.seed ^ MAPPER_SEED, mapper_port(config.client_port)),
+            controller: Controller::new(config),
+            line: None,
+            connections: HashMap::new(),
+            axes: Vec::new(),
+            heard: HashMap::new(),
+            identified: VecDeque::new(),
+            dcp: HashMap::new(),
+            records: HashMap::new(),
+        }
+    }
+
+    /// The master of a serial line. Its controller has no network and sends nothing.
+    #[must_use]
+    pub fn on_line(line: LineConfig) -> Self {
+        let nowhere = ControllerConfig::new(MacAddress::default(), IpSuite::NONE, "", 0);
+        Self {
+            line: Some(Line::new(line)),
+            ..Self::new(nowhere)
+        }
+    }
+
+    /// What the serial line has brought, telegrams and noise; `None` on a network.
+    #[must_use]
+    pub fn heard(&self) -> Option<&ReceiverStatistics> {
+        self.line.as_ref().map(Line::heard)
+    }
+
+    pub(crate) fn line(&mut self) -> Option<&mut Line> {
+        self.line.as_mut()
+    }
+
+    pub(crate) fn line_config(&self) -> Option<LineConfig> {
+        self.line.as_ref().map(Line::config)
+    }
+
+    /// Begins a parameter job of a drive at the line.
+    pub(crate) fn line_job(
+        &mut self,
+        now: Instant,
+        slave: SlaveId,
+        job: Result<Bridge, DecodeError>,
+    ) -> Result<(), DecodeError> {
+        self.line
+            .as_mut()
+            .map_or(Ok(()), |line| line.start(now, slave, job))
+    }
+
+    /// The end of a parameter job of a drive at the line.
+    pub(crate) fn take_line_job(&mut self, slave: SlaveId) -> Option<Result<Answered, JobError>> {
+        self.line.as_mut()?.take(slave)
+    }
+
+    /// Takes octets that came from the serial line.
+    pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
+        if let Some(line) = &mut self.line {
+            line.handle_octets(now, octets);
+        }
+        self.work(now);
+    }
+
+    /// Does what is due on the serial line at `now`.
+    pub fn handle_line_timeout(&mut self, now: Instant) {
+        if let Some(line) = &mut self.line {
+            line.handle_timeout(now);
+        }
+        self.work(now);
+    }
+
+    /// The next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of them.
+    pub fn poll_octets(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
+        self.line.as_mut()?.poll_octets(now, buffer)
+    }
+
+    /// When [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets) are due.
+    #[must_use]
+    pub fn poll_line_timeout(&self) -> Option<Instant> {
+        self.line.as_ref()?.poll_timeout()
+    }
+
+    /// The controller, to start requests with.
+    pub fn controller(&mut self) -> &mut Controller {
+        &mut self.controller
+    }
+
+    /// The controller, to look at.
+    #[must_use]
+    pub const fn controller_ref(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// Asks the endpoint mapper at `address` which device it belongs to; one question at a time.
+    pub fn ask_mapper(&mut self, now: Instant, address: Ipv4Addr) {
+        self.mapper.ask(now, address);
+    }
+
+    /// The answer of the endpoint mapper; `None` inside when there was none.
+    pub fn take_registered(&mut self) -> Option<Option<Registered>> {
+        self.mapper.take()
+    }
+
+    /// The stations that answered an Identify request, once its time is over.
+    pub fn take_stations(&mut self, id: DcpId) -> Option<Vec<Station>> {
+        let position = self.identified.iter().position(|done| *done == id)?;
+        self.identified.remove(position);
+        Some(self.heard.remove(&id).unwrap_or_default())
+    }
+
+    /// The stations that answered so far.
+    #[must_use]
+    pub fn stations_so_far(&self, id: DcpId) -> usize {
+        self.heard.get(&id).map_or(0, Vec::len)
+    }
+
+    /// The stations that answered so far, for a request that was cancelled.
+    pub fn take_stations_so_far(&mut self, id: DcpId) -> Vec<Station> {
+        self.identified.retain(|done| *done != id);
+        self.heard.remove(&id).unwrap_or_default()
+    }
+
+    /// The end of a DCP Get or Set.
+    pub fn take_dcp(&mut self, id: DcpId) -> Option<Result<DcpReply, DcpError>> {
+        self.dcp.remove(&id)
+    }
+
+    /// The end of a record request.
+    pub fn take_record(&mut self, call: CallId) -> Option<Result<Vec<u8>, ServiceError>> {
+        self.records.remove(&call)
+    }
+
+    /// What became of a connection.
+    #[must_use]
+    pub fn connection(&self, link: impl Into<Link>) -> Connection {
+        match link.into() {
+            Link::Relation(ar) => self.connections.get(&ar).cloned().unwrap_or(Connection::Opening),
+            Link::Slave(slave) => match self.line.as_ref() {
+                Some(line) if line.is_cyclic(slave) => match line.answers(slave) {
+                    None => Connection::Opening,
+                    Some(true) => Connection::Running,
+                    Some(false) => Connection::Silent,
+                },
+                _ => Connection::Released,
+            },
+        }
+    }
+
+    /// Forgets a connection that ended.
+    pub fn forget(&mut self, link: impl Into<Link>) {
+        let link = link.into();
+        match link {
+            Link::Relation(ar) => {
+                self.connections.remove(&ar);
+            }
+            Link::Slave(slave) => {
+                if let Some(line) = &mut self.line {
+                    line.set_cyclic(slave, false);
+                }
+            }
+        }
+        self.axes.retain(|axis| axis.link != link);
+    }
+
+    /// Keeps the telegram of `slot`/`subslot` of a cyclic connection from now on; control is not taken yet. `control`
+    /// knows the mode of the drive, `wiring` where its signals are.
+    pub fn attach_axis(&mut self, ar: ArId, slot: u16, subslot: u16, wiring: Wiring, control: AxisControl) {
+        self.attach(Link::Relation(ar), (slot, subslot), wiring, control);
+    }
+
+    /// Exchanges process data with a drive at the line from now on; control is not taken yet.
+    pub(crate) fn attach_slave(&mut self, slave: SlaveId, wiring: Wiring, control: AxisControl) {
+        if let Some(line) = &mut self.line {
+            line.set_cyclic(slave, true);
+        }
+        self.attach(Link::Slave(slave), (0, 0), wiring, control);
+    }
+
+    fn attach(&mut self, link: Link, (slot, subslot): (u16, u16), wiring: Wiring, control: AxisControl) {
+        self.axes.retain(|axis| axis.link != link);
+        self.axes.push(AxisLink {
+            link,
+            slot,
+            subslot,
+            wiring,
+            control,
+            seen: None,
+            sent: None,
+            answered: Stw1(0),
+            since: (0, None),
+        });
+        self.take_over();
+    }
+
+    /// An axis that is taken over in operation is commanded from the first output on, not from the first input.
+    fn take_over(&mut self) {
+        for axis in &mut self.axes {
+            if axis.control.goal() == Goal::Keep && axis.sent.is_none() {
+                axis.send(&mut self.controller, self.line.as_mut());
+            }
+        }
+    }
+
+    /// Sets what is wanted of the axis of a connection.
+    pub fn pursue(&mut self, now: Instant, link: impl Into<Link>, goal: Goal) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.control.pursue(now, goal);
+        }
+        self.work(now);
+    }
+
+    /// Turns a ramp stop under way into a quick stop (OFF3).
+    pub fn hurry(&mut self, now: Instant, link: impl Into<Link>) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.control.hurry(now);
+        }
+        self.work(now);
+    }
+
+    /// Says how long the ramp stop of an axis may take from now on.
+    pub fn allow_stop(&mut self, link: impl Into<Link>, limit: Duration) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.control.allow_stop(limit);
+        }
+    }
+
+    /// The axis of a connection.
+    #[must_use]
+    pub fn axis(&self, link: impl Into<Link>) -> Option<AxisView> {
+        let link = link.into();
+        let axis = self.axes.iter().find(|axis| axis.link == link)?;
+        Some(AxisView {
+            goal: axis.control.goal(),
+            progress: axis.control.progress(),
+            command: axis.control.command(),
+            sent: axis.wiring.sent(),
+            seen: axis.seen,
+            answered: axis.answered,
+            stays_away: axis.control.stays_away(),
+            at_rest: axis.control.is_at_rest(),
+            quick_stop: axis.control.stops_quickly(),
+            turns: axis.seen.is_some_and(|seen| axis.control.turns(seen)),
+            accepted: axis.control.is_accepted(),
+            held: axis.control.held(),
+            mode: axis.control.mode(),
+        })
+    }
+
+    /// Takes what the controller has to tell, then steps the axes.
+    fn work(&mut self, now: Instant) {
+        while let Some(event) = self.controller.poll_event() {
+            self.take(event);
+        }
+        self.take_over();
+        for axis in &mut self.axes {
+            let received = match axis.link {
+                Link::Relation(ar) => self.controller.statistics(ar).map_or(0, |counts| counts.received),
+                Link::Slave(slave) => self.line.as_ref().map_or(0, |line| line.replies(slave)),
+            };
+            let before = axis.control.command().stw1;
+            let seen = match axis.link {
+                Link::Relation(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
+                    Some((data, provider)) => axis.wiring.decode(data).filter(|_| provider.is_good()),
+                    None => continue,
+                },
+                Link::Slave(slave) => {
+                    let Some(line) = &mut self.line else { continue };
+                    match line.take_inputs(slave) {
+                        Some(data) => axis.wiring.decode(&data),
+                        None if line.answers(slave) == Some(false) => None,
+                        None => continue,
+                    }
+                }
+            };
+            let command = match seen {
+                Some(seen) => {
+                    axis.seen = Some(seen);
+                    axis.note_answer(received);
+                    axis.control.step(now, seen)
+                }
+                // nothing is switched on on the word of a drive that says nothing valid
+                None => axis.control.step_blind(now),
+            };
+            if command.stw1 != before {
+                axis.since = (received, axis.seen.map(|seen| seen.zsw1));
+            }
+            axis.send(&mut self.controller, self.line.as_mut());
+        }
+    }
+
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Identified { id, station } => self.heard.entry(id).or_default().push(station),
+            Event::IdentifyDone { id, .. } => {
+                if self.identified.len() >= MAX_RESULTS
+                    && let Some(old) = self.identified.pop_front()
+                {
+                    self.heard.remove(&old);
+                }
+                self.identified.push_back(id);
+            }
+            Event::DcpDone { id, result } => {
+                bound(&mut self.dcp);
+                self.dcp.insert(id, result);
+            }
+            Event::Connected { ar, .. } | Event::Ready { ar, .. } => {
+                self.connections.insert(ar, Connection::Open);
+            }
+            Event::Running { ar } => {
+                self.connections.insert(ar, Connection::Running);
+            }
+            Event::Lost { ar, cause } => {
+                self.connections.insert(ar, Connection::Lost(cause));
+            }
+            Event::Released { ar } => {
+                self.connections.insert(ar, Connection::Released);
+            }
+            Event::RecordDone { call, result } => {
+                bound(&mut self.records);
+                self.records.insert(call, result);
+            }
+            Event::Hello { .. }
+            | Event::ProviderState { .. }
+            | Event::Alarm { .. }
+            | Event::WritesDone { .. } => {}
+        }
+    }
+}
+
+/// Keeps the mapper's UUIDs apart from the controller's.
+const MAPPER_SEED: u64 = 0x6D61_7070_6572;
+
+/// The port beside the controller's.
+const fn mapper_port(client_port: u16) -> u16 {
+    if client_port == u16::MAX {
+        client_port - 1
+    } else {
+        client_port + 1
+    }
+}
+
+/// Results nobody takes must not pile up.
+fn bound<K, V>(results: &mut HashMap<K, V>) {
+    if results.len() >= MAX_RESULTS {
+        results.clear();
+    }
+}
+
+impl Endpoint for Client {
+    fn mac(&self) -> MacAddress {
+        self.controller.mac()
+    }
+
+    fn ip(&self) -> IpSuite {
+        self.controller.ip()
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.controller.handle_frame(now, frame);
+        self.work(now);
+    }
+
+    fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        if local_port == self.mapper.port() {
+            self.mapper.handle_datagram(now, source, payload);
+        } else {
+            self.controller.handle_datagram(now, source, local_port, payload);
+        }
+        self.work(now);
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        self.controller.handle_timeout(now);
+        self.mapper.handle_timeout(now);
+        self.work(now);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        let sent = self.controller.poll_transmit(now, buffer);
+        sent.or_else(|| self.mapper.poll_transmit(now, buffer))
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        [self.controller.poll_timeout(), self.mapper.poll_timeout()]
+            .into_iter()
+            .flatten()
+            .min()
+    }
+}

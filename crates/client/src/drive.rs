@@ -1,0 +1,172 @@
+//! What kind of drive answers, and how it wants to be spoken to.
+
+use profile::catalogue::{Parameter, Part};
+use profile::model::Model;
+use profile::notation::Notation;
+use profile::parameter::Saving;
+use profile::state::Mode;
+use profile::telegram::Telegram;
+use profile::value::{ParameterProblem, Parameters, Selection};
+use profinet::controller::Station;
+use profinet::cyclic::Timing;
+use uss::SlaveId;
+
+use crate::Error;
+use crate::line::Shape;
+use crate::modules::MakerModule;
+
+/// A drive that was found.
+#[derive(Debug, Clone)]
+pub struct Drive {
+    /// What it said about itself. At a serial line its name is how it is addressed, and it has no other address.
+    pub station: Station,
+    /// What is known about its kind.
+    pub model: Model,
+    /// Its parameters: tables, and the values that scale others.
+    pub parameters: Parameters,
+    /// True once the values that scale others were read from it.
+    pub(crate) scaled: bool,
+    /// The modules that a device description of its maker has for it; those of the tables where there are none.
+    pub maker_modules: Vec<MakerModule>,
+    /// The update times that this device description allows; empty where none was read.
+    pub maker_timings: Vec<Timing>,
+    /// Whether its device description declares connections for records (`DeviceAccessSupported`); `None` where there is
+    /// no description, or it says nothing.
+    pub device_access: Option<bool>,
+    /// Where it is at a serial line.
+    pub(crate) slave: Option<SlaveId>,
+}
+
+impl Drive {
+    /// The parameter that a person means: `DRV.ACC`, `930`, `r947[0]`, `947[0..7]`, `0x3A2`.
+    ///
+    /// # Errors
+    /// When the text is no parameter, or the drive has none of this name; the error knows the nearest names.
+    pub fn select(&self, text: &str) -> Result<Selection, ParameterProblem> {
+        self.parameters.select(&text.parse()?)
+    }
+
+    /// From what a station said about itself.
+    #[must_use]
+    pub fn new(station: Station) -> Self {
+        let model = Model::of(station.vendor_id, station.device_id);
+        Self {
+            station,
+            parameters: Parameters::of(&model),
+            model,
+            scaled: false,
+            maker_modules: Vec::new(),
+            maker_timings: Vec::new(),
+            device_access: None,
+            slave: None,
+        }
+    }
+
+    /// The same drive, taken for this model whatever it says it is.
+    #[must_use]
+    pub fn taken_for(self, model: Model) -> Self {
+        Self {
+            parameters: Parameters::of(&model),
+            model,
+            scaled: false,
+            ..self
+        }
+    }
+
+    /// True for a drive at a serial line: it has parameters and process data, but no records, name or IP address.
+    #[must_use]
+    pub const fn is_on_line(&self) -> bool {
+        self.slave.is_some()
+    }
+
+    /// Returns when the drive keeps a changed value of this parameter over a power cycle. At a serial line text is saved
+    /// with every write: the channel has no request that changes text in RAM only.
+    #[must_use]
+    pub const fn saving(&self, parameter: &Parameter) -> Saving {
+        if self.is_on_line() && parameter.is_text() {
+            Saving::Always
+        } else {
+            self.model.dialect.saving
+        }
+    }
+
+    /// What this drive calls the parameters that have these parts, as a person writes them; what its make has not is left
+    /// out.
+    #[must_use]
+    pub fn named(&self, parts: &[Part]) -> Vec<String> {
+        let tables = self.model.catalogue;
+        let known = parts.iter().filter_map(|&part| tables?.part(part));
+        let notation = self.parameters.notation();
+        let name = |parameter: &'static Parameter| match notation {
+            Notation::Name => parameter.name.to_owned(),
+            _ => Selection::of(parameter, notation).shown(0).to_string(),
+        };
+        known.map(name).collect()
+    }
+
+    /// Says whether the drive can do what needs this mode, as far as its telegrams are known.
+    ///
+    /// # Errors
+    /// When it has no positions and this needs them.
+    pub fn check_able(&self, needed: Option<Mode>) -> Result<(), Error> {
+        let known = self.model.catalogue.filter(|_| !self.model.learned);
+        match known {
+            Some(tables) if needed == Some(Mode::Position) && !tables.device.positions() => {
+                Err(Error::SpeedOnly {
+                    drive: self.label(),
+                    model: tables.model,
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The telegram of the process data: PNU 922 says it, but not at a serial line, whose telegram is always the same.
+    pub(crate) fn telegram_in_use(&self, reported: Option<u16>) -> Option<u16> {
+        if self.is_on_line() {
+            Telegram::of_line(self.station.vendor_id).map(|telegram| telegram.number)
+        } else {
+            reported
+        }
+    }
+
+    /// Returns the mode that decides over the bits of the control and status word, from PNU 930 and the number of the
+    /// telegram in use.
+    #[must_use]
+    pub fn word_mode(&self, operating_mode: Option<i64>, telegram: Option<u16>) -> Mode {
+        let telegram = telegram.and_then(|number| Telegram::find(number, self.station.vendor_id));
+        Mode::of(operating_mode, telegram)
+    }
+
+    /// At a serial line the channel tells only how wide a value is; the rest is in the tables.
+    pub(crate) fn shape(&self, pnu: u16) -> Option<Shape> {
+        let tables = self.model.catalogue?;
+        let parameter = tables.by_pnu(pnu).or_else(|| tables.by_high(pnu));
+        let parameter = parameter.or_else(|| tables.parameters.iter().find(|one| one.pnu == pnu))?;
+        Some(Shape {
+            collecting: tables.is_collecting(pnu),
+            format: parameter.format_in(self.model.dialect),
+            octets: parameter.size.octets(),
+            characters: parameter.length.into(),
+            array: parameter.is_array(),
+        })
+    }
+
+    /// Increments in one turn of MDI_TARPOS and XIST_A, as far as the scaling was read.
+    #[must_use]
+    pub fn counts_per_turn(&self) -> f64 {
+        2_f64.powi(i32::from(self.parameters.scaling.singleturn_bits.min(32)))
+    }
+
+    /// Name for people: the station name, else its address.
+    #[must_use]
+    pub fn label(&self) -> String {
+        if !self.station.name.is_empty() {
+            self.station.name.clone()
+        } else if self.station.ip.is_set() {
+            self.station.ip.address.to_string()
+        } else {
+            self.station.mac.to_string()
+        }
+    }
+}

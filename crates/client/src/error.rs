@@ -1,0 +1,509 @@
+//! Everything that can go wrong between a person's wish and a drive, by kind.
+
+mod hint;
+mod problem;
+mod refusal;
+mod text;
+
+use std::net::Ipv4Addr;
+use std::time::Duration;
+
+use profile::notation::figures;
+use profile::pkw::JobError;
+use profile::state::Mode;
+use profinet::MacAddress;
+use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
+
+use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
+use crate::session::{LocalControl, LossReaction};
+use crate::{Action, AtWork, ClosedRoute, DriveAddress};
+use profile::value::ParameterProblem;
+
+pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
+pub use text::describe;
+pub(crate) use text::mode_words;
+use text::{
+    closed_text, holders_text, in_place, join, objections_text, once, others, owner_text, reaction_text,
+    speed_text, telegram_text, unit_text,
+};
+
+/// Why something did not come about.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The medium failed: interface gone, permission lost.
+    #[error("the network interface failed: {0}")]
+    Medium(Box<dyn std::error::Error + Send + Sync>),
+    /// The caller was asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// Nobody of this name or address answered.
+    #[error("no station {drive} answered{}", others(.drive, .heard))]
+    NotFound {
+        /// Who was looked for.
+        drive: DriveAddress,
+        /// Who answered instead.
+        heard: Vec<Station>,
+    },
+    /// More than one station has this name or address.
+    #[error("{} stations are {drive}: {}", .macs.len(), join(.macs))]
+    Ambiguous {
+        /// Who was looked for.
+        drive: DriveAddress,
+        /// All that answered.
+        macs: Vec<MacAddress>,
+    },
+    /// A name or MAC address on a medium without discovery.
+    #[error("{drive} cannot be looked up without a raw socket; give its IP address")]
+    NeedsDiscovery {
+        /// Who was looked for.
+        drive: DriveAddress,
+    },
+    /// Control on a medium that carries UDP only. Nothing was sent.
+    #[error(
+        "{drive}: control travels in raw Ethernet frames, and only UDP is open here; nothing was commanded"
+    )]
+    NeedsRawFrames {
+        /// The drive.
+        drive: String,
+    },
+    /// Another program has the UDP port on which a drive calls its controller. Nothing was sent.
+    #[error(
+        "{drive}: a drive calls its controller on UDP port 34964, which is in use by another program on this computer; nothing was commanded"
+    )]
+    NeedsCallPort {
+        /// The drive.
+        drive: String,
+    },
+    /// The station has no IP address yet.
+    #[error("{drive} has no IP address, records cannot be reached")]
+    NoIpAddress {
+        /// The drive.
+        drive: String,
+    },
+    /// Nobody answers at this address of a serial line.
+    #[error("no answer from {drive}{}", in_place(*.telegrams, *.noise))]
+    NoAnswer {
+        /// Who was asked.
+        drive: DriveAddress,
+        /// Telegrams heard of others.
+        telegrams: u64,
+        /// Octets and telegrams that make no sense.
+        noise: u64,
+    },
+    /// A drive at a serial line does not answer any more.
+    #[error("{drive} does not answer any more{}", reaction_text(.reaction))]
+    LineSilent {
+        /// The drive.
+        drive: String,
+        /// What the drive does without its master, where an axis was under control.
+        reaction: Option<Box<LossReaction>>,
+    },
+    /// The parameter channel of a serial line did not do what was wanted.
+    #[error("{drive}: {error}")]
+    Channel {
+        /// The drive.
+        drive: String,
+        /// Why.
+        error: JobError,
+    },
+    /// Something that drives at a serial line do not have.
+    #[error("{drive} is at a serial line: there is no {what}")]
+    NotOnLine {
+        /// The drive.
+        drive: String,
+        /// What there is not.
+        what: &'static str,
+    },
+    /// A drive at a serial line was asked for on a network, or the other way about.
+    #[error("{drive} is not to be reached this way")]
+    OtherWire {
+        /// Who was asked for.
+        drive: DriveAddress,
+    },
+    /// A DCP request failed.
+    #[error("{drive}: {what}: {error}")]
+    Dcp {
+        /// The drive.
+        drive: String,
+        /// What was tried.
+        what: &'static str,
+        /// Why it failed.
+        error: DcpError,
+    },
+    /// The drive refused a connection or could not be reached for it.
+    #[error("{drive}: connecting: {cause}")]
+    Connect {
+        /// The drive.
+        drive: String,
+        /// Why.
+        cause: LostCause,
+    },
+    /// Another device answered at the address of the drive.
+    #[error("{drive}: another device answers at {ip}{}", holders_text(.macs))]
+    SharedAddress {
+        /// The drive.
+        drive: String,
+        /// The address.
+        ip: Ipv4Addr,
+        /// Everybody who says to have it.
+        macs: Vec<MacAddress>,
+    },
+    /// Another controller owns what was asked for.
+    #[error("{drive} refuses control: {} owns it ({cause})", owner_text(.controller.as_deref()))]
+    OwnedByController {
+        /// The drive.
+        drive: String,
+        /// Its station name, where the drive tells it.
+        controller: Option<String>,
+        /// What the drive said.
+        cause: String,
+    },
+    /// The device accepts no connection beside that of its controller, and parameters need one.
+    #[error("{drive}: parameters can be neither read nor written: {} has its only connection{}", owner_text(.controller.as_deref()), closed_text(.closed))]
+    ParametersOwned {
+        /// The drive.
+        drive: String,
+        /// Station name of the controller, where the device reports it.
+        controller: Option<String>,
+        /// Ways that the device refuses.
+        closed: Vec<ClosedRoute>,
+    },
+    /// The device refuses every way to its records.
+    #[error("{drive}: no way to its records{}", closed_text(.closed))]
+    NoRoute {
+        /// The drive.
+        drive: String,
+        /// Ways that were tried.
+        closed: Vec<ClosedRoute>,
+    },
+    /// The device has no module of the drive profile, so it has no parameters.
+    #[error("{drive} is not a drive: no module of the drive profile (API 0x3A00) is plugged")]
+    NotADrive {
+        /// The device.
+        drive: String,
+    },
+    /// A connection ended that was wanted.
+    #[error("{drive}: connection lost: {cause}{}", reaction_text(.reaction))]
+    ConnectionLost {
+        /// The drive.
+        drive: String,
+        /// Why.
+        cause: LostCause,
+        /// What the drive does without its controller, where an axis was under control.
+        reaction: Option<Box<LossReaction>>,
+    },
+    /// What carries the frames or octets to a drive failed: interface down, serial port gone.
+    #[error("{drive}: connection lost: {error}{}", reaction_text(.reaction))]
+    CarrierLost {
+        /// The drive.
+        drive: String,
+        /// Why.
+        error: Box<dyn std::error::Error + Send + Sync>,
+        /// What the drive does without its controller, where an axis was under control.
+        reaction: Option<Box<LossReaction>>,
+    },
+    /// A record could not be read or written.
+    #[error("{drive}: {}", once(.what, .error))]
+    Record {
+        /// The drive.
+        drive: String,
+        /// What was tried.
+        what: String,
+        /// Why it failed.
+        error: ServiceError,
+    },
+    /// The drive refused one parameter, or the channel to it cannot carry it.
+    #[error("{drive}: {refusal}")]
+    Refused {
+        /// The drive.
+        drive: String,
+        /// Which parameter and why.
+        refusal: Refusal,
+    },
+    /// A parameter or value that cannot be used; nothing was sent.
+    #[error(transparent)]
+    Parameter(#[from] ParameterProblem),
+    /// The drive's answer cannot be understood.
+    #[error("{drive}: the answer to the parameter request cannot be understood: {reason}")]
+    Malformed {
+        /// The drive.
+        drive: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The drive does not know a request of the parameter channel; nothing was changed.
+    #[error("{drive} does not know parameter request 0x{id:02X}: {words}")]
+    UnknownRequest {
+        /// The drive.
+        drive: String,
+        /// Request ID.
+        id: u8,
+        /// The drive's error number with its meaning.
+        words: String,
+    },
+    /// The axis did not do what was wanted.
+    #[error("{drive}: {trouble}")]
+    Axis {
+        /// The drive.
+        drive: String,
+        /// What happened.
+        trouble: Trouble,
+    },
+    /// The drive is in another mode than this needs. It is not changed without being told to.
+    #[error("{drive} is in {present}, this needs {}", mode_words(*needed))]
+    WrongMode {
+        /// The drive.
+        drive: String,
+        /// The mode needed.
+        needed: Mode,
+        /// The mode it is in, in words.
+        present: String,
+    },
+    /// A drive without positions was to go to one. Nothing was sent.
+    #[error(
+        "{drive} controls speed only: the telegrams of model {model} carry no positions, tasks or homing"
+    )]
+    SpeedOnly {
+        /// The drive.
+        drive: String,
+        /// Its model.
+        model: &'static str,
+    },
+    /// No telegram of the drive carries what is needed.
+    #[error("{drive}: {problem}")]
+    Telegram {
+        /// The drive.
+        drive: String,
+        /// What is missing.
+        problem: NoTelegram,
+    },
+    /// The module plugged is of a maker's file that nobody here knows, and it is not the telegram that is needed.
+    #[error("{drive} has {} plugged, module 0x{ident:08X}, which is not in the tables; the ident number of the module of telegram {wanted} is not known", telegram_text(*.plugged))]
+    ForeignModule {
+        /// The drive.
+        drive: String,
+        /// Ident number of the module plugged.
+        ident: u32,
+        /// The telegram plugged (PNU 922).
+        plugged: Option<u16>,
+        /// The telegram needed.
+        wanted: u16,
+    },
+    /// Somebody at the drive itself commands it; nothing was sent.
+    #[error("{drive} is in local operation (ZSW1 bit 9 is 0): {by}")]
+    LocalOperation {
+        /// The drive.
+        drive: String,
+        /// Who.
+        by: LocalControl,
+    },
+    /// The drive is in operation though no controller commands it; nothing was sent.
+    #[error(
+        "{drive} is in operation (S4) though no controller is connected: its last control word is still in force"
+    )]
+    Ownerless {
+        /// The drive.
+        drive: String,
+        /// What brings it to rest.
+        stop: Action,
+    },
+    /// The drive is at work, which this would disturb; nothing was sent.
+    #[error("{drive} is not {undone}: {works}")]
+    AtWork {
+        /// The drive.
+        drive: String,
+        /// What is not done: `reset`.
+        undone: &'static str,
+        /// What it is at work with.
+        works: AtWork,
+    },
+    /// The axis is not enabled any more; nothing was sent.
+    #[error("{drive}: the axis is not enabled any more")]
+    NotEnabled {
+        /// The drive.
+        drive: String,
+    },
+    /// Something speaks against a move; nothing was sent.
+    #[error("{drive}: {}", objections_text(.objections))]
+    Objections {
+        /// The drive.
+        drive: String,
+        /// What, at least one.
+        objections: Vec<Objection>,
+    },
+    /// A motion took longer than it may; the axis is being stopped.
+    #[error("{drive}: {what} took longer than {:.1} s", .limit.as_secs_f64())]
+    NotInTime {
+        /// The drive.
+        drive: String,
+        /// What was waited for.
+        what: &'static str,
+        /// How long.
+        limit: Duration,
+    },
+    /// The axis did not come up to its speed; it is being stopped.
+    #[error("{drive}: {} {unit} not reached within {:.1} s, the highest speed was {}", figures(*.wanted), .limit.as_secs_f64(), speed_text(*.highest, .unit))]
+    SpeedNotReached {
+        /// The drive.
+        drive: String,
+        /// Speed asked for.
+        wanted: f64,
+        /// Highest speed in that direction, where the telegram tells speeds.
+        highest: Option<f64>,
+        /// How long.
+        limit: Duration,
+        /// Unit of the speeds.
+        unit: &'static str,
+    },
+    /// The axis had its speed and does not follow any more; it is being stopped.
+    #[error("{drive}: {} {unit} was reached and is not kept: {} for {:.1} s", figures(*.wanted), speed_text(*.actual, .unit), .time.as_secs_f64())]
+    SpeedLost {
+        /// The drive.
+        drive: String,
+        /// Speed asked for.
+        wanted: f64,
+        /// Speed it has, where the telegram tells speeds.
+        actual: Option<f64>,
+        /// How long it was away from its speed.
+        time: Duration,
+        /// Unit of the speeds.
+        unit: &'static str,
+    },
+    /// Somebody changed what the speed setpoint means while the axis ran; it is being stopped.
+    #[error(
+        "{drive}: the scale of its speeds was changed while it ran, from {before} to {now}: the setpoint meant another speed"
+    )]
+    ScaleChanged {
+        /// The drive.
+        drive: String,
+        /// Scale that the setpoints were made with.
+        before: u16,
+        /// Scale of the drive.
+        now: u16,
+    },
+    /// A speed that cannot be told to the drive, and what can is too far away
+    /// ([`MOST_ROUNDING`](profile::value::MOST_ROUNDING)); nothing was sent.
+    #[error(
+        "{drive}: {} {unit} cannot be told: the nearest speeds are {} {unit} and {} {unit}",
+        figures(*.wanted),
+        figures(.nearest[0]),
+        figures(.nearest[1])
+    )]
+    SpeedStep {
+        /// The drive.
+        drive: String,
+        /// Speed asked for.
+        wanted: f64,
+        /// The speeds below and above it that can be told.
+        nearest: [f64; 2],
+        /// Unit of the speeds.
+        unit: &'static str,
+    },
+    /// The axis is held by something; what the drive said while it was still in operation.
+    #[error("{error}; {evidence}")]
+    Held {
+        /// What went wrong.
+        error: Box<Error>,
+        /// What the drive said.
+        evidence: Evidence,
+    },
+    /// A speed that the caller did not allow.
+    #[error("{} {unit} is above the limit of {} {unit}", figures(*.wanted), figures(*.limit))]
+    SpeedLimit {
+        /// Speed wanted.
+        wanted: f64,
+        /// Speed allowed.
+        limit: f64,
+        /// Unit of the speeds.
+        unit: &'static str,
+    },
+    /// A make without a parameter that stops it, while its controller has the control word.
+    #[error(
+        "{drive}: model {make} has no parameter that stops it, and controller \"{controller}\" has its control word"
+    )]
+    NoStopBeside {
+        /// The drive.
+        drive: String,
+        /// The make.
+        make: &'static str,
+        /// Name of the controller.
+        controller: String,
+    },
+    /// Speeds of this drive are not told in that unit.
+    #[error("{drive}: {}", unit_text(*.wanted))]
+    SpeedUnit {
+        /// The drive.
+        drive: String,
+        /// The unit that was wanted.
+        wanted: SpeedUnit,
+    },
+    /// A telegram that the drive has not.
+    #[error("{drive} has no telegram {wanted}")]
+    NoSuchTelegram {
+        /// The drive.
+        drive: String,
+        /// The number wanted.
+        wanted: u16,
+        /// Those that there are.
+        possible: Vec<u16>,
+    },
+    /// The drive's model is not known well enough for this.
+    #[error("{drive}: {what} is not known for vendor 0x{vendor_id:04X} device 0x{device_id:04X}")]
+    UnknownModel {
+        /// The drive.
+        drive: String,
+        /// What would have to be known.
+        what: &'static str,
+        /// Vendor.
+        vendor_id: u16,
+        /// Device.
+        device_id: u16,
+    },
+    /// A drive nobody has tables of, and no room for those it tells.
+    #[error(
+        "{drive}: no room for the tables of one more kind of drive, this program has learned {} already",
+        crate::learn::MOST_KINDS
+    )]
+    TooManyKinds {
+        /// The drive.
+        drive: String,
+    },
+    /// Nothing is written while the axis may move.
+    #[error("{drive}: {what}, nothing is written")]
+    NotAtRest {
+        /// The drive.
+        drive: String,
+        /// What was found.
+        what: &'static str,
+    },
+    /// What was done could not be noted, so nothing more was done.
+    #[error("{drive}: stopped: {source}")]
+    Journal {
+        /// The drive.
+        drive: String,
+        /// Why not.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The fault buffer changed during every attempt to read it.
+    #[error("{drive}: the fault buffer changed while it was read, {attempts} times")]
+    Changing {
+        /// The drive.
+        drive: String,
+        /// How often it was read.
+        attempts: u8,
+    },
+    /// Nothing came back in time.
+    #[error("{drive}: {what}: nothing within {} ms", .limit.as_millis())]
+    Timeout {
+        /// The drive.
+        drive: String,
+        /// What was waited for.
+        what: &'static str,
+        /// How long.
+        limit: Duration,
+    },
+    /// Asked for something that cannot be.
+    #[error(transparent)]
+    Misuse(#[from] Misuse),
+}

@@ -1,0 +1,336 @@
+//! What to do about an error.
+
+use profile::catalogue::Part;
+use profile::pkw::PkwErrorNames;
+use profile::state::Mode;
+use profinet::controller::{DcpError, LostCause, ServiceError};
+use profinet::wire::PnioStatus;
+use profinet::wire::dcp::BlockError;
+
+use super::Error;
+use crate::axis::{Objection, SpeedUnit, Trouble};
+use crate::session::LocalControl;
+use crate::{Action, Advice, Choice, Drive};
+
+impl Error {
+    /// The next thing to do about it, where that is one action. A front end words it.
+    #[must_use]
+    pub fn action(&self) -> Option<Action> {
+        match self {
+            Self::Ownerless { stop, .. } => Some(stop.clone()),
+            Self::LocalOperation {
+                by: LocalControl::ServiceChannel,
+                ..
+            } => Some(Action::Disable),
+            Self::ConnectionLost {
+                reaction: Some(reaction),
+                ..
+            }
+            | Self::LineSilent {
+                reaction: Some(reaction),
+                ..
+            }
+            | Self::CarrierLost {
+                reaction: Some(reaction),
+                ..
+            } if !reaction.action.stops() => Some(Action::Stop),
+            Self::ConnectionLost { .. } | Self::LineSilent { .. } | Self::CarrierLost { .. } => {
+                Some(Action::Status)
+            }
+            _ => None,
+        }
+    }
+
+    /// What to do about it, with the parameters that a drive of this make has for it.
+    #[must_use]
+    pub fn advice_for(&self, drive: &Drive) -> Option<Advice> {
+        let advice = self.advice()?;
+        let parts: &[Part] = match self {
+            Self::SpeedNotReached { .. } => &[
+                Part::Acceleration,
+                Part::RampUpTime,
+                Part::ForwardLimit,
+                Part::BackwardLimit,
+                Part::Reference,
+                Part::PositiveCurrentLimit,
+            ],
+            Self::SpeedLost { .. } => &[Part::ForwardLimit, Part::BackwardLimit, Part::Reference],
+            Self::Axis {
+                trouble: Trouble::StuckIn { .. },
+                ..
+            } => &[Part::DisableSources],
+            Self::Axis {
+                trouble: Trouble::StillTurns,
+                ..
+            } => &[Part::Brake],
+            _ => &[],
+        };
+        let named = drive.named(parts);
+        if named.is_empty() {
+            return Some(advice);
+        }
+        let parameters = named.iter().map(|name| name.replace(' ', "")).collect();
+        let more = Advice::from(Action::Read { parameters }).and(" shows more");
+        Some(advice.then(more))
+    }
+
+    /// What to do about it, where that can be said.
+    #[must_use]
+    pub fn advice(&self) -> Option<Advice> {
+        Some(match self {
+            Self::NotFound { heard, .. } if heard.is_empty() => {
+                "check cable, interface and power; {scan} lists who answers".into()
+            }
+            Self::NotFound { .. } => "{scan} lists who answers".into(),
+            Self::Ambiguous { .. } => {
+                "use the MAC address; {blink MAC} shows which is which, {name MAC} renames one"
+                    .into()
+            }
+            Self::SharedAddress { .. } => {
+                "give one of them another address: {address MAC}; {blink MAC} shows which is which"
+                    .into()
+            }
+            Self::Dcp {
+                error:
+                    DcpError::Refused {
+                        error: BlockError::InOperation,
+                        ..
+                    },
+                ..
+            } => "the device refuses this while its controller is connected or its motor runs; disconnect the controller or stop the motor first".into(),
+            Self::Dcp {
+                error:
+                    DcpError::Refused {
+                        error: BlockError::Resource,
+                        ..
+                    },
+                ..
+            } => "the device could not store it; what it had before stays in force".into(),
+            Self::NeedsRawFrames { .. } => {
+                "name the network interface, and have the right to raw sockets on it (root or CAP_NET_RAW)".into()
+            }
+            Self::NeedsCallPort { .. } => {
+                "end that program (see: ss -ulpn sport = :34964), or use another computer; until then stop the drive at its panel or by its inputs"
+                    .into()
+            }
+            Self::NoIpAddress { .. } => "give it one: {address}".into(),
+            Self::OwnedByController { .. } => {
+                "stop or disconnect the other controller first; {monitor} and {read} work beside it".into()
+            }
+            Self::ParametersOwned { .. } => {
+                "identity, plugged modules, neighbours and diagnosis can be read beside the controller; disconnect the controller to read or write parameters"
+                    .into()
+            }
+            Self::NoRoute { .. } => {
+                "the device description of the vendor declares which connections the device accepts; a controller that is connected may have the last one"
+                    .into()
+            }
+            Self::NotADrive { .. } => {
+                "its identity and plugged modules can be read; parameters, state and motion are those of drives".into()
+            }
+            Self::Connect {
+                cause: LostCause::Service(ServiceError::Refused { status, .. }),
+                ..
+            } if faulty_timing(*status) => {
+                "the drive does not offer this update time; without {choose cycle} one that it is known for is used".into()
+            }
+            Self::Connect {
+                cause: LostCause::Service(ServiceError::Timeout { .. }),
+                ..
+            } => {
+                "check cable and power, and that its IP address has not gone to another device; {scan} lists who answers"
+                    .into()
+            }
+            Self::Refused { refusal, .. } => refusal.remedy()?,
+            Self::Parameter(problem) => super::problem::advice(problem)?,
+            Self::Axis { trouble, .. } => match trouble {
+                Trouble::Fault => "{faults} shows the fault, {acknowledge} acknowledges it",
+                Trouble::FaultStays => "remove the cause, then acknowledge again",
+                Trouble::LocalOperation => "hand control over to the PLC at the drive or in its software",
+                Trouble::StuckIn { .. } => {
+                    "check enable inputs, STO and DC bus: {status}"
+                }
+                Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
+                Trouble::StillTurns => "keep clear of it; apply a brake or take the load away",
+                Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
+                Trouble::NoInputs => "the module plugged may be that of another telegram than PNU 922 says: {choose description} takes the right one from the device description of the maker; {info} shows what is plugged",
+                Trouble::OtherMode { .. } => "{read p930} shows the mode",
+                Trouble::NotAccepted { homed: false } => "{home} sets the home position",
+                Trouble::NotAccepted { homed: true } | Trouble::AcceptanceStays | Trouble::TargetNotReached => {
+                    "{status} tells why: faults, warnings, limits, the task itself"
+                }
+                Trouble::HomingNotStarted | Trouble::HomingFailed => {
+                    "check HOME.MODE, HOME.V and the switches: {find HOME. values}"
+                }
+            }
+            .into(),
+            Self::Record {
+                error: ServiceError::NotReady { .. },
+                ..
+            } => "the drive is there, but its parameter channel does not answer: another tool may hold it, or it is busy; try again"
+                .into(),
+            Self::Changing { .. } => "read it again; faults that come and go have a cause that comes and goes".into(),
+            Self::NotAtRest { .. } => {
+                "switch it off first (OFF1, or stop its controller); {status} says why it is on".into()
+            }
+            Self::SpeedOnly { .. } => "{run} turns it at a speed".into(),
+            Self::WrongMode { needed, .. } => match needed {
+                Mode::Velocity => "{write 930=1} changes it, {choose mode} does for this one command",
+                Mode::Position => "{write 930=2} changes it, {choose mode} does for this one command",
+            }
+            .into(),
+            Self::ForeignModule { wanted, plugged, .. } => {
+                let description = Advice::from(Action::Choose(Choice::Description)).and(format!(
+                    " takes the ident number of telegram {wanted} from the device description of the vendor"
+                ));
+                match plugged {
+                    Some(plugged) => {
+                        description.and(format!("; without it only telegram {plugged} works, which is plugged"))
+                    }
+                    None => description,
+                }
+            }
+            Self::UnknownModel { .. } => {
+                "if it is one of the known drives under another number, {choose model} takes it for that".into()
+            }
+            Self::LocalOperation { by, .. } => by.remedy().into(),
+            Self::SpeedLost { .. } => {
+                "something else stopped or limits it ({stop}, a limit of the drive, a limit switch) or the load holds it".into()
+            }
+            Self::ScaleChanged { .. } => {
+                "find out who writes PN.VELSCALING (1009, 3064); change it while the axis is off only".into()
+            }
+            Self::NoStopBeside { .. } => {
+                "stop it at its controller, at its panel, or by its inputs for coast or stop; this command is no emergency stop"
+                    .into()
+            }
+            Self::SpeedUnit { wanted: SpeedUnit::Rpm, .. } => {
+                "give the speed in percent ({choose percent}), or say what 100 % is: {choose reference-speed}".into()
+            }
+            Self::SpeedUnit { .. } => "give the speed in rpm".into(),
+            Self::NoSuchTelegram { possible, .. } => {
+                let numbers: Vec<String> = possible.iter().map(u16::to_string).collect();
+                format!("there are: {}", numbers.join(", ")).into()
+            }
+            Self::SpeedStep { .. } => "ask for one of them, or make the steps finer (AKD: PN.VELSCALING)".into(),
+            Self::SpeedNotReached { .. } => {
+                "the ramp, a limit of the drive or the load holds it".into()
+            }
+            Self::Held { error, evidence } => evidence.advice().or_else(|| error.advice())?,
+            Self::NotEnabled { .. } => "enable it again".into(),
+            Self::Objections { objections, .. } => of_each(objections)?,
+            Self::NotInTime { .. } => "{choose time} gives it more time; {status} tells what holds it".into(),
+            Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it".into(),
+            Self::NoAnswer { telegrams, noise, .. } => match (telegrams, noise) {
+                (0, 0) => "check that the drive is on, its address and protocol (VLT: 8-30, 8-31), A and B of the wire",
+                (_, 0) => "check the address of the drive (VLT: 8-31)",
+                _ => "check baud rate and parity (VLT: 8-32, 8-33), and the termination of the line",
+            }
+            .into(),
+            Self::LineSilent { .. } => "check line and adapter".into(),
+            Self::Channel { error, .. } => error.remedy(PkwErrorNames::Profile).into(),
+            Self::OtherWire { .. } => {
+                "fc:PORT/ADDRESS and uss:PORT/ADDRESS are at a serial line, all others on a network".into()
+            }
+            _ => return None,
+        })
+    }
+}
+
+/// What to do about each of them; the same advice once.
+fn of_each(objections: &[Objection]) -> Option<Advice> {
+    let mut all: Vec<Advice> = Vec::new();
+    for advice in objections.iter().map(Objection::advice) {
+        if !all.contains(&advice) {
+            all.push(advice);
+        }
+    }
+    all.into_iter().reduce(Advice::then)
+}
+
+/// Faulty IOCRBlockReq: send clock, reduction ratio.
+const fn faulty_timing(status: PnioStatus) -> bool {
+    status.code1 == 2 && matches!(status.code2, 10 | 11)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn each_objection_to_a_move_has_its_own_advice() {
+        let limit = |upper| Objection::SoftwareLimit {
+            target: 10.0,
+            limit: 9.5,
+            upper,
+        };
+        let error = Error::Objections {
+            drive: "akd-1".into(),
+            objections: vec![Objection::NotHomed, limit(true), limit(false)],
+        };
+        let hint = error.advice().unwrap().to_string();
+        assert!(hint.starts_with("[home] sets the home position; [read"), "{hint}");
+        assert_eq!(hint.matches("SWLS.LIMIT1").count(), 1, "{hint}");
+    }
+
+    #[test]
+    fn a_drive_that_is_gone_while_connecting_has_advice() {
+        let error = Error::Connect {
+            drive: "akd-1".into(),
+            cause: LostCause::Service(ServiceError::Timeout { what: "connect" }),
+        };
+        let hint = error.advice().unwrap().to_string();
+        assert!(
+            hint.contains("cable and power") && hint.contains("[scan]"),
+            "{hint}"
+        );
+    }
+
+    /// How an update time is given is up to the front end.
+    #[test]
+    fn an_update_time_that_is_refused_has_advice_without_an_option() {
+        let refused = |code2| Error::Connect {
+            drive: "akd-1".into(),
+            cause: LostCause::Service(ServiceError::Refused {
+                what: "connect",
+                status: PnioStatus {
+                    code: 0xDB,
+                    decode: 0x81,
+                    code1: 2,
+                    code2,
+                },
+            }),
+        };
+        let hint = refused(10).advice().unwrap().to_string();
+        assert!(hint.contains("update time") && !hint.contains("--"), "{hint}");
+        assert_eq!(refused(1).advice(), None);
+    }
+
+    #[test]
+    fn a_channel_that_is_never_ready_is_told_once() {
+        let error = Error::Record {
+            drive: "akd-1".into(),
+            what: "parameter access".into(),
+            error: ServiceError::NotReady {
+                limit: Duration::from_secs(10),
+                status: PnioStatus {
+                    code: 0xDE,
+                    decode: 0x80,
+                    code1: 0xB5,
+                    code2: 0,
+                },
+            },
+        };
+        let told = error.to_string();
+        assert!(
+            told.starts_with("akd-1: parameter access: not ready within 10000 ms"),
+            "{told}"
+        );
+        assert!(
+            error
+                .advice()
+                .is_some_and(|advice| advice.to_string().contains("try again"))
+        );
+    }
+}

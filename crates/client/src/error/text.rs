@@ -1,0 +1,201 @@
+//! The words that messages are made of.
+
+use profile::catalogue::name_distance;
+use profile::state::Mode;
+use profinet::MacAddress;
+use profinet::controller::{ServiceError, Station};
+
+use crate::axis::{Objection, SpeedUnit};
+use crate::session::LossReaction;
+use crate::{ClosedRoute, DriveAddress};
+
+/// What was heard instead of an answer.
+pub(super) fn in_place(telegrams: u64, noise: u64) -> String {
+    match (telegrams, noise) {
+        (0, 0) => "; the line is silent".into(),
+        (_, 0) => "; others answer on this line".into(),
+        _ => format!("; {noise} octets or telegrams came that make no sense"),
+    }
+}
+
+/// Who has the drive.
+pub(super) fn owner_text(controller: Option<&str>) -> String {
+    match controller {
+        Some(name) if !name.is_empty() => format!("controller \"{}\"", name.escape_debug()),
+        _ => "another controller".into(),
+    }
+}
+
+/// The ways that were tried, each with its reason.
+pub(super) fn closed_text(closed: &[ClosedRoute]) -> String {
+    let texts: Vec<String> = closed.iter().map(ToString::to_string).collect();
+    if texts.is_empty() {
+        return String::new();
+    }
+    format!(" ({})", texts.join("; "))
+}
+
+/// Several devices with one address.
+pub(super) fn holders_text(macs: &[MacAddress]) -> String {
+    match macs {
+        [] | [_] => String::new(),
+        several => format!(": {} have this IP address", join(several)),
+    }
+}
+
+/// PNU 930 in words.
+pub(crate) const fn mode_words(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Velocity => "velocity mode (PNU 930 = 1)",
+        Mode::Position => "position mode (PNU 930 = 2)",
+    }
+}
+
+/// What was tried and why it failed; said once where the reason begins with it.
+pub(super) fn once(what: &str, error: &ServiceError) -> String {
+    let error = error.to_string();
+    if error.starts_with(what) {
+        error
+    } else {
+        format!("{what}: {error}")
+    }
+}
+
+/// What the drive does without its controller.
+pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
+    reaction
+        .as_ref()
+        .map_or_else(String::new, |reaction| format!("; {reaction}"))
+}
+
+pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
+    speed.map_or_else(|| "not told".into(), |speed| format!("{speed:.1} {unit}"))
+}
+
+pub(super) const fn unit_text(wanted: SpeedUnit) -> &'static str {
+    match wanted {
+        SpeedUnit::Rpm => {
+            "its speed setpoint is a share of its reference, and how many rpm that is nobody knows"
+        }
+        SpeedUnit::Percent => "its speed setpoint is in rpm, there is no reference to take percent of",
+    }
+}
+
+pub(super) fn telegram_text(number: Option<u16>) -> String {
+    number.map_or_else(
+        || "an unknown telegram".into(),
+        |number| format!("telegram {number}"),
+    )
+}
+
+pub(super) fn objections_text(objections: &[Objection]) -> String {
+    let texts: Vec<String> = objections.iter().map(ToString::to_string).collect();
+    texts.join("; ")
+}
+
+/// Most stations of a list in a message.
+const MOST_TOLD: usize = 8;
+
+/// Who answered instead; of many those next to what was looked for.
+pub(super) fn others(drive: &DriveAddress, stations: &[Station]) -> String {
+    if stations.is_empty() {
+        return "; nobody else answered either".into();
+    }
+    let mut nearest: Vec<&Station> = stations.iter().collect();
+    if nearest.len() > MOST_TOLD {
+        nearest.sort_by_cached_key(|station| {
+            let far = match drive {
+                DriveAddress::Name(name) => name_distance(name, &station.name) as u64,
+                DriveAddress::Ip(ip) => u32::from(*ip).abs_diff(station.ip.address.into()).into(),
+                DriveAddress::Mac(mac) => number(*mac).abs_diff(number(station.mac)),
+                DriveAddress::Line(_) => 0,
+            };
+            (far, station.name.clone(), station.mac)
+        });
+    }
+    let more = nearest.len().saturating_sub(MOST_TOLD);
+    let names: Vec<String> = nearest.into_iter().take(MOST_TOLD).map(describe).collect();
+    let list = names.join(", ");
+    match more {
+        0 => format!("; heard: {list}"),
+        _ => format!("; heard {}, the nearest: {list} and {more} more", stations.len()),
+    }
+}
+
+fn number(mac: MacAddress) -> u64 {
+    mac.0
+        .iter()
+        .fold(0, |number, octet| number << 8 | u64::from(*octet))
+}
+
+/// A station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
+#[must_use]
+pub fn describe(station: &Station) -> String {
+    let name = if station.name.is_empty() {
+        "no name"
+    } else {
+        &station.name
+    };
+    if station.mac == MacAddress::default() && !station.ip.is_set() {
+        // at a serial line: its name is where it is
+        name.to_owned()
+    } else if station.mac == MacAddress::default() {
+        // found by its IP address alone
+        station.ip.address.to_string()
+    } else if station.ip.is_set() {
+        format!("{name} ({}, {})", station.mac, station.ip.address)
+    } else {
+        format!("{name} ({}, no IP address)", station.mac)
+    }
+}
+
+pub(super) fn join(macs: &[MacAddress]) -> String {
+    macs.iter()
+        .map(ToString::to_string)
+        .collect::<Vec<_>>()
+        .join(" and ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Error;
+
+    fn stations(count: u8) -> Vec<Station> {
+        let station = |last| Station {
+            name: format!("akd-{last}"),
+            mac: MacAddress([2, 0x50, 0x4E, 0, 0, last]),
+            ip: profinet::IpSuite {
+                address: [10, 0, 0, last].into(),
+                ..profinet::IpSuite::NONE
+            },
+            ..Station::default()
+        };
+        (1..=count).map(station).collect()
+    }
+
+    #[test]
+    fn of_many_stations_the_nearest_are_told() {
+        for (drive, first) in [
+            ("akd-64x", "akd-64 (02:50:4e:00:00:40, 10.0.0.64)"),
+            ("10.0.0.99", "akd-80 (02:50:4e:00:00:50, 10.0.0.80)"),
+            ("02:50:4e:00:00:00", "akd-1 (02:50:4e:00:00:01, 10.0.0.1)"),
+        ] {
+            let not_found = |count| Error::NotFound {
+                drive: drive.parse().unwrap(),
+                heard: stations(count),
+            };
+            let told = not_found(80).to_string();
+            assert!(
+                told.contains(&format!("; heard 80, the nearest: {first}, ")),
+                "{told}"
+            );
+            assert!(told.ends_with(" and 72 more"), "{told}");
+            let all = not_found(8).to_string();
+            assert!(
+                all.contains("; heard: akd-1 (") && all.contains("akd-8 ("),
+                "{all}"
+            );
+        }
+    }
+}

@@ -1,0 +1,363 @@
+//! Tables of a drive that nobody has tables of, out of what it says of its parameters.
+//!
+//! Made once for each kind of drive and kept for the life of the program, in a registry that has an end.
+
+use std::sync::{Mutex, PoisonError};
+
+use profile::catalogue::{AKD, Scaling};
+use profile::catalogue::{
+    Access, Catalogue, Device, Layout, Meaning, Parameter, ParameterPoint, Scale, Size, TelegramModule, Words,
+};
+use profile::notation::Notation;
+use profile::parameter::{CodeSpace, Description, Dialect, Format, Identifier, Kind, Octets};
+use profile::unit::{ConversionIndex, Variable};
+use profinet::controller::Station;
+
+use crate::modules::UNKNOWN;
+use profile::model::Model;
+
+/// Kinds of drives that are kept.
+pub const MOST_KINDS: usize = 16;
+/// Parameters of one kind.
+pub const MOST_PARAMETERS: usize = 4096;
+/// Octets of a string in an array of them, where the description tells only how many there are.
+const STRING: u16 = 16;
+
+/// Where these facts are from.
+const SOURCE: &str = "description that the drive gives of itself";
+
+/// What is asked of a drive before anything is known of it: both axes that makes use, both numberings of the formats.
+/// The limits are the lowest of all makes.
+pub static DIALECTS: [Dialect; 4] = [
+    dialect(1, CodeSpace::V4),
+    dialect(0, CodeSpace::V4),
+    dialect(1, CodeSpace::V3),
+    dialect(0, CodeSpace::V3),
+];
+
+const fn dialect(axis: u8, code_space: CodeSpace) -> Dialect {
+    Dialect {
+        axis,
+        code_space,
+        max_parameters: 37,
+        max_values: 39,
+        ..Dialect::STANDARD
+    }
+}
+
+/// The same dialect with the other numbering of the formats.
+pub fn in_space(dialect: &'static Dialect, space: CodeSpace) -> &'static Dialect {
+    let mut known = DIALECTS.iter();
+    known
+        .find(|one| (one.axis, one.code_space) == (dialect.axis, space))
+        .unwrap_or(dialect)
+}
+
+/// Formats that only the decimal numbering has.
+pub const DECIMAL: std::ops::RangeInclusive<u8> = 0x21..=0x2C;
+
+/// The numbering that the formats of descriptions are in: V3 where one is in its range, as no number of V4 is used there.
+pub fn space_of(descriptions: &[(u16, Description)]) -> CodeSpace {
+    let codes = || descriptions.iter().map(|(_, one)| one.identifier.format().0);
+    if codes().any(|code| (0x71..=0x7C).contains(&code)) {
+        CodeSpace::V4
+    } else if codes().any(|code| DECIMAL.contains(&code)) {
+        CodeSpace::V3
+    } else {
+        CodeSpace::V4
+    }
+}
+
+/// What makes drives one kind: vendor, device, and what PNU 964 says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KindOfDrive {
+    pub vendor_id: u16,
+    pub device_id: u16,
+    /// PNU 964 index 1, where the drive tells it.
+    pub unit_type: Option<i64>,
+    pub unit: Vec<u8>,
+}
+
+/// A kind and its tables.
+type Known = (KindOfDrive, &'static Catalogue, &'static Dialect);
+
+static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
+
+/// The tables of a kind, if they were learned before.
+pub fn known(kind: &KindOfDrive) -> Option<(&'static Catalogue, &'static Dialect)> {
+    let known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = known.iter().find(|(one, ..)| one == kind);
+    found.map(|(_, tables, dialect)| (*tables, *dialect))
+}
+
+/// Keeps the tables of a kind; `None` when the registry is full.
+pub fn keep(
+    kind: &KindOfDrive,
+    dialect: &'static Dialect,
+    make: impl FnOnce() -> Catalogue,
+) -> Option<&'static Catalogue> {
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, tables, _)) = known.iter().find(|(one, ..)| one == kind) {
+        return Some(tables);
+    }
+    if known.len() >= MOST_KINDS {
+        return None;
+    }
+    let tables: &'static Catalogue = Box::leak(Box::new(make()));
+    known.push((kind.clone(), tables, dialect));
+    Some(tables)
+}
+
+/// The tables out of descriptions and texts.
+pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
+    let told = station.station_type.trim();
+    // what has the name of a make there are tables of is not to be taken for it
+    let model = if told.is_empty() || Model::by_name(told).is_some() {
+        format!("drive 0x{:04X}/0x{:04X}", station.vendor_id, station.device_id)
+    } else {
+        told.to_owned()
+    };
+    Catalogue::assemble(
+        model.leak(),
+        Notation::Name,
+        Scaling::DELIVERED,
+        device_of(station),
+        parameters,
+    )
+}
+
+/// What is taken for granted of a drive that nobody described: telegram 1 in a module of slot 1.
+pub fn device_of(station: &Station) -> Device {
+    Device {
+        vendor_id: station.vendor_id,
+        device_id: station.device_id,
+        vendor: "",
+        station_type: "",
+        order_id: "",
+        telegrams: &STANDARD,
+        layout: Layout {
+            telegram: 1,
+            parameters: ParameterPoint {
+                subslot: 1,
+                submodule: None,
+            },
+            records: &[],
+        },
+        ..AKD.device
+    }
+}
+
+/// Telegram 1, whose ident numbers are those of the module that is plugged.
+const STANDARD: [TelegramModule; 1] = [TelegramModule {
+    telegram: 1,
+    module: UNKNOWN,
+    submodule: UNKNOWN,
+    outputs: 4,
+    inputs: 4,
+    words: Words {
+        english: "Standard telegram 1",
+        german: "Standardtelegramm 1",
+    },
+}];
+
+/// What the values of a described parameter are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Values {
+    /// As a V4 code.
+    pub format: Format,
+    pub kind: Kind,
+    /// Of one value; 0 where the format does not say.
+    pub octets: usize,
+    pub scale: Scale,
+    pub unit: &'static str,
+}
+
+impl Values {
+    /// By type, physical size and conversion index.
+    pub fn of(description: &Description, space: CodeSpace) -> Self {
+        let wire = description.identifier.format();
+        let info = wire.info(space);
+        let kind = info.map_or(Kind::Unsigned, |info| info.kind);
+        let format = Format::of_code(wire.0, space);
+        let (unit, exponent) = if description.identifier.has(Identifier::NO_SCALE) {
+            ("", 0)
+        } else {
+            variable(description).unit()
+        };
+        let scale = match format {
+            Format::N2 => Scale::Percent,
+            _ if kind == Kind::Float => Scale::Raw,
+            _ => Scale::decimal(exponent),
+        };
+        Self {
+            format,
+            kind,
+            octets: match info.map(|info| info.octets) {
+                Some(Octets::Fixed(octets)) => octets.into(),
+                _ => 0,
+            },
+            scale,
+            unit: if scale == Scale::Percent { "%" } else { unit },
+        }
+    }
+
+    /// Lowest and highest value that the drive tells; none for texts and octets.
+    pub fn limits(&self, description: &Description) -> Option<(f64, f64)> {
+        if !matches!(self.octets, 1 | 2 | 4) || matches!(self.kind, Kind::Text | Kind::Octets) {
+            return None;
+        }
+        let (low, high) = description.limits(self.octets, self.kind == Kind::Signed)?;
+        if self.kind == Kind::Float {
+            let float = |octets| f64::from(f32::from_be_bytes(octets));
+            return Some((float(description.minimum), float(description.maximum)));
+        }
+        let rule = Scaling::DELIVERED.linear(self.scale);
+        Some((rule.engineering(low), rule.engineering(high)))
+    }
+}
+
+/// A row of the tables: what a drive says of one parameter.
+pub fn parameter(
+    pnu: u16,
+    description: &Description,
+    space: CodeSpace,
+    texts: Vec<(i32, String)>,
+) -> Parameter {
+    let identifier = description.identifier;
+    let values = Values::of(description, space);
+    let Values {
+        format,
+        kind,
+        octets,
+        scale,
+        unit,
+    } = values;
+    let counted = matches!(kind, Kind::Text | Kind::Octets) || !matches!(octets, 1 | 2 | 4);
+    let array = identifier.has(Identifier::ARRAY);
+    let limits = values.limits(description);
+    let leaked = |text: String| -> &'static str { text.leak() };
+    let choices: Vec<Meaning> = texts
+        .into_iter()
+        .map(|(value, text)| Meaning {
+            value,
+            text: leaked(text),
+        })
+        .collect();
+    Parameter {
+        pnu,
+        base: None,
+        name: leaked(description.name().collect()),
+        size: match octets {
+            1 => Size::Byte,
+            2 => Size::Word,
+            _ => Size::Dword,
+        },
+        format,
+        length: match (counted, array) {
+            (false, _) => 0,
+            (true, true) => STRING,
+            (true, false) => description.elements.max(1),
+        },
+        elements: if array { description.elements.max(1) } else { 1 },
+        signed: kind == Kind::Signed,
+        access: if identifier.has(Identifier::READ_ONLY) {
+            Access::ReadOnly
+        } else {
+            Access::ReadWrite
+        },
+        saved: !identifier.has(Identifier::READ_ONLY),
+        wide: false,
+        unit,
+        user_unit: false,
+        scale,
+        variable: variable(description),
+        minimum: limits.map(|(low, _)| low),
+        maximum: limits.map(|(_, high)| high),
+        default: None,
+        text: "",
+        choices: choices.leak(),
+        bits: &[],
+        description: "",
+        recalled: false,
+        source: SOURCE,
+    }
+}
+
+const fn variable(description: &Description) -> Variable {
+    Variable {
+        size: description.size_index,
+        conversion: ConversionIndex(description.conversion_index),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn described(format: u8, flags: u16) -> Description {
+        Description {
+            identifier: Identifier(flags | u16::from(format)),
+            name: *b"Ramp up time    ",
+            size_index: 4,
+            conversion_index: -2,
+            minimum: 1_u32.to_be_bytes(),
+            maximum: 360_000_u32.to_be_bytes(),
+            ..Description::default()
+        }
+    }
+
+    #[test]
+    fn a_description_becomes_a_row() {
+        let row = parameter(341, &described(7, 0), CodeSpace::V3, Vec::new());
+        assert_eq!(
+            (row.name, row.unit, row.scale),
+            ("Ramp up time", "s", Scale::Decimal(-2))
+        );
+        assert_eq!((row.minimum, row.maximum), (Some(0.01), Some(3600.0)));
+        assert_eq!((row.format, row.access), (Format::UNSIGNED32, Access::ReadWrite));
+        let row = parameter(
+            341,
+            &described(33, Identifier::READ_ONLY),
+            CodeSpace::V3,
+            Vec::new(),
+        );
+        assert_eq!(
+            (row.format, row.unit, row.access),
+            (Format::N2, "%", Access::ReadOnly)
+        );
+        let name = Description {
+            elements: 20,
+            ..described(9, Identifier::NO_SCALE)
+        };
+        let row = parameter(1541, &name, CodeSpace::V3, vec![(1, "one".into())]);
+        assert_eq!((row.length, row.elements, row.unit), (20, 1, ""));
+        assert_eq!((row.minimum, row.choice(1)), (None, Some("one")));
+    }
+
+    #[test]
+    fn the_registry_has_an_end_and_knows_what_it_has() {
+        let kind = |unit: u8| KindOfDrive {
+            vendor_id: 0xFFFE,
+            device_id: 1,
+            unit_type: Some(i64::from(unit)),
+            unit: vec![unit],
+        };
+        let make = || tables(&Station::default(), Vec::new());
+        let dialect = &DIALECTS[0];
+        let first = keep(&kind(0), dialect, make).unwrap();
+        assert!(std::ptr::eq(first, keep(&kind(0), dialect, make).unwrap()));
+        assert!(std::ptr::eq(first, known(&kind(0)).unwrap().0));
+        let kept = (0..=u8::MAX).filter(|&unit| keep(&kind(unit), dialect, make).is_some());
+        assert!(kept.count() <= MOST_KINDS);
+        assert!(known(&kind(255)).is_none());
+    }
+
+    #[test]
+    fn the_numbering_of_the_formats_shows_in_them() {
+        let of = |format| space_of(&[(1, described(6, 0)), (2, described(format, 0))]);
+        assert_eq!(
+            (of(33), of(0x71), of(5)),
+            (CodeSpace::V3, CodeSpace::V4, CodeSpace::V4)
+        );
+    }
+}

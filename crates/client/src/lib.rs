@@ -1,0 +1,49 @@
+//! What one wants of a drive: find it, know it, read and write its parameters, run it.
+//!
+//! The profile (`profidrive`) and the controller (`profinet::controller`) meet here. Still no I/O: a
+//! [`Medium`](profinet::Medium) carries the bytes. [`Client`] is the engine for programs with a loop of their own,
+//! [`Session`] the same with calls that wait.
+//!
+//! | to | use |
+//! |---|---|
+//! | find, name, address, blink, reset | [`Session::scan`], [`Session::find`], [`Session::set_name`], [`Session::set_ip`], .. |
+//! | know | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
+//! | read and write | [`Session::read`], [`Session::write`] with [`profile::value`] |
+//! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::restore`] |
+//! | the same over a serial line | [`Session::on_line`] and a [`Wire`] of octets |
+//! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
+#![forbid(unsafe_code)]
+
+mod action;
+mod address;
+pub mod axis;
+pub mod backup;
+mod client;
+mod drive;
+mod error;
+mod learn;
+mod line;
+mod mapper;
+mod modules;
+mod session;
+pub mod status;
+pub mod text;
+mod wide;
+mod wire;
+
+pub use action::{Action, Advice, AdvicePart, Choice};
+pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
+pub use client::{AxisView, Client, Connection, Link};
+pub use drive::Drive;
+pub use error::{ChannelCause, ChannelRefusal, Error, NotCarried, Refusal, describe};
+pub use line::LineConfig;
+pub use mapper::Registered;
+pub use modules::{MakerModule, modules_of};
+pub use session::{
+    AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described,
+    DescribedLimits, Enabled, FaultEntry, FaultReport, Identity, Info, JogSpeed, LocalControl, LoggedFault,
+    LossAction, LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, Rest, Route,
+    RouteNotice, Session, Snapshot, StopMeans, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher,
+    WriteMode,
+};
+pub use wire::Wire;

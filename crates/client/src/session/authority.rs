@@ -1,0 +1,136 @@
+//! Who commands a drive at this moment. Reads only.
+
+use std::fmt;
+
+use profile::catalogue::Part;
+use profile::state::Zsw1;
+
+use super::Session;
+use super::prepare::zsw1_of;
+use crate::{Drive, Error, Wire};
+
+/// Who commands a drive.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Authority {
+    /// Somebody at the drive itself (ZSW1 bit 9 is 0).
+    Local(LocalControl),
+    /// The controller of this station name, empty where it has none.
+    Controller(String),
+    /// Nobody, and operation is enabled (S4): the last control word is still in force.
+    Ownerless,
+    /// Nobody, and operation is not enabled.
+    Nobody,
+    /// The device does not report its connections.
+    Unknown,
+}
+
+/// Who at the drive itself commands it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LocalControl {
+    /// Its service channel has enabled it: setup software, or a parameter.
+    ServiceChannel,
+    /// A parameter keeps the field bus from commanding it.
+    Setting {
+        /// The parameter, as its vendor writes it.
+        parameter: String,
+        /// Its setting.
+        setting: String,
+    },
+    /// Its panel or its inputs.
+    Panel,
+}
+
+impl LocalControl {
+    /// What to do at the drive to hand control over to the field bus.
+    #[must_use]
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::ServiceChannel => "switch it off where it was enabled, or disable it by parameter".into(),
+            Self::Setting { parameter, .. } => {
+                format!("stop it at its inputs or its panel; {parameter} must let the field bus command it")
+            }
+            Self::Panel => {
+                "stop it at its panel (OFF), then hand control over to the field bus (AUTO, remote)".into()
+            }
+        }
+    }
+}
+
+impl fmt::Display for LocalControl {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ServiceChannel => f.write_str("its service channel has enabled it"),
+            Self::Setting { parameter, setting } => {
+                write!(f, "{parameter} is {setting}, the field bus may not command it")
+            }
+            Self::Panel => f.write_str("its panel or its inputs command it"),
+        }
+    }
+}
+
+impl<M: Wire> Session<M> {
+    /// Reads who commands a drive.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn authority(&mut self, drive: &mut Drive) -> Result<Authority, Error> {
+        let telegram = self.telegram_now(drive)?;
+        let told = self.ask(
+            drive,
+            &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
+        )?;
+        let word = zsw1_of(drive, &told, telegram);
+        self.authority_by(drive, word)
+    }
+
+    /// The same, by a status word that was read.
+    pub(super) fn authority_by(&mut self, drive: &mut Drive, word: Option<Zsw1>) -> Result<Authority, Error> {
+        if let Some(word) = word.filter(|word| !word.has(Zsw1::CONTROL_REQUESTED)) {
+            return Ok(Authority::Local(self.local_control(drive, word)?));
+        }
+        let enabled = word.is_some_and(in_operation);
+        // the only master of a line is this one
+        let owner = if drive.is_on_line() {
+            Some(None)
+        } else {
+            self.owner(drive)?
+        };
+        Ok(match owner {
+            Some(Some(controller)) => Authority::Controller(controller),
+            Some(None) if enabled => Authority::Ownerless,
+            Some(None) => Authority::Nobody,
+            None => Authority::Unknown,
+        })
+    }
+
+    /// Who at the drive itself commands it, by its settings.
+    pub(super) fn local_control(&mut self, drive: &mut Drive, word: Zsw1) -> Result<LocalControl, Error> {
+        let Some(tables) = drive.model.catalogue else {
+            return Ok(LocalControl::Panel);
+        };
+        let told = self.ask(drive, &[Part::ControlSite])?;
+        let excluded = told
+            .find(Part::ControlSite)
+            .zip(told.raw(Part::ControlSite))
+            .filter(|(_, raw)| tables.part_values(Part::ControlSite).contains(raw));
+        if let Some((reading, raw)) = excluded {
+            return Ok(LocalControl::Setting {
+                parameter: reading.shown().to_string(),
+                setting: reading.choice.map_or_else(|| raw.to_string(), str::to_owned),
+            });
+        }
+        let by_parameter = tables.part(Part::Disable).is_some();
+        Ok(if by_parameter && in_operation(word) {
+            LocalControl::ServiceChannel
+        } else {
+            LocalControl::Panel
+        })
+    }
+}
+
+/// Operation is enabled: S4.
+pub(super) const fn in_operation(word: Zsw1) -> bool {
+    word.has(Zsw1(Zsw1::READY_TO_OPERATE.0 | Zsw1::OPERATION_ENABLED.0))
+}

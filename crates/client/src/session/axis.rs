@@ -1,0 +1,575 @@
+//! Control of an axis as an object: while it exists the connection is open, when it goes the axis is stopped and
+//! released.
+
+mod open;
+mod rest;
+
+use std::time::Duration;
+
+use profile::state::Mode;
+use profinet::controller::{LostCause, ServiceError};
+use profinet::cyclic::CyclicStatistics;
+
+use super::Session;
+use super::enabled::Enabled;
+use super::faults::WarningEntry;
+use super::keep::Kept;
+use super::loss::LossReaction;
+use super::warnings::Warnings;
+use crate::axis::{
+    Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Seen, SpeedScale, SpeedUnit,
+    Strained,
+};
+use crate::client::AxisView;
+use crate::{Connection, Drive, Error, Link, Wire};
+use profile::value::{Beyond, is_another, is_rounding};
+
+/// How to run an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisSettings {
+    /// What the axis is wanted for: decides over the telegram, and which mode the drive must be in.
+    pub purpose: Purpose,
+    /// Update time; when `None` at least [`Cycle::CALM`](crate::axis::Cycle::CALM), as the drive allows it. A serial line has none.
+    pub cycle: Option<Duration>,
+    /// Update times without data until both sides stop; when `None` so many that they are at least
+    /// [`Cycle::CALM_HOLD`](crate::axis::Cycle::CALM_HOLD).
+    pub watchdog: Option<u16>,
+    /// The telegram to use; `None` leaves it to what the drive reports and the purpose needs.
+    pub telegram: Option<u16>,
+    /// What speeds are told in.
+    pub unit: SpeedUnit,
+    /// Speed in rpm that is 100 % of the reference, for a drive that does not tell.
+    pub reference_speed: Option<f64>,
+    /// Highest speed that may be asked for, in that unit.
+    pub speed_limit: f64,
+    /// How much longer than the ramp of the drive is reckoned to need stopping may take before the quick stop is used.
+    pub stop: Duration,
+}
+
+impl Default for AxisSettings {
+    fn default() -> Self {
+        Self {
+            purpose: Purpose::Speed,
+            cycle: None,
+            watchdog: None,
+            telegram: None,
+            unit: SpeedUnit::Rpm,
+            reference_speed: None,
+            speed_limit: 3000.0,
+            stop: Duration::from_secs(10),
+        }
+    }
+}
+
+impl AxisSettings {
+    /// The usual settings for a purpose.
+    ///
+    /// ```
+    /// use profidrive_client::{AxisSettings, axis::Purpose};
+    /// assert_eq!(AxisSettings::for_purpose(Purpose::Move).speed_limit, 3000.0);
+    /// ```
+    #[must_use]
+    pub fn for_purpose(purpose: Purpose) -> Self {
+        Self {
+            purpose,
+            ..Self::default()
+        }
+    }
+}
+
+/// What taking an axis would be: see [`Session::plan_axis`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisPlan {
+    /// The telegram it would use.
+    pub telegram: u16,
+    /// The telegram that the drive reports now (PNU 922).
+    pub telegram_before: Option<u16>,
+    scale: SpeedScale,
+}
+
+impl AxisPlan {
+    /// The speed that the drive would be told for this one, in the unit of the settings: the nearest step of the setpoint.
+    ///
+    /// # Errors
+    /// A speed that cannot be told: see [`Session::check_speed`].
+    pub fn speed_told(&self, drive: &Drive, speed: f64) -> Result<f64, Error> {
+        speed_setpoint(drive, &self.scale, speed).map(|raw| self.scale.speed(raw))
+    }
+}
+
+/// An axis at a glance, in engineering units. What its telegram does not carry is `None`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisStatus {
+    /// Goal, progress, words.
+    pub view: AxisView,
+    /// What the speeds are in.
+    pub unit: SpeedUnit,
+    /// Speed asked for.
+    pub speed_set: Option<f64>,
+    /// Speed of the motor.
+    pub speed_actual: Option<f64>,
+    /// The speed signal is at the end of its numbers: the motor may turn faster than it tells.
+    pub speed_beyond: Option<Beyond>,
+    /// Where the task under way leads, in turns, as far as it is known here.
+    pub target: Option<f64>,
+    /// Where the axis is, in turns.
+    pub position: Option<f64>,
+    /// Position command minus position, in turns.
+    pub following_error: Option<f64>,
+    /// Time since control was taken.
+    pub time: Duration,
+    /// The connection is lost: all of this is what the drive said last.
+    pub lost: bool,
+}
+
+/// How an axis is when control of it is given back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Rest {
+    /// It does not turn, as far as the drive reports.
+    #[default]
+    Stands,
+    /// It turns with its power stage off: it coasts, or something moves it.
+    Coasts,
+    /// It turns with its power stage on: control of it was not taken.
+    Runs,
+}
+
+/// Somebody who wants to see the axis while calls wait.
+pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
+
+/// Somebody who wants to know of warnings as they come, by number where the drive has numbers.
+pub type WarningWatcher<'s> = Box<dyn FnMut(&AxisStatus, &[WarningEntry]) + 's>;
+
+/// An axis under control.
+///
+/// Dropping it, for whatever reason, ends in a ramp stop and a release. It cannot be moved before it is enabled: only
+/// [`enable`](Self::enable) gives the [`Enabled`] that has motions.
+///
+/// ```
+/// use profidrive_client::{Axis, Error, Wire};
+/// fn turn<M: Wire>(axis: &mut Axis<'_, M>) -> Result<(), Error> {
+///     let mut enabled = axis.enable()?;
+///     enabled.run(60.0)?;
+///     enabled.hold(std::time::Duration::from_secs(1))?;
+///     enabled.disable() // dropping it stops too
+/// }
+/// ```
+///
+/// Without it there is nothing to call:
+///
+/// ```compile_fail,E0599
+/// use profidrive_client::{Axis, Error, Wire};
+/// fn turn<M: Wire>(axis: &mut Axis<'_, M>) -> Result<(), Error> {
+///     axis.run(60.0)
+/// }
+/// ```
+pub struct Axis<'s, M: Wire> {
+    pub(super) session: &'s mut Session<M>,
+    pub(super) drive: Drive,
+    link: Link,
+    pub(super) settings: AxisSettings,
+    cycle: Duration,
+    /// The cycle of the connection if this computer does not keep to it.
+    strained: Option<Strained>,
+    telegram: u16,
+    /// The telegram that the drive had before (PNU 922).
+    telegram_before: Option<u16>,
+    /// What the numbers of its speeds mean.
+    pub(super) scale: SpeedScale,
+    /// Ramps of the drive in the unit of the speeds a second.
+    pub(super) acceleration: Option<f64>,
+    pub(super) deceleration: Option<f64>,
+    /// Highest speed asked for since the axis was taken.
+    pub(super) fastest: f64,
+    /// What the drive said about a motion that does not get on.
+    pub(super) evidence: Option<Evidence>,
+    /// What the telegram writes in coarser steps than the drive has them.
+    kept: Kept,
+    /// What the drive does when this connection is lost.
+    loss: Box<LossReaction>,
+    /// Where the move under way leads, in turns.
+    pub(super) target: Option<f64>,
+    taken: profinet::Instant,
+    pub(super) watcher: Option<Watcher<'s>>,
+    pub(super) warnings: Warnings<'s>,
+    /// The trouble there is was returned to the caller.
+    told: bool,
+    finished: bool,
+    /// A quick stop ended what should have been a ramp stop.
+    quick: bool,
+    /// The axis was in operation under this control.
+    operated: bool,
+    /// How it was when it was given back.
+    rest: Rest,
+}
+
+impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Axis")
+            .field("drive", &self.drive.label())
+            .field("link", &self.link)
+            .finish_non_exhaustive()
+    }
+}
+
+/// The number of a speed that a person asked for: the nearest step, if that is the same speed.
+pub(super) fn speed_setpoint(drive: &Drive, scale: &SpeedScale, speed: f64) -> Result<i16, Error> {
+    let unit = scale.unit().symbol();
+    let Some(raw) = scale.raw(speed) else {
+        return Err(Error::SpeedLimit {
+            wanted: speed,
+            limit: scale.speed(i16::MAX),
+            unit,
+        });
+    };
+    let told = scale.speed(raw);
+    if !is_another(speed, told) {
+        return Ok(raw);
+    }
+    let beside = if told > speed {
+        raw.saturating_sub(1)
+    } else {
+        raw.saturating_add(1)
+    };
+    let other = scale.speed(beside);
+    Err(Error::SpeedStep {
+        drive: drive.label(),
+        wanted: speed,
+        nearest: [told.min(other), told.max(other)],
+        unit,
+    })
+}
+
+impl<'s, M: Wire> Axis<'s, M> {
+    /// Shows the axis to `watcher` after everything that happens while calls wait.
+    pub fn watch(&mut self, watcher: impl FnMut(&AxisStatus) + 's) {
+        self.watcher = Some(Box::new(watcher));
+    }
+
+    /// Tells `watcher` of each warning (ZSW1 bit 7) when it comes, while calls wait. A drive that has no number for its
+    /// warning gives an empty list.
+    pub fn watch_warnings(&mut self, watcher: impl FnMut(&AxisStatus, &[WarningEntry]) + 's) {
+        self.warnings.watch(Box::new(watcher));
+    }
+
+    /// The speed that the drive is told for this one, if that is another: the setpoint travels in steps. `None` too where
+    /// it cannot be told at all, which [`run`](Enabled::run) refuses.
+    #[must_use]
+    pub fn rounded_speed(&self, speed: f64) -> Option<f64> {
+        let told = self.scale.speed(self.scale.raw(speed)?);
+        is_rounding(speed, told).then_some(told)
+    }
+
+    /// The drive.
+    #[must_use]
+    pub const fn drive(&self) -> &Drive {
+        &self.drive
+    }
+
+    /// Number of the telegram in use.
+    #[must_use]
+    pub const fn telegram(&self) -> u16 {
+        self.telegram
+    }
+
+    /// The telegram that the drive had before (PNU 922), if it is another one: the drive keeps the one in use.
+    #[must_use]
+    pub fn telegram_before(&self) -> Option<u16> {
+        self.telegram_before.filter(|&before| before != self.telegram)
+    }
+
+    /// The update time in use.
+    #[must_use]
+    pub const fn cycle(&self) -> Duration {
+        self.cycle
+    }
+
+    /// What is wrong with the cycle of the connection, by the delays that this computer showed before anything was
+    /// enabled. `None` where the cycle fits, on a serial line, and for [`Purpose::Control`], which is not measured.
+    #[must_use]
+    pub const fn strained(&self) -> Option<Strained> {
+        self.strained
+    }
+
+    /// The session, for parameters beside the running axis.
+    pub fn session(&mut self) -> (&mut Session<M>, &mut Drive) {
+        (self.session, &mut self.drive)
+    }
+
+    /// The axis as it is now.
+    #[must_use]
+    pub fn status(&self) -> Option<AxisStatus> {
+        let view = self.session.client.axis(self.link)?;
+        Some(AxisStatus {
+            view,
+            unit: self.scale.unit(),
+            speed_set: (view.mode == Mode::Velocity).then(|| self.scale.speed(view.command.nsoll_a)),
+            speed_actual: view.seen.and_then(|seen| Some(self.scale.speed(seen.nist_a?))),
+            speed_beyond: view.seen.and_then(|seen| Beyond::of(seen.nist_a?)),
+            target: self
+                .target
+                .filter(|_| matches!(view.goal, Goal::Traverse(_) | Goal::Pause)),
+            position: view.seen.and_then(|seen| Some(self.turns(seen.xist_a?))),
+            following_error: view.seen.and_then(|seen| Some(self.turns(seen.xist_error?))),
+            time: self.session.now() - self.taken,
+            lost: matches!(self.session.client.connection(self.link), Connection::Lost(_)),
+        })
+    }
+
+    /// Counters of the cyclic connection; a serial line has none.
+    #[must_use]
+    pub fn statistics(&self) -> Option<CyclicStatistics> {
+        match self.link {
+            Link::Relation(ar) => self.session.client.controller_ref().statistics(ar),
+            Link::Slave(_) => None,
+        }
+    }
+
+    /// Takes control and gets ready for switching on (S2).
+    ///
+    /// # Errors
+    /// When the drive does not follow, the connection is lost or the caller wants to stop.
+    pub fn ready(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Ready)
+    }
+
+    /// As [`ready`](Self::ready), but content with a fault that waits to be acknowledged.
+    ///
+    /// # Errors
+    /// When the connection is lost or the caller wants to stop.
+    pub fn ready_or_fault(&mut self) -> Result<(), Error> {
+        self.pursue(Goal::Ready);
+        let fault = |status: &AxisStatus| status.view.seen.is_some_and(Seen::fault);
+        let ready = |status: &AxisStatus| status.view.progress == Progress::Reached;
+        self.hold_until(Limits::default().step, |status| fault(status) || ready(status))
+            .map(|_| ())
+    }
+
+    /// Switches on and stands (S4): the axis can be moved as long as what this returns lives, and stops when it goes.
+    ///
+    /// Setpoints are preset first: speed 0, target of a move where the axis is.
+    ///
+    /// # Errors
+    /// Trouble with the motion before that nobody was told of yet, and as [`ready`](Self::ready).
+    pub fn enable(&mut self) -> Result<Enabled<'_, 's, M>, Error> {
+        self.untold()?;
+        self.target = None;
+        self.reach(Goal::Enabled)?;
+        Ok(Enabled::new(self))
+    }
+
+    /// What a move would be, and everything that speaks against it. Reads only.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn plan(&mut self, order: &Move) -> Result<MovePlan, Error> {
+        let limit = self.settings.speed_limit;
+        let seen = self
+            .status()
+            .and_then(|status| Some((status.view.seen?, status.position)));
+        let mut drive = self.drive.clone();
+        let facts = self.session.motion_facts(&mut drive)?;
+        let facts = MotionFacts {
+            // the telegram is newer
+            position: seen.and_then(|(_, position)| position).or(facts.position),
+            homed: seen.map(|(seen, _)| seen.homed()).or(facts.homed),
+            fault: seen.map(|(seen, _)| seen.fault()).or(facts.fault),
+            ..facts
+        };
+        self.session.plan_with(&drive, order, &facts, limit)
+    }
+
+    /// Increments in turns.
+    fn turns(&self, counts: i32) -> f64 {
+        f64::from(counts) / self.drive.counts_per_turn()
+    }
+
+    /// Acknowledges a fault.
+    ///
+    /// # Errors
+    /// When the fault stays, and as [`ready`](Self::ready).
+    pub fn acknowledge(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Acknowledge)
+    }
+
+    /// Ramp stop (OFF1); returns once the pulses are off. A caller's wish to stop does not interrupt it.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill or the connection is lost.
+    pub fn stop(&mut self) -> Result<(), Error> {
+        let stopping = std::mem::replace(&mut self.session.stopping, true);
+        let result = self.reach(Goal::Stop);
+        self.session.stopping = stopping;
+        result
+    }
+
+    /// True when the axis turns with its power stage off and was so before control was taken: it coasts, or something
+    /// moves it. Nothing that is commanded here ends that.
+    #[must_use]
+    pub fn coasts(&self) -> bool {
+        let off = |view: &AxisView| view.seen.is_some_and(Seen::pulses_off);
+        let told = self.status().map(|status| status.view);
+        !self.operated && told.is_some_and(|view| view.turns && off(&view))
+    }
+
+    /// Keeps what was reached for `time`.
+    ///
+    /// # Errors
+    /// As soon as the drive leaves it, the connection is lost or the caller wants to stop.
+    pub fn hold(&mut self, time: Duration) -> Result<(), Error> {
+        self.hold_until(time, |_| false).map(|_| ())
+    }
+
+    /// Keeps what was reached until `enough`, at most for `time`; true if it was enough.
+    ///
+    /// # Errors
+    /// As [`hold`](Self::hold).
+    pub fn hold_until(
+        &mut self,
+        time: Duration,
+        mut enough: impl FnMut(&AxisStatus) -> bool,
+    ) -> Result<bool, Error> {
+        let end = self.session.now() + time;
+        loop {
+            let status = self.look()?;
+            if enough(&status) {
+                return Ok(true);
+            }
+            if self.session.now() >= end {
+                return Ok(false);
+            }
+            self.session.step(end)?;
+        }
+    }
+
+    /// Stops the axis, gives control back and closes the connection. An axis that [`coasts`](Self::coasts) is not waited
+    /// for.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
+    pub fn release(self) -> Result<(), Error> {
+        self.release_and_look().map(|_| ())
+    }
+
+    /// The same; returns how the axis was when control was given back.
+    ///
+    /// # Errors
+    /// As [`release`](Self::release).
+    pub fn release_and_look(mut self) -> Result<Rest, Error> {
+        self.shut_down()?;
+        Ok(self.rest)
+    }
+
+    pub(super) fn pursue(&mut self, goal: Goal) {
+        let now = self.session.now();
+        self.told = false;
+        self.operated |= goal.operates();
+        self.session.client.pursue(now, self.link, goal);
+    }
+
+    /// An axis that stopped by itself meanwhile is not started again before the caller knows.
+    fn untold(&mut self) -> Result<(), Error> {
+        if self.told {
+            return Ok(());
+        }
+        self.look().map(|_| ())
+    }
+
+    fn reach(&mut self, goal: Goal) -> Result<(), Error> {
+        self.pursue(goal);
+        self.arrive(None, "", |status| status.view.progress == Progress::Reached)
+    }
+
+    /// Waits until `enough`, for no longer than `limit`.
+    pub(super) fn arrive(
+        &mut self,
+        limit: Option<Duration>,
+        what: &'static str,
+        mut enough: impl FnMut(&AxisStatus) -> bool,
+    ) -> Result<(), Error> {
+        let begin = self.session.now();
+        loop {
+            let status = self.look()?;
+            if enough(&status) {
+                return Ok(());
+            }
+            if status.view.stays_away {
+                self.gather();
+            }
+            if let Some(limit) = limit.filter(|&limit| self.session.now() - begin >= limit) {
+                return Err(Error::NotInTime {
+                    drive: self.drive.label(),
+                    what,
+                    limit,
+                });
+            }
+            // the control has its own limits and fails; this one only wakes it
+            let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));
+            self.session.step(soon)?;
+        }
+    }
+
+    /// Shows the axis, and tells what went wrong.
+    pub(super) fn look(&mut self) -> Result<AxisStatus, Error> {
+        let status = self.status();
+        if let (Some(watcher), Some(status)) = (&mut self.watcher, &status) {
+            watcher(status);
+        }
+        if let Some(error) = self.lost() {
+            return Err(error);
+        }
+        let Some(status) = status else {
+            let what = "cyclic data";
+            return Err(self.connection_lost(LostCause::Service(ServiceError::Closed { what })));
+        };
+        let ramp = status.view.goal == Goal::Stop && !status.view.quick_stop && !status.view.at_rest;
+        if ramp && self.session.hurries() {
+            let now = self.session.now();
+            self.session.client.hurry(now, self.link);
+        }
+        match status.view.progress {
+            Progress::Failed(trouble) => {
+                self.told = true;
+                Err(Error::Axis {
+                    drive: self.drive.label(),
+                    trouble,
+                })
+            }
+            Progress::Pursuing | Progress::Reached => {
+                self.look_for_warnings(&status);
+                Ok(status)
+            }
+        }
+    }
+
+    /// What the drive does when the connection of the axis is lost, by its settings at the time control was taken.
+    #[must_use]
+    pub const fn loss_reaction(&self) -> &LossReaction {
+        &self.loss
+    }
+
+    /// The error of a connection that is gone.
+    pub(super) fn lost(&self) -> Option<Error> {
+        match self.session.client.connection(self.link) {
+            Connection::Lost(cause) => Some(self.connection_lost(cause)),
+            Connection::Silent => Some(Error::LineSilent {
+                drive: self.drive.label(),
+                reaction: Some(self.loss.clone()),
+            }),
+            _ => None,
+        }
+    }
+
+    fn connection_lost(&self, cause: LostCause) -> Error {
+        Error::ConnectionLost {
+            drive: self.drive.label(),
+            cause,
+            reaction: Some(self.loss.clone()),
+        }
+    }
+
+    /// What became of the connection.
+    pub(super) fn connection(&self) -> Connection {
+        self.session.client.connection(self.link)
+    }
+}

@@ -1,0 +1,257 @@
+//! The way to an axis: telegram, connection, control.
+
+use std::time::Duration;
+
+use profile::catalogue::Device;
+use profile::state::Zsw1;
+use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
+
+use super::{Axis, AxisPlan, AxisSettings, Rest, Session, speed_setpoint};
+use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale};
+use crate::learn::device_of;
+use crate::session::prepare::{Prepared, ownerless};
+use crate::session::takeover;
+use crate::{Drive, Error, Link, Wire};
+
+/// One unit of MinDeviceInterval and of the send clock.
+const TICK: Duration = Duration::from_nanos(31_250);
+/// How long the delays of this computer are measured before an axis may be enabled.
+const MEASURED: Duration = Duration::from_millis(200);
+/// One wait of that measurement.
+const WAIT: Duration = Duration::from_millis(1);
+/// Shortest time a drive has for accepting a task.
+const ACCEPT: Duration = Duration::from_secs(2);
+
+impl<M: Wire> Session<M> {
+    /// Whether a speed can be told to the drive with the scale it has now: the setpoint travels in steps, and the nearest
+    /// one must not be more than [`MOST_ROUNDING`](profile::value::MOST_ROUNDING) away. Reads only.
+    ///
+    /// # Errors
+    /// [`Error::SpeedStep`] with the speeds beside it, [`Error::SpeedLimit`] beyond what the setpoint holds, and when the
+    /// drive cannot be reached.
+    pub fn check_speed(&mut self, drive: &mut Drive, rpm: f64) -> Result<(), Error> {
+        self.read_scaling(drive)?;
+        let scale = SpeedScale::linear(drive.parameters.scaling.speed());
+        speed_setpoint(drive, &scale, rpm).map(|_| ())
+    }
+
+    /// What [`take_axis`](Self::take_axis) would do, checked as far as reading can: control at the drive itself, mode,
+    /// telegram, timing, another controller. Reads only.
+    ///
+    /// # Errors
+    /// As `take_axis`; [`Error::OwnedByController`] when a controller has the drive.
+    pub fn plan_axis(&mut self, drive: &mut Drive, settings: &AxisSettings) -> Result<AxisPlan, Error> {
+        let tables = drive.model.catalogue;
+        let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
+        drive.check_able(settings.purpose.mode())?;
+        self.check_carrier(drive)?;
+        self.read_scaling(drive)?;
+        if !drive.is_on_line() {
+            cycle_of(drive, &device, settings)?;
+        }
+        let prepared = self.prepare(drive, &device, settings)?;
+        if prepared.layout.is_some()
+            && let Some(controller) = self.owner(drive)?.flatten()
+        {
+            return Err(Error::OwnedByController {
+                drive: drive.label(),
+                controller: Some(controller),
+                cause: "a connection is open".to_owned(),
+            });
+        }
+        Ok(AxisPlan {
+            telegram: prepared.wiring.telegram(),
+            telegram_before: prepared.reported,
+            scale: prepared.scale,
+        })
+    }
+
+    /// Opens the cyclic connection of an axis, with the telegram that its purpose needs and the drive has. Nothing
+    /// moves: control is taken with the first goal.
+    ///
+    /// A drive that is in operation without a controller is taken over with [`Purpose::Control`] only: the control word
+    /// and the setpoint that it obeys go on until the first goal, and the axis is stopped when this object goes.
+    ///
+    /// # Errors
+    /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, somebody at the
+    /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]),
+    /// another controller owns it, the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
+    /// ([`Error::NeedsCallPort`]).
+    pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
+        let tables = drive.model.catalogue;
+        let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
+        drive.check_able(settings.purpose.mode())?;
+        self.check_carrier(drive)?;
+        self.read_scaling(drive)?;
+        let Prepared {
+            mode,
+            mut wiring,
+            layout,
+            reported,
+            kept: in_operation,
+            scale,
+            acceleration,
+            deceleration,
+        } = self.prepare(drive, &device, &settings)?;
+        let kept = self.keep(drive, &wiring)?;
+        let loss = Box::new(self.loss_reaction(drive)?);
+        let taken_over = in_operation && settings.purpose == Purpose::Control;
+        let present = if taken_over {
+            Some(self.present_command(drive, &mut wiring, reported, &scale)?)
+        } else {
+            None
+        };
+        let (cycle, chosen) = match self.client.line_config() {
+            // the line goes as fast as it can
+            Some(line) => (line.exchange(), None),
+            None => {
+                let chosen = cycle_of(drive, &device, &settings)?;
+                (chosen.interval(), Some(chosen))
+            }
+        };
+        let limits = Limits {
+            dwell: (cycle * 4).max(Duration::from_millis(8)),
+            stop: settings.stop,
+            standstill: standstill(&scale),
+            accept: ACCEPT.max(cycle * 16),
+            // a bit of the AKD, which is the only model whose telegrams are known
+            task_active: Zsw1::TASK_ACTIVE,
+            ..Limits::default()
+        };
+        let telegram = wiring.telegram();
+        let control = match present {
+            Some(present) => AxisControl::taking_over(limits, mode, present),
+            None => AxisControl::in_mode(limits, mode),
+        };
+        self.make_way(drive)?;
+        let now = self.now();
+        // from here on the object below sees to the end of the connection
+        let mut waiting = None;
+        let measures = settings.purpose != Purpose::Control;
+        let link = match (layout.zip(chosen), drive.slave) {
+            (Some((layout, chosen)), _) => {
+                let mut config = ConnectConfig::new(layout.modules, chosen.timing);
+                config.watchdog_factor = chosen.watchdog;
+                config.data_hold_factor = chosen.watchdog;
+                config.resolve = if drive.station.name.is_empty() {
+                    Resolve::Trust
+                } else {
+                    Resolve::Check
+                };
+                let ar = self
+                    .client
+                    .controller()
+                    .connect(now, Target::of(&drive.station), config)?;
+                let (slot, subslot) = layout.place;
+                if wiring.chosen_words().next().is_some() {
+                    waiting = Some((ar, slot, subslot, wiring, control));
+                } else {
+                    self.client.attach_axis(ar, slot, subslot, wiring, control);
+                }
+                Link::Relation(ar)
+            }
+            (None, Some(slave)) => {
+                self.client.attach_slave(slave, wiring, control);
+                Link::Slave(slave)
+            }
+            (None, None) => return Err(Misuse::UnknownConnection.into()),
+        };
+        let mut axis = Axis {
+            drive: drive.clone(),
+            link,
+            settings,
+            cycle,
+            strained: None,
+            telegram,
+            telegram_before: reported,
+            scale,
+            acceleration,
+            deceleration,
+            fastest: 0.0,
+            evidence: None,
+            kept,
+            loss,
+            target: None,
+            taken: now,
+            watcher: None,
+            warnings: Default::default(),
+            told: false,
+            finished: false,
+            quick: false,
+            operated: taken_over,
+            rest: Rest::default(),
+            session: self,
+        };
+        let drive = axis.drive.clone();
+        axis.session.running(&drive, link)?;
+        axis.session.under_control = Some((drive.label(), axis.loss.clone()));
+        if let Link::Relation(ar) = link {
+            axis.session.share(&drive, ar);
+        }
+        if let Some((ar, slot, subslot, mut wiring, control)) = waiting {
+            // nothing was sent yet: only now the drive says what is in the words of this telegram
+            axis.session.preset_chosen(&mut axis.drive, &mut wiring)?;
+            axis.session
+                .client
+                .attach_axis(ar, slot, subslot, wiring, control);
+        }
+        if let Some(chosen) = chosen.filter(|_| measures) {
+            // the connection is open and nothing is enabled: frames are sent as they will be later
+            axis.strained = chosen.judge(axis.session.longest_delay()?);
+        }
+        axis.taken = axis.session.now();
+        // a device that does not report its connections says only now that nobody else had it
+        let enabled = |axis: &Axis<'_, M>| {
+            let seen = axis.status().and_then(|status| status.view.seen);
+            takeover::is_kept(seen.map(|seen| seen.zsw1))
+        };
+        if settings.purpose != Purpose::Control && enabled(&axis) {
+            return Err(ownerless(&axis.drive));
+        }
+        Ok(axis)
+    }
+
+    /// Cyclic data travels in frames of its own, not in UDP; the drive calls when it is ready for them.
+    fn check_carrier(&self, drive: &Drive) -> Result<(), Error> {
+        if drive.is_on_line() {
+            return Ok(());
+        }
+        if !self.discovery {
+            return Err(Error::NeedsRawFrames { drive: drive.label() });
+        }
+        if !self.calls {
+            return Err(Error::NeedsCallPort { drive: drive.label() });
+        }
+        Ok(())
+    }
+
+    /// Returns how late this computer woke up at the most, over [`MEASURED`] of the waiting that carries the frames.
+    fn longest_delay(&mut self) -> Result<Duration, Error> {
+        let end = self.now() + MEASURED;
+        let mut longest = Duration::ZERO;
+        while self.now() < end {
+            let due = self.now() + WAIT;
+            while self.now() < due {
+                self.step(due)?;
+            }
+            longest = longest.max(self.now() - due);
+        }
+        Ok(longest)
+    }
+}
+
+/// Update time and watchdog for a drive: those asked for, else calm ones that its tables and description allow.
+fn cycle_of(drive: &Drive, device: &Device, settings: &AxisSettings) -> Result<Cycle, Error> {
+    let least = TICK * u32::from(device.min_device_interval);
+    let cycle = Cycle::choose(&drive.maker_timings, least, settings.cycle, settings.watchdog)?;
+    Ok(cycle)
+}
+
+/// NIST_A below which the axis stands.
+fn standstill(scale: &SpeedScale) -> u16 {
+    let still = scale.unit().standstill();
+    let steps = scale.speed(1).max(f64::MIN_POSITIVE);
+    // of a scale that begins at a lowest speed every number is above it
+    let raw = scale.raw(still).filter(|_| steps < still).unwrap_or(1);
+    raw.unsigned_abs().max(1)
+}

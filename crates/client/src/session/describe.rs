@@ -1,0 +1,123 @@
+//! What a drive says itself of one of its parameters: asked when somebody wants to know, as limits follow other settings.
+
+use profile::catalogue::Parameter;
+use profile::parameter::{Description, Identifier, Kind};
+
+use super::Session;
+use crate::learn::Values;
+use crate::{Drive, Error, Wire};
+use profile::value::Selection;
+
+/// What a drive says of one of its parameters: its description (attribute 0x20) and its texts (attribute 0x30).
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Described {
+    /// Name in the words of the drive, at most 16 characters; empty at a serial line, where it does not travel.
+    pub name: String,
+    /// Name of the data type, where the drive tells one that is known.
+    pub data_type: Option<&'static str>,
+    /// Unit of the limits.
+    pub unit: &'static str,
+    /// Lowest and highest value.
+    pub limits: DescribedLimits,
+    /// Number of elements, 1 for what is no array.
+    pub elements: u16,
+    /// It cannot be written.
+    pub read_only: bool,
+    /// It is not as delivered.
+    pub changed: bool,
+    /// Texts of its values, in order.
+    pub texts: Vec<(i32, String)>,
+}
+
+/// Limits in a description.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DescribedLimits {
+    /// It tells none.
+    None,
+    /// No more than what fits the data type.
+    OfType(f64, f64),
+    /// Limits of its own.
+    Own(f64, f64),
+}
+
+impl<M: Wire> Session<M> {
+    /// Asks the drive to describe a parameter; `None` when it does not. Values that are elements of a collecting number
+    /// (the application ids of a Vacon) and halves of a 64-bit value have no description of their own and are not asked for.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn described(&mut self, drive: &Drive, selection: &Selection) -> Result<Option<Described>, Error> {
+        let row = selection.parameter;
+        if row.is_some_and(|row| row.base.is_some() || row.wide) {
+            return Ok(None);
+        }
+        let description = match self.descriptions(drive, &[selection.pnu]) {
+            Ok(mut answers) => answers.pop().flatten(),
+            // a drive that knows values only
+            Err(Error::Record { .. } | Error::Malformed { .. }) => None,
+            Err(error) => return Err(error),
+        };
+        let Some(description) = description else {
+            return Ok(None);
+        };
+        let identifier = description.identifier;
+        let texts = if identifier.has(Identifier::TEXT) && !drive.is_on_line() {
+            self.texts(drive, selection.pnu)?
+        } else {
+            Vec::new()
+        };
+        let space = drive.model.dialect.code_space;
+        let values = Values::of(&description, space);
+        let scaled = row.filter(|_| values.kind != Kind::Float);
+        Ok(Some(Described {
+            name: description.name().collect(),
+            data_type: identifier.format().info(space).map(|info| info.name),
+            unit: scaled.map_or(values.unit, |row| row.unit_in(&drive.parameters.scaling)),
+            limits: limits(&description, values, scaled, drive),
+            elements: if identifier.has(Identifier::ARRAY) {
+                description.elements.max(1)
+            } else {
+                1
+            },
+            read_only: identifier.has(Identifier::READ_ONLY),
+            changed: identifier.has(Identifier::CHANGED),
+            texts,
+        }))
+    }
+}
+
+/// In the unit of the tables where there are any: values are shown in it too.
+fn limits(
+    description: &Description,
+    values: Values,
+    row: Option<&Parameter>,
+    drive: &Drive,
+) -> DescribedLimits {
+    let Some((low, high)) = values.limits(description) else {
+        return DescribedLimits::None;
+    };
+    if values.kind == Kind::Float {
+        return DescribedLimits::Own(low, high);
+    }
+    // Byte, Word and Double word have a sign that only the tables know
+    let signed = row.map_or(values.kind == Kind::Signed, |row| row.signed);
+    let Some((first, last)) = description.limits(values.octets, signed) else {
+        return DescribedLimits::None;
+    };
+    let (low, high) = row.map_or((low, high), |row| {
+        let shown = |raw| row.engineering(raw, &drive.parameters.scaling);
+        (shown(first), shown(last))
+    });
+    let bits = 8 * values.octets;
+    let fits = if signed {
+        (-(1_i64 << (bits - 1)), (1_i64 << (bits - 1)) - 1)
+    } else {
+        (0, (1_i64 << bits) - 1)
+    };
+    if (first, last) == fits {
+        DescribedLimits::OfType(low, high)
+    } else {
+        DescribedLimits::Own(low, high)
+    }
+}

@@ -1,0 +1,403 @@
+//! An axis in operation: the only thing here that has motions.
+
+use std::ops::{Deref, DerefMut};
+use std::time::Duration;
+
+use profile::catalogue::Part;
+use profile::notation::Position;
+use profile::state::Mode;
+
+use super::Axis;
+use super::axis::{AxisStatus, speed_setpoint};
+use crate::axis::{Evidence, Goal, Jog, MotionFacts, Move, MovePlan, Progress, SpeedUnit, Traverse};
+use crate::{Connection, Error, Wire};
+
+/// How much longer than reckoned a move may take: this many times, and this much more.
+const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
+/// The same for coming up to a speed.
+const SPEED_PATIENCE: (u32, Duration) = (2, Duration::from_secs(5));
+/// How near the speed has to be, as a share of it.
+const SPEED_NEAR: f64 = 0.03;
+/// How long an axis that had its speed may be away from it.
+const AWAY: Duration = Duration::from_secs(1);
+/// How often the scale of the speeds is read while the axis runs.
+const SCALE_CHECK: Duration = Duration::from_millis(500);
+/// HOME.MODE: set the position where the axis stands, take that of the feedback.
+const ON_THE_SPOT: [i64; 2] = [0, 13];
+
+/// An enabled axis (S4). Dropping it, for whatever reason, ends in a ramp stop.
+///
+/// It stands for operation that was reached. When the drive leaves it, by a fault for example, every motion returns
+/// what happened and nothing is sent: the axis has to be enabled again.
+pub struct Enabled<'a, 's, M: Wire> {
+    axis: &'a mut Axis<'s, M>,
+}
+
+impl<M: Wire> std::fmt::Debug for Enabled<'_, '_, M> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Enabled").field(&self.axis).finish()
+    }
+}
+
+impl<'s, M: Wire> Deref for Enabled<'_, 's, M> {
+    type Target = Axis<'s, M>;
+
+    fn deref(&self) -> &Self::Target {
+        self.axis
+    }
+}
+
+impl<M: Wire> DerefMut for Enabled<'_, '_, M> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        self.axis
+    }
+}
+
+impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
+    pub(super) const fn new(axis: &'a mut Axis<'s, M>) -> Self {
+        Self { axis }
+    }
+
+    /// Follows this speed from now on, in the unit of the axis ([`AxisSettings::unit`](crate::AxisSettings::unit)): rpm if
+    /// nothing else was said.
+    ///
+    /// # Errors
+    /// A speed above the limit or one that cannot be told ([`Session::check_speed`](crate::Session::check_speed)), a drive in position mode, and when the axis is not
+    /// enabled any more.
+    pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
+        let limit = self.axis.settings.speed_limit;
+        if rpm.is_nan() || rpm.abs() > limit {
+            return Err(Error::SpeedLimit {
+                wanted: rpm,
+                limit,
+                unit: self.axis.scale.unit().symbol(),
+            });
+        }
+        let setpoint = speed_setpoint(&self.axis.drive, &self.axis.scale, rpm)?;
+        self.axis.fastest = self.axis.fastest.max(rpm.abs());
+        self.axis.evidence = None;
+        self.reach(Goal::Run { setpoint }, None, "")
+    }
+
+    /// Follows this speed from now on, in rpm, and returns once the axis has it: by NIST_A, or by ZSW1 bit 10 where the
+    /// telegram carries no speed. Without a `limit` it may take somewhat longer than the ramp of the drive needs.
+    ///
+    /// # Errors
+    /// When the axis does not come up to the speed, and as [`run`](Self::run).
+    pub fn reach_speed(&mut self, rpm: f64, limit: Option<Duration>) -> Result<(), Error> {
+        self.run(rpm)?;
+        let limit = limit.unwrap_or_else(|| self.speed_time(rpm) * SPEED_PATIENCE.0 + SPEED_PATIENCE.1);
+        let begin = self.axis.session.now();
+        let mut highest: Option<f64> = None;
+        loop {
+            let status = self.axis.look()?;
+            if has_speed(&status, rpm) {
+                return Ok(());
+            }
+            if let Some(actual) = status.speed_actual {
+                let faster = highest.is_none_or(|highest| (actual - highest) * rpm.signum() > 0.0);
+                highest = if faster { Some(actual) } else { highest };
+            }
+            if self.axis.session.now() - begin >= limit {
+                self.axis.gather();
+                return Err(self.axis.with_evidence(Error::SpeedNotReached {
+                    drive: self.axis.drive.label(),
+                    wanted: rpm,
+                    highest,
+                    limit,
+                    unit: self.axis.scale.unit().symbol(),
+                }));
+            }
+            let soon = self.axis.session.now() + self.axis.cycle();
+            self.axis.session.step(soon)?;
+        }
+    }
+
+    /// Keeps the speed that [`reach_speed`](Self::reach_speed) has reached for `time`.
+    ///
+    /// # Errors
+    /// When the axis does not follow any more for a second, when somebody changes the scale of its speeds, and as
+    /// [`hold`](Axis::hold).
+    pub fn keep_speed(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
+        let end = self.axis.session.now() + time;
+        let mut followed = self.axis.session.now();
+        let mut checked = followed;
+        loop {
+            let status = self.axis.look()?;
+            let now = self.axis.session.now();
+            if has_speed(&status, rpm) {
+                followed = now;
+            } else if now - followed >= AWAY {
+                self.check_scale()?;
+                self.axis.gather();
+                return Err(self.axis.with_evidence(Error::SpeedLost {
+                    drive: self.axis.drive.label(),
+                    wanted: rpm,
+                    actual: status.speed_actual,
+                    time: now - followed,
+                    unit: self.axis.scale.unit().symbol(),
+                }));
+            }
+            if now >= end {
+                return Ok(());
+            }
+            if now - checked >= SCALE_CHECK {
+                self.check_scale()?;
+                checked = self.axis.session.now();
+            }
+            let soon = (checked + SCALE_CHECK).min(followed + AWAY).min(end);
+            self.axis.session.step(soon.max(now + Duration::from_millis(1)))?;
+        }
+    }
+
+    /// The setpoint means what it meant when the axis was taken. On a serial line the setpoint has a scale of its own.
+    fn check_scale(&mut self) -> Result<(), Error> {
+        if self.axis.drive.is_on_line() {
+            return Ok(());
+        }
+        let mut drive = self.axis.drive.clone();
+        drive.scaled = false;
+        match self.axis.session.read_scaling(&mut drive) {
+            Ok(()) => {}
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            // a lost connection is seen by the exchange of data; a parameter channel that is busy is asked again
+            Err(_) => return Ok(()),
+        }
+        let before = self.axis.drive.parameters.scaling.velocity;
+        let now = drive.parameters.scaling.velocity;
+        if now == before {
+            return Ok(());
+        }
+        Err(Error::ScaleChanged {
+            drive: self.axis.drive.label(),
+            before,
+            now,
+        })
+    }
+
+    /// How long the ramp of the drive needs up to this speed, where it tells its ramp.
+    #[must_use]
+    pub fn speed_time(&self, rpm: f64) -> Duration {
+        self.axis
+            .acceleration
+            .and_then(|ramp| Duration::try_from_secs_f64(rpm.abs() / ramp).ok())
+            .unwrap_or_default()
+    }
+
+    /// Jogs at one of the drive's jog setpoints.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill first, or is not enabled any more.
+    pub fn jog(&mut self, jog: Jog) -> Result<(), Error> {
+        self.reach(Goal::Jog(jog), None, "")
+    }
+
+    /// Jogs at a speed given from here, in rpm, with the ramps of the drive (real-time jogging, STW1 bits 12 and 13). Called
+    /// again while it jogs, the other speed is taken on the fly. [`halt`](Self::halt) ends it.
+    ///
+    /// # Errors
+    /// A speed above the limit, a drive in velocity mode, and as [`jog`](Self::jog).
+    pub fn jog_at(&mut self, rpm: f64) -> Result<(), Error> {
+        let limit = self.axis.settings.speed_limit;
+        if rpm.is_nan() || rpm.abs() > limit {
+            return Err(Error::SpeedLimit {
+                wanted: rpm,
+                limit,
+                unit: SpeedUnit::Rpm.symbol(),
+            });
+        }
+        let order = Move::by(Position::Counts(0.0), rpm.abs())
+            .with_ramps(self.axis.acceleration, self.axis.deceleration);
+        let facts = MotionFacts::default();
+        let plan = self
+            .axis
+            .session
+            .plan_with(&self.axis.drive, &order, &facts, limit)?;
+        if !plan.objections.is_empty() {
+            return Err(Error::Objections {
+                drive: self.axis.drive.label(),
+                objections: plan.objections,
+            });
+        }
+        self.axis.fastest = self.axis.fastest.max(plan.speed);
+        self.axis.evidence = None;
+        let goal = Goal::RealTimeJog {
+            values: plan.traverse,
+            backwards: rpm < 0.0,
+        };
+        self.reach(goal, None, "")
+    }
+
+    /// What holds an axis that stands though it was told to jog, as far as the drive says.
+    pub fn held_back(&mut self) -> Option<Evidence> {
+        let status = self.axis.status()?;
+        let tells = status.view.mode == Mode::Position || status.speed_actual.is_some();
+        if status.view.turns || !tells {
+            return None;
+        }
+        self.axis.gather();
+        self.axis.evidence.filter(|evidence| evidence.cause().is_some())
+    }
+
+    /// Starts a move; returns once the drive has accepted it. A move under way is replaced on the fly.
+    ///
+    /// # Errors
+    /// When something speaks against it, the drive does not accept it, or the axis is not enabled any more.
+    pub fn start(&mut self, plan: &MovePlan) -> Result<(), Error> {
+        if !plan.objections.is_empty() {
+            return Err(Error::Objections {
+                drive: self.axis.drive.label(),
+                objections: plan.objections.clone(),
+            });
+        }
+        self.axis.fastest = self.axis.fastest.max(plan.speed);
+        self.begin(plan.traverse, plan.target)
+    }
+
+    /// Starts a task of the drive's table; returns once the drive has accepted it.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_task(&mut self, number: u16) -> Result<(), Error> {
+        self.begin(Traverse::task(number), None)
+    }
+
+    /// Plans a move, starts it and waits until the target is reached.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start), and when the target is not reached.
+    pub fn move_to(&mut self, order: &Move) -> Result<(), Error> {
+        let plan = self.axis.plan(order)?;
+        self.start(&plan)?;
+        let limit = plan
+            .duration
+            .map(|seconds| Duration::from_secs_f64(seconds) * PATIENCE.0 + PATIENCE.1);
+        self.wait(limit)
+    }
+
+    /// Waits until the task under way is at its target, or homing has ended.
+    ///
+    /// # Errors
+    /// When it takes longer than `limit`, the axis stops elsewhere, the drive leaves operation, the connection is lost
+    /// or the caller wants to stop. The motion is still under way then until this object goes.
+    pub fn wait(&mut self, limit: Option<Duration>) -> Result<(), Error> {
+        let result = self.axis.arrive(limit, "reaching the target", |status| {
+            status.view.progress == Progress::Reached
+        });
+        if let Err(Error::NotInTime { .. }) = &result {
+            self.axis.gather();
+        }
+        result.map_err(|error| self.axis.with_evidence(error))
+    }
+
+    /// Homes the axis as the drive is set up (HOME.MODE) and waits for the end.
+    ///
+    /// # Errors
+    /// When homing does not begin, fails or takes longer than `limit`, and as [`start`](Self::start).
+    pub fn home(&mut self, limit: Option<Duration>) -> Result<(), Error> {
+        let on_the_spot = self.homes_on_the_spot()?;
+        self.reach(Goal::Home { on_the_spot }, limit, "homing")
+    }
+
+    /// Intermediate stop: the task stays, [`resume`](Self::resume) goes on with it. Returns at standstill.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill, or is not enabled any more.
+    pub fn pause(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Pause, None, "")
+    }
+
+    /// Goes on with the task that a pause holds.
+    ///
+    /// # Errors
+    /// When no task is held, or the axis is not enabled any more.
+    pub fn resume(&mut self) -> Result<(), Error> {
+        let status = self.axis.look()?;
+        let held = status.view.held.ok_or(profinet::controller::Misuse::Range(
+            "resume without a paused task",
+        ))?;
+        self.pursue_enabled(Goal::Traverse(held))
+    }
+
+    /// Stops along the ramp and stays enabled; a task is discarded. Returns at standstill.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill, or is not enabled any more.
+    pub fn halt(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Enabled, None, "")
+    }
+
+    /// Ramp stop (OFF1) and the end of operation.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill or the connection is lost.
+    pub fn disable(self) -> Result<(), Error> {
+        self.axis.stop()
+    }
+
+    fn begin(&mut self, traverse: Traverse, target: Option<f64>) -> Result<(), Error> {
+        self.pursue_enabled(Goal::Traverse(traverse))?;
+        self.axis.evidence = None;
+        self.axis.target = target;
+        // the control has its own limit for the handshake
+        self.axis.arrive(None, "", |status| status.view.accepted)
+    }
+
+    fn reach(&mut self, goal: Goal, limit: Option<Duration>, what: &'static str) -> Result<(), Error> {
+        self.pursue_enabled(goal)?;
+        self.axis
+            .arrive(limit, what, |status| status.view.progress == Progress::Reached)
+    }
+
+    /// Nothing is pursued any more once the axis has been told to stop, or stopped by itself.
+    fn pursue_enabled(&mut self, goal: Goal) -> Result<(), Error> {
+        let status = self.axis.look()?;
+        if !status.view.goal.operates() {
+            return Err(Error::NotEnabled {
+                drive: self.axis.drive.label(),
+            });
+        }
+        if let Some(needed) = goal.mode().filter(|&needed| needed != status.view.mode) {
+            return Err(Error::WrongMode {
+                drive: self.axis.drive.label(),
+                needed,
+                present: crate::error::mode_words(status.view.mode).into(),
+            });
+        }
+        self.axis.pursue(goal);
+        Ok(())
+    }
+
+    fn homes_on_the_spot(&mut self) -> Result<bool, Error> {
+        let mut drive = self.axis.drive.clone();
+        let told = self.axis.session.ask(&mut drive, &[Part::HomeMode])?;
+        let mode = told.raw(Part::HomeMode);
+        Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
+    }
+}
+
+/// The axis has this speed, by what its telegram tells best.
+fn has_speed(status: &AxisStatus, rpm: f64) -> bool {
+    match status.speed_actual {
+        Some(actual) => (actual - rpm).abs() <= (rpm.abs() * SPEED_NEAR).max(status.unit.near()),
+        None => status.view.seen.is_some_and(crate::axis::Seen::reached),
+    }
+}
+
+impl<M: Wire> Drop for Enabled<'_, '_, M> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            // a watcher that panics once more would end the process before the axis stands
+            self.axis.watcher = None;
+            self.axis.warnings = Default::default();
+        }
+        let operates = self
+            .axis
+            .status()
+            .is_some_and(|status| status.view.goal.operates());
+        if operates && self.axis.connection() == Connection::Running {
+            // nobody is left to tell
+            let _ = self.axis.come_to_rest();
+        }
+    }
+}

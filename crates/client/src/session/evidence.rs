@@ -1,0 +1,65 @@
+//! What is asked of a drive whose axis does not get where it should, while it is still in operation. Reads only.
+
+use profile::catalogue::Part;
+
+use super::Axis;
+use crate::axis::Evidence;
+use crate::{Error, Wire};
+
+const PARTS: [Part; 7] = [
+    Part::FollowingError,
+    Part::Current,
+    Part::PositiveCurrentLimit,
+    Part::NegativeCurrentLimit,
+    Part::PositiveSwitch,
+    Part::NegativeSwitch,
+    Part::SoftwareLimitState,
+];
+
+impl<M: Wire> Axis<'_, M> {
+    /// Reads it now, if it has not been read since the motion began.
+    pub(super) fn gather(&mut self) {
+        if self.evidence.is_some() {
+            return;
+        }
+        let mut drive = self.drive.clone();
+        // why it does not move is told beside what went wrong, never in its place
+        let Ok(told) = self.session.ask(&mut drive, &PARTS) else {
+            return;
+        };
+        let current = told.number(Part::Current);
+        let limit = if current.is_some_and(|current| current < 0.0) {
+            Part::NegativeCurrentLimit
+        } else {
+            Part::PositiveCurrentLimit
+        };
+        let set = |part| told.flag(part) == Some(true);
+        self.evidence = Some(Evidence {
+            following_error: told
+                .raw(Part::FollowingError)
+                .map(|raw| f64::from(raw as i32) / drive.counts_per_turn()),
+            current,
+            current_limit: told.number(limit).filter(|&limit| limit != 0.0),
+            limit_switch: set(Part::PositiveSwitch) || set(Part::NegativeSwitch),
+            software_limit: set(Part::SoftwareLimitState),
+        });
+    }
+
+    /// What went wrong, with what the drive said about it while it was still in operation.
+    pub(super) fn with_evidence(&self, error: Error) -> Error {
+        let telling = self.evidence.filter(|evidence| evidence.cause().is_some());
+        match (&error, telling) {
+            (
+                Error::Axis { .. }
+                | Error::NotInTime { .. }
+                | Error::SpeedNotReached { .. }
+                | Error::SpeedLost { .. },
+                Some(evidence),
+            ) => Error::Held {
+                error: Box::new(error),
+                evidence,
+            },
+            _ => error,
+        }
+    }
+}

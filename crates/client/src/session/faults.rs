@@ -1,0 +1,375 @@
+//! What is wrong with a drive, and what was: fault buffer and warnings, beside any controller.
+
+use profile::catalogue::{Catalogue, Cleared, Fault, Part, Reaction};
+use profile::fault::{ConsistentRead, Counting, Next, Shape};
+use profile::notation::{Notation, ParameterReference};
+use profile::parameter::pnu;
+
+use super::Session;
+use super::prepare::zsw1_of;
+use super::told::Told;
+use crate::{Drive, Error, Refusal, Wire};
+use profile::value::{Reading, Selection};
+
+/// What is asked beside the buffer.
+const PARTS: [Part; 10] = [
+    Part::ControlWord,
+    Part::StatusWord,
+    Part::ControlProfile,
+    Part::Fault,
+    Part::Warning,
+    Part::WarningWord,
+    Part::AlarmWord,
+    Part::FaultLog,
+    Part::FaultLogValue,
+    Part::FaultLogTime,
+];
+/// Bits of one alarm or warning word.
+const WORD: u8 = 32;
+/// Reads of a fault buffer that keeps changing.
+const ATTEMPTS: u8 = 3;
+
+/// One fault of the buffer.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct FaultEntry {
+    /// Situation 0 is not acknowledged yet, 1 the last acknowledged.
+    pub situation: u8,
+    /// Position in the situation, 0 is the fault that came first.
+    pub position: u8,
+    /// The maker's number.
+    pub number: u16,
+    /// What it means, where the tables know.
+    pub meaning: Option<&'static str>,
+    /// What the drive does about it, where the tables know.
+    pub reaction: Option<Reaction>,
+    /// What to do, where the tables know.
+    pub remedy: Option<&'static str>,
+    /// How it goes away, where the tables know.
+    pub cleared: Option<Cleared>,
+    /// The same in words, with the parameters of this vendor.
+    pub clearing: Option<String>,
+    /// When it came, in the drive's own time, where the drive keeps it (PNU 948).
+    pub time: Option<i64>,
+    /// What else the drive noted (PNU 949).
+    pub value: Option<i64>,
+}
+
+impl FaultEntry {
+    /// A fault that is present, with what the tables of its vendor say.
+    #[must_use]
+    pub fn of(number: u16, tables: Option<&Catalogue>) -> Self {
+        let row = tables.and_then(|tables| tables.fault(number, false));
+        Self {
+            number,
+            meaning: row.map(|row| row.meaning),
+            reaction: row.map(|row| row.reaction),
+            remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
+            cleared: row.map(|row| row.cleared),
+            clearing: tables.zip(row).map(|(tables, row)| tables.clearing(row.cleared)),
+            ..Self::default()
+        }
+    }
+}
+
+/// One warning.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WarningEntry {
+    /// The maker's number.
+    pub number: u32,
+    /// What it means, where the tables know.
+    pub meaning: Option<&'static str>,
+    /// What to do, where the tables know.
+    pub remedy: Option<&'static str>,
+}
+
+/// Faults and warnings of a drive at one moment.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FaultReport {
+    /// Fault message counter (PNU 944): changes of the fault buffer, or fault situations, as
+    /// [`counting`](Self::counting) says.
+    pub counter: u16,
+    /// What that counts.
+    pub counting: Counting,
+    /// How the buffer is divided.
+    pub shape: Shape,
+    /// The buffer, newest situation first, of one moment. With it faults
+    /// that are present and have no place in it, where the drive has their numbers elsewhere.
+    pub faults: Vec<FaultEntry>,
+    /// The warnings that are present; `None` where the drive has no numbers for them.
+    pub warnings: Option<Vec<WarningEntry>>,
+    /// The status word in the bits of the profile, read with the warnings.
+    pub zsw1: Option<u16>,
+    /// The log that the drive keeps beside the buffer, the newest first; empty where it has none.
+    pub log: Vec<LoggedFault>,
+}
+
+/// One entry of a log that only grows (VLT 15-30 to 15-32).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LoggedFault {
+    /// The maker's number.
+    pub number: u16,
+    /// What it means, where the tables know.
+    pub meaning: Option<&'static str>,
+    /// What the drive noted with it.
+    pub value: Option<i64>,
+    /// When it came, with the unit of the drive.
+    pub time: Option<i64>,
+}
+
+impl FaultReport {
+    /// The faults that are not acknowledged.
+    pub fn present(&self) -> impl Iterator<Item = &FaultEntry> {
+        self.faults.iter().filter(|fault| fault.situation == 0)
+    }
+
+    /// Returns true if no command clears the faults that are present: the drive has to be switched off and on.
+    #[must_use]
+    pub fn needs_restart(&self) -> bool {
+        let mut present = self.present().peekable();
+        present.peek().is_some() && present.all(|fault| fault.cleared == Some(Cleared::Restart))
+    }
+}
+
+impl<M: Wire> Session<M> {
+    /// The fault buffer, newest situation first, read so that all of it belongs together.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached, has no fault buffer, or the buffer keeps changing.
+    pub fn faults(&mut self, drive: &mut Drive) -> Result<Vec<FaultEntry>, Error> {
+        let shape = self.fault_shape(drive)?;
+        Ok(self.fault_buffer(drive, shape)?.1)
+    }
+
+    /// Fault buffer and warnings.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached, has no fault buffer, or the buffer keeps changing.
+    pub fn fault_report(&mut self, drive: &mut Drive) -> Result<FaultReport, Error> {
+        let shape = self.fault_shape(drive)?;
+        let (counter, faults) = self.fault_buffer(drive, shape)?;
+        let telegram = self.telegram_now(drive)?;
+        let told = self.ask(drive, &PARTS)?;
+        let mut faults = faults;
+        // a drive may tell a fault by its bit before the buffer has it
+        for (number, _) in by_bits(drive, &told, false) {
+            let known = |fault: &FaultEntry| fault.situation == 0 && fault.number == number;
+            if !faults.iter().any(known) {
+                faults.insert(0, FaultEntry::of(number, drive.model.catalogue));
+            }
+        }
+        // a situation of the buffer may have fewer places than there are faults
+        for number in numbers(&told, Part::Fault).filter_map(|number| u16::try_from(number).ok()) {
+            let place = faults.iter().take_while(|fault| fault.situation == 0).count();
+            let present = faults.get(..place).unwrap_or_default();
+            if !present.iter().any(|fault| fault.number == number) {
+                let position = u8::try_from(place).unwrap_or(u8::MAX);
+                let more = FaultEntry {
+                    position,
+                    ..FaultEntry::of(number, drive.model.catalogue)
+                };
+                faults.insert(place, more);
+            }
+        }
+        Ok(FaultReport {
+            counter,
+            counting: drive.model.dialect.fault_counter,
+            shape,
+            faults,
+            warnings: warnings(drive, &told),
+            zsw1: zsw1_of(drive, &told, telegram).map(|word| word.0),
+            log: log(drive, &told),
+        })
+    }
+
+    /// The warnings that are present, by number and by bit; `None` where the drive has no numbers for them.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn warnings(&mut self, drive: &Drive) -> Result<Option<Vec<WarningEntry>>, Error> {
+        let mut drive = drive.clone();
+        let told = self.ask(&mut drive, &[Part::Warning, Part::WarningWord])?;
+        Ok(warnings(&drive, &told))
+    }
+
+    /// How the buffer is divided: as the tables say, else as the drive says if that fits its elements, else eight by
+    /// eight, or as many situations of one fault.
+    fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
+        let elements = self
+            .extents(drive, &[pnu::FAULT_NUMBERS])?
+            .first()
+            .copied()
+            .unwrap_or(0);
+        if drive.model.learned_or_none().is_none() {
+            return Ok(shape_of(elements));
+        }
+        let division = self.whole(drive, &[pnu::FAULT_DIVISION])?;
+        let values: Vec<u16> = self
+            .read(drive, &division)?
+            .into_iter()
+            .flatten()
+            .filter_map(|reading| u16::try_from(reading.raw()?).ok())
+            .collect();
+        let told = Shape::from_scaling(&values).filter(|shape| shape.elements() == elements);
+        Ok(told.unwrap_or_else(|| shape_of(elements)))
+    }
+
+    fn fault_buffer(&mut self, drive: &mut Drive, shape: Shape) -> Result<(u16, Vec<FaultEntry>), Error> {
+        let counter = drive
+            .parameters
+            .select(&ParameterReference::number(pnu::FAULT_COUNTER))?;
+        let whole = self.whole(drive, &[pnu::FAULT_NUMBERS, pnu::FAULT_TIMES, pnu::FAULT_VALUES])?;
+        let part = |number| whole.iter().find(|selection| selection.pnu == number).copied();
+        // a drive without fault numbers says so itself
+        let numbers =
+            part(pnu::FAULT_NUMBERS).unwrap_or_else(|| Selection::number(pnu::FAULT_NUMBERS, Notation::Name));
+        let parts = [Some(numbers), part(pnu::FAULT_TIMES), part(pnu::FAULT_VALUES)];
+        let mut order = ConsistentRead::new(ATTEMPTS);
+        let mut count = 0;
+        let mut buffers: [Vec<Result<Reading, Refusal>>; 3] = Default::default();
+        loop {
+            match order.next() {
+                Next::Counter => {
+                    let reading = self.read_one(drive, &counter)?;
+                    count = reading.raw().and_then(|raw| u16::try_from(raw).ok()).unwrap_or(0);
+                    order.counter(count);
+                }
+                Next::Buffer => {
+                    for (buffer, selection) in buffers.iter_mut().zip(parts) {
+                        *buffer = match selection {
+                            Some(selection) => self.read(drive, &[selection])?,
+                            None => Vec::new(),
+                        };
+                    }
+                    // a counter of situations says nothing of an acknowledge between two parts of the buffer
+                    let one_answer = parts.iter().flatten().count() == 1;
+                    if one_answer || self.read(drive, &[numbers])? == buffers[0] {
+                        order.buffer();
+                    } else {
+                        order.torn();
+                    }
+                }
+                Next::Done => break,
+                Next::GiveUp => {
+                    return Err(Error::Changing {
+                        drive: drive.label(),
+                        attempts: ATTEMPTS,
+                    });
+                }
+            }
+        }
+        let [numbers, times, values] = buffers;
+        let beside = |list: &[Result<Reading, Refusal>], at: u16| -> Option<i64> {
+            list.iter()
+                .flatten()
+                .find(|reading| reading.index.unwrap_or(0) == at)?
+                .raw()
+        };
+        let mut faults = Vec::new();
+        for reading in numbers {
+            let reading = reading.map_err(|refusal| Error::Refused {
+                drive: drive.label(),
+                refusal,
+            })?;
+            let number = reading.raw().and_then(|raw| u16::try_from(raw).ok()).unwrap_or(0);
+            let at = reading.index.unwrap_or(0);
+            let Some(place) = shape.place(at).filter(|_| number != 0) else {
+                continue;
+            };
+            faults.push(FaultEntry {
+                situation: place.situation,
+                position: place.position,
+                time: beside(&times, at),
+                value: beside(&values, at),
+                ..FaultEntry::of(number, drive.model.catalogue)
+            });
+        }
+        Ok((count, faults))
+    }
+}
+
+/// The shape of a buffer with so many elements: eight by eight, or as many situations of one fault.
+fn shape_of(elements: u16) -> Shape {
+    match u8::try_from(elements) {
+        Ok(situations @ 1..64) => Shape {
+            situations,
+            faults: 1,
+        },
+        _ => Shape::EIGHT_BY_EIGHT,
+    }
+}
+
+/// Faults or warnings that the bits of the drive's words say.
+fn by_bits(drive: &Drive, told: &Told, warning: bool) -> Vec<(u16, &'static Fault)> {
+    let part = if warning {
+        Part::WarningWord
+    } else {
+        Part::AlarmWord
+    };
+    let rows = drive.model.catalogue.map_or(&[][..], |tables| tables.faults);
+    let mut set = Vec::new();
+    for (word, first) in told.all(part).zip((0..).step_by(WORD.into())) {
+        let raw = word.raw().unwrap_or(0);
+        let bits = (0..WORD).filter(|bit| raw >> bit & 1 == 1);
+        for bit in bits.map(|bit| first + bit) {
+            let rows = rows.iter().filter(|row| row.warning == warning);
+            set.extend(
+                rows.filter(|row| row.bit == Some(bit))
+                    .map(|row| (row.number, row)),
+            );
+        }
+    }
+    set
+}
+
+/// The numbers that are told one by one.
+fn numbers(told: &Told, part: Part) -> impl Iterator<Item = u32> {
+    let numbers = told.all(part);
+    let numbers = numbers.filter_map(|reading| u32::try_from(reading.raw()?).ok());
+    numbers.filter(|number| *number != 0)
+}
+
+/// Warnings by number and by bit; `None` where the drive has neither.
+fn warnings(drive: &Drive, told: &Told) -> Option<Vec<WarningEntry>> {
+    let words = told.find(Part::Warning).or(told.find(Part::WarningWord));
+    words?;
+    let tables = drive.model.catalogue;
+    let by_number = numbers(told, Part::Warning).map(|number| {
+        let short = u16::try_from(number).ok();
+        (number, short.and_then(|number| tables?.fault(number, true)))
+    });
+    let by_bit = by_bits(drive, told, true)
+        .into_iter()
+        .map(|(number, row)| (u32::from(number), Some(row)));
+    Some(
+        by_number
+            .chain(by_bit)
+            .map(|(number, row)| WarningEntry {
+                number,
+                meaning: row.map(|row| row.meaning),
+                remedy: row.map(|row| row.remedy).filter(|remedy| !remedy.is_empty()),
+            })
+            .collect(),
+    )
+}
+
+fn log(drive: &Drive, told: &Told) -> Vec<LoggedFault> {
+    let beside = |part, index| {
+        let mut all = told.all(part);
+        all.find(|reading| reading.index == index).and_then(Reading::raw)
+    };
+    let codes = told.all(Part::FaultLog);
+    let entries = codes.filter_map(|reading| {
+        let number = u16::try_from(reading.raw()?).ok().filter(|number| *number != 0)?;
+        let row = drive
+            .model
+            .catalogue
+            .and_then(|tables| tables.fault(number, false));
+        Some(LoggedFault {
+            number,
+            meaning: row.map(|row| row.meaning),
+            value: beside(Part::FaultLogValue, reading.index),
+            time: beside(Part::FaultLogTime, reading.index),
+        })
+    });
+    entries.collect()
+}

@@ -1,0 +1,82 @@
+//! Which parameter of a make is the speed of a jog setpoint.
+
+use profile::catalogue::Part;
+use profile::notation::{Number, Quantity};
+use profile::state::Profile;
+
+use super::Session;
+use crate::axis::Jog;
+use crate::{Drive, Error, Wire};
+use profile::value::{Reading, Selection};
+
+/// The setting that is the speed of a jog setpoint.
+#[derive(Debug, Clone, Copy)]
+pub struct JogSpeed {
+    /// The parameter.
+    pub selection: Selection,
+    /// Its number as a person types it: an application id of a Vacon.
+    pub number: u16,
+    /// Where the make has a frequency there: pole pairs of the motor.
+    pole_pairs: Option<f64>,
+}
+
+/// What tells it.
+const PARTS: [Part; 3] = [Part::MotorFrequency, Part::MotorSpeed, Part::MotorPoles];
+/// Seconds in a minute: between Hz and rpm.
+const MINUTE: f64 = 60.0;
+
+impl JogSpeed {
+    /// The speed that a reading of it means, rpm.
+    #[must_use]
+    pub fn rpm(&self, reading: &Reading) -> Option<f64> {
+        let number = reading.number()?;
+        Some(self.pole_pairs.map_or(number, |pairs| number * MINUTE / pairs))
+    }
+
+    /// What is written for a speed.
+    #[must_use]
+    pub fn quantity(&self, speed: &Quantity) -> Quantity {
+        match (self.pole_pairs, speed.in_unit("rpm")) {
+            (Some(pairs), Ok(rpm)) => Quantity {
+                number: Number::Decimal(rpm * pairs / MINUTE),
+                unit: None,
+            },
+            _ => speed.clone(),
+        }
+    }
+}
+
+impl<M: Wire> Session<M> {
+    /// The setting that is the speed of a jog setpoint of this drive, by its make and by whose control words it has now.
+    ///
+    /// # Errors
+    /// When no such setting is known, or the drive cannot be reached.
+    pub fn jog_speed(&mut self, drive: &mut Drive, jog: Jog) -> Result<JogSpeed, Error> {
+        let tables = drive.model.catalogue;
+        let part = match jog {
+            Jog::One => Part::Jog1,
+            Jog::Two => Part::Jog2,
+        };
+        let only = tables.and_then(|tables| tables.part(Part::JogOnly));
+        let one = match only {
+            Some(_) => self.snapshot(drive, &[])?.profile == Profile::DanfossFc,
+            None => false,
+        };
+        let found = only.filter(|_| one).or_else(|| tables?.part(part));
+        let parameter = found.ok_or_else(|| Error::UnknownModel {
+            drive: drive.label(),
+            what: "the parameter that is its jog speed",
+            vendor_id: drive.station.vendor_id,
+            device_id: drive.station.device_id,
+        })?;
+        let pole_pairs = match parameter.unit {
+            "Hz" => Some(self.ask(drive, &PARTS)?.pole_pairs()),
+            _ => None,
+        };
+        Ok(JogSpeed {
+            selection: Selection::of(parameter, drive.parameters.notation()),
+            number: parameter.base.unwrap_or(parameter.pnu),
+            pole_pairs,
+        })
+    }
+}

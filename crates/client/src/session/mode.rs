@@ -1,0 +1,234 @@
+//! The operating mode of a drive (PNU 930), and a mode for one piece of work: what that changes is put back.
+
+use profile::parameter::pnu;
+use profile::state::Mode;
+
+use super::Session;
+use crate::axis::ReportedTelegram;
+use crate::error::mode_words;
+use crate::{Drive, Error, Wire, WriteMode};
+use profile::value::Assignment;
+
+/// What a drive had before it was put into a mode for one piece of work: see [`Session::enter_mode`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModeBefore {
+    /// Mode; `None` if it was neither speed control nor positioning.
+    pub mode: Option<Mode>,
+    /// The mode is another one now.
+    pub changed: bool,
+    telegram: ReportedTelegram,
+}
+
+/// A setting that was put back, or could not be: see [`Session::leave_mode`].
+#[derive(Debug)]
+pub struct PutBack {
+    /// PNU.
+    pub number: u16,
+    /// The value before, to which it was put back.
+    pub value: u16,
+    /// How that ended.
+    pub result: Result<(), Error>,
+}
+
+impl<M: Wire> Session<M> {
+    /// The mode that a drive is in (PNU 930): `None` for one that is neither speed control nor positioning, or that
+    /// does not tell.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn operating_mode(&mut self, drive: &mut Drive) -> Result<Option<Mode>, Error> {
+        let readings = self.read_numbers(drive, &[pnu::OPERATING_MODE])?;
+        Ok(readings
+            .first()
+            .and_then(|reading| reading.raw())
+            .and_then(mode_of))
+    }
+
+    /// Says whether a drive is in the mode that is needed; one that does not tell is taken at the caller's word.
+    ///
+    /// # Errors
+    /// When it is in another one, or cannot be reached.
+    pub fn check_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<(), Error> {
+        drive.check_able(Some(needed))?;
+        match self.operating_mode(drive)? {
+            Some(present) if present != needed => Err(Error::WrongMode {
+                drive: drive.label(),
+                needed,
+                present: mode_words(present).to_owned(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Puts a drive into a mode (PNU 930) and reads back.
+    ///
+    /// # Errors
+    /// When the drive refuses, which it does while it is in operation, or cannot be reached.
+    pub fn set_operating_mode(&mut self, drive: &mut Drive, mode: Mode) -> Result<(), Error> {
+        let assignment = assignment(pnu::OPERATING_MODE, mode_number(mode));
+        let outcomes = self.write(drive, &[assignment?], WriteMode::Write)?;
+        for outcome in outcomes {
+            if let Some(Err(refusal)) = outcome.written {
+                let drive = drive.label();
+                return Err(Error::Refused { drive, refusal });
+            }
+            if outcome.differs() {
+                return Err(Error::WrongMode {
+                    drive: drive.label(),
+                    needed: mode,
+                    present: "the mode as before, though it took the change".into(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts a drive into the mode that a piece of work needs. [`leave_mode`](Self::leave_mode) puts back what this and
+    /// the work have changed, whatever became of the work.
+    ///
+    /// # Errors
+    /// When somebody at the drive itself commands it, as [`set_operating_mode`](Self::set_operating_mode), and when it
+    /// cannot be reached.
+    pub fn enter_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<ModeBefore, Error> {
+        self.check_control(drive)?;
+        let (number, telegram) = self.mode_and_telegram(drive)?;
+        let mode = number.and_then(|number| mode_of(number.into()));
+        let changed = mode != Some(needed);
+        if changed {
+            self.set_operating_mode(drive, needed)?;
+        }
+        Ok(ModeBefore {
+            mode,
+            changed,
+            telegram,
+        })
+    }
+
+    /// Puts back what [`enter_mode`](Self::enter_mode) and the work after it have changed: the mode, the telegram
+    /// (PNU 922) and the mapping of a free one (PNU 915, 916). Returns what was put back. A caller's wish to stop does
+    /// not interrupt it.
+    ///
+    /// # Errors
+    /// When what the drive has now cannot be read; a value that is refused is reported in the list.
+    pub fn leave_mode(&mut self, drive: &mut Drive, before: &ModeBefore) -> Result<Vec<PutBack>, Error> {
+        self.uninterrupted(|session| {
+            let mut done = Vec::new();
+            if let Some(mode) = before.mode.filter(|_| before.changed) {
+                done.push(PutBack {
+                    number: pnu::OPERATING_MODE,
+                    value: mode_number(mode),
+                    result: session.set_operating_mode(drive, mode),
+                });
+            }
+            let (_, now) = session.mode_and_telegram(drive)?;
+            let Some(number) = before.telegram.number else {
+                return Ok(done);
+            };
+            if now.number == Some(number) {
+                return Ok(done);
+            }
+            let mut result = session.set_back(drive, &[assignment(pnu::TELEGRAM, number)?]);
+            let (_, now) = session.mode_and_telegram(drive)?;
+            if result.is_ok()
+                && (now.setpoint != before.telegram.setpoint || now.actual != before.telegram.actual)
+            {
+                result = session.put_back_mapping(drive, &before.telegram);
+            }
+            done.push(PutBack {
+                number: pnu::TELEGRAM,
+                value: number,
+                result,
+            });
+            Ok(done)
+        })
+    }
+
+    fn put_back_mapping(&mut self, drive: &mut Drive, telegram: &ReportedTelegram) -> Result<(), Error> {
+        let words = |number: u16, words: &[u16]| -> Result<Vec<Assignment>, Error> {
+            let each = words.iter().enumerate();
+            each.map(|(index, word)| Ok(format!("{number}[{index}]={word}").parse()?))
+                .collect()
+        };
+        let mut all = words(pnu::SETPOINT_SIGNALS, &telegram.setpoint)?;
+        all.extend(words(pnu::ACTUAL_SIGNALS, &telegram.actual)?);
+        self.set_back(drive, &all)
+    }
+
+    fn set_back(&mut self, drive: &mut Drive, assignments: &[Assignment]) -> Result<(), Error> {
+        let outcomes = self.write(drive, assignments, WriteMode::Write)?;
+        match outcomes.into_iter().find_map(|outcome| outcome.written?.err()) {
+            Some(refusal) => Err(Error::Refused {
+                drive: drive.label(),
+                refusal,
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The number in PNU 930 and what the drive reports about its telegram.
+    pub(super) fn mode_and_telegram(
+        &mut self,
+        drive: &mut Drive,
+    ) -> Result<(Option<u16>, ReportedTelegram), Error> {
+        let readings = self.read_numbers(
+            drive,
+            &[
+                pnu::TELEGRAM,
+                pnu::OPERATING_MODE,
+                pnu::SETPOINT_SIGNALS,
+                pnu::ACTUAL_SIGNALS,
+            ],
+        )?;
+        let words = |pnu| -> Vec<u16> {
+            let own = readings.iter().filter(|reading| reading.pnu == pnu);
+            let raw = own.filter_map(|reading| reading.raw());
+            raw.filter_map(|raw| u16::try_from(raw & 0xFFFF).ok()).collect()
+        };
+        let reported = ReportedTelegram {
+            number: words(pnu::TELEGRAM).first().copied(),
+            setpoint: trimmed(words(pnu::SETPOINT_SIGNALS)),
+            actual: trimmed(words(pnu::ACTUAL_SIGNALS)),
+        };
+        Ok((words(pnu::OPERATING_MODE).first().copied(), reported))
+    }
+}
+
+fn assignment(number: u16, value: u16) -> Result<Assignment, Error> {
+    Ok(format!("{number}={value}").parse()?)
+}
+
+/// Returns the number of a mode in PNU 930.
+const fn mode_number(mode: Mode) -> u16 {
+    match mode {
+        Mode::Velocity => 1,
+        Mode::Position => 2,
+    }
+}
+
+/// PNU 930: 1 speed control, 2 positioning.
+pub(super) const fn mode_of(number: i64) -> Option<Mode> {
+    match number {
+        1 => Some(Mode::Velocity),
+        2 => Some(Mode::Position),
+        _ => None,
+    }
+}
+
+/// Without the empty words behind the last signal.
+fn trimmed(mut words: Vec<u16>) -> Vec<u16> {
+    while words.last() == Some(&0) {
+        words.pop();
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_words_at_the_end_are_no_signals() {
+        assert_eq!(trimmed(vec![1, 0, 5, 0, 0]), [1, 0, 5]);
+        assert_eq!(trimmed(vec![0; 4]), [0; 0]);
+    }
+}

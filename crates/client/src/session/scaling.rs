@@ -1,0 +1,39 @@
+//! The values of a drive that scale other values.
+
+use profile::value::{SCALING, take_scale};
+
+use super::Session;
+use crate::{Drive, Error, Wire};
+
+impl<M: Wire> Session<M> {
+    /// Reads the values of the drive that scale other values, once.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn read_scaling(&mut self, drive: &mut Drive) -> Result<(), Error> {
+        let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else {
+            return Ok(());
+        };
+        // what is read here scales nothing itself: asked again, nothing would be read
+        drive.scaled = true;
+        let told = match self.ask(drive, &SCALING) {
+            Ok(told) => told,
+            Err(error) => {
+                drive.scaled = false;
+                return Err(error);
+            }
+        };
+        drive.scaled = self.unread().is_none();
+        for part in SCALING {
+            // of several parameters with one value the first counts
+            if let Some((reading, number)) = told.find(part).and_then(|one| Some((one, one.number()?))) {
+                let at = (reading.pnu, reading.index);
+                take_scale(tables, &mut drive.parameters.scaling, at, number);
+            }
+        }
+        if let Some(reference) = told.reference() {
+            drive.parameters.scaling.reference = Some(reference);
+        }
+        Ok(())
+    }
+}

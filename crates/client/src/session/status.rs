@@ -1,0 +1,155 @@
+//! Everything that tells why a drive does not run, read in as few jobs as possible. Reads only.
+
+use profile::catalogue::Part;
+use profile::parameter::pnu;
+use profile::state::{State, Zsw1};
+use profile::telegram::{Telegram, signal};
+
+use super::{Session, loss};
+use crate::axis::Wiring;
+use crate::status::DriveStatus;
+use crate::{Drive, Error, Wire};
+use profile::value::Reading;
+
+/// What every drive is asked by number.
+const PROFILE: [u16; 4] = [
+    pnu::TELEGRAM,
+    pnu::SETPOINT_SIGNALS,
+    pnu::ACTUAL_SIGNALS,
+    pnu::OPERATING_MODE,
+];
+/// What it is asked by what it is.
+const PARTS: [Part; 21] = [
+    Part::ControlWord,
+    Part::StatusWord,
+    Part::SpeedSetpoint,
+    Part::SpeedActual,
+    Part::ControlProfile,
+    Part::Position,
+    Part::CommandSource,
+    Part::DisableSources,
+    Part::MotionStatus,
+    Part::NegativeSwitch,
+    Part::PositiveSwitch,
+    Part::FollowingError,
+    Part::TorqueAllowed,
+    Part::SoftwareLimitState,
+    Part::Speed,
+    Part::MotionDisableSources,
+    Part::Current,
+    Part::BusVoltage,
+    Part::BusLowest,
+    Part::Brake,
+    Part::BrakeReleased,
+];
+
+impl<M: Wire> Session<M> {
+    /// Reads how a drive is; [`diagnose`](crate::status::diagnose) says what it comes down to. What the drive refuses
+    /// to tell is left out.
+    ///
+    /// # Errors
+    /// When the drive cannot be reached.
+    pub fn status(&mut self, drive: &mut Drive) -> Result<DriveStatus, Error> {
+        let controller = self.owner(drive)?;
+        let readings = self.read_numbers(drive, &PROFILE)?;
+        let told = self.ask(drive, &[&PARTS[..], &loss::PARTS[..]].concat())?;
+        let word = |pnu| {
+            let found = readings.iter().find(|reading| reading.pnu == pnu);
+            let raw = found.and_then(Reading::raw);
+            raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
+        };
+        let telegram = drive.telegram_in_use(word(pnu::TELEGRAM));
+        let profile = told.profile(drive, telegram);
+        let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
+        let zsw1 = status.map(|status| profile.zsw1(status, control.unwrap_or_default()));
+        // a serial line has one master, and this one commands nothing
+        let controller = controller.or(drive.is_on_line().then_some(None));
+        let runs = zsw1.is_some_and(|zsw1| zsw1.has(Zsw1::READY_TO_OPERATE));
+        let state = if runs { State::S4 } else { State::S2 };
+        let (faults, warnings) = match self.fault_report(drive) {
+            Ok(report) => (
+                report.present().cloned().collect(),
+                report.warnings.unwrap_or_default(),
+            ),
+            Err(Error::Refused { .. } | Error::Changing { .. }) => (Vec::new(), Vec::new()),
+            Err(error) => return Err(error),
+        };
+        let local = match zsw1.filter(|word| !word.has(Zsw1::CONTROL_REQUESTED)) {
+            Some(word) => Some(self.local_control(drive, word)?),
+            None => None,
+        };
+        let wiring = wiring(drive, &readings);
+        let carries = |signal| wiring.as_ref().map(|wiring| wiring.commands(signal));
+        let turns = |part: Part| {
+            let raw = told.raw(part)?;
+            Some(f64::from(raw as i32) / drive.counts_per_turn())
+        };
+        let speed_actual = told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual));
+        Ok(DriveStatus {
+            drive: drive.label(),
+            make: drive.model.name,
+            profile,
+            word_mode: drive.word_mode(word(pnu::OPERATING_MODE).map(i64::from), telegram),
+            control_word: control,
+            status_word: status,
+            controller,
+            stw1: control.map(|control| profile.orders(control, state).stw1),
+            zsw1,
+            local,
+            telegram,
+            carries_speed: carries(signal::NSOLL_A),
+            carries_tasks: carries(signal::SATZANW),
+            mode: word(pnu::OPERATING_MODE),
+            command_source: told.word(Part::CommandSource),
+            command_source_text: told.find(Part::CommandSource).and_then(|reading| reading.choice),
+            disable_sources: told.word(Part::DisableSources),
+            motion_disable_sources: told.word(Part::MotionDisableSources),
+            motion: told.double_word(Part::MotionStatus),
+            torque_allowed: told.flag(Part::TorqueAllowed),
+            negative_switch: told.flag(Part::NegativeSwitch),
+            positive_switch: told.flag(Part::PositiveSwitch),
+            software_limits: told.word(Part::SoftwareLimitState),
+            bus_voltage: told.number(Part::BusVoltage),
+            bus_lowest: told.number(Part::BusLowest),
+            brake_fitted: told.flag(Part::Brake),
+            brake_released: told.flag(Part::BrakeReleased),
+            faults,
+            warnings,
+            speed_set: told
+                .rpm(Part::SpeedSetpoint)
+                .filter(|_| carries(signal::NSOLL_A) == Some(true)),
+            speed_actual,
+            speed_percent: told.percent(Part::SpeedActual).filter(|_| speed_actual.is_none()),
+            loss: drive
+                .model
+                .catalogue
+                .map(|tables| loss::reaction(tables, drive.is_on_line(), &told)),
+            position: turns(Part::Position),
+            following_error: turns(Part::FollowingError),
+        })
+    }
+}
+
+/// The telegram in use, by the signals that the drive tells.
+fn wiring(drive: &Drive, readings: &[Reading]) -> Option<Wiring> {
+    let words = |pnu| {
+        readings
+            .iter()
+            .filter(move |reading| reading.pnu == pnu)
+            .filter_map(|reading| reading.raw())
+            .filter_map(|raw| u16::try_from(raw & 0xFFFF).ok())
+    };
+    let number = words(pnu::TELEGRAM).next()?;
+    // the signals of a fixed telegram are known; of a free one the drive tells them
+    let vendor = drive.station.vendor_id;
+    if let Some(fixed) = Telegram::find(number, vendor).filter(|telegram| !telegram.free) {
+        return Wiring::of(fixed, vendor).ok();
+    }
+    Wiring::new(
+        number,
+        words(pnu::SETPOINT_SIGNALS),
+        words(pnu::ACTUAL_SIGNALS),
+        drive.station.vendor_id,
+    )
+    .ok()
+}

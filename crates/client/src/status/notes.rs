@@ -1,0 +1,118 @@
+//! What stands in the way of a drive beside the cause that matters most, or will once that is gone.
+
+use profile::state::Zsw1;
+
+use super::rules::{self, RULES};
+use super::{Cause, DriveStatus, makes};
+use crate::{Advice, WarningEntry};
+
+/// Causes that are told beside another one too: what the controller does is no news then, what is at the drive is.
+const NOTED: [Cause; 6] = [
+    Cause::Sto,
+    Cause::NoPower,
+    Cause::HardwareDisable,
+    Cause::ControlledStop,
+    Cause::LimitSwitch,
+    Cause::SoftwareLimit,
+];
+
+/// Something that speaks against running, beside the cause that matters most.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Note {
+    /// Stable name for programs: that of a cause, `brake` or `warning`.
+    pub id: &'static str,
+    /// One sentence.
+    pub sentence: String,
+    /// What to do about it, where something is to be done.
+    pub next: Option<Advice>,
+}
+
+/// Everything beside the cause `told`.
+pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
+    let mut notes = Vec::new();
+    let mut causes = vec![told];
+    for rule in RULES {
+        if !NOTED.contains(&rule.cause) || causes.contains(&rule.cause) || !(rule.applies)(status) {
+            continue;
+        }
+        causes.push(rule.cause);
+        notes.push(Note {
+            id: rule.cause.id(),
+            sentence: (rule.sentence)(status),
+            next: rules::advice(rule, status),
+        });
+    }
+    let moved = Cause::MovedFromOutside;
+    if told != moved && rules::turns(status) && status.unpowered() {
+        notes.push(Note {
+            id: moved.id(),
+            sentence: rules::moved(status),
+            next: Some(rules::moved_advice(status.make).into()),
+        });
+    }
+    if status.brake_fitted == Some(true) && status.brake_released == Some(false) && status.unpowered() {
+        notes.push(Note {
+            id: "brake",
+            sentence: "the holding brake is applied as long as the power stage is off".to_owned(),
+            next: Some(
+                "it opens with the power stage; MOTOR.BRAKERLS=1 opens it by hand, and lets a load fall"
+                    .into(),
+            ),
+        });
+    }
+    let new = |warning: &&WarningEntry| {
+        let says = makes::causes(status.make, warning);
+        !says.iter().any(|cause| causes.contains(cause))
+    };
+    notes.extend(status.warnings.iter().filter(new).map(|warning| {
+        Note {
+            id: "warning",
+            sentence: format!("warning {}", self::told(warning)),
+            next: warning
+                .remedy
+                .filter(|remedy| !remedy.is_empty())
+                .map(Advice::from),
+        }
+    }));
+    if status.warnings.is_empty() && status.has(Zsw1::WARNING) {
+        notes.push(Note {
+            id: "warning",
+            sentence: "a warning is present (ZSW1 bit 7), the drive does not report its number here"
+                .to_owned(),
+            next: Some("look at its panel".into()),
+        });
+    }
+    notes
+}
+
+pub(super) fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
+    let (command, advice) = makes::disable(status.make)?;
+    let inputs = status
+        .disable_sources
+        .is_some_and(|sources| sources & rules::AT_INPUTS != 0);
+    let local = status.zsw1.is_some() && !status.has(Zsw1::CONTROL_REQUESTED);
+    let known = inputs
+        || local
+        || !status.faults.is_empty()
+        || !status.warnings.is_empty()
+        || status.has(Zsw1::FAULT)
+        || RULES
+            .iter()
+            .any(|rule| NOTED.contains(&rule.cause) && (rule.applies)(status));
+    (!known).then(|| Note {
+        id: "disabled-by-parameter",
+        sentence: format!(
+            "no fault, input or supply did it: it was disabled by parameter ({command}), by another program"
+        ),
+        next: Some(advice.into()),
+    })
+}
+
+/// `n107 Positive limit reached: limit switch or software limit`
+pub(super) fn told(warning: &WarningEntry) -> String {
+    format!(
+        "n{} {}",
+        warning.number,
+        warning.meaning.unwrap_or("not in the tables")
+    )
+}

@@ -1,0 +1,182 @@
+//! Virtual drives and a client on an in-memory segment, in virtual time.
+
+pub mod line;
+pub mod watched;
+pub mod world;
+
+use std::net::Ipv4Addr;
+use std::path::Path;
+use std::time::Duration;
+
+use network::host::{Host, StationId};
+use network::segment::{Pace, Segment, SegmentMedium};
+use profidrive_client::{Client, Drive, DriveAddress, Error, Session};
+use profile::catalogue::AKD;
+use profile::notation::ParameterReference;
+use profile::value::Selection;
+use profinet::controller::{
+    ArId, ConnectConfig, ControllerConfig, ModuleConfig, Resolve, SubmoduleConfig, Target,
+};
+use profinet::cyclic::Timing;
+use profinet::device::Stored;
+use profinet::{Instant, IpSuite, MacAddress};
+use virtual_drive::description::Description;
+use virtual_drive::model;
+use virtual_drive::station::{Station, StationConfig};
+
+pub type Bench = Session<SegmentMedium>;
+
+pub fn ip(last: u8) -> IpSuite {
+    IpSuite {
+        address: Ipv4Addr::new(10, 0, 0, last),
+        mask: Ipv4Addr::new(255, 255, 255, 0),
+        gateway: Ipv4Addr::UNSPECIFIED,
+    }
+}
+
+pub fn station(name: &str, last: u8) -> Box<Host<Station>> {
+    let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, last]));
+    config.network = Stored {
+        name: name.into(),
+        ip: ip(last),
+        ..Stored::default()
+    };
+    Box::new(Host::new(Station::new(config)))
+}
+
+pub fn bench(drives: &[(&str, u8)]) -> (Bench, Vec<StationId>) {
+    bench_of(drives.iter().map(|&(name, last)| station(name, last)).collect())
+}
+
+/// What a maker's file says of an AKD.
+pub fn description(file: &str) -> Description {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
+    let text = std::fs::read(folder.join(file)).expect("the file");
+    let gsdml = gsdml::parse(&text).expect("a description");
+    let import = Description::from_gsdml(&gsdml, &model::AKD, None).expect("an AKD");
+    import.description
+}
+
+/// A drive with identity and modules of a maker's file.
+pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
+    let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
+    config.description = description(file);
+    config.network = Stored {
+        name: "akd-1".into(),
+        ip: ip(1),
+        ..Stored::default()
+    };
+    bench_of(vec![Box::new(Host::new(Station::new(config)))])
+}
+
+pub fn bench_of(stations: Vec<Box<Host<Station>>>) -> (Bench, Vec<StationId>) {
+    let (medium, config, ids) = parts_of(stations);
+    (Session::new(medium, config), ids)
+}
+
+/// What a session is made of, for a medium of another kind around the segment.
+pub fn parts_of(stations: Vec<Box<Host<Station>>>) -> (SegmentMedium, ControllerConfig, Vec<StationId>) {
+    let mut segment = Segment::new(7);
+    let ids = stations
+        .into_iter()
+        .map(|station| segment.attach(station))
+        .collect();
+    let medium = SegmentMedium::new(segment, Pace::Virtual);
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
+    (medium, config, ids)
+}
+
+pub fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {
+    session.find(&text.parse::<DriveAddress>().expect("an address"))
+}
+
+pub fn drive_at(session: &Bench, id: StationId) -> &Station {
+    session
+        .medium()
+        .segment()
+        .station::<Host<Station>>(id)
+        .expect("the drive")
+        .endpoint()
+}
+
+pub fn select(drive: &Drive, text: &str) -> Selection {
+    drive
+        .parameters
+        .select(&text.parse::<ParameterReference>().expect("a parameter"))
+        .expect("known")
+}
+
+pub fn is_at_rest(session: &Bench, id: StationId) -> bool {
+    let station = drive_at(session, id);
+    !station.drive().is_enabled() && !station.device().is_exchanging()
+}
+
+/// Another controller, as a station on the segment.
+pub fn other_controller() -> (Box<Host<Client>>, ArId) {
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 1]), ip(201), "plc", 2);
+    let mut client = Client::new(config);
+    let telegram = AKD.device.telegram(1).expect("telegram 1");
+    let submodule = |subslot, ident, length| SubmoduleConfig {
+        subslot,
+        ident,
+        input_length: length,
+        output_length: length,
+    };
+    let access_point = ModuleConfig {
+        api: 0,
+        slot: 0,
+        ident: AKD.device.access_point_module,
+        submodules: vec![submodule(1, AKD.device.access_point_submodule, 0)],
+    };
+    let drive = ModuleConfig {
+        api: 0x3A00,
+        slot: 1,
+        ident: telegram.module,
+        submodules: vec![submodule(1, telegram.submodule, 4)],
+    };
+    let timing = Timing::for_interval(Duration::from_millis(16)).expect("16 ms");
+    let mut config = ConnectConfig::new(vec![access_point, drive], timing);
+    config.resolve = Resolve::Check;
+    let target = Target {
+        name: "akd-1".into(),
+        mac: None,
+        ip: IpSuite::NONE,
+        vendor_id: AKD.device.vendor_id,
+        device_id: AKD.device.device_id,
+        instance: 1,
+    };
+    let ar = client
+        .controller()
+        .connect(Instant::ZERO, target, config)
+        .expect("a request");
+    (Box::new(Host::new(client)), ar)
+}
+
+/// What the other controller sends from now on.
+pub fn command(session: &mut Bench, plc: (StationId, ArId), data: &[u8]) {
+    let host = session
+        .medium_mut()
+        .segment_mut()
+        .station_mut::<Host<Client>>(plc.0);
+    let client = host.expect("the controller").endpoint_mut();
+    client
+        .controller()
+        .set_output(plc.1, 1, 1, data)
+        .expect("its telegram");
+}
+
+/// The drive, to change it.
+pub fn drive_mut(session: &mut Bench, id: StationId) -> &mut virtual_drive::drive::Drive {
+    let host = session
+        .medium_mut()
+        .segment_mut()
+        .station_mut::<Host<Station>>(id);
+    host.expect("the drive").endpoint_mut().drive_mut()
+}
+
+/// Does something to the drive itself, as a hand at the machine would.
+pub fn with_drive(session: &mut Bench, id: StationId, act: impl FnOnce(&mut virtual_drive::drive::Drive)) {
+    let segment = session.medium_mut().segment_mut();
+    let host = segment.station_mut::<Host<Station>>(id).expect("the drive");
+    act(host.endpoint_mut().drive_mut());
+}

@@ -1,0 +1,141 @@
+//! The cyclic connection of a command on an ordinary PC: calm where nothing else is asked for, and measured before
+//! anything is enabled. In virtual time.
+
+use std::time::Duration;
+
+use crate::bench::{bench_of, find, ip, parts_of};
+use network::host::Host;
+use network::segment::SegmentMedium;
+use profidrive_client::axis::Purpose;
+use profidrive_client::{AxisSettings, Client, DriveAddress, Session, Wire};
+use profinet::cyclic::Timing;
+use profinet::device::Stored;
+use profinet::{Instant, MacAddress, Medium};
+use virtual_drive::model;
+use virtual_drive::station::{Station, StationConfig};
+
+/// The one of the stations that takes update times from 4 ms on.
+const VLT: &str = "drive-2";
+const MS: Duration = Duration::from_millis(1);
+
+/// A medium whose waits end late: what a busy PC is.
+struct Busy {
+    medium: SegmentMedium,
+    late: Duration,
+}
+
+impl Wire for Busy {
+    type Error = std::convert::Infallible;
+
+    fn now(&self) -> Instant {
+        Medium::now(&self.medium)
+    }
+
+    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Self::Error> {
+        let end = until + self.late;
+        while Wire::now(self) < end {
+            Medium::step(&mut self.medium, client, end)?;
+        }
+        Ok(())
+    }
+}
+
+fn stations() -> Vec<Box<Host<Station>>> {
+    let station = |(last, model)| {
+        let mut config = StationConfig::new(model, MacAddress([2, 0, 0, 0, 0, last]));
+        config.network = Stored {
+            name: format!("drive-{last}"),
+            ip: ip(last),
+            ..Stored::default()
+        };
+        Box::new(Host::new(Station::new(config)))
+    };
+    (1..).zip(model::ALL).map(station).collect()
+}
+
+/// A PC that does nothing for 90 ms while a motor turns keeps its connection, whatever the vendor.
+#[test]
+fn a_default_connection_outlives_a_busy_pc() {
+    let (mut session, ids) = bench_of(stations());
+    for (number, _) in (1..).zip(ids) {
+        let mut drive = find(&mut session, &format!("drive-{number}")).expect("there");
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        assert_eq!(axis.cycle(), MS * 16);
+        let mut enabled = axis.enable().expect("enabled");
+        enabled.reach_speed(300.0, None).expect("turns");
+        for _ in 0..3 {
+            let (session, _) = enabled.session();
+            let end = session.now() + MS * 90;
+            session.medium_mut().segment_mut().run_until(end);
+            enabled.hold(MS * 500).expect("still connected");
+        }
+        drop(enabled);
+        axis.release().expect("released");
+    }
+}
+
+/// The delays of the PC are known before the power stage is on, and judged by the cycle that is asked for.
+#[test]
+fn a_cycle_that_the_pc_does_not_hold_is_known_before_anything_is_enabled() {
+    let strained = |late, cycle, watchdog, purpose| {
+        let (medium, config, ids) = parts_of(stations());
+        let mut session = Session::new(Busy { medium, late }, config);
+        let address: DriveAddress = VLT.parse().expect("an address");
+        let mut drive = session.find(&address).expect("there");
+        let settings = AxisSettings {
+            cycle,
+            watchdog,
+            ..AxisSettings::for_purpose(purpose)
+        };
+        let mut axis = session.take_axis(&mut drive, settings).expect("connected");
+        let strained = axis.strained();
+        let (session, _) = axis.session();
+        let segment = session.medium().medium.segment();
+        let host = segment.station::<Host<Station>>(ids[1]).expect("the drive");
+        assert!(!host.endpoint().drive().is_enabled());
+        strained.map(|strained| strained.to_string())
+    };
+    let late = MS * 9;
+    let words = strained(late, Some(MS * 4), None, Purpose::Speed).expect("9 ms are more than 4 ms");
+    assert!(
+        words.starts_with("this PC holds a cycle of 4 ms badly: longest delay 9 ms"),
+        "{words}"
+    );
+    assert_eq!(strained(late, None, None, Purpose::Speed), None);
+    assert_eq!(
+        strained(Duration::ZERO, Some(MS * 4), Some(3), Purpose::Speed),
+        None
+    );
+    assert!(strained(late, None, Some(2), Purpose::Speed).is_some(), "32 ms");
+    // who stops or acknowledges is not made to wait
+    assert_eq!(strained(late, Some(MS * 4), None, Purpose::Control), None);
+}
+
+/// The device description decides over the update times, also over those asked for.
+#[test]
+fn update_times_are_those_of_the_device_description() {
+    let (mut session, _) = bench_of(stations());
+    let mut drive = find(&mut session, VLT).expect("there");
+    let times = |times: &[u64]| {
+        let times = times.iter().map(|&time| Timing::for_interval(MS * time as u32));
+        times.collect::<Option<Vec<_>>>().expect("update times")
+    };
+    for (allowed, cycle) in [(times(&[1, 2, 4, 8]), MS * 8), (times(&[32, 64]), MS * 32)] {
+        drive.maker_timings = allowed;
+        let axis = session
+            .take_axis(&mut drive, AxisSettings::default())
+            .expect("connected");
+        assert_eq!(axis.cycle(), cycle);
+        axis.release().expect("released");
+    }
+    let asked = AxisSettings {
+        cycle: Some(MS * 4),
+        ..AxisSettings::default()
+    };
+    let error = session
+        .take_axis(&mut drive, asked)
+        .expect_err("not in the description");
+    assert!(error.to_string().contains("update time"), "{error}");
+}

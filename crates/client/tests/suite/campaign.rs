@@ -1,0 +1,308 @@
+//! Clients that are killed, frozen or cut off at random moments of a motion, in virtual time: every action that `status`
+//! recommends afterwards works, and the axis is at rest in the end.
+//!
+//! A failure prints its case and its seed.
+
+// helpers of tests fail by panicking, like the tests themselves
+#![allow(clippy::panic, clippy::unwrap_used)]
+
+use std::time::Duration;
+
+use crate::bench::world::{Accident, Transport, World};
+use profidrive_client::axis::{Jog, Move, Purpose};
+use profidrive_client::status::{Diagnosis, diagnose};
+use profidrive_client::{Action, Advice, AxisSettings, Drive, Error, Session, StopWay, WriteMode};
+use profile::notation::Position;
+use profile::parameter::{Keep, ParameterAccess};
+use virtual_drive::model::{self, Model as Virtual};
+
+const SECOND: Duration = Duration::from_secs(1);
+/// How often each case is tried.
+const SEEDS: u64 = 5;
+/// Rounds of advice after which the axis has to be at rest.
+const MOST_ROUNDS: usize = 4;
+
+/// A drive and the settings that decide what it does without its controller: numbers of the vendor and values.
+struct Subject {
+    model: &'static Virtual,
+    name: &'static str,
+    settings: &'static [&'static [(u16, u64)]],
+    motions: &'static [Motion],
+    transports: &'static [Transport],
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Motion {
+    Run,
+    Jog,
+    Move,
+    Home,
+}
+
+use Motion::{Home, Jog as Jogging, Move as Moving, Run};
+use Transport::{Fc, Profinet, Uss};
+
+const SUBJECTS: [Subject; 5] = [
+    Subject {
+        model: &model::AKD,
+        name: "akd",
+        // FBUS.PARAM02 bit 0
+        settings: &[&[(2158, 0)], &[(2158, 1)]],
+        motions: &[Run, Jogging, Moving, Home],
+        transports: &[Profinet],
+    },
+    Subject {
+        model: &model::VLT,
+        name: "vlt",
+        // 8-04 and 8-03
+        settings: &[
+            &[(804, 0)],
+            &[(804, 1)],
+            &[(804, 2)],
+            &[(804, 3)],
+            &[(804, 4)],
+            &[(804, 5)],
+            &[(804, 2), (803, 200)],
+            &[(804, 5), (803, 1)],
+        ],
+        motions: &[Run, Jogging],
+        transports: &[Profinet, Fc, Uss],
+    },
+    Subject {
+        model: &model::VACON,
+        name: "vacon",
+        // ID 733
+        settings: &[&[(733, 0)], &[(733, 1)], &[(733, 2)], &[(733, 3)]],
+        motions: &[Run, Jogging],
+        transports: &[Profinet],
+    },
+    Subject {
+        model: &model::VACON,
+        name: "vacon",
+        settings: &[&[(733, 0)], &[(733, 1)], &[(733, 2)], &[(733, 3)]],
+        motions: &[Run],
+        transports: &[Fc, Uss],
+    },
+    // a drive without tables
+    Subject {
+        model: &model::VACON,
+        name: "standard",
+        settings: &[&[(733, 0)], &[(733, 2)]],
+        motions: &[Run],
+        transports: &[Profinet],
+    },
+];
+
+/// Small, fast, the same in each run.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % limit
+    }
+
+    fn time(&mut self, limit: Duration) -> Duration {
+        let micros = u64::try_from(limit.as_micros()).expect("short");
+        Duration::from_micros(self.below(micros))
+    }
+}
+
+fn prepare(world: &World, settings: &[(u16, u64)]) {
+    world.look(|drive| {
+        for &(number, value) in settings {
+            let parameter = drive.model().numbered(number).expect("known");
+            let index = parameter.base.unwrap_or(0);
+            ParameterAccess::write(drive, parameter.pnu, index, value, Keep::Volatile).expect("taken");
+        }
+    });
+}
+
+fn found(world: &World, subject: &Subject, transport: Transport, seed: u64) -> (Session<World>, Drive) {
+    let (mut session, mut drive) = world.client(subject.name, transport, seed).expect("found");
+    if subject.name == "standard" {
+        session.find_channel(&mut drive).expect("it has one");
+    }
+    (session, drive)
+}
+
+/// The motion that something happens to. How it ends does not matter here.
+fn motion(session: &mut Session<World>, drive: &mut Drive, motion: Motion) -> Result<(), Error> {
+    let purpose = match motion {
+        Run => Purpose::Speed,
+        Jogging => Purpose::Jog,
+        Moving => Purpose::Move,
+        Home => Purpose::Home,
+    };
+    let told = drive.model.catalogue.is_some() && !drive.is_on_line();
+    let settings = AxisSettings {
+        reference_speed: (!told).then_some(1500.0),
+        ..AxisSettings::for_purpose(purpose)
+    };
+    let mut axis = session.take_axis(drive, settings)?;
+    let mut enabled = axis.enable()?;
+    match motion {
+        Run => {
+            enabled.reach_speed(600.0, None)?;
+            enabled.keep_speed(600.0, SECOND * 20)?;
+        }
+        Jogging => {
+            enabled.jog(Jog::One)?;
+            enabled.hold(SECOND * 20)?;
+        }
+        Moving => {
+            enabled.home(None)?;
+            enabled.move_to(&Move::to(Position::Turns(40.0), 300.0))?;
+        }
+        Home => enabled.home(None)?,
+    }
+    enabled.disable()?;
+    axis.release()
+}
+
+/// What the report of a status recommends.
+fn recommended(diagnosis: &Diagnosis) -> Vec<Action> {
+    let notes = diagnosis.notes.iter().filter_map(|note| note.next.as_ref());
+    let texts = diagnosis.next.iter().chain(notes);
+    let in_text = texts.flat_map(Advice::actions);
+    diagnosis.actions.iter().chain(in_text).cloned().collect()
+}
+
+fn carry_out(session: &mut Session<World>, drive: &mut Drive, action: &Action) -> Result<(), Error> {
+    let mut stop = |way| -> Result<(), Error> {
+        let outcome = session.stop_drive(drive, way, SECOND * 15)?;
+        assert!(outcome.at_rest, "{action}: {outcome:?}");
+        Ok(())
+    };
+    match action {
+        Action::Stop => stop(StopWay::Stop),
+        Action::Disable => stop(StopWay::Disable),
+        Action::Acknowledge => {
+            let settings = AxisSettings::for_purpose(Purpose::Control);
+            let mut axis = session.take_axis(drive, settings)?;
+            axis.ready_or_fault()?;
+            axis.acknowledge()?;
+            axis.release()
+        }
+        Action::Write { parameter, value, .. } => {
+            let assignment = format!("{parameter}={value}");
+            let assignment = assignment.parse().expect("an assignment");
+            let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
+            assert!(
+                matches!(outcomes[0].written, Some(Ok(()))),
+                "{action}: {outcomes:?}"
+            );
+            Ok(())
+        }
+        Action::Read { parameters } => {
+            for name in parameters {
+                let selection = drive.select(name)?;
+                session.read(drive, &[selection])?;
+            }
+            Ok(())
+        }
+        // what begins a motion is no advice that brings an axis to rest
+        Action::Run | Action::Move | Action::Jog | Action::Home => Ok(()),
+        Action::Status | Action::Info | Action::Faults | Action::Find { .. } => Ok(()),
+        other => panic!("{other}: not carried out by this test yet"),
+    }
+}
+
+struct Case<'a> {
+    subject: &'a Subject,
+    transport: Transport,
+    settings: &'a [(u16, u64)],
+    motion: Motion,
+    accident: &'static str,
+    seed: u64,
+}
+
+fn try_out(case: &Case<'_>, at: &str) {
+    let mut random = Random(case.seed ^ 0x9E37_79B9_7F4A_7C15);
+    let world = World::new(case.subject.model, case.transport, case.seed);
+    prepare(&world, case.settings);
+    if matches!(case.motion, Moving | Home) {
+        // positioning, and a way to home that takes its time
+        prepare(&world, &[(930, 2)]);
+    }
+    let accident = match case.accident {
+        "killed" => Accident::Killed,
+        "frozen" => Accident::Frozen(random.time(SECOND * 4)),
+        _ => Accident::CableOut(random.time(SECOND * 4)),
+    };
+    {
+        let (mut session, mut drive) = found(&world, case.subject, case.transport, 1);
+        world.plan(random.time(SECOND * 9), accident);
+        // whatever it says, it must be about the loss or none of ours
+        if let Err(error) = motion(&mut session, &mut drive, case.motion) {
+            assert!(!matches!(error, Error::Misuse(_)), "{at}: {error}");
+        }
+    }
+    world.pass(random.time(SECOND * 3));
+    // the cable is in again when somebody comes
+    world.pass(SECOND * 5);
+    let (mut session, mut drive) = found(&world, case.subject, case.transport, 2);
+    let mut last = String::new();
+    for _ in 0..MOST_ROUNDS {
+        let status = session
+            .status(&mut drive)
+            .unwrap_or_else(|error| panic!("{at}: status: {error}"));
+        let diagnosis = diagnose(&status);
+        last = format!("{diagnosis:?}");
+        let actions = recommended(&diagnosis);
+        let before = world.fastest();
+        for action in &actions {
+            if let Err(error) = carry_out(&mut session, &mut drive, action) {
+                panic!("{at}: `{action}` of {diagnosis:?}: {error}");
+            }
+        }
+        let recovers =
+            |action: &Action| matches!(action, Action::Stop | Action::Disable | Action::Acknowledge);
+        if actions.iter().any(recovers) {
+            assert!(world.fastest() <= before + 10.0, "{at}: faster by {actions:?}");
+        } else if world.speed().abs() < 1.0 {
+            break;
+        }
+    }
+    let (speed, enabled) = (world.speed(), world.look(|drive| drive.is_enabled()));
+    assert!(
+        speed.abs() < 1.0 && !enabled,
+        "{at}: {speed} rpm, enabled {enabled}: {last}"
+    );
+    session.close().expect("closed");
+}
+
+#[test]
+fn whatever_happens_to_a_client_the_advice_of_status_brings_the_axis_to_rest() {
+    let mut cases = 0;
+    for subject in &SUBJECTS {
+        for &transport in subject.transports {
+            for &settings in subject.settings {
+                for &motion in subject.motions {
+                    for accident in ["killed", "frozen", "cable out"] {
+                        for seed in 0..SEEDS {
+                            let case = Case {
+                                subject,
+                                transport,
+                                settings,
+                                motion,
+                                accident,
+                                seed,
+                            };
+                            let at = format!(
+                                "{} {transport:?} {settings:?} {motion:?} {accident} seed {seed}",
+                                subject.name
+                            );
+                            try_out(&case, &at);
+                            cases += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(cases > 1000, "{cases}");
+}

@@ -1,0 +1,85 @@
+//! A connection that is lost while an axis stops, in virtual time.
+
+use std::cell::Cell;
+use std::rc::Rc;
+use std::time::Duration;
+
+use crate::bench::watched::bench;
+use crate::bench::world::{Accident, Transport, World};
+use profidrive_client::{Action, AxisSettings, Error, WriteMode};
+use profile::value::Assignment;
+use virtual_drive::model;
+
+/// Steps of the medium from the begin of the stop until the cable is cut: well inside the ramp.
+const STEPS: usize = 40;
+
+/// Nobody saw the axis stand: a release that says so would send people to a machine that may turn.
+#[test]
+fn a_connection_lost_on_the_ramp_is_no_success() {
+    let mut bench = bench();
+    let slow: Assignment = "DRV.DEC=100rpm/s".parse().expect("an assignment");
+    bench
+        .session
+        .write(&mut bench.drive, &[slow], WriteMode::Write)
+        .expect("taken");
+    let stops = Rc::new(Cell::new(None));
+    let since = Rc::clone(&stops);
+    bench.on_each_step(move |step, wire| {
+        if since.get().is_some_and(|begin| step == begin + STEPS) {
+            wire.segment.cut(wire.id);
+        }
+    });
+    let mut axis = bench
+        .session
+        .take_axis(&mut bench.drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(600.0, None).expect("runs");
+    enabled
+        .keep_speed(600.0, Duration::from_millis(100))
+        .expect("keeps it");
+    stops.set(Some(bench.steps.get()));
+    drop(enabled);
+    let last = axis.status().expect("a status");
+    assert!(
+        last.lost && last.speed_actual.is_some_and(|speed| speed > 100.0),
+        "on the ramp: {last:?}"
+    );
+    let error = axis.release().expect_err("nobody saw it stand");
+    assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
+}
+
+/// When the medium fails before there is cyclic data, the drive that is out of reach is named all the same.
+#[test]
+fn a_medium_that_fails_before_cyclic_data_names_the_drive() {
+    for transport in [Transport::Profinet, Transport::Fc] {
+        let mut failed = 0;
+        for at in (0..400).step_by(7).map(Duration::from_millis) {
+            let world = World::new(&model::VLT, transport, 7);
+            let (mut session, mut drive) = world.client("vlt", transport, 1).expect("found");
+            world.plan(at, Accident::Killed);
+            let settings = AxisSettings {
+                reference_speed: Some(1500.0),
+                ..AxisSettings::default()
+            };
+            let Err(error) = session.take_axis(&mut drive, settings).map(|_| ()) else {
+                continue;
+            };
+            failed += 1;
+            assert!(
+                matches!(error, Error::CarrierLost { .. }),
+                "{transport:?} {at:?}: {error:?}"
+            );
+            let text = error.to_string();
+            assert!(
+                text.starts_with(&format!("{}: connection lost: ", drive.label())),
+                "{text}"
+            );
+            assert!(
+                matches!(error.action(), Some(Action::Status | Action::Stop)),
+                "{error:?}"
+            );
+        }
+        assert!(failed > 3, "{transport:?}: {failed}");
+    }
+}

@@ -1,0 +1,150 @@
+//! What an axis under control tells, and what it is not told: virtual drives on a segment, in virtual time.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::time::Duration;
+
+use crate::bench::{bench, find, is_at_rest, with_drive};
+use profidrive_client::axis::{Move, Objection, Purpose};
+use profidrive_client::{AxisSettings, Error, WriteMode};
+use profile::notation::Position;
+use profile::value::{Assignment, ParameterProblem};
+use virtual_drive::drive::Injection;
+
+/// A warning is told by number when it comes, once, also one that comes while another is there.
+#[test]
+fn warnings_are_told_when_they_come() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    with_drive(&mut session, ids[0], |drive| {
+        drive.inject(Injection::Warning { number: 107 });
+    });
+    let told = Rc::new(RefCell::new(Vec::new()));
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let teller = Rc::clone(&told);
+    axis.watch_warnings(move |status, warnings| {
+        let numbers: Vec<u32> = warnings.iter().map(|warning| warning.number).collect();
+        let words = warnings.iter().all(|warning| warning.meaning.is_some());
+        assert!(words, "{warnings:?}");
+        teller.borrow_mut().push((status.time.as_secs(), numbers));
+    });
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(60.0, None).expect("runs");
+    enabled
+        .keep_speed(60.0, Duration::from_secs(5))
+        .expect("keeps it");
+    assert_eq!(*told.borrow(), [(0, vec![107])]);
+    drop(enabled);
+    axis.release().expect("released");
+    assert_eq!(told.borrow().len(), 1, "not again: {told:?}");
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+/// A dry run finds what a run would: telegram, the speed that is told, a controller that has the drive. It changes nothing.
+#[test]
+fn taking_an_axis_can_be_planned() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let assignment: Assignment = "922=9".parse().expect("an assignment");
+    session
+        .write(&mut drive, &[assignment], WriteMode::Write)
+        .expect("telegram 9");
+    let plan = session
+        .plan_axis(&mut drive, &AxisSettings::default())
+        .expect("possible");
+    assert_eq!((plan.telegram, plan.telegram_before), (1, Some(9)));
+    let told = plan.speed_told(&drive, 61.7).expect("near enough");
+    assert!((told - 61.88).abs() < 0.01, "{told}");
+    let again = session.plan_axis(&mut drive, &AxisSettings::default());
+    let before = again.expect("still possible").telegram_before;
+    assert_eq!(before, Some(9), "as it was");
+    let error = session
+        .plan_axis(&mut drive, &AxisSettings::for_purpose(Purpose::Move))
+        .expect_err("velocity mode");
+    assert!(matches!(error, Error::WrongMode { .. }), "{error}");
+    let long = AxisSettings {
+        watchdog: Some(255),
+        ..AxisSettings::default()
+    };
+    let error = session.plan_axis(&mut drive, &long).expect_err("4 s");
+    assert!(error.to_string().contains("outside 1 to 120"), "{error}");
+    let axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    assert_eq!(axis.rounded_speed(61.7), Some(told));
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+/// Nothing is sent that would be another speed: neither a standstill nor one that is more than a tenth away.
+#[test]
+fn speeds_that_cannot_be_told_are_refused() {
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    for (rpm, below, above) in [(0.001, 0.0, 0.366), (-0.1, -0.366, 0.0), (0.5, 0.366, 0.732)] {
+        let error = session.check_speed(&mut drive, rpm).expect_err("no such speed");
+        let Error::SpeedStep { nearest, .. } = &error else {
+            panic!("{error}")
+        };
+        assert!(
+            (nearest[0] - below).abs() < 1e-3 && (nearest[1] - above).abs() < 1e-3,
+            "{error}"
+        );
+    }
+    for rpm in [0.0, 0.366, 99.0, -60.0] {
+        session.check_speed(&mut drive, rpm).expect("near enough");
+    }
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::default())
+        .expect("connected");
+    let mut enabled = axis.enable().expect("enabled");
+    assert!(matches!(enabled.run(0.5), Err(Error::SpeedStep { .. })));
+    drop(enabled);
+    axis.release().expect("released");
+    assert!(is_at_rest(&session, ids[0]));
+}
+
+#[test]
+fn distances_that_are_none_are_refused() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let order = Move::by(Position::Turns(1e-6), 300.0);
+    let plan = session.plan_move(&mut drive, &order, 3000.0).expect("a plan");
+    assert!(
+        plan.objections
+            .iter()
+            .any(|one| matches!(one, Objection::NoDistance { .. })),
+        "{plan:?}"
+    );
+}
+
+/// What a drive cannot hold within a hundredth is not written, and nothing beside it.
+#[test]
+fn values_that_cannot_be_held_are_refused_before_anything_is_sent() {
+    let (mut session, _) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    let write = |text: &str| -> Vec<Assignment> {
+        text.split(' ')
+            .map(|one| one.parse().expect("an assignment"))
+            .collect()
+    };
+    let error = session
+        .write(&mut drive, &write("DRV.ACC=5000 1004=0.001rpm"), WriteMode::Write)
+        .expect_err("too small");
+    assert!(
+        matches!(error, Error::Parameter(ParameterProblem::Coarse { .. })),
+        "{error}"
+    );
+    let selection = drive
+        .parameters
+        .select(&"DRV.ACC".parse().expect("a name"))
+        .expect("known");
+    let kept = session.read_one(&mut drive, &selection).expect("read");
+    assert_eq!(kept.number(), Some(3000.0));
+    let outcomes = session
+        .write(&mut drive, &write("1004=99rpm"), WriteMode::Write)
+        .expect("written");
+    assert!(outcomes[0].change.value.number().unwrap().is_rounded() && !outcomes[0].differs());
+}

@@ -1,0 +1,197 @@
+//! Stopping a drive whose parameters cannot be read, in virtual time: control word and status word are enough.
+
+use std::time::Duration;
+
+use crate::bench::world::{Accident, Transport, World};
+use profidrive_client::axis::Purpose;
+use profidrive_client::{AxisSettings, Drive, Error, Session, StopOutcome, StopWay};
+use profile::parameter::{Keep, ParameterAccess};
+use virtual_drive::model::{self, Model as Virtual};
+use virtual_drive::station::AnswerFault;
+
+/// Parameters by number with their values.
+type Settings<'a> = &'a [(u16, u64)];
+
+const SECOND: Duration = Duration::from_secs(1);
+/// The ramp of the drives, and what else a stop may take with all of its parameters.
+const STOP: Duration = Duration::from_secs(9);
+/// How much longer it may take without them.
+const DELAY: Duration = Duration::from_millis(2500);
+
+/// Drives that keep turning with this setting when their controller is lost.
+const KEEP_TURNING: [(&Virtual, &str, u16); 2] = [(&model::VLT, "vlt", 804), (&model::VACON, "vacon", 733)];
+
+fn set(world: &World, number: u16, value: u64) {
+    world.look(|drive| {
+        let parameter = drive.model().numbered(number).expect("known");
+        let index = parameter.base.unwrap_or(0);
+        ParameterAccess::write(drive, parameter.pnu, index, value, Keep::Volatile).expect("taken");
+    });
+}
+
+/// A drive that a client left running, and from then on does not answer parameters as it should.
+fn left_running(
+    virtual_model: &'static Virtual,
+    name: &str,
+    settings: Settings<'_>,
+    transport: Transport,
+    telegram: Option<u16>,
+) -> World {
+    let world = World::new(virtual_model, transport, 7);
+    for (number, value) in settings {
+        set(&world, *number, *value);
+    }
+    let (mut session, mut drive) = world.client(name, transport, 1).expect("found");
+    let wanted = AxisSettings {
+        reference_speed: drive.is_on_line().then_some(1500.0),
+        telegram,
+        ..AxisSettings::for_purpose(Purpose::Speed)
+    };
+    let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(900.0, None).expect("runs");
+    world.plan(Duration::ZERO, Accident::Killed);
+    enabled.hold(SECOND).expect_err("killed");
+    drop(enabled);
+    drop(axis);
+    drop(session);
+    world.pass(SECOND * 3);
+    assert!(world.speed() > 800.0, "{name} {transport:?}: {}", world.speed());
+    world
+}
+
+fn found(world: &World, transport: Transport) -> (Session<World>, Drive) {
+    let (mut session, address) = world.session(transport, 2);
+    session.tolerate_unread();
+    let drive = session.find(&address).expect("it answers");
+    (session, drive)
+}
+
+fn stopped(world: &World, transport: Transport, at: &str) -> (StopOutcome, Duration) {
+    let (mut session, mut drive) = found(world, transport);
+    let before = world.fastest().max(world.speed());
+    let begin = session.now();
+    let outcome = session
+        .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+        .expect(at);
+    assert!(outcome.sent && outcome.at_rest, "{at}: {outcome:?}");
+    assert_eq!(outcome.enabled, Some(false), "{at}");
+    assert!(world.fastest() < before + 5.0, "{at}: no jump");
+    assert!(
+        world.speed().abs() < 1.0 && world.look(|drive| !drive.is_enabled()),
+        "{at}"
+    );
+    (outcome, session.now() - begin)
+}
+
+#[test]
+fn stop_takes_over_a_drive_whose_parameters_cannot_be_read() {
+    let faults = [
+        AnswerFault::Silent,
+        AnswerFault::Reference,
+        AnswerFault::Cut,
+        AnswerFault::Late(SECOND * 3),
+    ];
+    for (virtual_model, name, setting) in KEEP_TURNING {
+        for transport in [Transport::Profinet, Transport::Fc, Transport::Uss] {
+            for fault in faults {
+                let at = format!("{name} {transport:?} {fault:?}");
+                let world = left_running(virtual_model, name, &[(setting, 0)], transport, None);
+                world.answer(fault);
+                let (outcome, took) = stopped(&world, transport, &at);
+                assert!(outcome.unread.is_some(), "{at}: {outcome:?}");
+                assert!(took < STOP + DELAY, "{at}: {took:?}");
+                // along the ramp, neither faster nor off at once
+                assert!(took > SECOND, "{at}: {took:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_drive_that_answers_is_stopped_with_its_parameters() {
+    for (virtual_model, name, setting) in KEEP_TURNING {
+        for transport in [Transport::Profinet, Transport::Fc, Transport::Uss] {
+            let at = format!("{name} {transport:?}");
+            let world = left_running(virtual_model, name, &[(setting, 0)], transport, None);
+            let (outcome, _) = stopped(&world, transport, &at);
+            assert_eq!(outcome.unread, None, "{at}");
+        }
+    }
+}
+
+/// Which words a telegram of the vendor has depends on settings (8-10, 9-15): those of telegram 1 do not.
+#[test]
+fn a_drive_in_a_telegram_of_its_vendor_is_stopped_without_its_parameters() {
+    let cases: [(&Virtual, &str, Settings<'_>, u16); 3] = [
+        (&model::VLT, "vlt", &[(804, 0)], 106),
+        (&model::VLT, "vlt", &[(804, 0), (810, 1)], 103),
+        (&model::VACON, "vacon", &[(733, 0)], 148),
+    ];
+    for (virtual_model, name, settings, telegram) in cases {
+        let at = format!("{name} {telegram}");
+        let world = left_running(virtual_model, name, settings, Transport::Profinet, Some(telegram));
+        world.answer(AnswerFault::Silent);
+        let (outcome, took) = stopped(&world, Transport::Profinet, &at);
+        assert!(outcome.unread.is_some(), "{at}");
+        assert!((SECOND..STOP + DELAY).contains(&took), "{at}: {took:?}");
+    }
+}
+
+/// The ramp of the drive has its time whatever the limit; without knowing it the quick stop comes after the limit.
+#[test]
+fn a_ramp_longer_than_the_limit_is_waited_for_where_the_drive_reports_it() {
+    for (fault, quick) in [(AnswerFault::None, false), (AnswerFault::Cut, true)] {
+        let world = left_running(&model::VLT, "vlt", &[(804, 0)], Transport::Profinet, None);
+        // 3-42: 10 s to the speed of the motor
+        set(&world, 342, 1000);
+        world.answer(fault);
+        let (mut session, mut drive) = found(&world, Transport::Profinet);
+        let begin = session.now();
+        let stopped = session.stop_drive(&mut drive, StopWay::Stop, SECOND);
+        assert_eq!(stopped.is_err(), quick, "{fault:?}: {stopped:?}");
+        let took = session.now() - begin;
+        assert_eq!(took < SECOND * 6, quick, "{fault:?}: {took:?}");
+        // what was commanded last goes on
+        world.pass(SECOND * 5);
+        assert!(world.speed().abs() < 1.0, "{fault:?}: {}", world.speed());
+    }
+}
+
+/// Whose bits the words at a line have shows in the status word where 8-10 cannot be read.
+#[test]
+fn the_words_of_a_line_are_told_apart_by_the_status_word() {
+    for transport in [Transport::Fc, Transport::Uss] {
+        let world = left_running(&model::VLT, "vlt", &[(810, 1), (804, 0)], transport, None);
+        world.answer(AnswerFault::Silent);
+        let (outcome, took) = stopped(&world, transport, &format!("{transport:?}"));
+        assert!(outcome.unread.is_some(), "{outcome:?}");
+        assert!(took > SECOND, "along the ramp: {took:?}");
+    }
+}
+
+/// The controller that has the control word is named all the same: that is read from a record.
+#[test]
+fn a_drive_with_an_owner_is_not_taken_over_without_its_parameters() {
+    let world = World::new(&model::VLT, Transport::Profinet, 7);
+    let (mut session, mut drive) = world.client("vlt", Transport::Profinet, 1).expect("found");
+    let wanted = AxisSettings::for_purpose(Purpose::Speed);
+    let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+    let mut enabled = axis.enable().expect("enabled");
+    enabled.reach_speed(600.0, None).expect("runs");
+    world.answer(AnswerFault::Silent);
+    let (inner, own) = enabled.session();
+    let begin = inner.now();
+    let error = inner.stop_drive(own, StopWay::Stop, SECOND).expect_err("owned");
+    assert!(
+        matches!(&error, Error::NoStopBeside { controller, .. } if controller == "client"),
+        "{error}"
+    );
+    assert!(inner.now() - begin < DELAY);
+    assert!(inner.unread().is_none(), "for a stop only");
+    let selection = own.select("8-04").expect("known");
+    assert!(
+        inner.read(own, &[selection]).is_err(),
+        "a read beside it is one again"
+    );
+}

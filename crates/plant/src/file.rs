@@ -1,0 +1,525 @@
+//! The scenario file.
+
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
+use std::time::Duration;
+
+use profile::catalogue::Scaling;
+use profile::notation::Quantity;
+use profile::value::{Assignment, Parameters};
+use profinet::wire::dcp::check_name;
+use profinet::{IpSuite, MacAddress};
+use serde::Deserialize;
+use toml::Spanned;
+use virtual_drive::axis::{Plant, Travel};
+use virtual_drive::model::{self, Model};
+use virtual_drive::station::{Station, StationConfig};
+
+use crate::happening::Happening;
+use crate::program::{ControllerPlan, RawController};
+use crate::text::{derived_mac, place, suite, time};
+use crate::world::set;
+
+/// Longest file, in octets.
+const LONGEST_FILE: usize = 1 << 20;
+/// Most drives.
+const MOST_DRIVES: usize = 256;
+/// Most cues of one drive.
+const MOST_CUES: usize = 10_000;
+
+/// A plant: drives, what happens to them, and the controllers that run them.
+///
+/// ```
+/// let scenario: profidrive_plant::Scenario = r#"
+///     seed = 7
+///     [[drive]]
+///     name = "press-1"
+///     ip = "10.0.0.1/24"
+///     parameters = { "DRV.ACC" = "5000rpm/s" }
+///     event = [
+///         { at = "2s", do = "load=0.5Nm" },
+///         { at = "5s", do = "cable=pulled", for = "300ms" },
+///         { position = "10rev", do = "fault=439" },
+///     ]
+/// "#.parse()?;
+/// assert_eq!(scenario.drives[0].cues.len(), 3);
+/// # Ok::<(), profidrive_plant::ScenarioError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// Decides everything that happens by chance.
+    pub seed: u64,
+    /// How long it goes on; `None` until it is ended.
+    pub duration: Option<Duration>,
+    /// How often a trace tells all values; `None` for changes only.
+    pub sample: Option<Duration>,
+    /// The drives.
+    pub drives: Vec<DrivePlan>,
+    /// The controllers, which exist in virtual time only.
+    pub controllers: Vec<ControllerPlan>,
+}
+
+/// One drive of a [`Scenario`].
+#[derive(Debug, Clone)]
+pub struct DrivePlan {
+    /// Name of station.
+    pub name: String,
+    /// Its model.
+    pub model: &'static Model,
+    /// Its Ethernet address.
+    pub mac: MacAddress,
+    /// Its IP address; none for a drive that waits for it.
+    pub ip: IpSuite,
+    /// Shortest update time in steps of 31.25 us; `None` for that of the model.
+    pub min_device_interval: Option<u16>,
+    /// Motor, load and travel.
+    pub plant: Plant,
+    /// Torque of the load from the start, Nm.
+    pub load: f64,
+    /// What its parameters are set to before it starts, in order.
+    pub parameters: Vec<Assignment>,
+    /// What happens to it.
+    pub cues: Vec<Cue>,
+}
+
+/// Something that happens to a drive, and when.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cue {
+    /// When.
+    pub trigger: Trigger,
+    /// What.
+    pub what: Happening,
+    /// How long; `None` for as long as nothing else is said.
+    pub lasts: Option<Duration>,
+}
+
+/// When something happens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Trigger {
+    /// This long after the start.
+    Time(Duration),
+    /// When the axis reaches this place, in 2^-32 revolutions from where it started, for the first time.
+    Place(i64),
+}
+
+/// What is wrong with a scenario file, and where.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {message}")]
+pub struct ScenarioError {
+    /// Line, from 1.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+/// A message with its place in the file.
+pub(crate) struct Located(pub Range<usize>, pub String);
+
+/// Turns the message of a value into one that knows its place.
+pub(crate) fn located<T, U, E: ToString>(
+    value: &Spanned<T>,
+    read: impl FnOnce(&T) -> Result<U, E>,
+) -> Result<U, Located> {
+    read(value.get_ref()).map_err(|error| Located(value.span(), error.to_string()))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct RawScenario {
+    #[serde(default = "first_seed")]
+    seed: u64,
+    duration: Option<Spanned<String>>,
+    sample: Option<Spanned<String>>,
+    #[serde(default)]
+    drive: Vec<RawDrive>,
+    #[serde(default)]
+    controller: Vec<RawController>,
+}
+
+const fn first_seed() -> u64 {
+    1
+}
+
+/// `NAME = VALUE` pairs in the order of the file.
+pub(crate) type RawValues = BTreeMap<Spanned<String>, Spanned<toml::Value>>;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct RawDrive {
+    name: Spanned<String>,
+    model: Option<Spanned<String>>,
+    mac: Option<Spanned<String>>,
+    ip: Option<Spanned<String>>,
+    min_cycle: Option<Spanned<String>>,
+    #[serde(default)]
+    motor: RawMotor,
+    #[serde(default)]
+    load: RawLoad,
+    travel: Option<RawTravel>,
+    #[serde(default)]
+    parameters: RawValues,
+    #[serde(default)]
+    event: Vec<Spanned<RawEvent>>,
+}
+
+/// SI units: kg m^2, Nm/A, Nm.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct RawMotor {
+    inertia: Option<Spanned<f64>>,
+    torque_constant: Option<Spanned<f64>>,
+    cogging: Option<Spanned<f64>>,
+}
+
+/// SI units: kg m^2, Nm, Nm/(rad/s).
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct RawLoad {
+    inertia: Option<Spanned<f64>>,
+    friction: Option<Spanned<f64>>,
+    viscous_friction: Option<Spanned<f64>>,
+    torque: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct RawTravel {
+    negative_stop: Option<Spanned<String>>,
+    positive_stop: Option<Spanned<String>>,
+    negative_switch: Option<Spanned<String>>,
+    positive_switch: Option<Spanned<String>>,
+    home_switch: Option<[Spanned<String>; 2]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct RawEvent {
+    at: Option<Spanned<String>>,
+    position: Option<Spanned<String>>,
+    #[serde(rename = "for")]
+    lasts: Option<Spanned<String>>,
+    #[serde(rename = "do")]
+    what: Spanned<String>,
+}
+
+impl DrivePlan {
+    /// A drive as delivered: nothing happens to it. It has no address, and its Ethernet address is made of its name.
+    #[must_use]
+    pub fn new(name: &str, model: &'static Model) -> Self {
+        Self {
+            name: name.to_owned(),
+            model,
+            mac: derived_mac(name),
+            ip: IpSuite::NONE,
+            min_device_interval: None,
+            plant: model.plant,
+            load: 0.0,
+            parameters: Vec::new(),
+            cues: Vec::new(),
+        }
+    }
+}
+
+impl std::str::FromStr for Scenario {
+    type Err = ScenarioError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text.len() > LONGEST_FILE {
+            return Err(ScenarioError {
+                line: 1,
+                message: format!("the file is longer than {LONGEST_FILE} octets"),
+            });
+        }
+        let raw: RawScenario = toml::from_str(text).map_err(|error| ScenarioError {
+            line: line_of(text, error.span().map_or(0, |span| span.start)),
+            message: error.message().to_owned(),
+        })?;
+        read(&raw).map_err(|Located(span, message)| ScenarioError {
+            line: line_of(text, span.start),
+            message,
+        })
+    }
+}
+
+fn line_of(text: &str, at: usize) -> usize {
+    1 + text.bytes().take(at).filter(|octet| *octet == b'\n').count()
+}
+
+fn read(raw: &RawScenario) -> Result<Scenario, Located> {
+    let duration = raw.duration.as_ref().map(|text| located(text, |text| time(text)));
+    let sample = raw.sample.as_ref().map(|text| {
+        located(text, |text| {
+            let sample = time(text)?;
+            if sample.is_zero() {
+                return Err("samples need a time between them".to_owned());
+            }
+            Ok(sample)
+        })
+    });
+    if raw.drive.is_empty() || raw.drive.len() > MOST_DRIVES {
+        return Err(Located(
+            0..0,
+            format!("a scenario has 1 to {MOST_DRIVES} drives ([[drive]])"),
+        ));
+    }
+    let mut drives: Vec<DrivePlan> = Vec::new();
+    let mut taken: HashMap<String, usize> = HashMap::new();
+    for drive in &raw.drive {
+        let plan = read_drive(drive)?;
+        let keys = [
+            format!("the name {}", plan.name),
+            format!("the MAC address {}", plan.mac),
+            format!("the address {}", plan.ip.address),
+        ];
+        for (key, given) in keys.into_iter().zip([true, true, plan.ip.is_set()]) {
+            if given && taken.insert(key.clone(), drives.len()).is_some() {
+                return Err(Located(
+                    drive.name.span(),
+                    format!("{key} belongs to another drive already"),
+                ));
+            }
+        }
+        drives.push(plan);
+    }
+    let controllers = raw.controller.iter().map(|controller| controller.read(&drives));
+    Ok(Scenario {
+        seed: raw.seed,
+        duration: duration.transpose()?,
+        sample: sample.transpose()?,
+        controllers: controllers.collect::<Result<_, _>>()?,
+        drives,
+    })
+}
+
+fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
+    let name = located(&raw.name, |name| {
+        check_name(name.as_bytes()).map_err(|rule| format!("`{name}` is no station name: {rule}"))?;
+        Ok::<_, String>(name.clone())
+    })?;
+    let model = match &raw.model {
+        None => &model::AKD,
+        Some(text) => located(text, |text| {
+            model::by_name(text).ok_or_else(|| {
+                let names = model::ALL.map(|model| model.catalogue.model.to_ascii_lowercase());
+                format!("no model `{text}`; there are: {}", names.join(", "))
+            })
+        })?,
+    };
+    let mac = match &raw.mac {
+        None => derived_mac(&name),
+        Some(text) => located(text, |text| {
+            let mac: MacAddress = text.parse().map_err(|error| format!("`{text}`: {error}"))?;
+            if mac.is_multicast() || mac == MacAddress::default() {
+                return Err(format!("`{text}` belongs to no single station"));
+            }
+            Ok(mac)
+        })?,
+    };
+    let ip = match &raw.ip {
+        None => IpSuite::NONE,
+        Some(text) => located(text, |text| suite(text))?,
+    };
+    let min_device_interval = match &raw.min_cycle {
+        None => None,
+        Some(text) => Some(located(text, |text| {
+            let ticks = time(text)?.as_nanos() / 31_250;
+            let fits = time(text)?.as_nanos() % 31_250 == 0
+                && (32..=16_384).contains(&ticks)
+                && ticks.is_power_of_two();
+            u16::try_from(ticks)
+                .ok()
+                .filter(|_| fits)
+                .ok_or_else(|| format!("`{text}`: update times are 1, 2, 4, 8 .. 512 ms"))
+        })?),
+    };
+    let parameters = assignments(&raw.parameters)?;
+    let table = Parameters {
+        catalogue: Some(model.catalogue),
+        scaling: Scaling::default(),
+    };
+    for (span, assignment) in &parameters {
+        let checked = table
+            .select(&assignment.reference)
+            .and_then(|selection| table.check(&selection, &assignment.value));
+        if let Err(problem) = checked {
+            let hint = problem.hint().map_or(String::new(), |hint| format!(" ({hint})"));
+            return Err(Located(span.clone(), format!("{problem}{hint}")));
+        }
+    }
+    // what the drive itself refuses is told with its place, too
+    let mut station = Station::new(StationConfig::new(model, mac));
+    for (span, assignment) in &parameters {
+        set(&mut station, model, &name, assignment)
+            .map_err(|error| Located(span.clone(), error.to_string()))?;
+    }
+    if raw.event.len() > MOST_CUES {
+        return Err(Located(raw.name.span(), format!("more than {MOST_CUES} events")));
+    }
+    Ok(DrivePlan {
+        plant: read_plant(raw, model)?,
+        load: raw
+            .load
+            .torque
+            .as_ref()
+            .map_or(Ok(0.0), |value| number(value, -1e4..=1e4))?,
+        parameters: parameters.into_iter().map(|(_, assignment)| assignment).collect(),
+        cues: raw
+            .event
+            .iter()
+            .map(|raw| read_cue(raw, model))
+            .collect::<Result<_, _>>()?,
+        name,
+        model,
+        mac,
+        ip,
+        min_device_interval,
+    })
+}
+
+/// `NAME = VALUE` pairs as texts, in the order of the file.
+fn pairs(raw: &RawValues) -> Result<Vec<(Range<usize>, String, String)>, Located> {
+    let mut pairs = Vec::new();
+    for (key, value) in raw {
+        let text = match value.get_ref() {
+            toml::Value::String(text) => text.clone(),
+            toml::Value::Integer(number) => number.to_string(),
+            toml::Value::Float(number) => number.to_string(),
+            _ => {
+                return Err(Located(
+                    value.span(),
+                    "a value is a number or a text with its unit".into(),
+                ));
+            }
+        };
+        pairs.push((key.span(), key.get_ref().clone(), text));
+    }
+    pairs.sort_by_key(|(span, ..)| span.start);
+    Ok(pairs)
+}
+
+/// Parameters and their values as the command line would take them.
+fn assignments(raw: &RawValues) -> Result<Vec<(Range<usize>, Assignment)>, Located> {
+    let read = |(span, name, text): (Range<usize>, String, String)| {
+        let assignment = format!("{name}={text}").parse::<Assignment>();
+        match assignment {
+            Ok(assignment) => Ok((span, assignment)),
+            Err(problem) => Err(Located(span, problem.to_string())),
+        }
+    };
+    pairs(raw)?.into_iter().map(read).collect()
+}
+
+/// Signals and their values.
+pub(crate) fn assignments_of_signals(
+    raw: &RawValues,
+) -> Result<Vec<(Range<usize>, String, Quantity)>, Located> {
+    let read = |(span, name, text): (Range<usize>, String, String)| match text.parse::<Quantity>() {
+        Ok(quantity) => Ok((span, name, quantity)),
+        Err(problem) => Err(Located(span, format!("{name}: {problem}"))),
+    };
+    pairs(raw)?.into_iter().map(read).collect()
+}
+
+fn number(value: &Spanned<f64>, range: std::ops::RangeInclusive<f64>) -> Result<f64, Located> {
+    let inside = range.contains(value.get_ref());
+    inside.then_some(*value.get_ref()).ok_or_else(|| {
+        Located(
+            value.span(),
+            format!(
+                "{} is outside {} to {}",
+                value.get_ref(),
+                range.start(),
+                range.end()
+            ),
+        )
+    })
+}
+
+fn read_plant(raw: &RawDrive, model: &Model) -> Result<Plant, Located> {
+    let mut plant = model.plant;
+    let set = |place: &mut f64, value: &Option<Spanned<f64>>, range| -> Result<(), Located> {
+        if let Some(value) = value {
+            *place = number(value, range)?;
+        }
+        Ok(())
+    };
+    let inertia = 1e-7..=1e3;
+    set(&mut plant.motor_inertia, &raw.motor.inertia, inertia.clone())?;
+    set(&mut plant.torque_constant, &raw.motor.torque_constant, 1e-3..=1e3)?;
+    set(&mut plant.cogging, &raw.motor.cogging, 0.0..=1e3)?;
+    set(&mut plant.load_inertia, &raw.load.inertia, 0.0..=*inertia.end())?;
+    set(&mut plant.coulomb_friction, &raw.load.friction, 0.0..=1e4)?;
+    set(&mut plant.viscous_friction, &raw.load.viscous_friction, 0.0..=1e3)?;
+    if let Some(raw) = &raw.travel {
+        plant.travel = Some(read_travel(raw)?);
+    }
+    Ok(plant)
+}
+
+fn read_travel(raw: &RawTravel) -> Result<Travel, Located> {
+    let mut travel = Travel::FREE;
+    let set = |to: &mut i64, text: &Option<Spanned<String>>| -> Result<(), Located> {
+        if let Some(text) = text {
+            *to = located(text, |text| place(text))?;
+        }
+        Ok(())
+    };
+    set(&mut travel.negative_stop, &raw.negative_stop)?;
+    set(&mut travel.positive_stop, &raw.positive_stop)?;
+    set(&mut travel.negative_switch, &raw.negative_switch)?;
+    set(&mut travel.positive_switch, &raw.positive_switch)?;
+    if let Some([from, to]) = &raw.home_switch {
+        let ends = (
+            located(from, |text| place(text))?,
+            located(to, |text| place(text))?,
+        );
+        if ends.0 > ends.1 {
+            return Err(Located(
+                from.span(),
+                "the home switch begins behind its end".into(),
+            ));
+        }
+        travel.home_switch = Some(ends);
+    }
+    if travel.negative_stop > 0 || travel.positive_stop < 0 {
+        let text = raw.negative_stop.as_ref().or(raw.positive_stop.as_ref());
+        let span = text.map_or(0..0, Spanned::span);
+        return Err(Located(
+            span,
+            "the axis starts at 0rev, which must be between its stops".into(),
+        ));
+    }
+    Ok(travel)
+}
+
+fn read_cue(raw: &Spanned<RawEvent>, model: &Model) -> Result<Cue, Located> {
+    let event = raw.get_ref();
+    let trigger = match (&event.at, &event.position) {
+        (Some(at), None) => Trigger::Time(located(at, |text| time(text))?),
+        (None, Some(at)) => Trigger::Place(located(at, |text| place(text))?),
+        _ => {
+            return Err(Located(
+                raw.span(),
+                "an event has either `at` (a time) or `position` (a place)".into(),
+            ));
+        }
+    };
+    let what: Happening = located(&event.what, |text| {
+        let what = text.parse::<Happening>()?;
+        what.fits(model).map(|()| what)
+    })?;
+    let lasts = match &event.lasts {
+        None => None,
+        Some(text) if what.undo().is_none() => {
+            return Err(Located(
+                text.span(),
+                format!("`{what}` has no end of its own, so `for` means nothing here"),
+            ));
+        }
+        Some(text) => Some(located(text, |text| time(text))?),
+    };
+    Ok(Cue { trigger, what, lasts })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,579 @@
+//! A scenario in virtual time.
+
+use std::time::Duration;
+
+use network::host::Host;
+use network::segment::{Segment, StationId, Tap};
+use profile::catalogue::Catalogue;
+use profile::parameter::{ErrorNumber, Keep, ParameterAccess};
+use profile::state::Zsw1;
+use profile::value::{Assignment, ParameterProblem, Parameters};
+use profinet::controller::{
+    ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, Resolve, SubmoduleConfig, Target,
+};
+use profinet::cyclic::Timing;
+use profinet::device::{ModuleDescription, Stored};
+use profinet::wire::block::ModuleState;
+use profinet::{Instant, IpSuite};
+use virtual_drive::description::Description;
+use virtual_drive::model::Model;
+use virtual_drive::station::{Station, StationConfig};
+
+use crate::file::{DrivePlan, Scenario};
+use crate::happening::Unit;
+use crate::program::{Action, ControllerPlan, Step};
+use crate::text::derived_mac;
+use crate::timeline::Timeline;
+use crate::trace::{Entry, What};
+
+/// How long a controller waits before it connects again.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// A plant that cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorldError {
+    /// A first parameter does not fit the drive as the others have left it.
+    #[error("{drive}: {problem}")]
+    Parameter {
+        /// The drive.
+        drive: String,
+        /// What is wrong.
+        problem: ParameterProblem,
+    },
+    /// The drive refuses a first parameter.
+    #[error("{drive}: {parameter} is refused: {error}")]
+    Refused {
+        /// The drive.
+        drive: String,
+        /// The parameter.
+        parameter: String,
+        /// Why.
+        error: ErrorNumber,
+    },
+    /// No address is left for a controller beside the drive.
+    #[error("{drive}: no address is left beside it for its controller")]
+    NoAddress {
+        /// The drive.
+        drive: String,
+    },
+}
+
+impl DrivePlan {
+    /// What the station is made with; the carrier adds what it knows, such as what was saved in an earlier run.
+    #[must_use]
+    pub fn config(&self) -> StationConfig {
+        let mut config = StationConfig::new(self.model, self.mac);
+        config.min_device_interval = self.min_device_interval;
+        config.plant = Some(self.plant);
+        config.network = Stored {
+            name: self.name.clone(),
+            ip: self.ip,
+            ..Stored::default()
+        };
+        config
+    }
+
+    /// The drive, made and set up, as a station on a good cable; `seed` decides what a bad one does by chance.
+    ///
+    /// # Errors
+    /// When one of its first parameters is refused.
+    pub fn build(&self, config: StationConfig, seed: u64) -> Result<Unit, WorldError> {
+        let mut station = Station::new(config);
+        for assignment in &self.parameters {
+            set(&mut station, self.model, &self.name, assignment)?;
+        }
+        station.drive_mut().set_load(self.load);
+        Ok(Unit::new(Host::new(station), seed))
+    }
+}
+
+/// Gives the drive of a station one of its first parameters.
+pub(crate) fn set(
+    station: &mut Station,
+    model: &Model,
+    name: &str,
+    assignment: &Assignment,
+) -> Result<(), WorldError> {
+    let drive = station.drive_mut();
+    let table = Parameters {
+        catalogue: Some(model.catalogue),
+        scaling: drive.scaling(),
+    };
+    let problem = |problem| WorldError::Parameter {
+        drive: name.to_owned(),
+        problem,
+    };
+    let selection = table.select(&assignment.reference).map_err(problem)?;
+    let value = table.check(&selection, &assignment.value).map_err(problem)?;
+    let raw = value.raw.cast_unsigned();
+    drive
+        .write(selection.pnu, selection.first, raw, Keep::Volatile)
+        .map_err(|error| WorldError::Refused {
+            drive: name.to_owned(),
+            parameter: selection.label(),
+            error,
+        })
+}
+
+/// A scenario in virtual time: an in-memory segment with its drives and controllers.
+///
+/// ```
+/// use profidrive_plant::{Scenario, World};
+/// use profinet::Instant;
+/// let scenario: Scenario = r#"
+///     [[drive]]
+///     name = "akd-1"
+///     ip = "10.0.0.1/24"
+///     event = [{ at = "2s", do = "fault=439" }]
+///     [[controller]]
+///     drive = "akd-1"
+///     telegram = 1
+///     step = [
+///         { at = "0.5s", send = { STW1 = "0x047E" } },
+///         { at = "0.6s", send = { STW1 = "0x047F", NSOLL_A = "60rpm" } },
+///     ]
+/// "#.parse()?;
+/// let mut lines = Vec::new();
+/// let mut world = World::new(&scenario)?;
+/// world.run_until(Instant::from_millis(3000), &mut |entry| lines.push(entry.to_string()));
+/// assert!(lines.iter().any(|line| line.contains("fault F439")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct World {
+    segment: Segment,
+    drives: Vec<Seat>,
+    controllers: Vec<Desk>,
+    sample: Option<(Duration, Instant)>,
+}
+
+impl std::fmt::Debug for World {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("World")
+            .field("segment", &self.segment)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A drive in its place.
+struct Seat {
+    id: StationId,
+    name: String,
+    catalogue: &'static Catalogue,
+    line: Timeline,
+    status: u16,
+}
+
+/// A controller in its place.
+struct Desk {
+    id: StationId,
+    drive: usize,
+    target: Target,
+    connect: ConnectConfig,
+    ar: Option<ArId>,
+    /// When it connects next; `None` while it has a connection or is not to have one.
+    connect_at: Option<Instant>,
+    steps: std::vec::IntoIter<Step>,
+    next: Option<Step>,
+    outputs: Vec<u8>,
+    /// Subslot of the telegram.
+    subslot: u16,
+}
+
+impl World {
+    /// The plant of a scenario at its start.
+    ///
+    /// # Errors
+    /// When a drive refuses its first parameters.
+    pub fn new(scenario: &Scenario) -> Result<Self, WorldError> {
+        let mut segment = Segment::new(scenario.seed);
+        let mut drives = Vec::new();
+        for (number, plan) in scenario.drives.iter().enumerate() {
+            let seed = scenario.seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ number as u64;
+            let unit = plan.build(plan.config(), seed)?;
+            let status = unit.inner().endpoint().drive().status_word().0;
+            drives.push(Seat {
+                id: segment.attach(Box::new(unit)),
+                name: plan.name.clone(),
+                catalogue: plan.model.catalogue,
+                line: Timeline::new(&plan.cues, Instant::ZERO),
+                status,
+            });
+        }
+        let mut controllers = Vec::new();
+        for (number, plan) in scenario.controllers.iter().enumerate() {
+            let Some(drive) = scenario.drives.get(plan.drive) else {
+                continue;
+            };
+            let ip = free_address(scenario, drive.ip, number).ok_or_else(|| WorldError::NoAddress {
+                drive: drive.name.clone(),
+            })?;
+            let name = format!("plc-{}", number + 1);
+            let mac = derived_mac(&format!("{name} of a scenario"));
+            let seed = scenario.seed ^ (number as u64) << 32;
+            let controller = Controller::new(ControllerConfig::new(mac, ip, &name, seed));
+            let id = segment.attach(Box::new(Host::new(controller)));
+            controllers.push(Desk::new(id, plan, drive));
+        }
+        Ok(Self {
+            segment,
+            drives,
+            controllers,
+            sample: scenario.sample.map(|sample| (sample, Instant::ZERO + sample)),
+        })
+    }
+
+    /// Lets `tap` see all frames.
+    pub fn add_tap(&mut self, tap: Box<dyn Tap>) {
+        self.segment.add_tap(tap);
+    }
+
+    /// Ends all taps.
+    ///
+    /// # Errors
+    /// When one could not write what it saw.
+    pub fn finish_taps(&mut self) -> std::io::Result<()> {
+        self.segment.finish_taps()
+    }
+
+    /// Virtual time.
+    #[must_use]
+    pub fn now(&self) -> Instant {
+        self.segment.now()
+    }
+
+    /// A number that is the same for the same frames at the same times.
+    #[must_use]
+    pub fn trace_hash(&self) -> u64 {
+        self.segment.trace_hash()
+    }
+
+    /// The drive of that number in the scenario.
+    #[must_use]
+    pub fn drive(&self, number: usize) -> Option<&Station> {
+        let unit: &Unit = self.segment.station(self.drives.get(number)?.id)?;
+        Some(unit.inner().endpoint())
+    }
+
+    /// Goes on until `until`, from event to event; `tell` hears what happens.
+    pub fn run_until(&mut self, until: Instant, tell: &mut dyn FnMut(Entry)) {
+        loop {
+            self.act(tell);
+            let next = [self.next_cue(), self.next_step(), self.sample.map(|(_, at)| at)];
+            let own = next.into_iter().flatten().min().map_or(until, |at| at.min(until));
+            match self.segment.next_event().filter(|at| *at <= own) {
+                Some(at) => self.segment.run_until(at),
+                // all that was due until now is done, also what the time line had for this moment
+                None if self.segment.now() >= until => return,
+                None => self.segment.run_until(own),
+            }
+            self.look(tell);
+        }
+    }
+
+    fn next_cue(&self) -> Option<Instant> {
+        self.drives.iter().filter_map(|seat| seat.line.next()).min()
+    }
+
+    fn next_step(&self) -> Option<Instant> {
+        let next = |desk: &Desk| {
+            let step = desk.next.as_ref().map(|step| Instant::ZERO + step.at);
+            [step, desk.connect_at].into_iter().flatten().min()
+        };
+        self.controllers.iter().filter_map(next).min()
+    }
+
+    /// Everything of time lines and programs that is due.
+    fn act(&mut self, tell: &mut dyn FnMut(Entry)) {
+        let now = self.segment.now();
+        for seat in &mut self.drives {
+            let due = seat.line.next().is_some_and(|at| at <= now)
+                || seat.line.watches_position()
+                    && self
+                        .segment
+                        .station::<Unit>(seat.id)
+                        .is_some_and(|unit| seat.line.is_due(now, unit));
+            if !due {
+                continue;
+            }
+            let Some(unit) = self.segment.station_mut::<Unit>(seat.id) else {
+                continue;
+            };
+            for played in seat.line.play(now, unit) {
+                tell(Entry {
+                    at: now,
+                    drive: seat.name.clone(),
+                    what: What::Happened(played),
+                });
+            }
+        }
+        for desk in &mut self.controllers {
+            let drive = self.drives.get(desk.drive).map_or("", |seat| &seat.name);
+            while desk.is_due(now) {
+                let Some(host) = self.segment.station_mut::<Host<Controller>>(desk.id) else {
+                    break;
+                };
+                if let Some(text) = desk.act(now, host.endpoint_mut()) {
+                    tell(Entry {
+                        at: now,
+                        drive: drive.to_owned(),
+                        what: What::Controller(text),
+                    });
+                }
+            }
+        }
+        if let Some((sample, at)) = &mut self.sample
+            && *at <= now
+        {
+            *at += *sample;
+            for seat in &self.drives {
+                if let Some(unit) = self.segment.station::<Unit>(seat.id) {
+                    tell(values(now, seat, unit.inner().endpoint()));
+                }
+            }
+        }
+    }
+
+    /// Tells what drives and controllers have to tell.
+    fn look(&mut self, tell: &mut dyn FnMut(Entry)) {
+        let now = self.segment.now();
+        for seat in &mut self.drives {
+            let Some(unit) = self.segment.station::<Unit>(seat.id) else {
+                continue;
+            };
+            let station = unit.inner().endpoint();
+            let status = station.drive().status_word().0;
+            if station.has_event() {
+                let Some(unit) = self.segment.station_mut::<Unit>(seat.id) else {
+                    continue;
+                };
+                while let Some(event) = unit.inner_mut().endpoint_mut().poll_event() {
+                    if let Some(text) = event.words(seat.catalogue) {
+                        tell(Entry {
+                            at: now,
+                            drive: seat.name.clone(),
+                            what: What::Told(text.trim_end().to_owned()),
+                        });
+                    }
+                }
+            }
+            if status != seat.status {
+                seat.status = status;
+                if let Some(unit) = self.segment.station::<Unit>(seat.id) {
+                    tell(values(now, seat, unit.inner().endpoint()));
+                }
+            }
+        }
+        for desk in &mut self.controllers {
+            let waiting = self
+                .segment
+                .station::<Host<Controller>>(desk.id)
+                .is_some_and(|host| host.endpoint().has_event());
+            if !waiting {
+                continue;
+            }
+            let drive = self.drives.get(desk.drive).map_or("", |seat| &seat.name);
+            let Some(host) = self.segment.station_mut::<Host<Controller>>(desk.id) else {
+                continue;
+            };
+            while let Some(event) = host.endpoint_mut().poll_event() {
+                if let Some(text) = desk.take(now, event, host.endpoint_mut()) {
+                    tell(Entry {
+                        at: now,
+                        drive: drive.to_owned(),
+                        what: What::Controller(text),
+                    });
+                }
+            }
+        }
+    }
+}
+
+fn values(now: Instant, seat: &Seat, station: &Station) -> Entry {
+    let drive = station.drive();
+    let axis = drive.axis();
+    Entry {
+        at: now,
+        drive: seat.name.clone(),
+        what: What::Values {
+            stw1: drive.control_word(),
+            zsw1: Zsw1(seat.status),
+            speed: axis.speed(),
+            position: axis.position() as f64 / 4_294_967_296.0,
+            current: axis.current(),
+        },
+    }
+}
+
+/// An address in the network of `beside` that no drive has, from its upper end down.
+fn free_address(scenario: &Scenario, beside: IpSuite, number: usize) -> Option<IpSuite> {
+    let mask = u32::from(beside.mask);
+    let broadcast = u32::from(beside.address) | !mask;
+    let network = broadcast & mask;
+    let free = (network + 1..broadcast).rev().filter(|address| {
+        let taken = |plan: &DrivePlan| u32::from(plan.ip.address) == *address;
+        !scenario.drives.iter().any(taken)
+    });
+    let address = free.take(1024).nth(number)?;
+    Some(IpSuite {
+        address: address.into(),
+        ..beside
+    })
+}
+
+/// What a controller expects to be plugged in a drive of this model with this telegram.
+fn expected_modules(model: &'static Model, telegram: u16) -> Vec<ModuleConfig> {
+    let description = Description::of(model);
+    let access_point = description.access_points.first().map(|module| (0, module));
+    let mut telegrams = description.telegrams.iter();
+    let chosen = telegrams
+        .find(|module| module.telegram == telegram)
+        .map(|module| (module.slot, &module.module));
+    access_point.into_iter().chain(chosen).map(expected).collect()
+}
+
+fn expected((slot, module): (u16, &ModuleDescription)) -> ModuleConfig {
+    let submodules = module.submodules.iter().map(|submodule| SubmoduleConfig {
+        subslot: submodule.subslot,
+        ident: submodule.ident,
+        input_length: submodule.input_length,
+        output_length: submodule.output_length,
+    });
+    ModuleConfig {
+        api: module.submodules.first().map_or(0, |submodule| submodule.api),
+        slot,
+        ident: module.ident,
+        submodules: submodules.collect(),
+    }
+}
+
+impl Desk {
+    fn new(id: StationId, plan: &ControllerPlan, drive: &DrivePlan) -> Self {
+        let device = &drive.model.catalogue.device;
+        // the file was checked: only telegrams of the model come here
+        let module = device.telegram(plan.telegram);
+        let modules = expected_modules(drive.model, plan.telegram);
+        let outputs = module.map_or(0, |module| module.outputs);
+        // the file was checked: only update times that exist come here
+        let timing = Timing::for_interval(plan.cycle).unwrap_or(Timing {
+            send_clock_factor: 32,
+            reduction_ratio: 16,
+            phase: 1,
+        });
+        let mut connect = ConnectConfig::new(modules, timing);
+        connect.resolve = Resolve::Check;
+        connect.watchdog_factor = plan.watchdog;
+        connect.data_hold_factor = plan.watchdog;
+        let mut steps = plan.steps.clone().into_iter();
+        Self {
+            id,
+            drive: plan.drive,
+            target: Target {
+                name: drive.name.clone(),
+                mac: None,
+                ip: drive.ip,
+                vendor_id: device.vendor_id,
+                device_id: device.device_id,
+                instance: 1,
+            },
+            connect,
+            ar: None,
+            connect_at: Some(Instant::ZERO),
+            next: steps.next(),
+            steps,
+            outputs: vec![0; usize::from(outputs)],
+            subslot: device.layout.telegram,
+        }
+    }
+
+    fn is_due(&self, now: Instant) -> bool {
+        self.connect_at.is_some_and(|at| at <= now)
+            || self
+                .next
+                .as_ref()
+                .is_some_and(|step| Instant::ZERO + step.at <= now)
+    }
+
+    /// Does one thing that is due; what it has to say.
+    fn act(&mut self, now: Instant, controller: &mut Controller) -> Option<String> {
+        if self.connect_at.is_some_and(|at| at <= now) {
+            self.connect_at = None;
+            match controller.connect(now, self.target.clone(), self.connect.clone()) {
+                Ok(ar) => self.ar = Some(ar),
+                Err(misuse) => return Some(format!("cannot connect: {misuse}")),
+            }
+            return None;
+        }
+        let step = std::mem::replace(&mut self.next, self.steps.next())?;
+        match step.action {
+            Action::Send(signals) => {
+                for (field, value) in signals {
+                    // the file was checked: the signal is in the telegram, the value fits
+                    let _ = field.set(&mut self.outputs, value);
+                }
+            }
+            Action::Words(words) => {
+                let (places, _) = self.outputs.as_chunks_mut::<2>();
+                for (place, word) in places.iter_mut().zip(words) {
+                    *place = word.to_be_bytes();
+                }
+            }
+            Action::Release => {
+                self.connect_at = None;
+                let released = self.ar.map(|ar| controller.release(now, ar));
+                return matches!(released, Some(Err(_)) | None).then(|| "nothing to release".into());
+            }
+            Action::Connect => {
+                if self.ar.is_none() {
+                    self.connect_at = Some(now);
+                }
+                return None;
+            }
+            Action::Stop | Action::Run => {
+                let run = step.action == Action::Run;
+                if let Some(ar) = self.ar {
+                    let _ = controller.set_run(ar, run);
+                }
+                return Some(if run { "RUN" } else { "STOP" }.into());
+            }
+        }
+        self.send(controller);
+        None
+    }
+
+    fn send(&self, controller: &mut Controller) {
+        if let Some(ar) = self.ar {
+            // before the connection is there it is set again when it is
+            let _ = controller.set_output(ar, 1, self.subslot, &self.outputs);
+        }
+    }
+
+    /// Takes an event of the controller; what it has to say.
+    fn take(&mut self, now: Instant, event: Event, controller: &mut Controller) -> Option<String> {
+        let own = self.ar;
+        match event {
+            Event::Connected { ar, diff } if own == Some(ar) => {
+                self.send(controller);
+                // a drive may name a module of which nothing differs
+                let wrong = diff.is_some_and(|diff| {
+                    diff.modules
+                        .iter()
+                        .any(|module| module.state != ModuleState::PROPER)
+                });
+                let differs = if wrong { ", the modules differ" } else { "" };
+                Some(format!("connected{differs}"))
+            }
+            Event::Running { ar } if own == Some(ar) => Some("exchanges data".into()),
+            Event::Lost { ar, cause } if own == Some(ar) => {
+                self.ar = None;
+                self.connect_at = Some(now + PATIENCE);
+                Some(format!("connection lost: {cause}"))
+            }
+            Event::Released { ar } if own == Some(ar) => {
+                self.ar = None;
+                Some("released".into())
+            }
+            _ => None,
+        }
+    }
+}

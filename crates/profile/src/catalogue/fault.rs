@@ -1,0 +1,126 @@
+//! Fault and warning numbers of a model.
+
+use alloc::format;
+use alloc::string::String;
+
+use super::{Catalogue, Role};
+use crate::state::FaultReaction;
+
+/// What a fault or warning number means, what the drive does about it and what a person can do.
+/// Source: the maker's lists, named in [`source`](Self::source).
+///
+/// ```
+/// use profidrive_profile::catalogue::{AKD, Cleared, Reaction};
+/// let lost = AKD.fault(702, false).unwrap();
+/// assert_eq!((lost.reaction, lost.cleared), (Reaction::QuickStop, Cleared::Acknowledge));
+/// assert_eq!(lost.reaction.to_string(), "quick stop");
+/// assert_eq!(AKD.fault(107, true).unwrap().reaction, Reaction::None);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fault {
+    /// The number, as in PNU 947.
+    pub number: u16,
+    /// True for a warning (`n107`), false for a fault (`F107`).
+    pub warning: bool,
+    /// Its bit in the alarm words of a VLT (16-90 and 16-91 in one: bits 0 to 31 and 32 to 63), or in the warning
+    /// words (16-92 and 16-93) of a warning; none where there is no such word or no bit for it.
+    pub bit: Option<u8>,
+    /// What happened.
+    pub meaning: &'static str,
+    /// What the drive does when it happens.
+    pub reaction: Reaction,
+    /// What a person can do about it.
+    pub remedy: &'static str,
+    /// How it goes away.
+    pub cleared: Cleared,
+    /// True where the row is from memory and no source was open when it was written.
+    pub recalled: bool,
+    /// Names of the columns of a row that no source tells, empty when there is none.
+    pub assumed: &'static str,
+    /// Where this is from.
+    pub source: &'static str,
+}
+
+/// What the drive does about a fault while its motor is on.
+/// Source: the AKD fault card ("disable power stage", "dynamic braking", "controlled stop") in the words of PROFIdrive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Reaction {
+    /// Pulses off at once, the axis coasts.
+    Coast,
+    /// Pulses off at once, the shorted windings brake the motor.
+    DynamicBrake,
+    /// Quick stop, then pulses off.
+    QuickStop,
+    /// Ramp stop, then pulses off.
+    RampStop,
+    /// Nothing: it is a warning.
+    None,
+}
+
+impl Reaction {
+    /// What it is for the general state machine; `None` for a warning.
+    #[must_use]
+    pub const fn of_machine(self) -> Option<FaultReaction> {
+        match self {
+            Self::Coast | Self::DynamicBrake => Some(FaultReaction::Coast),
+            Self::QuickStop => Some(FaultReaction::QuickStop),
+            Self::RampStop => Some(FaultReaction::RampStop),
+            Self::None => None,
+        }
+    }
+
+    /// In words.
+    #[must_use]
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Coast => "coast",
+            Self::DynamicBrake => "dynamic brake",
+            Self::QuickStop => "quick stop",
+            Self::RampStop => "ramp stop",
+            Self::None => "none",
+        }
+    }
+}
+
+impl core::fmt::Display for Reaction {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.text())
+    }
+}
+
+/// How a fault or warning goes away.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Cleared {
+    /// When its cause is gone and somebody acknowledges: STW1 bit 7, DRV.CLRFAULTS or an input that does it.
+    Acknowledge,
+    /// By itself when its cause is gone: a warning.
+    ByItself,
+    /// By a restart of the drive only.
+    Restart,
+}
+
+impl Catalogue {
+    /// Returns how a fault or warning of this model goes away, with the parameter that acknowledges where the model has
+    /// one.
+    ///
+    /// ```
+    /// use profidrive_profile::catalogue::{AKD, Cleared, VLT};
+    /// assert!(AKD.clearing(Cleared::Acknowledge).contains("DRV.CLRFAULTS"));
+    /// assert!(!VLT.clearing(Cleared::Acknowledge).contains("DRV."));
+    /// ```
+    #[must_use]
+    pub fn clearing(&self, cleared: Cleared) -> String {
+        match cleared {
+            Cleared::Acknowledge => {
+                let by = self
+                    .with_role(Role::ClearFaults)
+                    .map_or_else(String::new, |parameter| format!(" or {}", parameter.name));
+                format!("acknowledge (STW1 bit 7{by}) once the cause is gone")
+            }
+            Cleared::ByItself => "by itself once the cause is gone".into(),
+            Cleared::Restart => {
+                "switch the drive off and on once the cause is gone: no command clears it".into()
+            }
+        }
+    }
+}

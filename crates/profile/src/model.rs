@@ -1,0 +1,208 @@
+//! What is known about a kind of drive before it is asked: one row for each model, read by drive and client alike.
+
+use crate::catalogue::{self, Catalogue, Scaling};
+use crate::parameter::Dialect;
+use crate::pkw::PkwDialect;
+use crate::state::ControlWords;
+
+/// Record index of the parameter channel: base mode parameter access, global.
+const GLOBAL_ACCESS: u16 = 0xB02F;
+/// The same, local.
+const LOCAL_ACCESS: u16 = 0xB02E;
+/// API of the drive profile.
+pub const PROFIDRIVE_API: u32 = 0x3A00;
+
+/// What is known about a kind of drive before it is asked.
+#[derive(Debug, Clone, Copy)]
+pub struct Model {
+    /// Name for people.
+    pub name: &'static str,
+    /// Parameters, modules and faults, where there are tables.
+    pub catalogue: Option<&'static Catalogue>,
+    /// How parameter requests are written and answers read.
+    pub dialect: &'static Dialect,
+    /// API, slot, subslot and record index of the parameter channel.
+    pub channel: Channel,
+    /// The rules of the parameter channel in cyclic words, where it has one.
+    pub pkw: Option<&'static PkwDialect>,
+    /// Whose bits its control and status words have.
+    pub words: ControlWords,
+    /// True when PNU 964 index 1 identifies this model, whatever the device id.
+    pub identified_by_unit: bool,
+    /// The tables were read from a drive: they hold its parameters and nothing else.
+    pub learned: bool,
+}
+
+/// Where the parameter channel of a drive is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Channel {
+    /// Application process identifier.
+    pub api: u32,
+    /// Slot.
+    pub slot: u16,
+    /// Subslot.
+    pub subslot: u16,
+    /// Record index.
+    pub index: u16,
+}
+
+impl Channel {
+    const fn of(tables: &Catalogue, index: u16) -> Self {
+        Self {
+            api: tables.device.api as u32,
+            slot: 1,
+            subslot: tables.device.layout.parameters.subslot,
+            index,
+        }
+    }
+}
+
+/// Kollmorgen AKD. The type of its drive unit is not known. Source of the record: AKD manual 3.5.
+pub static AKD: Model = Model {
+    name: catalogue::AKD.model,
+    catalogue: Some(&catalogue::AKD),
+    dialect: &Dialect::AKD,
+    channel: Channel::of(&catalogue::AKD, GLOBAL_ACCESS),
+    pkw: None,
+    words: ControlWords::PROFIDRIVE,
+    identified_by_unit: false,
+    learned: false,
+};
+
+/// Danfoss VLT FC 302. The type of its drive unit is ours. Source of the record: MG06G102 5.5.
+pub static VLT: Model = Model {
+    name: catalogue::VLT.model,
+    catalogue: Some(&catalogue::VLT),
+    dialect: &Dialect::VLT,
+    channel: Channel::of(&catalogue::VLT, LOCAL_ACCESS),
+    pkw: Some(&PkwDialect::DANFOSS_PPO),
+    words: ControlWords::VLT,
+    identified_by_unit: true,
+    learned: false,
+};
+
+/// Vacon 100 with an OPTEA board. Source: OPTEA manual p. 116 (record), chapter 8 (type of the drive unit).
+pub static VACON: Model = Model {
+    name: catalogue::VACON.model,
+    catalogue: Some(&catalogue::VACON),
+    dialect: &Dialect::VACON,
+    channel: Channel::of(&catalogue::VACON, LOCAL_ACCESS),
+    pkw: None,
+    words: ControlWords::VACON,
+    identified_by_unit: true,
+    learned: false,
+};
+
+/// A drive without tables: the profile's own rules.
+pub static STANDARD: Model = Model {
+    name: "PROFIdrive",
+    catalogue: None,
+    dialect: &Dialect::STANDARD,
+    channel: Channel {
+        api: PROFIDRIVE_API,
+        slot: 1,
+        subslot: 1,
+        index: LOCAL_ACCESS,
+    },
+    pkw: None,
+    words: ControlWords::PROFIDRIVE,
+    identified_by_unit: false,
+    learned: false,
+};
+
+/// Every model with tables.
+static WITH_TABLES: [(&Model, &Catalogue); 3] = [
+    (&AKD, &catalogue::AKD),
+    (&VLT, &catalogue::VLT),
+    (&VACON, &catalogue::VACON),
+];
+
+/// The first model whose tables fit.
+fn first(fits: impl Fn(&Model, &Catalogue) -> bool) -> Option<(&'static Model, &'static Catalogue)> {
+    WITH_TABLES
+        .into_iter()
+        .find(|(model, tables)| fits(model, tables))
+}
+
+impl Model {
+    /// What a person may call a model: see [`by_name`](Self::by_name).
+    pub const NAMES: [&'static str; 4] = ["akd", "vlt", "vacon", "standard"];
+
+    /// The model that PNU 964 identifies by its vendor (index 0) and the type of the drive unit (index 1), where that type
+    /// is known.
+    ///
+    /// ```
+    /// use profidrive_profile::model::Model;
+    /// assert_eq!(Model::of_unit(0x01BA, 2).map(|model| model.name), Some("VACON"));
+    /// assert!(Model::of_unit(0x01BA, 1).is_none() && Model::of_unit(0x0105, 1).is_none());
+    /// ```
+    #[must_use]
+    pub fn of_unit(vendor_id: u16, unit_type: u16) -> Option<Self> {
+        let found = first(|model, tables| {
+            let device = &tables.device;
+            model.identified_by_unit && (device.vendor_id, device.drive_unit_type) == (vendor_id, unit_type)
+        });
+        found.map(|(model, _)| *model)
+    }
+
+    /// The model with this vendor and device. Of another device of a known vendor the parameters are not known, but the
+    /// dialect is; of all others nothing but the profile.
+    ///
+    /// ```
+    /// use profidrive_profile::model::Model;
+    /// assert_eq!(Model::of(0x0080, 0x0001).name, "VLT");
+    /// let other = Model::of(0x0080, 0x7777);
+    /// assert!(other.catalogue.is_none() && other.dialect.name == "VLT");
+    /// assert_eq!(Model::of(0x1234, 1).name, "PROFIdrive");
+    /// ```
+    #[must_use]
+    pub fn of(vendor_id: u16, device_id: u16) -> Self {
+        let known =
+            first(|_, tables| (tables.device.vendor_id, tables.device.device_id) == (vendor_id, device_id));
+        if let Some((model, _)) = known {
+            return *model;
+        }
+        let of_vendor = first(|_, tables| tables.device.vendor_id == vendor_id);
+        of_vendor.map_or(STANDARD, |(model, tables)| Self {
+            name: tables.device.vendor,
+            catalogue: None,
+            ..*model
+        })
+    }
+
+    /// The VendorIDs of the models with tables.
+    pub fn vendors() -> impl Iterator<Item = u16> {
+        WITH_TABLES.iter().map(|(_, tables)| tables.device.vendor_id)
+    }
+
+    /// The model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the profile alone,
+    /// without any tables.
+    ///
+    /// ```
+    /// use profidrive_profile::model::Model;
+    /// assert_eq!(Model::by_name("VLT").map(|model| model.dialect.axis), Some(0));
+    /// assert!(Model::NAMES.iter().all(|name| Model::by_name(name).is_some()));
+    /// ```
+    #[must_use]
+    pub fn by_name(name: &str) -> Option<Self> {
+        if name.eq_ignore_ascii_case("standard") {
+            return Some(STANDARD);
+        }
+        first(|model, _| model.name.eq_ignore_ascii_case(name)).map(|(model, _)| *model)
+    }
+
+    /// `None` for a model with built-in tables; else the tables that were learned, if any.
+    #[must_use]
+    pub fn learned_or_none(&self) -> Option<Option<&'static Catalogue>> {
+        match self.catalogue {
+            Some(tables) => self.learned.then_some(Some(tables)),
+            None => Some(None),
+        }
+    }
+
+    /// What scales values as long as the drive was not asked: as delivered.
+    #[must_use]
+    pub fn scaling(&self) -> Scaling {
+        self.catalogue.map_or(Scaling::DELIVERED, |tables| tables.scaling)
+    }
+}
