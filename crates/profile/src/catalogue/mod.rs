@@ -144,7 +144,7 @@ impl Catalogue {
     /// use profidrive_profile::catalogue::AKD;
     /// assert!(AKD.not_now(915).unwrap().contains("PNU 922"));
     /// assert!(AKD.not_now(922).unwrap().contains("no controller"));
-    /// assert!(AKD.not_now(28).unwrap().contains("controller"));
+    /// assert!(AKD.not_now(5).unwrap().contains("only its telegram"));
     /// assert!(AKD.not_now(2108).is_none());
     /// ```
     #[must_use]
