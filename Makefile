@@ -2,13 +2,20 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test setup bench fuzz fmt lint doc
+.PHONY: help demo check test setup bench fuzz fmt lint doc
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
 
 demo: ## find, read and run a virtual drive in memory: no root, no network, no hardware
 	@$(CARGO) run -q -p profidrive-cli --bin profidrive -- demo $(ARGS)
+
+check: ## what to run while changing something: format, lints, tables, arrows, unit tests
+	$(CARGO) fmt --all --check
+	$(CARGO) clippy -q --workspace --all-targets -- -D warnings
+	$(CARGO) run -q -p xtask -- gen --check
+	$(CARGO) run -q -p xtask -- arrows
+	$(CARGO) test -q --workspace --lib --bins
 
 test: setup ## everything that must pass
 	$(CARGO) fmt --all --check

@@ -112,6 +112,7 @@ const NO_IO: &[&str] = &[
     "profidrive-uss",
     "profidrive-virtual-drive",
     "profidrive-client",
+    "profidrive-dissect",
 ];
 const IO_CRATES: &[&str] = &[
     "libc",
@@ -194,8 +195,8 @@ mod tests {
         assert_eq!(
             found,
             [
-                "profinet must not depend on profidrive",
-                "profinet is free of I/O and must not depend on libc"
+                "profidrive-profinet must not depend on profidrive-profile",
+                "profidrive-profinet is free of I/O and must not depend on libc"
             ]
         );
     }
