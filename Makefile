@@ -23,7 +23,7 @@ test: setup ## everything that must pass
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -q --workspace --no-deps
 	$(CARGO) run -q -p xtask -- gen --check
 	$(CARGO) run -q -p xtask -- arrows
-	$(CARGO) build -q --workspace --bins
+	$(CARGO) build -q --workspace --bins --examples
 	$(CARGO) test --workspace
 
 setup: ## install what the tests need (Debian packages, Python peers under target/)

@@ -29,7 +29,7 @@ pub fn built(name: &str) -> PathBuf {
         let mut cargo = Command::new(std::env::var("CARGO").unwrap_or_else(|_| "cargo".into()));
         cargo
             .current_dir(root())
-            .args(["build", "-q", "--workspace", "--bins"]);
+            .args(["build", "-q", "--workspace", "--bins", "--examples"]);
         if profile.ends_with("release") {
             cargo.arg("--release");
         }

@@ -17,6 +17,24 @@ fn refused(finished: &Finished, code: i32, words: &[&str]) {
     }
 }
 
+/// The example that a user of the library begins with, and what it says where there is no such interface.
+#[test]
+fn the_first_program_on_a_real_network() {
+    let lab = Lab::new("networks-example");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    let run = |interface: &str| {
+        let program = built("examples/real_network");
+        lab.run(Side::Controller, program, [interface, "akd-1"], SHORT)
+    };
+    let finished = run(Side::Controller.interface()).ok();
+    for line in ["waits: nobody commands it", "DRV.ACC = 3000 rpm/s"] {
+        assert!(finished.out.contains(line), "{line}: {finished:?}");
+    }
+    let finished = run("eth99");
+    assert_eq!(finished.code, Some(1), "{finished:?}");
+    assert!(finished.err.contains("eth99"), "{finished:?}");
+}
+
 /// A second address on the interface, and the drive in its subnet.
 #[test]
 fn the_own_address_is_that_of_the_subnet_of_the_drive() {

@@ -32,6 +32,15 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("profidrive-network", &["profidrive-profinet"]),
     (
+        "profidrive",
+        &[
+            "profidrive-client",
+            "profidrive-network",
+            "profidrive-profile",
+            "profidrive-profinet",
+        ],
+    ),
+    (
         "profidrive-plant",
         &[
             "profidrive-profile",
@@ -43,6 +52,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "profidrive-cli",
         &[
+            "profidrive",
             "profidrive-profile",
             "profidrive-profinet",
             "profidrive-gsdml",
@@ -57,6 +67,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     (
         "examples",
         &[
+            "profidrive",
             "profidrive-profile",
             "profidrive-profinet",
             "profidrive-gsdml",

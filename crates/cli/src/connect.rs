@@ -1,21 +1,14 @@
 //! From the command line to a session with a drive: which interface, which way, which rights.
 
-use std::net::Ipv4Addr;
-use std::time::{SystemTime, UNIX_EPOCH};
-
-use client::{Drive, DriveAddress, Error, LineAddress, LineConfig, Session};
-use network::linux::{
-    Error as NetworkError, InterfaceInfo, PacketMedium, Patience, ServerPort, Stop, UdpMedium,
-};
-use profinet::controller::ControllerConfig;
-use profinet::{IpSuite, MacAddress};
+use client::{Drive, DriveAddress, Error, LineAddress};
+use network::linux::{Error as NetworkError, InterfaceInfo, Patience, Stop};
+use profidrive::{Access, Carrier, Network, OpenError, Opening, Reach, far, open_line, reach};
+use profinet::IpSuite;
 
 use crate::args::Interface;
-use crate::carrier::{self, Carrier};
 use crate::commands::maker;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
-use crate::reach::{Reach, far, reach};
 use crate::render::table::clean;
 
 pub use crate::output::{bar, spinner};
@@ -35,8 +28,19 @@ pub enum Need {
     Stop,
 }
 
+impl Need {
+    const fn access(self) -> Access {
+        match self {
+            Self::Discovery => Access::Discovery,
+            Self::Records | Self::Identity => Access::Records,
+            Self::Cyclic => Access::Cyclic,
+            Self::Stop => Access::Stop,
+        }
+    }
+}
+
 /// A session on a real network, or a serial line.
-pub type Live = Session<Carrier>;
+pub type Live = Network;
 
 /// Opens the network for a command.
 pub fn session(
@@ -59,25 +63,16 @@ pub fn session(
             Some(DriveAddress::Ip(_))
         )
     );
-    let mut session = match (self::interface(interface)?, by_ip) {
-        (Some(name), _) => match PacketMedium::open(&name, server(need)) {
-            Err(NetworkError::NoPermission { .. }) if by_ip => {
-                output.say("no right to open a raw socket: going by UDP alone");
-                udp(need, &stop)?
-            }
-            Err(error @ NetworkError::NoPermission { .. }) => {
-                let failure = Failure::from(error);
-                let hint = failure.hint.clone().unwrap_or_default();
-                return Err(failure.hint(format!(
-                    "{hint}; reading and writing a drive given by its IP needs no right"
-                )));
-            }
-            Err(error) => return Err(error.into()),
-            Ok(medium) => packet(medium, need, &stop)?,
-        },
-        (None, true) => udp(need, &stop)?,
-        (None, false) => return Err(no_interface()),
+    let opening = Opening::new(need.access()).by_ip(by_ip).stopped_by(stop.clone());
+    let named = named(interface);
+    let opening = match &named {
+        Some(name) => opening.on(name),
+        None => opening,
     };
+    let mut session = opening.open().map_err(without_right)?;
+    if named.is_some() && matches!(session.medium(), Carrier::Udp(_)) {
+        output.say("no right to open a raw socket: going by UDP alone");
+    }
     let (flag, urgent, told) = (stop.clone(), stop, output.clone());
     let details = output.clone();
     session.follow_routes(move |drive, notice| details.detail(&clean(&format!("{drive}: {notice}"))));
@@ -93,108 +88,40 @@ pub fn session(
     Ok(session)
 }
 
-fn server(need: Need) -> ServerPort {
-    match need {
-        // devices call back on this port when a cyclic connection becomes ready
-        Need::Cyclic => ServerPort::Required,
-        Need::Records | Need::Identity => ServerPort::IfFree,
-        // the drive calls back on it, even while a client on this computer has it that is suspended
-        Need::Stop => ServerPort::Shared,
-        // left to a controller that starts meanwhile
-        Need::Discovery => ServerPort::None,
+/// What a missing right still leaves.
+fn without_right(error: OpenError) -> Failure {
+    let missing = matches!(error, OpenError::Network(NetworkError::NoPermission { .. }));
+    let failure = Failure::from(error);
+    if !missing {
+        return failure;
     }
+    let hint = failure.hint.clone().unwrap_or_default();
+    failure.hint(format!(
+        "{hint}; reading and writing a drive given by its IP needs no right"
+    ))
 }
 
-fn packet(mut medium: PacketMedium, need: Need, stop: &Stop) -> Result<Live, Failure> {
-    let info = medium.interface().clone();
-    if need != Need::Discovery && !info.ip().is_set() {
-        return Err(NetworkError::NoAddress { interface: info.name }.into());
-    }
-    medium.set_stop(stop.clone());
-    let config = config(info.usable()?, info.ip());
-    let hears_calls = medium.hears_calls();
-    let session = Session::new(Carrier::Packet(Box::new(medium)), config);
-    Ok(if hears_calls {
-        session
-    } else {
-        session.without_calls()
-    })
-}
-
-fn udp(need: Need, stop: &Stop) -> Result<Live, Failure> {
-    let mut medium = UdpMedium::open(Ipv4Addr::UNSPECIFIED, server(need))?;
-    medium.set_stop(stop.clone());
-    let mac = InterfaceInfo::list()
-        .ok()
-        .and_then(|all| all.into_iter().find(|info| info.up && !info.loopback)?.mac)
-        .unwrap_or(MacAddress([2, 0, 0, 0, 0, 1]));
-    let config = config(mac, IpSuite::NONE);
-    let hears_calls = medium.hears_calls();
-    let session = Session::new(Carrier::Udp(Box::new(medium)), config).without_discovery();
-    Ok(if hears_calls {
-        session
-    } else {
-        session.without_calls()
-    })
-}
-
-fn config(mac: MacAddress, ip: IpSuite) -> ControllerConfig {
-    let seed = seed();
-    let mut config = ControllerConfig::new(mac, ip, "profidrive", seed);
-    // several commands may run side by side
-    config.client_port = 0xC000 | u16::try_from(seed >> 17 & 0x3FFF).unwrap_or(0);
-    config
-}
-
-/// Differs from one start of the program to the next.
-fn seed() -> u64 {
-    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let nanos = u64::try_from(time.as_nanos() & u128::from(u64::MAX)).unwrap_or_default();
-    (nanos ^ u64::from(std::process::id()).rotate_left(40)).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+/// The interface that was named, as an option or in the environment.
+fn named(told: &Interface) -> Option<String> {
+    let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
+    // an empty variable is no variable
+    told.interface
+        .clone()
+        .or_else(variable)
+        .filter(|name| !name.is_empty())
 }
 
 /// The interface to use: as told, else the only one there is.
 pub fn interface(told: &Interface) -> Result<Option<String>, Failure> {
-    let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
-    // an empty variable is no variable
-    if let Some(name) = told
-        .interface
-        .clone()
-        .or_else(variable)
-        .filter(|name| !name.is_empty())
-    {
-        return Ok(Some(name));
-    }
-    let usable: Vec<InterfaceInfo> = InterfaceInfo::list()?
-        .into_iter()
-        .filter(|info| !info.loopback && info.usable().is_ok())
-        .collect();
-    match <[InterfaceInfo; 1]>::try_from(usable) {
-        Ok([only]) => Ok(Some(only.name)),
-        Err(_) => Ok(None),
+    match named(told) {
+        Some(name) => Ok(Some(name)),
+        None => Ok(profidrive::interface()?),
     }
 }
 
 /// No interface was named, and there is none to take without asking.
 pub fn no_interface() -> Failure {
-    let names: Vec<String> = InterfaceInfo::list()
-        .unwrap_or_default()
-        .into_iter()
-        .filter(|info| !info.loopback)
-        .map(|info| {
-            if info.up {
-                info.name
-            } else {
-                format!("{} (down)", info.name)
-            }
-        })
-        .collect();
-    let there = if names.is_empty() {
-        "there is none".to_owned()
-    } else {
-        format!("there are: {}", names.join(", "))
-    };
-    Failure::usage("which network interface?").hint(format!("-i IFACE, or PROFIDRIVE_INTERFACE; {there}"))
+    OpenError::no_interface().into()
 }
 
 /// Opens the network and finds the drive.
@@ -278,10 +205,7 @@ fn at_line(
     }
     let stop = Stop::on_signals()
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
-    let mut line = carrier::open(at)?;
-    line.set_stop(stop.clone());
-    let config = LineConfig::new(at.protocol, at.baud);
-    let mut session = Session::on_line(Carrier::Serial(Box::new(line)), config);
+    let mut session = open_line(at, Some(stop.clone()))?;
     if need == Need::Stop {
         session.tolerate_unread();
     }
@@ -308,19 +232,5 @@ fn not_found(error: Error, medium: &Carrier, address: &DriveAddress) -> Failure 
     match far(&own, *ip) {
         Some(words) if failure.exit == Exit::Unreachable => failure.hint(words),
         _ => failure,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_cyclic_data_needs_the_port_of_the_controller() {
-        assert_eq!(server(Need::Discovery), ServerPort::None);
-        assert_eq!(server(Need::Records), ServerPort::IfFree);
-        // a client on this computer that runs a drive must not keep it from being stopped
-        assert_eq!(server(Need::Stop), ServerPort::Shared);
-        assert_eq!(server(Need::Cyclic), ServerPort::Required);
     }
 }

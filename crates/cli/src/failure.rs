@@ -3,10 +3,10 @@
 use std::fmt;
 
 use client::Advice;
+use profidrive::{CarrierError, OpenError, OtherSubnet};
 use serde_json::{Map, Value};
 
 use crate::advice;
-use crate::carrier::CarrierError;
 use crate::fields;
 
 /// The exit codes of the conventions.
@@ -155,6 +155,35 @@ impl From<client::Error> for Failure {
             Some(hint) => failure.hint(hint),
             None => failure,
         }
+    }
+}
+
+impl From<OpenError> for Failure {
+    fn from(error: OpenError) -> Self {
+        match error {
+            OpenError::Network(error) => error.into(),
+            OpenError::Serial(error) => error.into(),
+            OpenError::NoInterface { ref existing } => {
+                let there = match existing.as_slice() {
+                    [] => "there is none".to_owned(),
+                    names => format!("there are: {}", names.join(", ")),
+                };
+                Self::usage(error.to_string()).hint(format!("-i IFACE, or PROFIDRIVE_INTERFACE; {there}"))
+            }
+            other => Self::new(Exit::Unreachable, other.to_string()),
+        }
+    }
+}
+
+impl From<OtherSubnet> for Failure {
+    fn from(error: OtherSubnet) -> Self {
+        let (drive, interface, prefix) = (&error.drive, &error.interface, error.prefix());
+        let (near, subnet) = (error.own_subnet(), error.subnet());
+        let hint = format!(
+            "give the drive an address in {near}: `profidrive ip {drive} A.B.C.D/NN`; \
+             or this computer one more in {subnet}: ip address add A.B.C.D/{prefix} dev {interface}"
+        );
+        Self::new(Exit::Unreachable, error.to_string()).hint(hint)
     }
 }
 

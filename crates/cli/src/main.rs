@@ -4,14 +4,12 @@
 
 mod advice;
 mod args;
-mod carrier;
 mod commands;
 mod connect;
 mod desk;
 mod failure;
 mod leftover;
 mod output;
-mod reach;
 mod render;
 mod state;
 

@@ -17,7 +17,6 @@ use serde_json::{Map, Value};
 
 use crate::advice;
 use crate::args::{Cyclic, Interface};
-use crate::carrier::Carrier;
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
 use crate::fields;
@@ -25,9 +24,9 @@ use crate::output::Output;
 use crate::render::live::{AxisView, LiveView};
 use crate::render::number;
 
-pub type Axis<'s> = client::Axis<'s, Carrier>;
+pub type Axis<'s> = client::Axis<'s, profidrive::Carrier>;
 
-pub type Enabled<'a, 's> = client::Enabled<'a, 's, Carrier>;
+pub type Enabled<'a, 's> = client::Enabled<'a, 's, profidrive::Carrier>;
 
 /// Longest wait of a motion that ends with Ctrl-C only.
 pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);

@@ -20,11 +20,11 @@ use super::plans::plans;
 use super::scribe::{SaveReport, Scribe};
 use super::{Keeping, RETRY, count};
 use crate::args::Simulate;
-use crate::carrier::settings;
 use crate::desk::{Answer, Question, Request};
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::state::{DriveState, StateFolder};
+use profidrive::serial_settings;
 
 /// Octets of one telegram may come so far apart: adapters hand them over in lumps.
 const GAP: Duration = Duration::from_millis(30);
@@ -268,7 +268,7 @@ pub fn run(args: &Simulate, port: &str, output: &Output) -> Result<(), Failure> 
         lineup.drives.push((keeping, station));
     }
     let name = LineAddress::path(port);
-    let open = || Port::open(&name, settings(args.line.baud, args.line.parity));
+    let open = || Port::open(&name, serial_settings(args.line.baud, args.line.parity));
     let stop = Stop::on_signals()
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     let at = |port| {

@@ -1,11 +1,11 @@
-//! What carries a session of the command line: a network interface, UDP alone, or a serial line.
+//! What carries a session: a network interface, UDP alone, or a serial line.
 
 use std::error::Error;
 use std::fmt;
 
-use client::{Client, LineAddress, Parity, Wire};
+use client::{Client, Parity, Wire};
 use network::linux::{Error as NetworkError, PacketMedium, UdpMedium};
-use network::serial::{self, Line, Port, Settings, Talker};
+use network::serial::{self, Line, Settings, Talker};
 use profinet::{Instant, Medium};
 
 /// A way to drives.
@@ -41,6 +41,7 @@ impl Error for CarrierError {}
 
 impl CarrierError {
     /// What one can do about it, where that is known.
+    #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Network(error) => error.hint(),
@@ -94,13 +95,9 @@ impl Talker for Speaker<'_> {
     }
 }
 
-/// Opens the port of a drive.
-pub fn open(at: &LineAddress) -> Result<Line, serial::Error> {
-    Ok(Line::new(Port::open(&at.port, settings(at.baud, at.parity))?))
-}
-
 /// Speed and parity as the port takes them.
-pub const fn settings(baud: u32, parity: Parity) -> Settings {
+#[must_use]
+pub const fn serial_settings(baud: u32, parity: Parity) -> Settings {
     Settings {
         baud,
         parity: match parity {

@@ -4,8 +4,6 @@ use std::net::Ipv4Addr;
 
 use profinet::IpSuite;
 
-use crate::failure::{Exit, Failure};
-
 /// What the addresses of both sides say.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reach {
@@ -15,40 +13,76 @@ pub enum Reach {
     Routed(String),
 }
 
+/// Two subnets and no gateway: no answer can come.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}: two subnets, and the drive knows no gateway: no answer can come", both(.interface, .own, .drive, *.station))]
+pub struct OtherSubnet {
+    /// The drive as it is called.
+    pub drive: String,
+    /// Its address.
+    pub station: IpSuite,
+    /// The interface of this computer.
+    pub interface: String,
+    /// Its addresses.
+    pub own: Vec<IpSuite>,
+}
+
+impl OtherSubnet {
+    /// The subnet of this computer, in which the drive needs an address: `10.0.0.0/24`.
+    #[must_use]
+    pub fn own_subnet(&self) -> String {
+        self.own.first().copied().map(subnet).unwrap_or_default()
+    }
+
+    /// The subnet of the drive.
+    #[must_use]
+    pub fn subnet(&self) -> String {
+        subnet(self.station)
+    }
+
+    /// Prefix length of the subnet of the drive.
+    #[must_use]
+    pub fn prefix(&self) -> u32 {
+        prefix(self.station)
+    }
+}
+
+/// `akd-1 has 192.168.5.11/24, eth0 has 10.0.0.1/24`
+fn both(interface: &str, own: &[IpSuite], label: &str, drive: IpSuite) -> String {
+    let ours: Vec<String> = own.iter().copied().map(shown).collect();
+    format!(
+        "{label} has {}, {interface} has {}",
+        shown(drive),
+        ours.join(", ")
+    )
+}
+
 /// Compares the addresses of `interface` with that of a drive, which answers only where its mask or a gateway leads.
 ///
 /// # Errors
 /// Two subnets and no gateway: no answer can come. With both subnets and what to change.
-pub fn reach(interface: &str, own: &[IpSuite], label: &str, drive: IpSuite) -> Result<Reach, Failure> {
+pub fn reach(interface: &str, own: &[IpSuite], label: &str, drive: IpSuite) -> Result<Reach, OtherSubnet> {
     let answers = |own: &IpSuite| drive.is_local(own.address);
     if own.is_empty() || !drive.is_set() || own.iter().any(|own| answers(own) && own.is_local(drive.address))
     {
         return Ok(Reach::Near);
     }
-    let ours: Vec<String> = own.iter().copied().map(shown).collect();
-    let both = format!(
-        "{label} has {}, {interface} has {}",
-        shown(drive),
-        ours.join(", ")
-    );
     if own.iter().any(answers) || !drive.gateway.is_unspecified() {
+        let both = both(interface, own, label, drive);
         return Ok(Reach::Routed(format!(
             "{both}: two subnets, it takes a router between them"
         )));
     }
-    let (subnet, bits) = (subnet(drive), prefix(drive));
-    let near = own.first().copied().map(self::subnet).unwrap_or_default();
-    Err(Failure::new(
-        Exit::Unreachable,
-        format!("{both}: two subnets, and the drive knows no gateway: no answer can come"),
-    )
-    .hint(format!(
-        "give the drive an address in {near}: `profidrive ip {label} A.B.C.D/NN`; \
-         or this computer one more in {subnet}: ip address add A.B.C.D/{bits} dev {interface}"
-    )))
+    Err(OtherSubnet {
+        drive: label.to_owned(),
+        station: drive,
+        interface: interface.to_owned(),
+        own: own.to_vec(),
+    })
 }
 
 /// A word on an address that no subnet of this computer contains.
+#[must_use]
 pub fn far(own: &[IpSuite], address: Ipv4Addr) -> Option<String> {
     let near = own.iter().any(|own| own.is_local(address));
     (!near).then(|| {
@@ -105,17 +139,14 @@ mod tests {
     #[test]
     fn two_subnets_are_told_with_both() {
         let own = [suite([10, 0, 0, 1], 24, NONE)];
-        let failure = reach("plc", &own, "akd-1", suite([192, 168, 5, 11], 24, NONE)).unwrap_err();
-        assert_eq!(failure.exit, Exit::Unreachable);
+        let error = reach("plc", &own, "akd-1", suite([192, 168, 5, 11], 24, NONE)).unwrap_err();
         assert_eq!(
-            failure.message,
+            error.to_string(),
             "akd-1 has 192.168.5.11/24, plc has 10.0.0.1/24: two subnets, and the drive knows no gateway: no answer can come"
         );
-        let hint = failure.hint.unwrap();
-        assert!(hint.contains("an address in 10.0.0.0/24"), "{hint}");
-        assert!(
-            hint.contains("192.168.5.0/24: ip address add A.B.C.D/24 dev plc"),
-            "{hint}"
+        assert_eq!(
+            (error.own_subnet(), error.subnet(), error.prefix()),
+            ("10.0.0.0/24".to_owned(), "192.168.5.0/24".to_owned(), 24)
         );
         // our mask contains the drive, but the drive's mask does not contain us
         assert!(reach("plc", &own, "akd-1", suite([10, 0, 0, 11], 30, NONE)).is_err());

@@ -1,0 +1,30 @@
+//! Drives on a real network or at a serial line: opened here, then found, read, written and run.
+//!
+//! ```no_run
+//! use profile::notation::ParameterReference;
+//!
+//! let mut network = profidrive::open("eth0")?;
+//! let mut drive = network.find(&"akd-1".parse()?)?;
+//! let selection = drive.select("DRV.ACC")?;
+//! let reading = network.read_one(&mut drive, &selection)?;
+//! println!("{} {}", reading.number().unwrap_or_default(), reading.unit);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The same calls work in memory, on a [`client::Session`] over a segment with virtual drives.
+//!
+//! | to | use |
+//! |---|---|
+//! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
+//! | know whether both sides can reach each other | [`reach`](reach()) |
+//! | find, read, write, run | [`Network`], which is a [`client::Session`] |
+#![forbid(unsafe_code)]
+#![cfg(target_os = "linux")]
+
+mod carrier;
+mod open;
+mod reach;
+
+pub use carrier::{Carrier, CarrierError, serial_settings};
+pub use open::{Access, Network, OpenError, Opening, interface, open, open_line};
+pub use reach::{OtherSubnet, Reach, far, reach};

@@ -1,0 +1,249 @@
+//! From an interface or a port to a session.
+
+use std::net::Ipv4Addr;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use client::{LineAddress, LineConfig, Session};
+use network::linux::{Error as NetworkError, InterfaceInfo, PacketMedium, ServerPort, Stop, UdpMedium};
+use network::serial::{self, Line, Port};
+use profinet::controller::ControllerConfig;
+use profinet::{IpSuite, MacAddress};
+
+use crate::carrier::{Carrier, serial_settings};
+
+/// A session on a real network, or at a serial line.
+pub type Network = Session<Carrier>;
+
+/// What a session is opened for: decides which addresses and ports it takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Access {
+    /// Discovery and addressing. Needs no IP address.
+    Discovery,
+    /// Records too. The controller's port is used where it is free.
+    Records,
+    /// Cyclic data too: devices call back on the controller's port when a connection becomes ready.
+    #[default]
+    Cyclic,
+    /// Records, and cyclic data where a drive has no other means to be stopped; the port of the controller is shared with
+    /// a client of this computer that holds it.
+    Stop,
+}
+
+/// Why a network or a line could not be opened.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OpenError {
+    /// The network interface.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// The serial port.
+    #[error(transparent)]
+    Serial(#[from] serial::Error),
+    /// No interface was given, and there is not exactly one that can be taken without asking.
+    #[error("which network interface?")]
+    NoInterface {
+        /// The names there are, apart from loopback; those that are down are marked.
+        existing: Vec<String>,
+    },
+}
+
+impl OpenError {
+    /// That there is no interface to take without asking, with those that there are.
+    #[must_use]
+    pub fn no_interface() -> Self {
+        let all = InterfaceInfo::list().unwrap_or_default();
+        let real = all.into_iter().filter(|info| !info.loopback);
+        let names = real.map(|info| match info.up {
+            true => info.name,
+            false => format!("{} (down)", info.name),
+        });
+        Self::NoInterface {
+            existing: names.collect(),
+        }
+    }
+}
+
+/// Opens a network interface for everything: discovery, records and cyclic data. Needs the right to raw sockets.
+///
+/// # Errors
+/// When there is no such interface, it is down, has no address, or the right is missing.
+pub fn open(interface: &str) -> Result<Network, OpenError> {
+    Opening::new(Access::default()).on(interface).open()
+}
+
+/// The interface to use where none is given: the only one that is up. `None` where there are several or none.
+///
+/// # Errors
+/// When the interfaces cannot be listed.
+pub fn interface() -> Result<Option<String>, OpenError> {
+    let all = InterfaceInfo::list()?.into_iter();
+    let usable = all.filter(|info| !info.loopback && info.usable().is_ok());
+    let only = <[InterfaceInfo; 1]>::try_from(usable.collect::<Vec<_>>());
+    Ok(only.ok().map(|[only]| only.name))
+}
+
+/// How a network is opened.
+#[derive(Debug, Clone)]
+pub struct Opening {
+    access: Access,
+    interface: Option<String>,
+    by_ip: bool,
+    stop: Option<Stop>,
+}
+
+impl Opening {
+    /// For this access, on the only interface that is up.
+    #[must_use]
+    pub const fn new(access: Access) -> Self {
+        Self {
+            access,
+            interface: None,
+            by_ip: false,
+            stop: None,
+        }
+    }
+
+    /// On this interface.
+    #[must_use]
+    pub fn on(mut self, interface: impl Into<String>) -> Self {
+        self.interface = Some(interface.into());
+        self
+    }
+
+    /// The drives are given by their IP address: without the right to raw sockets, or without an interface, UDP alone is
+    /// enough for everything but discovery and cyclic data.
+    #[must_use]
+    pub const fn by_ip(mut self, by_ip: bool) -> Self {
+        self.by_ip = by_ip;
+        self
+    }
+
+    /// Waiting ends when `stop` is raised.
+    #[must_use]
+    pub fn stopped_by(mut self, stop: Stop) -> Self {
+        self.stop = Some(stop);
+        self
+    }
+
+    /// Opens it. That UDP alone had to be enough shows in the medium, a [`Carrier::Udp`].
+    ///
+    /// # Errors
+    /// When there is no such interface, it is down, has no address, or the right is missing.
+    pub fn open(self) -> Result<Network, OpenError> {
+        let name = match &self.interface {
+            Some(name) => Some(name.clone()),
+            None => interface()?,
+        };
+        let Some(name) = name else {
+            return if self.by_ip {
+                self.udp()
+            } else {
+                Err(OpenError::no_interface())
+            };
+        };
+        match PacketMedium::open(&name, server_port(self.access)) {
+            Err(NetworkError::NoPermission { .. }) if self.by_ip => self.udp(),
+            medium => self.packet(medium?),
+        }
+    }
+
+    fn packet(self, mut medium: PacketMedium) -> Result<Network, OpenError> {
+        let info = medium.interface().clone();
+        if self.access != Access::Discovery && !info.ip().is_set() {
+            return Err(NetworkError::NoAddress { interface: info.name }.into());
+        }
+        if let Some(stop) = self.stop {
+            medium.set_stop(stop);
+        }
+        let config = config(info.usable()?, info.ip());
+        let hears_calls = medium.hears_calls();
+        Ok(with_calls(
+            Session::new(Carrier::Packet(Box::new(medium)), config),
+            hears_calls,
+        ))
+    }
+
+    fn udp(self) -> Result<Network, OpenError> {
+        let mut medium = UdpMedium::open(Ipv4Addr::UNSPECIFIED, server_port(self.access))?;
+        if let Some(stop) = self.stop {
+            medium.set_stop(stop);
+        }
+        let up = |info: InterfaceInfo| if info.up && !info.loopback { info.mac } else { None };
+        let all = InterfaceInfo::list().unwrap_or_default();
+        let mac = all.into_iter().find_map(up);
+        let config = config(mac.unwrap_or(MacAddress([2, 0, 0, 0, 0, 1])), IpSuite::NONE);
+        let hears_calls = medium.hears_calls();
+        let session = Session::new(Carrier::Udp(Box::new(medium)), config).without_discovery();
+        Ok(with_calls(session, hears_calls))
+    }
+}
+
+/// Opens the serial line of a drive.
+///
+/// # Errors
+/// When there is no such port, another program has it, or the right is missing.
+pub fn open_line(at: &LineAddress, stop: Option<Stop>) -> Result<Network, OpenError> {
+    let mut line = Line::new(Port::open(&at.port, serial_settings(at.baud, at.parity))?);
+    if let Some(stop) = stop {
+        line.set_stop(stop);
+    }
+    let config = LineConfig::new(at.protocol, at.baud);
+    Ok(Session::on_line(Carrier::Serial(Box::new(line)), config))
+}
+
+fn with_calls(session: Network, hears_calls: bool) -> Network {
+    if hears_calls {
+        session
+    } else {
+        session.without_calls()
+    }
+}
+
+const fn server_port(access: Access) -> ServerPort {
+    match access {
+        Access::Cyclic => ServerPort::Required,
+        Access::Records => ServerPort::IfFree,
+        Access::Stop => ServerPort::Shared,
+        // left to a controller that starts meanwhile
+        Access::Discovery => ServerPort::None,
+    }
+}
+
+fn config(mac: MacAddress, ip: IpSuite) -> ControllerConfig {
+    let seed = seed();
+    let mut config = ControllerConfig::new(mac, ip, "profidrive", seed);
+    // several programs may run side by side
+    config.client_port = 0xC000 | u16::try_from(seed >> 17 & 0x3FFF).unwrap_or(0);
+    config
+}
+
+/// Differs from one session to the next.
+fn seed() -> u64 {
+    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let nanos = u64::try_from(time.as_nanos() & u128::from(u64::MAX)).unwrap_or_default();
+    (nanos ^ u64::from(std::process::id()).rotate_left(40)).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_cyclic_data_needs_the_port_of_the_controller() {
+        assert_eq!(server_port(Access::Discovery), ServerPort::None);
+        assert_eq!(server_port(Access::Records), ServerPort::IfFree);
+        // a client on this computer that runs a drive must not keep it from being stopped
+        assert_eq!(server_port(Access::Stop), ServerPort::Shared);
+        assert_eq!(server_port(Access::Cyclic), ServerPort::Required);
+    }
+
+    #[test]
+    fn an_interface_that_does_not_exist_is_reported_with_those_that_do() {
+        let error = open("no-such-interface").unwrap_err();
+        assert!(
+            matches!(&error, OpenError::Network(NetworkError::NoSuchInterface { existing, .. })
+                if existing.iter().any(|name| name == "lo")),
+            "{error}"
+        );
+    }
+}
