@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use client::Advice;
+use client::{Advice, ErrorKind};
 use profidrive::{CarrierError, OpenError, OtherSubnet};
 use serde_json::{Map, Value};
 
@@ -150,7 +150,7 @@ impl From<client::Error> for Failure {
             (client::Error::Medium(_), Some(carrier)) => carrier.to_string(),
             _ => error.to_string(),
         };
-        let failure = Self::new(exit_of(&error), message);
+        let failure = Self::new(exit_of(error.kind()), message);
         match hint(&error, error.advice()) {
             Some(hint) => failure.hint(hint),
             None => failure,
@@ -218,78 +218,13 @@ impl From<profile::value::ParameterProblem> for Failure {
     }
 }
 
-fn exit_of(error: &client::Error) -> Exit {
-    use client::Error;
-    use client::axis::{Objection, Trouble};
-    use profinet::controller::{DcpError, LostCause, ServiceError};
-    match error {
-        Error::Axis {
-            trouble:
-                Trouble::StillTurns | Trouble::QuickStopUsed | Trouble::NotStopped | Trouble::LocalOperation,
-            ..
-        }
-        | Error::AtWork { .. }
-        | Error::LocalOperation { .. }
-        | Error::Ownerless { .. } => Exit::Safety,
-        // nothing was sent, so the drive refused nothing
-        Error::Refused { refusal, .. } if refusal.is_unsent() => Exit::Failed,
-        Error::Held { error, .. } => exit_of(error),
-        Error::Dcp {
-            error: DcpError::Refused { .. } | DcpError::NotSupported,
-            ..
-        }
-        | Error::Connect {
-            cause: LostCause::Service(ServiceError::Refused { .. }),
-            ..
-        }
-        | Error::Connect {
-            cause: LostCause::AbortedByPeer(_),
-            ..
-        }
-        | Error::OwnedByController { .. }
-        | Error::ParametersOwned { .. }
-        | Error::Record {
-            error: ServiceError::Refused { .. },
-            ..
-        }
-        | Error::Refused { .. }
-        | Error::Axis { .. } => Exit::Refused,
-        Error::Medium(_)
-        | Error::NoAnswer { .. }
-        | Error::LineSilent { .. }
-        | Error::Channel { .. }
-        | Error::NotFound { .. }
-        | Error::Ambiguous { .. }
-        | Error::SharedAddress { .. }
-        | Error::NeedsDiscovery { .. }
-        | Error::NeedsRawFrames { .. }
-        | Error::NeedsCallPort { .. }
-        | Error::NoIpAddress { .. }
-        | Error::Dcp { .. }
-        | Error::Connect { .. }
-        | Error::NoRoute { .. }
-        | Error::ConnectionLost { .. }
-        | Error::CarrierLost { .. }
-        | Error::Record { .. }
-        | Error::Timeout { .. } => Exit::Unreachable,
-        // nothing but numbers that cannot be told: whatever the drive does, they are wrong
-        Error::Objections { objections, .. }
-            if objections
-                .iter()
-                .all(|one| matches!(one, Objection::SpeedStep { .. } | Objection::NoDistance { .. })) =>
-        {
-            Exit::Usage
-        }
-        Error::Parameter(_)
-        | Error::SpeedStep { .. }
-        | Error::Misuse(_)
-        | Error::NotOnLine { .. }
-        | Error::OtherWire { .. } => Exit::Usage,
-        Error::SpeedLimit { .. }
-        | Error::Objections { .. }
-        | Error::WrongMode { .. }
-        | Error::SpeedOnly { .. } => Exit::Safety,
-        Error::NotAtRest { .. } | Error::ScaleChanged { .. } => Exit::Safety,
+/// The exit code of each kind of error.
+const fn exit_of(kind: ErrorKind) -> Exit {
+    match kind {
+        ErrorKind::Usage => Exit::Usage,
+        ErrorKind::Refused => Exit::Refused,
+        ErrorKind::Unreachable | ErrorKind::Lost => Exit::Unreachable,
+        ErrorKind::Safety => Exit::Safety,
         _ => Exit::Failed,
     }
 }
@@ -299,18 +234,6 @@ mod tests {
     use client::{LossAction, LossReaction};
 
     use super::*;
-
-    #[test]
-    fn numbers_that_cannot_be_told_are_mistakes_of_the_command_line() {
-        use client::axis::Objection;
-        let exit = |objections: Vec<Objection>| {
-            let drive = "akd-1".into();
-            Failure::from(client::Error::Objections { drive, objections }).exit
-        };
-        let none = Objection::NoDistance { counts: 0.1 };
-        assert_eq!(exit(vec![none]), Exit::Usage);
-        assert_eq!(exit(vec![none, Objection::NotHomed]), Exit::Safety);
-    }
 
     /// The own interface is down while an axis is under control.
     #[test]

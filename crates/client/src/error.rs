@@ -1,6 +1,7 @@
 //! Everything that can go wrong between a person's wish and a drive, by kind.
 
 mod hint;
+mod kind;
 mod problem;
 mod refusal;
 mod text;
@@ -19,6 +20,7 @@ use crate::session::{LocalControl, LossReaction};
 use crate::{Action, AtWork, ClosedRoute, DriveAddress};
 use profile::value::ParameterProblem;
 
+pub use kind::ErrorKind;
 pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
 pub use text::describe;
 pub(crate) use text::mode_words;

@@ -35,7 +35,7 @@ pub use action::{Action, Advice, AdvicePart, Choice};
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::Drive;
-pub use error::{ChannelCause, ChannelRefusal, Error, NotCarried, Refusal, describe};
+pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::{MakerModule, modules_of};

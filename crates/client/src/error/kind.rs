@@ -1,0 +1,169 @@
+//! What kind of error it is: what a front end makes its exit code, status or exception of.
+
+use profinet::controller::{DcpError, LostCause, ServiceError};
+
+use super::Error;
+use crate::axis::{Objection, Trouble};
+
+/// The kinds of errors, for programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// What was asked for is wrong, whatever the drive is like: a value, a unit, a name.
+    Usage,
+    /// The drive or the device refused.
+    Refused,
+    /// The drive, the network or the right to use it is not there.
+    Unreachable,
+    /// A connection that was there is gone, while an axis was under control.
+    Lost,
+    /// A rule that protects people or machines stopped it.
+    Safety,
+    /// A fault of the drive.
+    Fault,
+    /// What was commanded was not reached: speed, position, state.
+    NotReached,
+    /// The drive cannot do it, or not as it is now set up.
+    Unsupported,
+    /// A part of it was done and the rest was not.
+    Partial,
+    /// Wrong use of the library.
+    Misuse,
+    /// An error in the program, or an answer that nobody can make sense of.
+    Internal,
+}
+
+impl ErrorKind {
+    /// Every kind with its stable name.
+    pub const ALL: [(Self, &'static str); 11] = [
+        (Self::Usage, "usage"),
+        (Self::Refused, "refused"),
+        (Self::Unreachable, "unreachable"),
+        (Self::Lost, "lost"),
+        (Self::Safety, "safety"),
+        (Self::Fault, "fault"),
+        (Self::NotReached, "not_reached"),
+        (Self::Unsupported, "unsupported"),
+        (Self::Partial, "partial"),
+        (Self::Misuse, "misuse"),
+        (Self::Internal, "internal"),
+    ];
+
+    /// Stable name for programs.
+    ///
+    /// ```
+    /// assert_eq!(profidrive_client::ErrorKind::NotReached.id(), "not_reached");
+    /// ```
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        let row = Self::ALL.iter().find(|(kind, _)| *kind == self);
+        row.map_or("internal", |(_, id)| id)
+    }
+}
+
+impl Error {
+    /// What kind of error it is.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Held { error, .. } => error.kind(),
+            Self::Axis { trouble, .. } => of_trouble(trouble),
+            // nothing was sent, so the drive refused nothing
+            Self::Refused { refusal, .. } if refusal.is_unsent() => ErrorKind::Unsupported,
+            Self::Refused { .. }
+            | Self::OwnedByController { .. }
+            | Self::ParametersOwned { .. }
+            | Self::Dcp {
+                error: DcpError::Refused { .. } | DcpError::NotSupported,
+                ..
+            }
+            | Self::Connect {
+                cause: LostCause::Service(ServiceError::Refused { .. }) | LostCause::AbortedByPeer(_),
+                ..
+            }
+            | Self::Record {
+                error: ServiceError::Refused { .. },
+                ..
+            } => ErrorKind::Refused,
+            Self::ConnectionLost { .. } | Self::CarrierLost { .. } | Self::LineSilent { .. } => {
+                ErrorKind::Lost
+            }
+            Self::Medium(_)
+            | Self::NoAnswer { .. }
+            | Self::Channel { .. }
+            | Self::NotFound { .. }
+            | Self::Ambiguous { .. }
+            | Self::SharedAddress { .. }
+            | Self::NeedsDiscovery { .. }
+            | Self::NeedsRawFrames { .. }
+            | Self::NeedsCallPort { .. }
+            | Self::NoIpAddress { .. }
+            | Self::Dcp { .. }
+            | Self::Connect { .. }
+            | Self::NoRoute { .. }
+            | Self::Record { .. }
+            | Self::Timeout { .. } => ErrorKind::Unreachable,
+            // nothing but numbers that cannot be sent: whatever the drive does, they are wrong
+            Self::Objections { objections, .. } if objections.iter().all(is_number) => ErrorKind::Usage,
+            Self::Parameter(_)
+            | Self::SpeedStep { .. }
+            | Self::NotOnLine { .. }
+            | Self::OtherWire { .. }
+            | Self::Misuse(_) => ErrorKind::Usage,
+            Self::AtWork { .. }
+            | Self::LocalOperation { .. }
+            | Self::Ownerless { .. }
+            | Self::SpeedLimit { .. }
+            | Self::Objections { .. }
+            | Self::WrongMode { .. }
+            | Self::SpeedOnly { .. }
+            | Self::NotAtRest { .. }
+            | Self::ScaleChanged { .. } => ErrorKind::Safety,
+            Self::NotEnabled { .. }
+            | Self::NotInTime { .. }
+            | Self::SpeedNotReached { .. }
+            | Self::SpeedLost { .. } => ErrorKind::NotReached,
+            _ => ErrorKind::Unsupported,
+        }
+    }
+}
+
+const fn is_number(objection: &Objection) -> bool {
+    matches!(
+        objection,
+        Objection::SpeedStep { .. } | Objection::NoDistance { .. }
+    )
+}
+
+const fn of_trouble(trouble: &Trouble) -> ErrorKind {
+    match trouble {
+        Trouble::StillTurns | Trouble::QuickStopUsed | Trouble::NotStopped | Trouble::LocalOperation => {
+            ErrorKind::Safety
+        }
+        _ => ErrorKind::Refused,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_cannot_be_sent_are_mistakes_of_the_caller() {
+        let kind = |objections: Vec<Objection>| {
+            let drive = "akd-1".into();
+            Error::Objections { drive, objections }.kind()
+        };
+        let none = Objection::NoDistance { counts: 0.1 };
+        assert_eq!(kind(vec![none]), ErrorKind::Usage);
+        assert_eq!(kind(vec![none, Objection::NotHomed]), ErrorKind::Safety);
+    }
+
+    #[test]
+    fn every_kind_has_one_name() {
+        for (at, (kind, id)) in ErrorKind::ALL.iter().enumerate() {
+            assert_eq!(kind.id(), *id);
+            assert!(ErrorKind::ALL.iter().skip(at + 1).all(|(_, other)| other != id));
+        }
+    }
+}
