@@ -1,7 +1,7 @@
 //! What the wire side costs, over a veth pair between two processes in two network namespaces:
 //! round trips beside two plain UDP processes, and CPU time per 1,000 cycles of one station.
 //!
-//! `cargo bench -p network --bench wire`; needs `unshare` and `ip`, no root.
+//! `cargo bench -p profidrive-network --bench wire`; needs `unshare` and `ip`, no root.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::io::{BufRead, BufReader};

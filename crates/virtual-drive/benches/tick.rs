@@ -1,4 +1,4 @@
-//! What one drive costs: `cargo bench -p virtual-drive`.
+//! What one drive costs: `cargo bench -p profidrive-virtual-drive`.
 #![allow(missing_docs, reason = "the macro makes a public function")]
 
 use std::hint::black_box;
