@@ -1,11 +1,11 @@
 //! Files that are replaced whole or not at all, and files in folders that others can write to as well.
 
-use std::fs::{self, DirBuilder, File, Metadata, OpenOptions};
+use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 mod beside;
+mod system;
 
 pub use beside::Beside;
 use beside::{unnamed, with_new_name};
@@ -129,9 +129,9 @@ impl StateFile {
     pub fn write_beside(&self, content: &[u8]) -> Result<Beside, StateFileError> {
         let folder = folder_of(&self.path);
         let mut builder = DirBuilder::new();
+        system::set_folder_mode(&mut builder, if self.private { 0o700 } else { 0o777 });
         builder
             .recursive(true)
-            .mode(if self.private { 0o700 } else { 0o777 })
             .create(folder)
             .map_err(|source| at(folder, "make", source))?;
         let mode = if self.private { PRIVATE } else { SHARED };
@@ -150,9 +150,7 @@ impl StateFile {
     /// When the disk refuses.
     pub fn flush_place(&self) -> Result<(), StateFileError> {
         let folder = folder_of(&self.path);
-        File::open(folder)
-            .and_then(|folder| folder.sync_all())
-            .map_err(|source| at(folder, "write", source))
+        system::flush_folder(folder).map_err(|source| at(folder, "write", source))
     }
 
     /// Removes the file; no error if there is none.
@@ -187,7 +185,8 @@ impl StateFile {
     /// Creates a named file beside that was not there before: in the open of `O_EXCL` a link counts as a file.
     fn create_beside(&self, mode: u32) -> Result<(File, Option<PathBuf>), StateFileError> {
         let mut options = OpenOptions::new();
-        options.write(true).create_new(true).mode(mode);
+        options.write(true).create_new(true);
+        system::set_mode(&mut options, mode);
         let (file, path) = with_new_name(&self.path, |path| options.open(path))?;
         Ok((file, Some(path)))
     }
@@ -223,7 +222,7 @@ pub fn sweep(folder: &Path) {
 pub fn create(path: &Path) -> Result<File, StateFileError> {
     let failed = |source| at(path, "create", source);
     let folder = folder_of(path);
-    let shared = fs::metadata(folder).is_ok_and(|folder| folder.mode() & 0o022 != 0);
+    let shared = fs::metadata(folder).is_ok_and(|folder| system::is_shared(&folder));
     if !shared {
         return File::create(path).map_err(failed);
     }
@@ -233,17 +232,14 @@ pub fn create(path: &Path) -> Result<File, StateFileError> {
         )))
     };
     let mut options = OpenOptions::new();
-    options
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .custom_flags(libc::O_NOFOLLOW);
+    options.write(true).create(true).truncate(false);
+    system::refuse_links(&mut options);
     let file = match options.open(path) {
-        Err(error) if error.raw_os_error() == Some(libc::ELOOP) => return Err(planted("it is a link")),
+        Err(error) if system::was_link(&error) => return Err(planted("it is a link")),
         other => other.map_err(failed)?,
     };
     let found = file.metadata().map_err(failed)?;
-    if found.uid() != user().map_err(failed)? || (found.is_file() && found.nlink() != 1) {
+    if !system::is_own(&found).map_err(failed)? {
         return Err(planted("it is not a file of this user alone"));
     }
     if found.is_file() {
@@ -254,11 +250,9 @@ pub fn create(path: &Path) -> Result<File, StateFileError> {
 
 /// Opens a file that must be a regular one: no link, and nothing that would wait for a writer.
 fn open_regular(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
-    let opened = options
-        .custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK)
-        .open(path);
-    let file = match opened {
-        Err(error) if error.raw_os_error() == Some(libc::ELOOP) => {
+    system::refuse_links(options);
+    let file = match options.open(path) {
+        Err(error) if system::was_link(&error) => {
             return Err(io::Error::other("it is a link, which is not followed here"));
         }
         other => other?,
@@ -270,11 +264,6 @@ fn open_regular(options: &mut OpenOptions, path: &Path) -> io::Result<File> {
         return Err(io::Error::other("it is not a regular file"));
     }
     Ok(file)
-}
-
-/// The user this program runs as: the owner of its entry in /proc.
-fn user() -> io::Result<u32> {
-    fs::metadata("/proc/self").map(|own: Metadata| own.uid())
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -299,10 +288,11 @@ fn at(path: &Path, action: &'static str, source: io::Error) -> StateFileError {
 }
 
 #[cfg(test)]
+#[cfg(unix)]
 mod tests {
     use super::*;
     use std::io::Write;
-    use std::os::unix::fs::{PermissionsExt, symlink};
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, symlink};
 
     struct Folder(PathBuf);
 

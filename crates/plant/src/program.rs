@@ -210,8 +210,9 @@ fn read_signals(
                 ))
             })?;
         let signal = field.signal;
-        let raw = match quantity.raw() {
-            Some(raw) => {
+        let of_converter = converter.filter(|_| signal.number == signal::NSOLL_A);
+        let raw = match (quantity.raw(), of_converter) {
+            (Some(raw), _) => {
                 let bits = 8 * u32::from(signal.octets());
                 if bits < 64 && raw >> bits != 0 {
                     return Err(refuse(format!(
@@ -227,13 +228,9 @@ fn read_signals(
                     raw.cast_signed()
                 }
             }
-            None if signal.number == signal::NSOLL_A
-                && let Some((drive, telegram)) = converter =>
-            {
-                reference(&quantity, drive, telegram)
-                    .map_err(|problem| refuse(format!("{name}: {problem}")))?
-            }
-            None => {
+            (None, Some((drive, telegram))) => reference(&quantity, drive, telegram)
+                .map_err(|problem| refuse(format!("{name}: {problem}")))?,
+            (None, None) => {
                 let parameter = plan.model.process.signals.parameter(signal.number);
                 let parameter = parameter.and_then(|number| plan.model.numbered(number));
                 let unit = parameter.map_or("", |parameter| parameter.unit);
