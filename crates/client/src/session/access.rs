@@ -355,7 +355,7 @@ impl<M: Wire> Session<M> {
         }
         let what = || "parameter access".to_owned();
         let ar = self.for_parameters(drive)?;
-        let due = self.unread.as_ref().and_then(|unread| unread.due);
+        let due = self.due();
         let octets = self.call(drive, ar, &what, |client, now, ar| {
             let (controller, at) = (client.controller(), channel(drive));
             match due {

@@ -431,8 +431,10 @@ impl<'s, M: Wire> Axis<'s, M> {
     ) -> Result<bool, Error> {
         let end = self.session.now() + time;
         loop {
-            let status = self.look()?;
-            if enough(&status) {
+            let before = self.session.bind(end);
+            let status = self.look();
+            self.session.bound = before;
+            if enough(&status?) {
                 return Ok(true);
             }
             if self.session.now() >= end {
@@ -489,12 +491,17 @@ impl<'s, M: Wire> Axis<'s, M> {
     ) -> Result<(), Error> {
         let begin = self.session.now();
         loop {
-            let status = self.look()?;
-            if enough(&status) {
-                return Ok(());
+            let before = self.session.bound;
+            if let Some(limit) = limit {
+                self.session.bind(begin + limit);
             }
-            if status.view.stays_away {
+            let status = self.look();
+            if status.as_ref().is_ok_and(|status| status.view.stays_away) {
                 self.gather();
+            }
+            self.session.bound = before;
+            if enough(&status?) {
+                return Ok(());
             }
             if let Some(limit) = limit.filter(|&limit| self.session.now() - begin >= limit) {
                 return Err(Error::NotInTime {

@@ -6,6 +6,7 @@ use std::time::Duration;
 use profile::catalogue::Part;
 use profile::notation::Position;
 use profile::state::Mode;
+use profinet::Instant;
 
 use super::Axis;
 use super::axis::{AxisStatus, speed_setpoint};
@@ -120,6 +121,14 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     /// [`hold`](Axis::hold).
     pub fn keep_speed(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
         let end = self.axis.session.now() + time;
+        // no parameter makes the motion longer
+        let before = self.axis.session.bind(end);
+        let kept = self.keep_until(rpm, end);
+        self.axis.session.bound = before;
+        kept
+    }
+
+    fn keep_until(&mut self, rpm: f64, end: Instant) -> Result<(), Error> {
         let mut followed = self.axis.session.now();
         let mut checked = followed;
         loop {
@@ -128,7 +137,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
             if has_speed(&status, rpm) {
                 followed = now;
             } else if now - followed >= AWAY {
-                self.check_scale()?;
+                self.check_scale(now + SCALE_CHECK)?;
                 self.axis.gather();
                 return Err(self.axis.with_evidence(Error::SpeedLost {
                     drive: self.axis.drive.label(),
@@ -142,7 +151,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
                 return Ok(());
             }
             if now - checked >= SCALE_CHECK {
-                self.check_scale()?;
+                self.check_scale(followed + AWAY)?;
                 checked = self.axis.session.now();
             }
             let soon = (checked + SCALE_CHECK).min(followed + AWAY).min(end);
@@ -150,14 +159,16 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
         }
     }
 
-    /// The setpoint means what it meant when the axis was taken. On a serial line the setpoint has a scale of its own.
-    fn check_scale(&mut self) -> Result<(), Error> {
+    /// The setpoint means what it meant when the axis was taken, as far as the drive says so until `due`. On a serial line
+    /// the setpoint has a scale of its own.
+    fn check_scale(&mut self, due: Instant) -> Result<(), Error> {
         if self.axis.drive.is_on_line() {
             return Ok(());
         }
         let mut drive = self.axis.drive.clone();
         drive.scaled = false;
-        match self.axis.session.read_scaling(&mut drive) {
+        let session = &mut *self.axis.session;
+        match session.until(due, |session| session.read_scaling(&mut drive)) {
             Ok(()) => {}
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             // a lost connection is seen by the exchange of data; a parameter channel that is busy is asked again

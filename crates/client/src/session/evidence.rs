@@ -1,5 +1,7 @@
 //! What is asked of a drive whose axis does not get where it should, while it is still in operation. Reads only.
 
+use std::time::Duration;
+
 use profile::catalogue::Part;
 
 use super::Axis;
@@ -16,6 +18,9 @@ const PARTS: [Part; 7] = [
     Part::SoftwareLimitState,
 ];
 
+/// How long a drive in motion may take to tell what is only told beside.
+pub(super) const BESIDE: Duration = Duration::from_millis(500);
+
 impl<M: Wire> Axis<'_, M> {
     /// Reads it now, if it has not been read since the motion began.
     pub(super) fn gather(&mut self) {
@@ -24,7 +29,10 @@ impl<M: Wire> Axis<'_, M> {
         }
         let mut drive = self.drive.clone();
         // why it does not move is told beside what went wrong, never in its place
-        let Ok(told) = self.session.ask(&mut drive, &PARTS) else {
+        let due = self.session.now() + BESIDE;
+        let Ok(told) = self.session.until(due, |session| session.ask(&mut drive, &PARTS)) else {
+            // asked once: the axis is to be looked at
+            self.evidence = Some(Evidence::default());
             return;
         };
         let current = told.number(Part::Current);

@@ -117,6 +117,8 @@ pub struct Session<M: Wire> {
     under_control: Option<(String, Box<LossReaction>)>,
     /// Parameters that are not answered are tolerated.
     unread: Option<unread::Unread>,
+    /// When parameter requests are given up at the latest.
+    bound: Option<Instant>,
 }
 
 /// Somebody who waits for an answer.
@@ -179,6 +181,7 @@ impl<M: Wire> Session<M> {
             silence: None,
             under_control: None,
             unread: None,
+            bound: None,
         }
     }
 

@@ -69,11 +69,34 @@ impl<M: Wire> Session<M> {
         true
     }
 
+    /// Carries out parameter requests that are given up at `end`, or when those around them are: a motion does not wait
+    /// for them.
+    pub(super) fn until<T>(&mut self, end: Instant, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.bind(end);
+        let result = work(self);
+        self.bound = before;
+        result
+    }
+
+    /// The same from now on; returns what is to be put back.
+    pub(super) fn bind(&mut self, end: Instant) -> Option<Instant> {
+        let before = self.bound;
+        self.bound = Some(before.map_or(end, |before| before.min(end)));
+        before
+    }
+
+    /// When the parameter request under way is given up, if not by its own limit.
+    pub(super) fn due(&self) -> Option<Instant> {
+        let unread = self.unread.as_ref().and_then(|unread| unread.due);
+        [unread, self.bound].into_iter().flatten().min()
+    }
+
     /// The end of a wait that may take so long.
     pub(super) fn end_of(&self, limit: Duration) -> Instant {
         let now = self.now();
         let due = self.unread.as_ref().and_then(|unread| unread.due);
-        due.map_or(now + limit, |due| (now + limit).min(due.max(now + LEAST)))
+        let end = due.map_or(now + limit, |due| (now + limit).min(due.max(now + LEAST)));
+        self.bound.map_or(end, |bound| end.min(bound.max(now)))
     }
 
     /// How long one parameter of a serial line may remain without an answer.

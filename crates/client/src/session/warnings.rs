@@ -5,6 +5,7 @@ use std::time::Duration;
 use profinet::Instant;
 
 use super::axis::{Axis, AxisStatus, WarningWatcher};
+use super::evidence::BESIDE;
 use crate::{Connection, Error, Wire};
 
 /// How often a drive that has a warning is asked which ones it has.
@@ -54,7 +55,9 @@ impl<M: Wire> Axis<'_, M> {
             Told::Numbers(numbers, _) => before = std::mem::take(numbers),
             Told::Nothing => {}
         }
-        let present = match self.session.warnings(&self.drive) {
+        let drive = &self.drive;
+        let asked = self.session.until(now + BESIDE, |session| session.warnings(drive));
+        let present = match asked {
             Err(Error::Interrupted) => return,
             other => other.ok().flatten().filter(|present| !present.is_empty()),
         };

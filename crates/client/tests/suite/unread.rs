@@ -195,3 +195,33 @@ fn a_drive_with_an_owner_is_not_taken_over_without_its_parameters() {
         "a read beside it is one again"
     );
 }
+
+/// The time of a motion is kept, and a speed that is lost is seen, whatever became of the parameters meanwhile.
+#[test]
+fn a_motion_does_not_wait_for_parameters() {
+    let faults = [
+        AnswerFault::Silent,
+        AnswerFault::Cut,
+        AnswerFault::Late(SECOND * 3),
+    ];
+    for fault in faults {
+        let world = World::new(&model::AKD, Transport::Profinet, 7);
+        let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+            .expect("free");
+        let mut enabled = axis.enable().expect("enabled");
+        enabled.reach_speed(300.0, None).expect("runs");
+        world.answer(fault);
+        let begin = profidrive_client::Wire::now(&world);
+        enabled.keep_speed(300.0, SECOND * 3).expect("keeps it");
+        let took = profidrive_client::Wire::now(&world) - begin;
+        assert!(took < SECOND * 3 + SECOND / 10, "{fault:?}: {took:?}");
+        set(&world, 2439, 10_000);
+        let begin = profidrive_client::Wire::now(&world);
+        let error = enabled.keep_speed(300.0, SECOND * 30).expect_err("10 rpm only");
+        assert!(matches!(error, Error::SpeedLost { .. }), "{fault:?}: {error}");
+        let took = profidrive_client::Wire::now(&world) - begin;
+        assert!(took < SECOND * 5 / 2, "{fault:?}: {took:?}");
+    }
+}
