@@ -170,7 +170,7 @@ pub fn drive(
         // a device without parameters still has its identity
         Err(Error::NotADrive { .. } | Error::NoRoute { .. } | Error::ParametersOwned { .. })
             if need == Need::Identity => {}
-        // a stop needs no parameters
+        // a stop goes on without parameters
         _ if need == Need::Stop && session.unread().is_some() => {}
         other => other?,
     }

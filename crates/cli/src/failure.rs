@@ -246,6 +246,7 @@ mod tests {
             parameter: Some("8-04".into()),
             setting: Some("Off".into()),
             after: None,
+            commands: false,
             remedy: None,
         };
         let failure = Failure::from(client::Error::CarrierLost {
@@ -256,7 +257,7 @@ mod tests {
         assert_eq!(failure.exit, Exit::Unreachable);
         assert_eq!(
             failure.message,
-            "vlt-1: connection lost: network interface `eth7` is down; the drive keeps turning (8-04 is Off)"
+            "vlt-1: connection lost: network interface `eth7` is down; the drive keeps turning (8-04 is Off), unless something else has stopped it meanwhile"
         );
         let hint = failure.hint.unwrap_or_default();
         assert!(

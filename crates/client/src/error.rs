@@ -39,6 +39,14 @@ pub enum Error {
     /// The caller was asked to stop.
     #[error("interrupted")]
     Interrupted,
+    /// The caller was asked to stop while a drive was brought to rest.
+    #[error("{drive}: interrupted; {seen}")]
+    StopInterrupted {
+        /// The drive.
+        drive: String,
+        /// How it was seen last.
+        seen: String,
+    },
     /// Nobody of this name or address answered.
     #[error("no station {drive} answered{}", others(.drive, .heard))]
     NotFound {
@@ -302,7 +310,7 @@ pub enum Error {
     },
     /// The drive is in operation though no controller commands it; nothing was sent.
     #[error(
-        "{drive} is in operation (S4) though no controller is connected: its last control word is still in force"
+        "{drive} is in operation though no controller is connected: its last control word commands it, or what it does without a controller"
     )]
     Ownerless {
         /// The drive.
@@ -431,6 +439,20 @@ pub enum Error {
         make: &'static str,
         /// Name of the controller.
         controller: String,
+    },
+    /// The parameter that stops a drive was sent and not answered, while its controller has the control word.
+    #[error(
+        "{drive}: {command} was sent without an answer that counts ({cause}), and controller \"{controller}\" has its control word"
+    )]
+    StopUnanswered {
+        /// The drive.
+        drive: String,
+        /// The parameter.
+        command: &'static str,
+        /// Name of the controller.
+        controller: String,
+        /// What became of its parameters.
+        cause: String,
     },
     /// Speeds of this drive are not told in that unit.
     #[error("{drive}: {}", unit_text(*.wanted))]

@@ -1,8 +1,8 @@
 //! `profidrive status`
 
 use clap::Args;
-use client::LossReaction;
 use client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
+use client::{Action, LossReaction};
 use profile::catalogue::{Catalogue, Part};
 use profile::state::{Mode, Profile};
 use serde_json::{Map, Value};
@@ -29,7 +29,9 @@ pub struct Status {
 
 pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
-    let status = session.status(&mut drive)?;
+    let status = session
+        .status(&mut drive)
+        .map_err(|error| unread(error, &drive.label()))?;
     // a controller may be the very program that will put its setting back
     let left = match status.controller {
         Some(None) => leftover::at(&mut session, &mut drive)?,
@@ -83,6 +85,22 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
             ),
         )),
     }
+}
+
+/// A drive whose parameters cannot be read may turn all the same.
+fn unread(error: client::Error, drive: &str) -> Failure {
+    let silent = error.is_of_parameters();
+    let failure = Failure::from(error);
+    let stop = advice::sentence(&Action::Stop, drive).filter(|_| silent);
+    let hints = failure.hint.clone().into_iter();
+    let turns = stop.map(|stop| {
+        format!("if it turns: {stop} by its control word, without parameters, where no controller has it")
+    });
+    let all: Vec<String> = hints.chain(turns).collect();
+    if all.is_empty() {
+        return failure;
+    }
+    failure.hint(all.join("; "))
 }
 
 /// The facts, one a line.
@@ -304,6 +322,19 @@ mod tests {
     use super::*;
     use profile::catalogue::AKD;
     use profile::state::{Stw1, Zsw1};
+
+    #[test]
+    fn a_drive_with_a_silent_channel_can_be_stopped() {
+        let silent = client::Error::Timeout {
+            drive: "vlt-1".into(),
+            what: "record access",
+            limit: std::time::Duration::from_secs(10),
+        };
+        let hint = unread(silent, "vlt-1").hint.unwrap_or_default();
+        assert!(hint.contains("`profidrive stop vlt-1`"), "{hint}");
+        let gone = unread(client::Error::Interrupted, "vlt-1");
+        assert_eq!(gone.hint, None);
+    }
 
     #[test]
     fn facts_of_a_position_drive() {

@@ -39,7 +39,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
     let owner = session.owner(&drive)?;
     session.close()?;
     let label = drive.label();
-    let command = way.command(&drive);
+    let command = outcome.command(way, &drive);
     // of a drive that is stopped by its control word there is nothing stronger
     let has_disable = drive
         .model
@@ -50,7 +50,8 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
             "stop",
             fields! {
                 "drive": label.as_str(), "sent": outcome.sent.then_some(command),
-                "speed_before": outcome.speed_before, "speed": outcome.speed, "enabled": outcome.enabled,
+                "speed_before": outcome.speed_before, "speed": outcome.speed,
+                "speed_before_percent": outcome.percent_before, "speed_percent": outcome.percent, "enabled": outcome.enabled,
                 "at_rest": outcome.at_rest, "controller": owner.clone().flatten(), "unread": outcome.unread.as_deref(),
             },
         );
@@ -96,8 +97,13 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
 
 /// What was done, in one line.
 fn told(drive: &str, command: &str, outcome: &StopOutcome) -> String {
-    let speed =
-        |rpm: Option<f64>| rpm.map_or_else(|| "an unknown speed".into(), |rpm| format!("{rpm:.1} rpm"));
+    let speed = |rpm: Option<f64>, percent: Option<f64>| match (rpm, percent) {
+        (Some(rpm), _) => format!("{rpm:.1} rpm"),
+        (None, Some(percent)) => format!("{percent:.1} % of its reference"),
+        (None, None) => "an unknown speed".into(),
+    };
+    let before = speed(outcome.speed_before, outcome.percent_before);
+    let after = speed(outcome.speed, outcome.percent);
     let stage = match outcome.enabled {
         Some(true) => "the power stage is still on",
         Some(false) => "the power stage is off",
@@ -110,9 +116,7 @@ fn told(drive: &str, command: &str, outcome: &StopOutcome) -> String {
             "turns on"
         };
         return format!(
-            "{drive} turned at {} with its power stage off, so nothing was sent: it {end} ({})",
-            speed(outcome.speed_before),
-            speed(outcome.speed)
+            "{drive} turned at {before} with its power stage off, so nothing was sent: it {end} ({after})"
         );
     }
     if !outcome.sent {
@@ -123,11 +127,7 @@ fn told(drive: &str, command: &str, outcome: &StopOutcome) -> String {
     } else {
         "it still turns or is still on"
     };
-    format!(
-        "{command} sent to {drive} at {}: {end} ({}), {stage}",
-        speed(outcome.speed_before),
-        speed(outcome.speed)
-    )
+    format!("{command} sent to {drive} at {before}: {end} ({after}), {stage}")
 }
 
 #[cfg(test)]
@@ -153,6 +153,9 @@ mod tests {
             sent: true,
             speed_before: Some(60.02),
             speed: Some(0.0),
+            percent_before: None,
+            percent: None,
+            by_word: false,
             enabled: Some(true),
             at_rest: true,
             unread: None,
@@ -180,6 +183,18 @@ mod tests {
         assert_eq!(
             told("akd-1", "DRV.STOP", &pulled),
             "akd-1 turned at 60.0 rpm with its power stage off, so nothing was sent: it turns on (-480.5 rpm)"
+        );
+        let slave = StopOutcome {
+            speed_before: None,
+            speed: None,
+            percent_before: Some(60.02),
+            percent: Some(0.0),
+            enabled: Some(false),
+            ..outcome.clone()
+        };
+        assert_eq!(
+            told("vacon", "OFF1", &slave),
+            "OFF1 sent to vacon at 60.0 % of its reference: it stands (0.0 % of its reference), the power stage is off"
         );
         let turning = StopOutcome {
             speed: None,

@@ -13,6 +13,15 @@ use crate::session::LocalControl;
 use crate::{Action, Advice, Choice, Drive};
 
 impl Error {
+    /// The drive is there, its parameters are not: they are silent, late or make no sense.
+    #[must_use]
+    pub const fn is_of_parameters(&self) -> bool {
+        matches!(
+            self,
+            Self::Record { .. } | Self::Timeout { .. } | Self::Malformed { .. } | Self::Channel { .. }
+        )
+    }
+
     /// The next thing to do about it, where that is one action. A front end words it.
     #[must_use]
     pub fn action(&self) -> Option<Action> {
@@ -34,9 +43,10 @@ impl Error {
                 reaction: Some(reaction),
                 ..
             } if !reaction.action.stops() => Some(Action::Stop),
-            Self::ConnectionLost { .. } | Self::LineSilent { .. } | Self::CarrierLost { .. } => {
-                Some(Action::Status)
-            }
+            Self::ConnectionLost { .. }
+            | Self::LineSilent { .. }
+            | Self::CarrierLost { .. }
+            | Self::StopInterrupted { .. } => Some(Action::Status),
             _ => None,
         }
     }
@@ -202,6 +212,10 @@ impl Error {
             }
             Self::NoStopBeside { .. } => {
                 "stop it at its controller, at its panel, or by its inputs for coast or stop; this command is no emergency stop"
+                    .into()
+            }
+            Self::StopUnanswered { .. } => {
+                "it may turn on: stop it at its controller, by its inputs or with its safety circuit; this command is no emergency stop"
                     .into()
             }
             Self::SpeedUnit { wanted: SpeedUnit::Rpm, .. } => {

@@ -90,6 +90,7 @@ impl Error {
             }
             Self::Medium(_)
             | Self::NoAnswer { .. }
+            | Self::StopUnanswered { .. }
             | Self::Channel { .. }
             | Self::NotFound { .. }
             | Self::Ambiguous { .. }
@@ -120,6 +121,7 @@ impl Error {
             | Self::NotAtRest { .. }
             | Self::ScaleChanged { .. } => ErrorKind::Safety,
             Self::NotEnabled { .. }
+            | Self::StopInterrupted { .. }
             | Self::NotInTime { .. }
             | Self::SpeedNotReached { .. }
             | Self::SpeedLost { .. } => ErrorKind::NotReached,

@@ -6,7 +6,7 @@ use profinet::MacAddress;
 use profinet::controller::{ServiceError, Station};
 
 use crate::axis::{Objection, SpeedUnit};
-use crate::session::LossReaction;
+use crate::session::{LossAction, LossReaction};
 use crate::{ClosedRoute, DriveAddress};
 
 /// What was heard instead of an answer.
@@ -61,11 +61,15 @@ pub(super) fn once(what: &str, error: &ServiceError) -> String {
     }
 }
 
-/// What the drive does without its controller.
+/// What the drive does without its controller, by its settings: what somebody else has done since is not seen.
 pub(super) fn reaction_text(reaction: &Option<Box<LossReaction>>) -> String {
+    let since = |reaction: &LossReaction| match reaction.action {
+        LossAction::KeepsTurning => ", unless something else has stopped it meanwhile",
+        _ => "",
+    };
     reaction
         .as_ref()
-        .map_or_else(String::new, |reaction| format!("; {reaction}"))
+        .map_or_else(String::new, |reaction| format!("; {reaction}{}", since(reaction)))
 }
 
 pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {

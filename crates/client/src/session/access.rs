@@ -154,6 +154,7 @@ impl<M: Wire> Session<M> {
     /// Waits until a connection for records is open; `None` when the device refuses this kind of connection.
     pub(super) fn opened(&mut self, drive: &Drive, access: Access) -> Result<Option<ArId>, Error> {
         let Access { ar, route, .. } = access;
+        let limit = self.end_of(CONNECT_LIMIT) - self.now();
         let end = self.wait(CONNECT_LIMIT, |client| match client.connection(ar) {
             Connection::Opening => None,
             other => Some(other),
@@ -183,7 +184,7 @@ impl<M: Wire> Session<M> {
                 Err(Error::Timeout {
                     drive: drive.label(),
                     what: "connecting",
-                    limit: CONNECT_LIMIT,
+                    limit,
                 })
             }
         }
@@ -382,6 +383,7 @@ impl<M: Wire> Session<M> {
             }
             Err(misuse) => return Err(misuse.into()),
         };
+        let limit = self.end_of(RECORD_LIMIT) - now;
         match self.wait(RECORD_LIMIT, |client| client.take_record(call))? {
             Some(Ok(data)) => Ok(data),
             Some(Err(ServiceError::Closed { what: service })) => Err(self.lost_access(drive, ar, service)),
@@ -393,7 +395,7 @@ impl<M: Wire> Session<M> {
             None => Err(Error::Timeout {
                 drive: drive.label(),
                 what: "record access",
-                limit: RECORD_LIMIT,
+                limit,
             }),
         }
     }
@@ -418,6 +420,7 @@ impl<M: Wire> Session<M> {
     }
 
     fn running_now(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
+        let limit = self.end_of(CONNECT_LIMIT) - self.now();
         let end = self.wait(CONNECT_LIMIT, |client| match client.connection(link) {
             Connection::Opening | Connection::Open => None,
             other => Some(other),
@@ -446,7 +449,7 @@ impl<M: Wire> Session<M> {
                 Err(Error::Timeout {
                     drive: drive.label(),
                     what: "cyclic data",
-                    limit: CONNECT_LIMIT,
+                    limit,
                 })
             }
         }

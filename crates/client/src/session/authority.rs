@@ -7,6 +7,7 @@ use profile::state::Zsw1;
 
 use super::Session;
 use super::prepare::zsw1_of;
+use super::stop::STANDS;
 use crate::{Drive, Error, Wire};
 
 /// Who commands a drive.
@@ -17,9 +18,10 @@ pub enum Authority {
     Local(LocalControl),
     /// The controller of this station name, empty where it has none.
     Controller(String),
-    /// Nobody, and operation is enabled (S4): the last control word is still in force.
+    /// Nobody, and operation is enabled (S4) or the motor turns in S3: the last control word is still in force, or what the
+    /// drive does without its controller commands it.
     Ownerless,
-    /// Nobody, and operation is not enabled.
+    /// Nobody, and it is not in operation.
     Nobody,
     /// The device does not report its connections.
     Unknown,
@@ -40,6 +42,8 @@ pub enum LocalControl {
     },
     /// Its panel or its inputs.
     Panel,
+    /// It does not ask for control by the field bus; what commands it is not told.
+    Elsewhere,
 }
 
 impl LocalControl {
@@ -54,6 +58,9 @@ impl LocalControl {
             Self::Panel => {
                 "stop it at its panel (OFF), then hand control over to the field bus (AUTO, remote)".into()
             }
+            Self::Elsewhere => {
+                "hand control over to the field bus in its setup software or by its inputs".into()
+            }
         }
     }
 }
@@ -66,6 +73,7 @@ impl fmt::Display for LocalControl {
                 write!(f, "{parameter} is {setting}, the field bus may not command it")
             }
             Self::Panel => f.write_str("its panel or its inputs command it"),
+            Self::Elsewhere => f.write_str("its service channel or its inputs have it"),
         }
     }
 }
@@ -90,7 +98,15 @@ impl<M: Wire> Session<M> {
         if let Some(word) = word.filter(|word| !word.has(Zsw1::CONTROL_REQUESTED)) {
             return Ok(Authority::Local(self.local_control(drive, word)?));
         }
-        let enabled = word.is_some_and(in_operation);
+        let enabled = match word {
+            Some(word) if in_operation(word) => true,
+            // stopped by itself, or commanded by what it does without its controller
+            Some(word) if power_is_on(word) => {
+                let told = self.ask(drive, &[Part::Speed, Part::SpeedActual])?;
+                told.stands(STANDS) == Some(false)
+            }
+            _ => false,
+        };
         // the only master of a line is this one
         let owner = if drive.is_on_line() {
             Some(None)
@@ -122,12 +138,17 @@ impl<M: Wire> Session<M> {
             });
         }
         let by_parameter = tables.part(Part::Disable).is_some();
-        Ok(if by_parameter && in_operation(word) {
-            LocalControl::ServiceChannel
-        } else {
-            LocalControl::Panel
+        Ok(match (by_parameter, in_operation(word)) {
+            (true, true) => LocalControl::ServiceChannel,
+            (true, false) => LocalControl::Elsewhere,
+            (false, _) => LocalControl::Panel,
         })
     }
+}
+
+/// The power stage may be on: switched on (S3) it is while the motor is stopped.
+pub(crate) const fn power_is_on(word: Zsw1) -> bool {
+    word.0 & (Zsw1::READY_TO_OPERATE.0 | Zsw1::OPERATION_ENABLED.0) != 0
 }
 
 /// Operation is enabled: S4.

@@ -3,9 +3,9 @@
 use profile::catalogue::{Access, Part, Phase, Role};
 use profile::notation::Notation;
 use profile::parameter::{ErrorNumber, Format, Identifier, Saving, plan_changes};
-use profile::state::Zsw1;
 
 use super::Session;
+use super::authority::power_is_on;
 use super::parameters::{Outgoing, saver};
 use super::prepare::zsw1_of;
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
@@ -194,7 +194,7 @@ impl<M: Wire> Session<M> {
         )?;
         let zsw1 = zsw1_of(drive, &told, telegram);
         // the motor turns as long as it is stopped too
-        Ok(zsw1.map(|word| word.has(Zsw1::OPERATION_ENABLED) || word.has(Zsw1::READY_TO_OPERATE)))
+        Ok(zsw1.map(power_is_on))
     }
 
     /// Writes what the plan of `journal` says, in its order, and reads it back; `save` lets the drive keep it. `keep` is

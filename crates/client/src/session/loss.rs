@@ -58,6 +58,8 @@ pub struct LossReaction {
     pub setting: Option<String>,
     /// Time from the last control word until the drive reacts, where a parameter sets it.
     pub after: Option<Duration>,
+    /// The last control word is not in force from then on: this reaction commands the axis.
+    pub commands: bool,
     /// A setting that makes the drive stop, for a drive that does not or may not.
     pub remedy: Option<Action>,
 }
@@ -69,6 +71,7 @@ impl LossReaction {
         parameter: None,
         setting: None,
         after: None,
+        commands: false,
         remedy: None,
     };
 }
@@ -140,6 +143,7 @@ pub(super) fn reaction(tables: &Catalogue, on_line: bool, told: &Told) -> LossRe
         let action = if on_line { LossAction::Unknown } else { *action };
         return LossReaction {
             action,
+            commands: !on_line,
             ..LossReaction::UNKNOWN
         };
     }
@@ -173,6 +177,7 @@ pub(super) fn reaction(tables: &Catalogue, on_line: bool, told: &Told) -> LossRe
             .number(Part::LossTime)
             .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
         parameter: Some(parameter),
+        commands: row.is_some() && !means(Part::LossNone, raw),
         remedy,
     }
 }
@@ -188,6 +193,7 @@ mod tests {
             parameter: Some("8-04".into()),
             setting: Some("Off".into()),
             after: Some(Duration::from_secs(1)),
+            commands: false,
             remedy: None,
         };
         assert_eq!(off.to_string(), "the drive keeps turning (8-04 is Off)");

@@ -41,6 +41,7 @@ use profinet::controller::ControllerConfig;
 use crate::{Client, Drive, Error, LineConfig, Wire};
 
 pub use at_work::AtWork;
+pub(crate) use authority::power_is_on;
 pub use authority::{Authority, LocalControl};
 pub use axis::{Axis, AxisPlan, AxisSettings, AxisStatus, Rest, WarningWatcher, Watcher};
 pub use describe::{Described, DescribedLimits};

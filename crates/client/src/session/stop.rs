@@ -4,13 +4,20 @@ use std::time::Duration;
 
 use profile::catalogue::{Parameter, Part};
 
-use super::{Authority, AxisSettings, LocalControl, Session};
-use crate::axis::Purpose;
+use super::unread::SILENCE;
+use super::{Authority, AxisSettings, AxisStatus, LocalControl, Session};
+use crate::axis::{Purpose, Seen};
 use crate::{Drive, Error, Wire, WriteMode};
 use profile::value::Assignment;
 
 /// Speed below which an axis counts as standing, rpm.
 pub(super) const STANDS: f64 = 1.0;
+/// What the control word commands.
+const BY_WORD: &str = "OFF1 (control word)";
+/// How long the command of a drive whose parameters are silent may remain without an answer.
+const LAST_TRY: Duration = Duration::from_millis(500);
+/// How long a drive may take to ask for control by the field bus once a controller is connected.
+const ASKS: Duration = Duration::from_millis(500);
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -37,8 +44,7 @@ impl StopWay {
     /// What is sent: the parameter of a vendor that has one, else the control word.
     #[must_use]
     pub fn command(self, drive: &Drive) -> &'static str {
-        self.parameter(drive)
-            .map_or("OFF1 (control word)", |parameter| parameter.name)
+        self.parameter(drive).map_or(BY_WORD, |parameter| parameter.name)
     }
 
     fn parameter(self, drive: &Drive) -> Option<&'static Parameter> {
@@ -69,12 +75,26 @@ pub struct StopOutcome {
     pub speed_before: Option<f64>,
     /// Speed at the end in rpm.
     pub speed: Option<f64>,
+    /// Speed before in percent of the reference, where it is not known in rpm.
+    pub percent_before: Option<f64>,
+    /// Speed at the end in percent of the reference, likewise.
+    pub percent: Option<f64>,
+    /// It was stopped by its control word, which was taken over.
+    pub by_word: bool,
     /// The power stage is on at the end.
     pub enabled: Option<bool>,
     /// The axis stands, and is off where that was wanted.
     pub at_rest: bool,
     /// Why parameters of the drive could not be read: it was stopped by what else is known of it.
     pub unread: Option<String>,
+}
+
+impl StopOutcome {
+    /// What was sent.
+    #[must_use]
+    pub fn command(&self, way: StopWay, drive: &Drive) -> &'static str {
+        if self.by_word { BY_WORD } else { way.command(drive) }
+    }
 }
 
 impl<M: Wire> Session<M> {
@@ -105,6 +125,7 @@ impl<M: Wire> Session<M> {
     /// A controller of the drive is not asked and goes on: what it commands next may move the axis again.
     ///
     /// # Errors
+    /// [`Error::StopUnanswered`] when the drive does not answer its parameter and a controller has its control word,
     /// [`Error::NoStopBeside`] when the drive has no such parameter and a controller has its control word,
     /// [`Error::LocalOperation`] when somebody at the drive commands it, and when it refuses or cannot be reached.
     pub fn stop_drive(
@@ -129,6 +150,25 @@ impl<M: Wire> Session<M> {
         way: StopWay,
         limit: Duration,
     ) -> Result<StopOutcome, Error> {
+        let mut last = None;
+        let stopped = self.stop_and_look(drive, way, limit, &mut last);
+        stopped.map_err(|error| match error {
+            Error::Interrupted => Error::StopInterrupted {
+                drive: drive.label(),
+                seen: seen_last(last.as_ref()),
+            },
+            other => other,
+        })
+    }
+
+    /// The same; `last` is how the drive was seen last.
+    fn stop_and_look(
+        &mut self,
+        drive: &mut Drive,
+        way: StopWay,
+        limit: Duration,
+        last: &mut Option<StopOutcome>,
+    ) -> Result<StopOutcome, Error> {
         // a stop by the control word always ends with the power stage off
         let by_word = way.parameter(drive).is_none();
         let way = if by_word { StopWay::Disable } else { way };
@@ -137,10 +177,11 @@ impl<M: Wire> Session<M> {
             return Ok(before);
         }
         let sent = before.enabled != Some(false);
+        *last = Some(before.clone());
         let mut off = false;
         if sent {
             match self.stop_means(drive, way)? {
-                StopMeans::Parameter(command) => self.command_stop(drive, command)?,
+                StopMeans::Parameter(command) => off = self.stop_by_parameter(drive, command, limit)?,
                 StopMeans::TakeOver => {
                     self.take_over_and_stop(drive, limit)?;
                     off = true;
@@ -160,13 +201,17 @@ impl<M: Wire> Session<M> {
                 }
             }
         }
+        let way = if off { StopWay::Disable } else { way };
         let end = self.now() + limit;
         loop {
             let seen = self.look_at(drive, way, off)?;
+            *last = Some(StopOutcome { sent, ..seen.clone() });
             if seen.at_rest || self.now() >= end {
                 return Ok(StopOutcome {
                     sent,
                     speed_before: before.speed,
+                    percent_before: before.percent,
+                    by_word: off,
                     ..seen
                 });
             }
@@ -176,14 +221,76 @@ impl<M: Wire> Session<M> {
 
     /// Takes the control word over as it is, ramps down by OFF1 and gives it back.
     fn take_over_and_stop(&mut self, drive: &mut Drive, limit: Duration) -> Result<(), Error> {
+        // a service channel may have it: with silent parameters only its telegram says so
+        let by_parameter = StopWay::Stop.parameter(drive).is_some();
         let settings = AxisSettings {
             stop: limit,
             ..AxisSettings::for_purpose(Purpose::Control)
         };
         let mut axis = self.take_axis(drive, settings)?;
+        if by_parameter && !axis.hold_until(ASKS, asks_for_control)? {
+            let word = axis.status().and_then(|status| status.view.seen);
+            // there is nothing to wait for
+            axis.settings.stop = LAST_TRY;
+            let _ = axis.release();
+            let by = self.local_control(drive, word.unwrap_or_default().zsw1)?;
+            return Err(Error::LocalOperation {
+                drive: drive.label(),
+                by,
+            });
+        }
         let stopped = axis.come_to_rest();
         let released = axis.release();
         stopped.and(released)
+    }
+
+    /// Stops a drive by its parameter. Where that is not answered, it is stopped by the control word, unless a controller
+    /// has that or somebody at the drive; true when it was.
+    fn stop_by_parameter(
+        &mut self,
+        drive: &mut Drive,
+        command: &'static Parameter,
+        limit: Duration,
+    ) -> Result<bool, Error> {
+        let silent = self.unread().is_some();
+        if !silent && self.command_within(drive, command, SILENCE)? {
+            return Ok(false);
+        }
+        match self.authority(drive)? {
+            Authority::Local(by) => Err(Error::LocalOperation {
+                drive: drive.label(),
+                by,
+            }),
+            Authority::Controller(controller) => {
+                if silent && self.command_within(drive, command, LAST_TRY)? {
+                    return Ok(false);
+                }
+                Err(Error::StopUnanswered {
+                    drive: drive.label(),
+                    command: command.name,
+                    controller,
+                    cause: self.unread().unwrap_or_default().to_owned(),
+                })
+            }
+            Authority::Ownerless | Authority::Nobody | Authority::Unknown => {
+                self.take_over_and_stop(drive, limit)?;
+                Ok(true)
+            }
+        }
+    }
+
+    /// Sends the command of a vendor; false when the drive has not answered it within `limit`, or not properly.
+    fn command_within(
+        &mut self,
+        drive: &mut Drive,
+        command: &Parameter,
+        limit: Duration,
+    ) -> Result<bool, Error> {
+        let end = self.now() + limit;
+        match self.until(end, |session| session.command_stop(drive, command)) {
+            Err(error) if !matches!(error, Error::Refused { .. }) && self.gives_up(&error) => Ok(false),
+            sent => sent.map(|()| true),
+        }
     }
 
     fn command_stop(&mut self, drive: &mut Drive, command: &Parameter) -> Result<(), Error> {
@@ -203,15 +310,47 @@ impl<M: Wire> Session<M> {
         let enabled = self.is_enabled(drive)?.or(off.then_some(false));
         let told = self.ask(drive, &[Part::Speed, Part::SpeedActual])?;
         let speed = told.rpm(Part::Speed);
+        let percent = told.percent(Part::SpeedActual).filter(|_| speed.is_none());
         // of a drive that reports no speed the power stage is all there is to know
         let stands = told.stands(STANDS).unwrap_or(enabled == Some(false));
         Ok(StopOutcome {
             sent: false,
             speed_before: speed,
             speed,
+            percent_before: percent,
+            percent,
+            by_word: false,
             enabled,
             at_rest: stands && (way == StopWay::Stop || enabled == Some(false)),
             unread: None,
         })
     }
+}
+
+/// ZSW1 bit 9.
+fn asks_for_control(status: &AxisStatus) -> bool {
+    status.view.seen.is_some_and(Seen::control_requested)
+}
+
+/// How a drive was seen last, for whoever gives up a stop.
+fn seen_last(last: Option<&StopOutcome>) -> String {
+    let Some(last) = last else {
+        return "nothing was sent, and how it is was not read".to_owned();
+    };
+    let sent = if last.sent {
+        "its stop was sent"
+    } else {
+        "whether its stop was sent is not known"
+    };
+    let speed = match (last.speed, last.percent) {
+        (Some(rpm), _) => format!("{rpm:.1} rpm"),
+        (None, Some(percent)) => format!("{percent:.1} % of its reference"),
+        (None, None) => "an unknown speed".to_owned(),
+    };
+    let stage = match last.enabled {
+        Some(true) => "its power stage on",
+        Some(false) => "its power stage off",
+        None => "its power stage not known",
+    };
+    format!("{sent}; it was seen last at {speed} with {stage}")
 }

@@ -8,7 +8,7 @@ use super::Session;
 use crate::{Drive, Error, Wire};
 
 /// How long one parameter request of a stop may remain without an answer.
-const SILENCE: Duration = Duration::from_secs(2);
+pub(super) const SILENCE: Duration = Duration::from_secs(2);
 /// How long all parameter requests of a stop may take together on a network.
 const TOGETHER: Duration = Duration::from_secs(4);
 /// Shortest wait after that: a connection that is given up is closed at the drive too.

@@ -56,7 +56,9 @@ impl<M: Wire> Axis<'_, M> {
             Told::Nothing => {}
         }
         let drive = &self.drive;
-        let asked = self.session.until(now + BESIDE, |session| session.warnings(drive));
+        let asked = self
+            .session
+            .until(now + BESIDE, |session| session.warnings(drive));
         let present = match asked {
             Err(Error::Interrupted) => return,
             other => other.ok().flatten().filter(|present| !present.is_empty()),

@@ -8,6 +8,7 @@ use std::fmt;
 
 use profile::state::{Mode, Profile, State, Stw1, Zsw1};
 
+use crate::session::power_is_on;
 use crate::{Action, Advice, FaultEntry, LocalControl, LossReaction, WarningEntry};
 
 pub use notes::Note;
@@ -176,9 +177,9 @@ impl DriveStatus {
         }
     }
 
-    /// The power stage is off, by the state that the drive tells.
+    /// The power stage is off, by the status word.
     fn unpowered(&self) -> bool {
-        self.zsw1.is_some() && !self.state().is_some_and(State::pulses)
+        self.zsw1.is_some_and(|word| !power_is_on(word))
     }
 
     /// ` (STW1 bit 1 is 0)`; where the words have other bits, the word itself and whose it is.

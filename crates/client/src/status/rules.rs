@@ -4,7 +4,7 @@ use profile::catalogue::Cleared;
 use profile::state::{Start, State, Stw1, Zsw1};
 
 use super::{Diagnosis, DriveStatus, Verdict, makes, notes};
-use crate::{Action, Advice, FaultEntry};
+use crate::{Action, Advice, FaultEntry, LossReaction};
 
 /// Speed below which an axis counts as standing, rpm.
 const STANDS: f64 = 1.0;
@@ -450,12 +450,26 @@ pub(super) fn moved(status: &DriveStatus) -> String {
 
 /// What commands a drive that nobody is connected to.
 fn in_force(status: &DriveStatus) -> String {
+    if let Some((loss, parameter, setting)) = status.loss.as_ref().and_then(by_reaction) {
+        let from = loss.after.map_or_else(String::new, |after| {
+            format!(", from {} s after the last control word", after.as_secs_f64())
+        });
+        return format!(
+            "what it does when its controller is lost commands it ({parameter} is {setting}){from}"
+        );
+    }
     match status.control_word {
         Some(word) if status.sent(Stw1::CONTROL_BY_PLC | Stw1::ON) => {
             format!("the last control word, 0x{word:04X}, is still in force")
         }
         _ => "what commanded it last is still in force".to_owned(),
     }
+}
+
+/// What commands a drive that has lost its controller, where that is not the last control word.
+fn by_reaction(loss: &LossReaction) -> Option<(&LossReaction, &str, &str)> {
+    let (parameter, setting) = loss.parameter.as_deref().zip(loss.setting.as_deref())?;
+    loss.commands.then_some((loss, parameter, setting))
 }
 
 fn bus_is_low(status: &DriveStatus) -> bool {

@@ -164,6 +164,67 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
     }
 }
 
+/// The time-out function commands the axis, not the last control word; a motion is begun in no case.
+#[test]
+fn what_a_drive_does_by_itself_is_told_and_not_begun_upon() {
+    let cases = [
+        ("8-04=2", "8-04 is Stop"),
+        ("8-04=3", "8-04 is Jogging"),
+        ("8-04=4", "8-04 is Max. speed"),
+    ];
+    for transport in [Transport::Profinet, Transport::Fc, Transport::Uss] {
+        for (setting, words) in cases {
+            let world = World::new(&model::VLT, transport, 7);
+            set(&world, setting);
+            // 3-42: 60 s to the speed of the motor
+            set(&world, "3-42=6000");
+            desert(&world, "vlt", transport, 900.0);
+            world.pass(SECOND * 3);
+            let at = format!("{transport:?} {setting}: {} rpm", world.speed());
+            let (mut session, mut drive) = world.client("vlt", transport, 2).expect("found");
+            let status = session.status(&mut drive).expect("read");
+            let found = diagnose(&status);
+            assert_eq!(found.cause, Cause::TurnsAlone, "{at}: {found:?}");
+            assert!(
+                found.notes.iter().all(|note| note.id != "moved-from-outside"),
+                "{at}"
+            );
+            assert_eq!(found.actions[0], Action::Stop, "{at}");
+            assert!(
+                found.sentence.contains(words) && !found.sentence.contains("in force"),
+                "{at}: {}",
+                found.sentence
+            );
+            assert_eq!(session.is_enabled(&mut drive).expect("read"), Some(true), "{at}");
+            let wanted = settings(&drive, Purpose::Speed);
+            let error = session
+                .take_axis(&mut drive, wanted)
+                .map(|_| ())
+                .expect_err("it turns");
+            assert!(matches!(error, Error::Ownerless { .. }), "{at}: {error}");
+            assert!(world.speed() > 10.0, "{at}: left alone");
+        }
+    }
+}
+
+/// What a servo drive has no panel for is not sent to one.
+#[test]
+fn local_operation_is_told_in_the_words_of_the_drive() {
+    let world = World::new(&model::AKD, Transport::Profinet, 7);
+    world.look(|drive| drive.inject("local=on".parse().expect("an injection")));
+    world.pass(SECOND);
+    let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
+    let status = session.status(&mut drive).expect("read");
+    assert_eq!(status.local, Some(LocalControl::Elsewhere));
+    let found = diagnose(&status);
+    assert_eq!(found.cause, Cause::LocalOperation);
+    let next = found.next.as_ref().map(ToString::to_string).unwrap_or_default();
+    assert!(
+        !found.sentence.contains("panel") && !next.contains("AUTO"),
+        "{found:?} {next}"
+    );
+}
+
 /// Another client owns the drive: nothing is taken over, and the advice is the controller.
 #[test]
 fn a_drive_with_an_owner_is_not_taken_over() {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::Purpose;
-use profidrive_client::{AxisSettings, Drive, Error, Session, StopOutcome, StopWay};
+use profidrive_client::{AxisSettings, Drive, Error, LocalControl, Session, StopOutcome, StopWay};
 use profile::parameter::{Keep, ParameterAccess};
 use virtual_drive::model::{self, Model as Virtual};
 use virtual_drive::station::AnswerFault;
@@ -224,4 +224,122 @@ fn a_motion_does_not_wait_for_parameters() {
         let took = profidrive_client::Wire::now(&world) - begin;
         assert!(took < SECOND * 5 / 2, "{fault:?}: {took:?}");
     }
+}
+
+/// A drive with a parameter that stops it: what can be done without it follows from who has the control word.
+#[test]
+fn a_stop_by_parameter_that_is_not_answered_is_one_by_the_control_word() {
+    for fault in [AnswerFault::Silent, AnswerFault::Cut] {
+        let world = World::new(&model::AKD, Transport::Profinet, 7);
+        world.answer(fault);
+        let (mut session, mut drive) = found(&world, Transport::Profinet);
+        let begin = session.now();
+        let outcome = session
+            .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+            .expect("nobody has it");
+        // one value alone is not cut: the drive said that its power stage is off
+        let silent = fault == AnswerFault::Silent;
+        assert_eq!(outcome.by_word, silent, "{fault:?}: {outcome:?}");
+        assert!(outcome.at_rest, "{fault:?}: {outcome:?}");
+        assert_eq!(outcome.enabled, Some(false), "{fault:?}");
+        assert!(session.now() - begin < SECOND * 4, "{fault:?}");
+        drop(session);
+
+        let world = World::new(&model::AKD, Transport::Profinet, 7);
+        let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
+        let mut axis = session
+            .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+            .expect("free");
+        let mut enabled = axis.enable().expect("enabled");
+        enabled.reach_speed(300.0, None).expect("runs");
+        world.answer(fault);
+        let (inner, own) = enabled.session();
+        let begin = inner.now();
+        let error = inner
+            .stop_drive(own, StopWay::Stop, SECOND * 10)
+            .expect_err("it has an owner");
+        assert!(
+            matches!(&error, Error::StopUnanswered { controller, command: "DRV.STOP", .. } if controller == "client"),
+            "{fault:?}: {error}"
+        );
+        assert!(
+            error
+                .advice()
+                .is_some_and(|advice| advice.to_string().contains("safety circuit")),
+            "{error}"
+        );
+        assert!(inner.now() - begin < SECOND * 3, "{fault:?}");
+    }
+}
+
+/// Its service channel has enabled it: no control word stops it.
+#[test]
+fn a_drive_enabled_by_its_service_channel_is_not_called_stopped() {
+    let world = World::new(&model::AKD, Transport::Profinet, 7);
+    // DRV.CMDSOURCE, DRV.EN
+    set(&world, 2113, 0);
+    set(&world, 2127, 1);
+    world.pass(SECOND);
+    assert!(world.look(|drive| drive.is_enabled()));
+    world.answer(AnswerFault::Silent);
+    let (mut session, mut drive) = found(&world, Transport::Profinet);
+    let begin = session.now();
+    let error = session
+        .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+        .expect_err("it is local");
+    assert!(
+        matches!(
+            &error,
+            Error::LocalOperation {
+                by: LocalControl::ServiceChannel,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    assert!(session.now() - begin < SECOND * 5, "{:?}", session.now() - begin);
+}
+
+/// The wait that was made is the one that is told.
+#[test]
+fn a_request_that_was_given_up_says_when() {
+    let world = left_running(&model::VLT, "vlt", &[(804, 0)], Transport::Profinet, None);
+    world.answer(AnswerFault::Silent);
+    let (outcome, _) = stopped(&world, Transport::Profinet, "vlt");
+    let cause = outcome.unread.expect("silent");
+    assert!(!cause.contains("90000"), "{cause}");
+}
+
+/// Over a line that carries no speed parameter of a Vacon the speed is that of its replies.
+#[test]
+fn a_stop_at_a_line_tells_the_speed_of_the_replies() {
+    for transport in [Transport::Fc, Transport::Uss] {
+        let world = left_running(&model::VACON, "vacon", &[(733, 0)], transport, None);
+        let (outcome, _) = stopped(&world, transport, "vacon");
+        let before = outcome.percent_before.expect("in every reply");
+        assert!((50.0..70.0).contains(&before), "{transport:?}: {outcome:?}");
+        assert_eq!(outcome.percent, Some(0.0), "{transport:?}");
+    }
+}
+
+/// Whoever interrupts a stop is told which drive that was, and how it was seen last.
+#[test]
+fn an_interrupted_stop_says_how_the_drive_was_seen_last() {
+    let mut seen = 0;
+    for after in [0, 50, 100, 200, 500].map(Duration::from_millis) {
+        let world = left_running(&model::VLT, "vlt", &[(804, 0)], Transport::Profinet, None);
+        let (mut session, mut drive) = found(&world, Transport::Profinet);
+        let (clock, due) = (world.clone(), session.now() + after);
+        session.interrupt_with(move || profidrive_client::Wire::now(&clock) >= due);
+        match session.stop_drive(&mut drive, StopWay::Stop, SECOND * 10) {
+            Ok(outcome) => assert!(outcome.at_rest, "{after:?}: {outcome:?}"),
+            Err(error @ Error::StopInterrupted { .. }) => {
+                let text = error.to_string();
+                assert!(text.starts_with("drive-1: interrupted; "), "{text}");
+                seen += usize::from(text.contains("it was seen last at 9"));
+            }
+            Err(error) => panic!("{after:?}: {error}"),
+        }
+    }
+    assert!(seen > 0);
 }

@@ -154,6 +154,8 @@ parts! {
     /// When its controller is lost, the drive keeps turning with these values. The values of this part and of the other
     /// `loss` parts are those of one parameter; a row without values holds for every value.
     LossKeepsTurning = "loss-keeps-turning";
+    /// With these of the values with which it keeps turning the drive does nothing: its last control word stays in force.
+    LossNone = "loss-none";
     /// When its controller is lost, the drive stops along its ramp with these values.
     LossRamp = "loss-ramp";
     /// When its controller is lost, the drive does a quick stop with these values.

@@ -16,6 +16,7 @@ pub static PARTS: &[PartRow] = &[
     PartRow { part: Part::ControlProfile, pnu: 810, base: None, values: &[] },
     PartRow { part: Part::LostController, pnu: 804, base: None, values: &[2, 5] },
     PartRow { part: Part::LossKeepsTurning, pnu: 804, base: None, values: &[0, 1, 3, 4] },
+    PartRow { part: Part::LossNone, pnu: 804, base: None, values: &[0] },
     PartRow { part: Part::LossRamp, pnu: 804, base: None, values: &[2] },
     PartRow { part: Part::LossStop, pnu: 804, base: None, values: &[5] },
     PartRow { part: Part::LossTime, pnu: 803, base: None, values: &[] },
