@@ -4,16 +4,22 @@ use profile::catalogue::{Parameter, Part};
 use profile::model::Model;
 use profile::notation::Notation;
 use profile::parameter::Saving;
-use profile::state::Mode;
+use profile::state::{Mode, Profile, Stw1};
 use profile::telegram::Telegram;
 use profile::value::{ParameterProblem, Parameters, Selection};
 use profinet::controller::Station;
 use profinet::cyclic::Timing;
 use uss::SlaveId;
 
-use crate::Error;
 use crate::line::Shape;
 use crate::modules::MakerModule;
+use crate::{Action, Error};
+
+/// True where a control word can ask for a jog.
+pub(crate) fn has_jog(words: Profile) -> bool {
+    let jog = Stw1(Stw1::RUN.0 | Stw1::JOG_1.0);
+    words.control(jog) != words.control(Stw1::RUN)
+}
 
 /// A drive that was found.
 #[derive(Debug, Clone)]
@@ -102,6 +108,27 @@ impl Drive {
             _ => Selection::of(parameter, notation).shown(0).to_string(),
         };
         known.map(name).collect()
+    }
+
+    /// Returns the actions that move its axis in this mode (PNU 930) by these control words, as far as its tables say: each
+    /// is one that the drive can do.
+    #[must_use]
+    pub fn motions(&self, mode: Option<Mode>, words: Profile) -> Vec<Action> {
+        let tables = self.model.catalogue;
+        // at a serial line there is a speed setpoint and no position
+        let positions = !self.is_on_line()
+            && tables.is_some_and(|tables| !self.model.learned && tables.device.positions());
+        let part = |part| tables.is_some_and(|tables| tables.part(part).is_some());
+        let motions = [
+            (Action::Run, mode != Some(Mode::Position)),
+            (Action::Move, positions && mode != Some(Mode::Velocity)),
+            (
+                Action::Jog,
+                has_jog(words) && (part(Part::Jog1) || part(Part::JogOnly)),
+            ),
+        ];
+        let can = motions.into_iter().filter(|(_, can)| *can);
+        can.map(|(action, _)| action).collect()
     }
 
     /// Says whether the drive can do what needs this mode, as far as its telegrams are known.

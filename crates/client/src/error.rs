@@ -280,6 +280,14 @@ pub enum Error {
         /// Its model.
         model: &'static str,
     },
+    /// A drive whose control word has no bit for it was to jog. Nothing was sent.
+    #[error("{drive} does not jog: its control word ({profile}) has no bit for it")]
+    NoJog {
+        /// The drive.
+        drive: String,
+        /// Whose bits the control word has.
+        profile: &'static str,
+    },
     /// No telegram of the drive carries what is needed.
     #[error("{drive}: {problem}")]
     Telegram {

@@ -183,7 +183,7 @@ impl Error {
             Self::NotAtRest { .. } => {
                 "switch it off first (OFF1, or stop its controller); {status} says why it is on".into()
             }
-            Self::SpeedOnly { .. } => "{run} turns it at a speed".into(),
+            Self::SpeedOnly { .. } | Self::NoJog { .. } => "{run} turns it at a speed".into(),
             Self::WrongMode { needed, .. } => match needed {
                 Mode::Velocity => "{write 930=1} changes it, {choose mode} does for this one command",
                 Mode::Position => "{write 930=2} changes it, {choose mode} does for this one command",

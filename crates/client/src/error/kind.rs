@@ -118,6 +118,7 @@ impl Error {
             | Self::Objections { .. }
             | Self::WrongMode { .. }
             | Self::SpeedOnly { .. }
+            | Self::NoJog { .. }
             | Self::NotAtRest { .. }
             | Self::ScaleChanged { .. } => ErrorKind::Safety,
             Self::NotEnabled { .. }

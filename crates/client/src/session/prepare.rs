@@ -3,7 +3,7 @@
 use profile::catalogue::{Device, Part};
 use profile::notation::ParameterReference;
 use profile::parameter::pnu;
-use profile::state::{Mode, Zsw1};
+use profile::state::{Mode, Profile, Zsw1};
 use profile::telegram::Telegram;
 
 use super::mode::mode_of;
@@ -14,6 +14,7 @@ use crate::axis::{
     Choice, ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit,
     Wiring, choose_telegram, named_telegram, plan_move, process_words,
 };
+use crate::drive::has_jog;
 use crate::error::mode_words;
 use crate::{Action, Drive, Error, Wire};
 use profile::value::{Reading, Selection};
@@ -86,6 +87,17 @@ pub(super) struct Prepared {
     pub acceleration: Option<f64>,
     /// DRV.DEC likewise.
     pub deceleration: Option<f64>,
+}
+
+/// A bit that the control word does not have is sent in vain.
+fn check_jog(drive: &Drive, purpose: Purpose, profile: Profile) -> Result<(), Error> {
+    if purpose == Purpose::Jog && !has_jog(profile) {
+        return Err(Error::NoJog {
+            drive: drive.label(),
+            profile: profile.name(),
+        });
+    }
+    Ok(())
 }
 
 impl<M: Wire> Session<M> {
@@ -208,6 +220,7 @@ impl<M: Wire> Session<M> {
                 });
             }
             let profile = told.profile(drive, Some(wiring.telegram()));
+            check_jog(drive, purpose, profile)?;
             let (scale, ramps) = scale_of(drive, &told, wiring.telegram(), settings)?;
             return Ok(Prepared {
                 mode,
@@ -235,6 +248,7 @@ impl<M: Wire> Session<M> {
         }
         let telegram = Telegram::find(choice.wiring.telegram(), drive.station.vendor_id);
         let profile = drive.model.words.of(telegram, told.raw(Part::ControlProfile));
+        check_jog(drive, purpose, profile)?;
         let (scale, ramps) = scale_of(drive, &told, choice.wiring.telegram(), settings)?;
         Ok(Prepared {
             mode,

@@ -2,7 +2,7 @@
 
 use profile::catalogue::Part;
 use profile::parameter::pnu;
-use profile::state::{State, Zsw1};
+use profile::state::{Mode, State, Zsw1};
 use profile::telegram::{Telegram, signal};
 
 use super::{Session, loss};
@@ -84,6 +84,11 @@ impl<M: Wire> Session<M> {
             let raw = told.raw(part)?;
             Some(f64::from(raw as i32) / drive.counts_per_turn())
         };
+        let mode = match word(pnu::OPERATING_MODE) {
+            Some(1) => Some(Mode::Velocity),
+            Some(2) => Some(Mode::Position),
+            _ => None,
+        };
         let speed_actual = told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual));
         Ok(DriveStatus {
             drive: drive.label(),
@@ -100,6 +105,7 @@ impl<M: Wire> Session<M> {
             carries_speed: carries(signal::NSOLL_A),
             carries_tasks: carries(signal::SATZANW),
             mode: word(pnu::OPERATING_MODE),
+            motions: drive.motions(mode, profile),
             command_source: told.word(Part::CommandSource),
             command_source_text: told.find(Part::CommandSource).and_then(|reading| reading.choice),
             disable_sources: told.word(Part::DisableSources),

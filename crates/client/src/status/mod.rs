@@ -46,6 +46,8 @@ pub struct DriveStatus {
     pub carries_tasks: Option<bool>,
     /// PNU 930: 1 speed control, 2 positioning.
     pub mode: Option<u16>,
+    /// What moves its axis in this mode, of what the drive can do.
+    pub motions: Vec<Action>,
     /// DRV.CMDSOURCE: 1 is the field bus.
     pub command_source: Option<u16>,
     /// What DRV.CMDSOURCE is called.

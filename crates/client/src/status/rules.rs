@@ -69,7 +69,7 @@ causes! {
     /// The status word cannot be read.
     Silent = "silent", Held,
         |s| s.zsw1.is_none(),
-        |_| "the drive does not tell its status word".into(),
+        |_| "the drive does not report its status word".into(),
         "{info} shows what it tells";
     /// ZSW1 bit 3.
     Fault = "fault", Held,
@@ -147,7 +147,7 @@ causes! {
     NoController = "no-controller", Waits,
         |s| s.controller == Some(None) && !turns(s),
         |s| format!("nobody commands it: no controller is connected{}", stands_in(s)),
-        "start the controller, or take the axis with {run}, {move} or {jog}";
+        "start the controller";
     /// Nobody is connected, its power stage is off, and it turns.
     MovedFromOutside = "moved-from-outside", Held,
         |s| s.controller == Some(None) && s.unpowered(),
@@ -404,6 +404,9 @@ pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<Advice> {
     if let (Cause::LocalOperation, Some(local)) = (rule.cause, &status.local) {
         return Some(local.remedy().into());
     }
+    if rule.cause == Cause::NoController && !status.motions.is_empty() {
+        return Some(taking(rule.next, &status.motions));
+    }
     let own = makes::advice(rule.cause, status.make);
     let general = || makes::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
     let next = own.map_or_else(general, str::to_owned);
@@ -411,6 +414,16 @@ pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<Advice> {
         return Some(fault_advice(status, &next));
     }
     (!next.is_empty()).then(|| next.as_str().into())
+}
+
+/// What else can command the axis: that of the actions that the drive can do.
+fn taking(next: &str, motions: &[Action]) -> Advice {
+    let names: Vec<String> = motions.iter().map(|action| format!("{{{action}}}")).collect();
+    let listed = match names.as_slice() {
+        [more @ .., last] if !more.is_empty() => format!("{} or {last}", more.join(", ")),
+        one => one.concat(),
+    };
+    format!("{next}, or take the axis with {listed}").as_str().into()
 }
 
 /// What ends the faults that are present: the remedy of the first by the table, then `acknowledge`, or a restart where

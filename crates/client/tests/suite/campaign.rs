@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::{Jog, Move, Purpose};
-use profidrive_client::status::{Diagnosis, diagnose};
+use profidrive_client::status::{Cause, Diagnosis, diagnose};
 use profidrive_client::{Action, Advice, AxisSettings, Drive, Error, Session, StopWay, WriteMode};
 use profile::notation::Position;
 use profile::parameter::{Keep, ParameterAccess};
@@ -42,7 +42,7 @@ enum Motion {
 use Motion::{Home, Jog as Jogging, Move as Moving, Run};
 use Transport::{Fc, Profinet, Uss};
 
-const SUBJECTS: [Subject; 5] = [
+const SUBJECTS: [Subject; 6] = [
     Subject {
         model: &model::AKD,
         name: "akd",
@@ -50,6 +50,14 @@ const SUBJECTS: [Subject; 5] = [
         settings: &[&[(2158, 0)], &[(2158, 1)]],
         motions: &[Run, Jogging, Moving, Home],
         transports: &[Profinet],
+    },
+    // no setting of it is about a line
+    Subject {
+        model: &model::AKD,
+        name: "akd",
+        settings: &[&[]],
+        motions: &[Run, Jogging],
+        transports: &[Fc, Uss],
     },
     Subject {
         model: &model::VLT,
@@ -76,6 +84,7 @@ const SUBJECTS: [Subject; 5] = [
         motions: &[Run, Jogging],
         transports: &[Profinet],
     },
+    // its control word at a line has no jog
     Subject {
         model: &model::VACON,
         name: "vacon",
@@ -129,6 +138,15 @@ fn found(world: &World, subject: &Subject, transport: Transport, seed: u64) -> (
     (session, drive)
 }
 
+/// What takes an axis for this: a drive that does not tell its reference is told it.
+fn settings_for(drive: &Drive, purpose: Purpose) -> AxisSettings {
+    let told = drive.model.catalogue.is_some() && !drive.is_on_line();
+    AxisSettings {
+        reference_speed: (!told).then_some(1500.0),
+        ..AxisSettings::for_purpose(purpose)
+    }
+}
+
 /// The motion that something happens to. How it ends does not matter here.
 fn motion(session: &mut Session<World>, drive: &mut Drive, motion: Motion) -> Result<(), Error> {
     let purpose = match motion {
@@ -137,12 +155,7 @@ fn motion(session: &mut Session<World>, drive: &mut Drive, motion: Motion) -> Re
         Moving => Purpose::Move,
         Home => Purpose::Home,
     };
-    let told = drive.model.catalogue.is_some() && !drive.is_on_line();
-    let settings = AxisSettings {
-        reference_speed: (!told).then_some(1500.0),
-        ..AxisSettings::for_purpose(purpose)
-    };
-    let mut axis = session.take_axis(drive, settings)?;
+    let mut axis = session.take_axis(drive, settings_for(drive, purpose))?;
     let mut enabled = axis.enable()?;
     match motion {
         Run => {
@@ -204,8 +217,22 @@ fn carry_out(session: &mut Session<World>, drive: &mut Drive, action: &Action) -
             }
             Ok(())
         }
-        // what begins a motion is no advice that brings an axis to rest
-        Action::Run | Action::Move | Action::Jog | Action::Home => Ok(()),
+        // what begins a motion is not begun here, but everything that it needs is there
+        Action::Run => session
+            .plan_axis(drive, &settings_for(drive, Purpose::Speed))
+            .map(drop),
+        Action::Move => session
+            .plan_axis(drive, &settings_for(drive, Purpose::Move))
+            .map(drop),
+        Action::Jog => {
+            session.jog_speed(drive, Jog::One)?;
+            session
+                .plan_axis(drive, &settings_for(drive, Purpose::Jog))
+                .map(drop)
+        }
+        Action::Home => session
+            .plan_axis(drive, &settings_for(drive, Purpose::Home))
+            .map(drop),
         Action::Status | Action::Info | Action::Faults | Action::Find { .. } => Ok(()),
         other => panic!("{other}: not carried out by this test yet"),
     }
@@ -220,13 +247,16 @@ struct Case<'a> {
     seed: u64,
 }
 
-fn try_out(case: &Case<'_>, at: &str) {
+/// Tries a case; gives the highest speed before somebody came, rpm.
+fn try_out(case: &Case<'_>, at: &str) -> f64 {
     let mut random = Random(case.seed ^ 0x9E37_79B9_7F4A_7C15);
     let world = World::new(case.subject.model, case.transport, case.seed);
     prepare(&world, case.settings);
-    if matches!(case.motion, Moving | Home) {
-        // positioning, and a way to home that takes its time
-        prepare(&world, &[(930, 2)]);
+    match case.motion {
+        Moving => prepare(&world, &[(930, 2)]),
+        // HOME.MODE 1 searches a limit switch, at 300 rpm (HOME.V_32): there is none
+        Home => prepare(&world, &[(930, 2), (2203, 1), (2210, 300_000)]),
+        Run | Jogging => {}
     }
     let accident = match case.accident {
         "killed" => Accident::Killed,
@@ -244,9 +274,11 @@ fn try_out(case: &Case<'_>, at: &str) {
     world.pass(random.time(SECOND * 3));
     // the cable is in again when somebody comes
     world.pass(SECOND * 5);
+    let fastest = world.fastest();
     let (mut session, mut drive) = found(&world, case.subject, case.transport, 2);
     let mut last = String::new();
     for _ in 0..MOST_ROUNDS {
+        let powered = world.look(|drive| drive.is_enabled());
         let status = session
             .status(&mut drive)
             .unwrap_or_else(|error| panic!("{at}: status: {error}"));
@@ -263,9 +295,17 @@ fn try_out(case: &Case<'_>, at: &str) {
             |action: &Action| matches!(action, Action::Stop | Action::Disable | Action::Acknowledge);
         if actions.iter().any(recovers) {
             assert!(world.fastest() <= before + 10.0, "{at}: faster by {actions:?}");
-        } else if world.speed().abs() < 1.0 {
+            continue;
+        }
+        let powered = powered && world.look(|drive| drive.is_enabled());
+        assert!(!powered, "{at}: nothing ends its operation: {last}");
+        if world.speed().abs() < 1.0 {
             break;
         }
+        // what has no power coasts, and that is what is said of it
+        assert_eq!(diagnosis.cause, Cause::MovedFromOutside, "{at}: {last}");
+        world.pass(SECOND * 10);
+        assert!(world.fastest() <= before + 1.0, "{at}: faster by itself");
     }
     let (speed, enabled) = (world.speed(), world.look(|drive| drive.is_enabled()));
     assert!(
@@ -273,6 +313,21 @@ fn try_out(case: &Case<'_>, at: &str) {
         "{at}: {speed} rpm, enabled {enabled}: {last}"
     );
     session.close().expect("closed");
+    fastest
+}
+
+/// What it cannot do is refused before anything is sent, and `status` does not recommend it.
+#[test]
+fn a_vacon_at_a_line_neither_jogs_nor_is_told_to() {
+    for transport in [Fc, Uss] {
+        let world = World::new(&model::VACON, transport, 1);
+        let (mut session, mut drive) = world.client("vacon", transport, 1).expect("found");
+        let error = motion(&mut session, &mut drive, Jogging).expect_err("it has no jog");
+        assert!(matches!(error, Error::NoJog { .. }), "{error}");
+        let diagnosis = diagnose(&session.status(&mut drive).expect("a status"));
+        assert_eq!(diagnosis.cause, Cause::NoController);
+        assert_eq!(recommended(&diagnosis), [Action::Run]);
+    }
 }
 
 #[test]
@@ -282,6 +337,7 @@ fn whatever_happens_to_a_client_the_advice_of_status_brings_the_axis_to_rest() {
         for &transport in subject.transports {
             for &settings in subject.settings {
                 for &motion in subject.motions {
+                    let mut fastest: f64 = 0.0;
                     for accident in ["killed", "frozen", "cable out"] {
                         for seed in 0..SEEDS {
                             let case = Case {
@@ -296,10 +352,15 @@ fn whatever_happens_to_a_client_the_advice_of_status_brings_the_axis_to_rest() {
                                 "{} {transport:?} {settings:?} {motion:?} {accident} seed {seed}",
                                 subject.name
                             );
-                            try_out(&case, &at);
+                            fastest = fastest.max(try_out(&case, &at));
                             cases += 1;
                         }
                     }
+                    let name = subject.name;
+                    assert!(
+                        fastest > 40.0,
+                        "{name} {transport:?} {motion:?}: {fastest} rpm is no motion"
+                    );
                 }
             }
         }
