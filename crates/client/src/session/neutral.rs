@@ -39,14 +39,15 @@ impl<M: Wire> Session<M> {
         if self.is_closed(drive, Route::Controller) {
             return Err(self.no_route(drive));
         }
+        // an owner keeps others out however they come: that is told before what else stands in the way
+        let owner = self.glance_record(drive, 0, (0, 1), index::AR_DATA)?;
+        if let Some(Some(controller)) = owner.and_then(|data| controller_of(&data, &[])) {
+            return Err(self.owned(drive, Some(controller)));
+        }
         if !self.calls {
             let reason = "UDP port 34964, on which the device calls, is in use by another program".into();
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));
-        }
-        let owner = self.glance_record(drive, 0, (0, 1), index::AR_DATA)?;
-        if let Some(Some(controller)) = owner.and_then(|data| controller_of(&data, &[])) {
-            return Err(self.owned(drive, Some(controller)));
         }
         let apis = self.glance_record(drive, 0, (0, 1), index::API_DATA)?;
         let apis = apis.and_then(|data| decode_apis(Reader::new(&data)).ok());

@@ -536,6 +536,35 @@ fn an_axis_takes_the_place_of_the_connection_for_parameters() {
 }
 
 #[test]
+fn a_controller_is_named_before_a_port_that_is_in_use() {
+    let refusals = Refusals {
+        device_access: Some(NO_AR_TYPE),
+        ..Refusals::default()
+    };
+    let (plc, _) = vlt_controller();
+    let mut segment = Segment::new(7);
+    segment.attach(station(&model::VLT, refusals));
+    let plc = segment.attach(plc);
+    let medium = SegmentMedium::new(segment, Pace::Virtual);
+    let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
+    // the program that is the controller has it: on the same computer
+    let mut session = Session::new(medium, config).without_calls();
+    session.pass(Duration::from_secs(2)).expect("time passes");
+    let mut drive = find(&mut session, "drive-1").expect("there");
+    for _ in 0..2 {
+        let error = read(&mut session, &mut drive, "3-41").expect_err("owned");
+        let Error::ParametersOwned { controller, .. } = &error else {
+            panic!("{error}")
+        };
+        assert_eq!(controller.as_deref(), Some("plc"), "{error}");
+    }
+    session.medium_mut().segment_mut().detach(plc);
+    session.pass(Duration::from_secs(5)).expect("time passes");
+    let error = read(&mut session, &mut drive, "3-41").expect_err("no calls");
+    assert!(error.to_string().contains("UDP port 34964"), "{error}");
+}
+
+#[test]
 fn beside_a_controller_that_the_device_does_not_report_the_refusal_is_an_owner() {
     let refusals = Refusals {
         device_access: Some(NO_AR_TYPE),
