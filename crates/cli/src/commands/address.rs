@@ -84,11 +84,11 @@ fn at_work(error: Error) -> Failure {
     let hint = match &error {
         Error::AtWork { drive, works, .. } => match works {
             AtWork::Controller(_) => {
-                "its axis would lose the controller; `profidrive blink` shows which drive it is, --force goes on all the same"
+                "its axis would lose the controller; `profidrive blink` shows which drive it is; --force asks the drive all the same, which may refuse"
                     .to_owned()
             }
             AtWork::Turns(_) | AtWork::Enabled => format!(
-                "it would lose its parameters under way and coast; `profidrive stop {} --disable` stops it, --force goes on all the same",
+                "it would lose its parameters under way and coast; `profidrive stop {} --disable` stops it; --force asks the drive all the same, which may refuse",
                 drive
             ),
         },
@@ -241,21 +241,24 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
     } else {
         session.reset_at_work(&drive, mode)
     };
-    done.map_err(|error| {
-        let refused = matches!(error, Error::Dcp { .. });
-        let failure = at_work(error);
-        if refused && failure.exit == Exit::Refused {
-            failure.hint(OFFERED)
-        } else {
-            failure
-        }
-    })?;
+    done.map_err(not_reset)?;
     output.say(&format!("{} reset: {what}", drive.label()));
     if output.json() {
         let fields = fields! { "mac": drive.station.mac.to_string(), "mode": mode, "what": what };
         output.document("reset", fields);
     }
     Ok(())
+}
+
+/// Why a reset was not done. A refusal that names its reason has its own advice.
+fn not_reset(error: Error) -> Failure {
+    let refused = matches!(error, Error::Dcp { .. });
+    let failure = at_work(error);
+    if refused && failure.exit == Exit::Refused && failure.hint.is_none() {
+        failure.hint(OFFERED)
+    } else {
+        failure
+    }
 }
 
 /// No station tells by DCP which resets it offers.
@@ -312,6 +315,9 @@ fn is_yes(answer: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use profinet::controller::DcpError;
+    use profinet::wire::dcp::{BlockError, DcpOption};
+
     use super::*;
 
     #[test]
@@ -344,6 +350,26 @@ mod tests {
             assert_eq!((failure.exit, failure.message.as_str()), (Exit::Safety, message));
             assert!(failure.hint.is_some_and(|text| text.contains(hint)));
         }
+    }
+
+    #[test]
+    fn a_reset_refused_in_operation_is_not_one_that_is_not_offered() {
+        let refused = |error| {
+            let option = DcpOption::FACTORY_RESET;
+            not_reset(Error::Dcp {
+                drive: "akd-1".into(),
+                what: "reset",
+                error: DcpError::Refused { option, error },
+            })
+        };
+        let running = refused(BlockError::InOperation);
+        assert_eq!(running.exit, Exit::Refused);
+        let hint = running.hint.unwrap_or_default();
+        assert!(hint.contains("stop the motor first"), "{hint}");
+        assert_eq!(
+            refused(BlockError::SuboptionUnsupported).hint.as_deref(),
+            Some(OFFERED)
+        );
     }
 
     #[test]
