@@ -12,7 +12,7 @@ use client::{
 };
 use profile::notation::Quantity;
 use profile::state::Mode;
-use profinet::cyclic::Timing;
+use profinet::cyclic::{CyclicStatistics, Timing};
 use serde_json::{Map, Value};
 
 use crate::advice;
@@ -288,6 +288,9 @@ fn warn_strained(strained: &Strained, command: &str, output: &Output) {
 
 /// The options of a cycle with more room, or the advice of one that is as long as it gets.
 fn calmer(strained: &Strained) -> String {
+    if strained.is_short_of_patience() {
+        return "leave out --watchdog".to_owned();
+    }
     let needed = Cycle::CALM.max(strained.delay * 2);
     let cycle = [16_u16, 32, 64, 128].map(|millis| Duration::from_millis(millis.into()));
     match cycle.into_iter().find(|&cycle| cycle >= needed) {
@@ -379,12 +382,7 @@ pub fn finish(
     };
     let stopped = released.is_ok() && (result.is_ok() || interrupted);
     if let Some(statistics) = statistics {
-        output.say(&format!(
-            "{} cyclic frames received, {} missed, longest gap {:.1} ms",
-            statistics.received,
-            statistics.missed,
-            statistics.longest_gap.as_secs_f64() * 1000.0
-        ));
+        output.say(&frames(&statistics));
     }
     if stopped {
         output.say(match rest {
@@ -405,6 +403,17 @@ pub fn finish(
         output.event(command, document);
     }
     result.and(released.map(|_| ()))
+}
+
+/// What the cyclic connection was like. Which frames are missing between two that came their counter tells; how long none
+/// came is a time of this computer, which may have slept.
+fn frames(statistics: &CyclicStatistics) -> String {
+    format!(
+        "{} cyclic frames received, {} lost between them, longest time without one {:.1} ms",
+        statistics.received,
+        statistics.missed,
+        statistics.longest_gap.as_secs_f64() * 1000.0
+    )
 }
 
 /// How a motion ended that was not to end so.
@@ -507,8 +516,22 @@ mod tests {
             calmer(&cycle.judge(millis(delay)).unwrap())
         };
         assert_eq!(advice(4, 3, 6), "leave out --cycle and --watchdog");
+        assert_eq!(advice(16, 1, 0), "leave out --watchdog");
         assert_eq!(advice(16, 7, 17), "use `--cycle 64ms --watchdog 7`");
         assert_eq!(advice(16, 7, 400), "close the programs that keep it busy");
+    }
+
+    #[test]
+    fn a_silence_is_no_contradiction_to_frames_that_are_all_there() {
+        let slept = CyclicStatistics {
+            received: 40,
+            longest_gap: Duration::from_micros(1_161_200),
+            ..CyclicStatistics::default()
+        };
+        assert_eq!(
+            frames(&slept),
+            "40 cyclic frames received, 0 lost between them, longest time without one 1161.2 ms"
+        );
     }
 
     #[test]

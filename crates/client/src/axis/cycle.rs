@@ -112,11 +112,26 @@ pub struct Strained {
     pub delay: Duration,
 }
 
+impl Strained {
+    /// True where this computer keeps to the cycle, and the watchdog alone leaves no room.
+    #[must_use]
+    pub fn is_short_of_patience(&self) -> bool {
+        self.delay < self.cycle.interval()
+    }
+}
+
 impl fmt::Display for Strained {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let millis = |time: Duration| (time.as_secs_f64() * 10_000.0).round() / 10.0;
         let (cycle, delay) = (millis(self.cycle.interval()), millis(self.delay));
         let hold = millis(self.cycle.hold_time());
+        if self.is_short_of_patience() {
+            return write!(
+                f,
+                "a watchdog of {hold} ms is too short for a cycle of {cycle} ms: after {hold} ms without a frame the \
+                 connection is lost, and frames may be {delay} ms late on this PC"
+            );
+        }
         write!(
             f,
             "this PC holds a cycle of {cycle} ms badly: longest delay {delay} ms; after {hold} ms without a frame the \
@@ -177,9 +192,11 @@ mod tests {
         let patient = Cycle::choose(&[], MS, Some(MS * 4), None).unwrap();
         assert!(patient.judge(MS * 4).is_some(), "a frame is missed");
         let hasty = Cycle::choose(&[], MS, None, Some(1)).unwrap();
-        assert!(
-            hasty.judge(Duration::ZERO).is_some(),
-            "no frame may be late at all"
+        let strained = hasty.judge(MS / 10).expect("no frame may be late at all");
+        assert_eq!(
+            strained.to_string(),
+            "a watchdog of 16 ms is too short for a cycle of 16 ms: after 16 ms without a frame the connection is lost, and \
+             frames may be 0.1 ms late on this PC"
         );
     }
 }
