@@ -211,7 +211,8 @@ pub struct Drive {
 /// What every command says that takes the axis.
 const CYCLIC: &str = "It takes the one cyclic connection of the drive, as a controller does: while a controller has it the \
 drive refuses, and only one program on a computer can have such connections (UDP port 34964). `read`, `write`, `status`, \
-`monitor` and `stop` work beside it.";
+`monitor` and `stop` work beside it. A serial line is different: one program at a time has it, so nothing works beside \
+this command there; end it first (Ctrl-C), then `stop`.";
 
 #[derive(Debug, Args)]
 pub struct Cyclic {

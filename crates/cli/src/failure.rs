@@ -162,7 +162,15 @@ impl From<OpenError> for Failure {
     fn from(error: OpenError) -> Self {
         match error {
             OpenError::Network(error) => error.into(),
-            OpenError::Serial(error) => error.into(),
+            OpenError::Serial(error) => {
+                let busy = matches!(error, network::serial::Error::Busy { .. });
+                let mut failure = Self::from(error);
+                // that program may have left an axis turning
+                if let (true, Some(hint)) = (busy, &mut failure.hint) {
+                    hint.push_str("; then `profidrive stop DRIVE` brings its axis to rest");
+                }
+                failure
+            }
             OpenError::NoInterface { ref existing } => {
                 let there = match existing.as_slice() {
                     [] => "there is none".to_owned(),

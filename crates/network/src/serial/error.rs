@@ -21,10 +21,12 @@ pub enum Error {
         port: String,
     },
     /// Another program has it.
-    #[error("the serial port {port} is in use by another program")]
+    #[error("the serial port {port} is in use by {}", by(holders))]
     Busy {
         /// The port.
         port: String,
+        /// Who, as far as the system lets it be seen.
+        holders: Vec<Holder>,
     },
     /// It is something else than a serial port.
     #[error("{port} is no serial port")]
@@ -62,6 +64,28 @@ pub enum Error {
     },
 }
 
+/// A process that has a port open.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Holder {
+    /// Number of the process.
+    pub number: u32,
+    /// Name of its program.
+    pub program: String,
+}
+
+/// `process 4711 (profidrive)`
+fn by(holders: &[Holder]) -> String {
+    let each = holders
+        .iter()
+        .map(|Holder { number, program }| format!("process {number} ({program})"));
+    let all: Vec<String> = each.collect();
+    if all.is_empty() {
+        "another program".to_owned()
+    } else {
+        all.join(" and ")
+    }
+}
+
 impl Error {
     /// What one can do about it, where that is known.
     #[must_use]
@@ -74,7 +98,16 @@ impl Error {
             Self::NoPermission { .. } => Some(
                 "the group of the port is usually dialout: sudo usermod -a -G dialout $USER, then log in anew".to_owned(),
             ),
-            Self::Busy { port } => Some(format!("find it: fuser -v {port}")),
+            Self::Busy { holders, .. } if !holders.is_empty() => {
+                let numbers: Vec<String> = holders.iter().map(|holder| holder.number.to_string()).collect();
+                let numbers = numbers.join(" ");
+                Some(format!(
+                    "one program at a time has a line: end that process: kill {numbers}; kill -KILL {numbers} where it does not end"
+                ))
+            }
+            Self::Busy { port, .. } => Some(format!(
+                "one program at a time has a line: find that process (as root: fuser -v {port}) and end it"
+            )),
             Self::Gone { .. } => Some("plug the adapter in again".to_owned()),
             Self::Stuck { .. } => Some("the adapter hangs: unplug it and plug it in again".to_owned()),
             _ => None,

@@ -9,7 +9,7 @@
 mod error;
 mod port;
 
-pub use error::Error;
+pub use error::{Error, Holder};
 pub use port::{Parity, Port, Settings};
 
 use profinet::Instant;

@@ -9,7 +9,7 @@ use std::time::Duration;
 use profinet::Instant;
 use serialport::{DataBits, FlowControl, SerialPort, StopBits, TTYPort};
 
-use super::Error;
+use super::{Error, Holder};
 use crate::linux::{Stop, now};
 
 /// How long the port may take no octets at all.
@@ -194,22 +194,48 @@ fn opening(name: &str, error: &serialport::Error) -> Error {
             existing: existing(),
         },
         Err(source) if source.kind() == ErrorKind::PermissionDenied => Error::NoPermission { port },
-        Err(source) if source.raw_os_error() == Some(libc::EBUSY) => Error::Busy { port },
+        Err(source) if source.raw_os_error() == Some(libc::EBUSY) => busy(port),
         Err(source) if source.raw_os_error() == Some(libc::EIO) => Error::Gone { port },
         Err(source) => Error::System { port, source },
         Ok(false) => Error::NotSerial { port },
         Ok(true) => match error.kind() {
             // the lock of another program that does not take the port for itself alone
-            serialport::ErrorKind::NoDevice => Error::Busy { port },
-            serialport::ErrorKind::Io(ErrorKind::WouldBlock | ErrorKind::ResourceBusy) => {
-                Error::Busy { port }
-            }
+            serialport::ErrorKind::NoDevice => busy(port),
+            serialport::ErrorKind::Io(ErrorKind::WouldBlock | ErrorKind::ResourceBusy) => busy(port),
             _ => Error::Settings {
                 port,
                 reason: error.to_string(),
             },
         },
     }
+}
+
+fn busy(port: String) -> Error {
+    let holders = holders(&port).unwrap_or_default();
+    Error::Busy { port, holders }
+}
+
+/// The processes that have a port open; those of other users only root sees.
+fn holders(port: &str) -> io::Result<Vec<Holder>> {
+    let device = fs::canonicalize(port)?;
+    let opens = |process: &Path| {
+        let files = fs::read_dir(process.join("fd")).into_iter().flatten().flatten();
+        files
+            .filter_map(|file| fs::read_link(file.path()).ok())
+            .any(|file| file == device)
+    };
+    let mut holders = Vec::new();
+    for entry in fs::read_dir("/proc")?.flatten() {
+        let number = entry.file_name().to_str().and_then(|name| name.parse().ok());
+        if let Some(number) = number.filter(|_| opens(&entry.path())) {
+            let program = fs::read_to_string(entry.path().join("comm")).unwrap_or_default();
+            holders.push(Holder {
+                number,
+                program: program.trim_end().to_owned(),
+            });
+        }
+    }
+    Ok(holders)
 }
 
 /// Opens a file without waiting for a modem; says whether it is a terminal.
@@ -305,6 +331,15 @@ mod tests {
         let _first = Port::open(&name, Settings::new(9600)).unwrap();
         let second = open(&name);
         assert!(matches!(second, Error::Busy { .. }), "{second:?}");
+        // the port is this test's own
+        let number = std::process::id();
+        assert!(
+            second
+                .to_string()
+                .contains(&format!("in use by process {number} (")),
+            "{second}"
+        );
+        assert!(second.hint().unwrap().contains(&format!("kill {number};")));
         let none = Error::NoPermission {
             port: "/dev/ttyS0".into(),
         };
