@@ -25,11 +25,16 @@ const ON_THE_CLOCK: [&str; 4] = [
 ];
 
 /// What is done instead of a command, each for its reason.
-const INSTEAD: [(&str, &str); 4] = [
+const INSTEAD: [(&str, &str); 5] = [
     // this test is a part of it
     ("make test", ":"),
     // what the Makefile runs, built already
-    ("make demo", "profidrive demo --fast"),
+    ("make demo", "\"$BUILT\" demo --fast"),
+    // what this test has built is where README says
+    (
+        "cargo build --release -p profidrive-cli",
+        "mkdir -p target/release; ln -s \"$BUILT\" target/release/profidrive",
+    ),
     // the shell is in a namespace of its own already
     ("unshare ", ":"),
     // the description of any maker
@@ -153,7 +158,7 @@ fn words(line: &str, moment: bool) -> Vec<String> {
         let after = after.trim_end_matches([',', ';', ')']);
         let digits = word.trim_start_matches('(');
         let of_the_moment =
-            matches!(after, "s" | "ms" | "cyclic" | "missed") || matches!(before, "actual" | "at");
+            matches!(after, "s" | "ms" | "cyclic" | "lost") || matches!(before, "actual" | "at");
         words.push(match digits.parse::<f64>() {
             Ok(_) if of_the_moment && is_number(word) => "#".into(),
             Ok(counts) if after == "counts" => format!("{:.0}00", counts / 100.0),
@@ -190,8 +195,8 @@ fn session(steps: &[Step]) -> Result<(), String> {
     let lab = Lab::new("readme");
     let program = built("profidrive");
     let mut script = format!(
-        "exec 2>&1\nexport PATH={}:$PATH DESCRIPTION={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD\n",
-        program.parent().unwrap().display(),
+        "exec 2>&1\nexport BUILT={} DESCRIPTION={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD\n",
+        program.display(),
         root().join(DESCRIPTION).display(),
         lab.folder().display()
     );

@@ -290,17 +290,28 @@ fn above(speed: f64, facts: &MotionFacts) -> Option<(f64, Option<Part>)> {
     Some((limit, part))
 }
 
+/// Where the limit of a direction is 0 the drive turns in the other one only.
+fn beyond(speed: f64, limit: f64, by: &str) -> String {
+    let asked = number(speed);
+    if limit > 0.0 {
+        return format!(
+            "{asked} rpm is above the limit of the drive, {} rpm{by}",
+            number(limit)
+        );
+    }
+    let only = if speed < 0.0 { "forward" } else { "backward" };
+    format!("{asked} rpm is in a direction that the drive does not allow: it turns {only} only{by}")
+}
+
 fn too_fast(speed: f64, limit: f64, part: Option<Part>, drive: &Drive) -> Failure {
     let named = part.map_or_else(Vec::new, |part| drive.named(&[part]));
     let by = named
         .first()
         .map_or_else(String::new, |name| format!(" ({name})"));
-    let (speed, limit) = (number(speed), number(limit));
-    let message = format!(
-        "{}: {speed} rpm is above the limit of the drive, {limit} rpm{by}",
-        drive.label()
+    let failure = Failure::new(
+        Exit::Safety,
+        format!("{}: {}", drive.label(), beyond(speed, limit, &by)),
     );
-    let failure = Failure::new(Exit::Safety, message);
     match named.first() {
         Some(name) => failure.hint(format!(
             "`profidrive describe {} {}` shows it; ask for a speed within it",
@@ -325,5 +336,13 @@ mod tests {
         };
         assert_eq!(above(1000.0, &facts), None);
         assert_eq!(above(-600.0, &facts), Some((500.0, Some(Part::BackwardLimit))));
+        assert_eq!(
+            beyond(-600.0, 500.0, ""),
+            "-600 rpm is above the limit of the drive, 500 rpm"
+        );
+        assert_eq!(
+            beyond(-700.0, 0.0, " (3-00)"),
+            "-700 rpm is in a direction that the drive does not allow: it turns forward only (3-00)"
+        );
     }
 }

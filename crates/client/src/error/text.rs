@@ -79,7 +79,7 @@ pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
 pub(super) const fn unit_text(wanted: SpeedUnit) -> &'static str {
     match wanted {
         SpeedUnit::Rpm => {
-            "its speed setpoint is a share of its reference, and how many rpm that is nobody knows"
+            "its speed setpoint is a percentage of its reference speed, which is not known in rpm"
         }
         SpeedUnit::Percent => "its speed setpoint is in rpm, there is no reference to take percent of",
     }

@@ -231,7 +231,10 @@ fn keep_all(jobs: &Queue, voice: &Voice, reports: &Reports) {
 fn told(drive: &Arc<Keeping>, at: Duration, result: Result<(), Failure>, text: &str) -> Line {
     let (text, warning) = match result {
         Ok(()) if drive.state.is_kept() => (format!("{text}; kept over a restart"), false),
-        Ok(()) => (format!("{text}; until this program ends, without --state"), false),
+        Ok(()) => (
+            format!("{text}; kept over power-off until this program ends, without --state"),
+            false,
+        ),
         Err(failure) => (format!("{text}: not kept: {}", failure.message), true),
     };
     Line {

@@ -128,7 +128,7 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
         let mut session = strange();
         let error = turned(&mut session, "strange", AxisSettings::default(), 60.0).expect_err("no rpm");
         assert!(
-            error.to_string().contains("how many rpm that is nobody knows"),
+            error.to_string().contains("which is not known in rpm"),
             "{name}: {error}"
         );
         let hint = error.advice().unwrap_or_default().to_string();
