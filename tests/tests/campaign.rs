@@ -35,19 +35,11 @@ const MOTIONS: [&str; 3] = ["run", "move", "jog"];
 
 const RUN: &[&str] = &["run", "drive-1", "--velocity", "600rpm"];
 
-const CASES: [Case; 6] = [
+const CASES: [Case; 5] = [
     Case {
         model: "akd",
         settings: &["930=2"],
         motion: &["move", "drive-1", "--to", "1000rev", "--velocity", "300rpm"],
-        accident: Accident::Killed,
-        told: "",
-    },
-    Case {
-        model: "akd",
-        // HOME.MODE 1 searches a limit switch; there is none
-        settings: &["930=2", "HOME.MODE=1", "HOME.V_32=300rpm"],
-        motion: &["home", "drive-1", "--timeout", "60s"],
         accident: Accident::Killed,
         told: "",
     },

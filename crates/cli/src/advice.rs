@@ -44,7 +44,7 @@ pub fn command(action: &Action, drive: &str) -> Option<String> {
         Action::Disable => format!("stop {drive} --disable"),
         Action::Run => format!("run {drive} --velocity SPEED"),
         Action::Jog => format!("jog {drive}"),
-        Action::Move => format!("move {drive} --to POSITION"),
+        Action::Move => format!("move {drive} --to POSITION --velocity SPEED"),
         Action::Home => format!("home {drive}"),
         _ => return None,
     };
