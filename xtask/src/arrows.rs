@@ -45,6 +45,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "profidrive-profile",
             "profidrive-profinet",
+            "profidrive-gsdml",
+            "profidrive-uss",
             "profidrive-virtual-drive",
             "profidrive-network",
         ],

@@ -6,12 +6,10 @@ mod advice;
 mod args;
 mod commands;
 mod connect;
-mod desk;
 mod failure;
 mod leftover;
 mod output;
 mod render;
-mod state;
 
 use std::process::ExitCode;
 

@@ -1,7 +1,10 @@
 //! The scenario file.
 
 use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{self, Read as _};
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use profile::catalogue::Scaling;
@@ -22,6 +25,8 @@ use crate::world::set;
 
 /// Longest file, in octets.
 const LONGEST_FILE: usize = 1 << 20;
+/// Octets of a file that are read at most.
+const MAX_READ: u64 = 4 << 20;
 /// Most drives.
 const MOST_DRIVES: usize = 256;
 /// Most cues of one drive.
@@ -112,6 +117,36 @@ pub struct ScenarioError {
     pub message: String,
 }
 
+/// Why a scenario file cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ScenarioFileError {
+    /// It cannot be read.
+    #[error("{}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// It is longer than a scenario can be, or no text.
+    #[error("{}: {why}", path.display())]
+    NoScenario {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+    /// Something in it is not valid.
+    #[error("{}, {error}", path.display())]
+    Scenario {
+        /// The file.
+        path: PathBuf,
+        /// What, and where.
+        error: ScenarioError,
+    },
+}
+
 /// A message with its place in the file.
 pub(crate) struct Located(pub Range<usize>, pub String);
 
@@ -121,6 +156,38 @@ pub(crate) fn located<T, U, E: ToString>(
     read: impl FnOnce(&T) -> Result<U, E>,
 ) -> Result<U, Located> {
     read(value.get_ref()).map_err(|error| Located(value.span(), error.to_string()))
+}
+
+impl Scenario {
+    /// Reads a scenario file, not more of it than one may have.
+    ///
+    /// # Errors
+    /// When it cannot be read, or when something in it is not valid.
+    pub fn read(path: &Path) -> Result<Self, ScenarioFileError> {
+        let mut octets = Vec::new();
+        // one more than is used, so that a longer file is recognized
+        File::open(path)
+            .and_then(|file| file.take(MAX_READ + 1).read_to_end(&mut octets))
+            .map_err(|source| ScenarioFileError::Read {
+                path: path.to_owned(),
+                source,
+            })?;
+        let no_scenario = |why: String| ScenarioFileError::NoScenario {
+            path: path.to_owned(),
+            why,
+        };
+        if octets.len() as u64 > MAX_READ {
+            return Err(no_scenario(format!(
+                "longer than {MAX_READ} octets, this is no plant file"
+            )));
+        }
+        let text =
+            String::from_utf8(octets).map_err(|_| no_scenario("this is no text (UTF-8)".to_owned()))?;
+        text.parse().map_err(|error| ScenarioFileError::Scenario {
+            path: path.to_owned(),
+            error,
+        })
+    }
 }
 
 #[derive(Deserialize)]

@@ -4,19 +4,24 @@
 //! line of what happens to each ([`Happening`]: faults, STO, load steps, a pulled cable, late frames, wrong answers),
 //! and controllers with a program. A [`World`] plays it in virtual time, as fast as the machine can, and gives the same
 //! trace for the same seed every time. On a real interface the owner of the stations plays each drive's [`Timeline`]
-//! itself ([`Timeline::play`]).
+//! itself ([`Timeline::play`]): [`host::Host`] does so, with everything else that a simulation on a network has.
 //!
-//! No socket, thread or clock in here.
+//! Only [`host`] and [`control_socket`] have sockets, threads and a clock. Nothing in here prints. Both are
+//! for Linux, as raw Ethernet is.
 
+#[cfg(target_os = "linux")]
+pub mod control_socket;
 mod file;
 mod happening;
+#[cfg(target_os = "linux")]
+pub mod host;
 mod program;
 mod text;
 mod timeline;
 mod trace;
 mod world;
 
-pub use file::{Cue, DrivePlan, Scenario, ScenarioError, Trigger};
+pub use file::{Cue, DrivePlan, Scenario, ScenarioError, ScenarioFileError, Trigger};
 pub use happening::{Happening, HappeningError, LinkFault, Unit, keys};
 pub use program::{Action, ControllerPlan, Step};
 pub use text::derived_mac;

@@ -38,10 +38,10 @@ pub fn run(
     let stop = Stop::on_signals().map_err(|error| failed("cannot watch for Ctrl-C", &error))?;
     let begin = now();
     let end = Instant::ZERO + time;
-    let mut tell = |entry: Entry| tell(&entry, output);
+    let mut print_entry = |entry: Entry| print(&entry, output);
     while world.now() < end && !stop.is_stopped() {
         let until = (world.now() + STRIDE).min(end);
-        world.run_until(until, &mut tell);
+        world.run_until(until, &mut print_entry);
     }
     world
         .finish_taps()
@@ -60,7 +60,7 @@ pub fn run(
     Ok(())
 }
 
-fn tell(entry: &Entry, output: &Output) {
+fn print(entry: &Entry, output: &Output) {
     if output.json() {
         let time = (entry.at - Instant::ZERO).as_secs_f64();
         output.event(

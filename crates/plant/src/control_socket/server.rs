@@ -1,9 +1,10 @@
-//! Questions of other processes, `profidrive inject` above all, on their way to the thread that runs the drives.
+//! Receives requests of other processes and hands them to the thread that runs the drives.
 
 use std::fs;
 use std::net::Shutdown;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, sleep, spawn};
@@ -11,8 +12,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use network::linux::Bell;
 
-use crate::desk::{Answer, Question, folder, serve};
-use crate::failure::{Exit, Failure};
+use super::{ControlSocketError, Request, Response, folder, serve};
 
 /// Requests that may wait for the thread that runs the drives.
 const WAITING: usize = 16;
@@ -22,49 +22,67 @@ const CLIENTS: usize = 8;
 const SHORTEST_REST: Duration = Duration::from_millis(50);
 const LONGEST_REST: Duration = Duration::from_secs(2);
 /// How long a request waits for that thread.
-const PATIENCE: Duration = Duration::from_secs(2);
+const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A question and where its answer goes.
-pub type Letter = (Question, Sender<Answer>);
+/// A request and where its response goes.
+pub type Pending = (Request, Sender<Response>);
 
 /// The open socket of this process; it is gone with this value.
 #[derive(Debug)]
-pub struct Mailbox {
+pub struct ControlSocket {
     path: PathBuf,
-    letters: Receiver<Letter>,
+    requests: Receiver<Pending>,
+    closed: Arc<AtomicBool>,
 }
 
-impl Mailbox {
+impl ControlSocket {
     /// Opens the socket; `bell` rings for every request.
-    pub fn open(bell: Bell) -> Result<Self, Failure> {
+    pub fn open(bell: Bell) -> Result<Self, ControlSocketError> {
         // the number of a process alone is not its own: containers that share the folder count for themselves
         let start = SystemTime::now()
             .duration_since(UNIX_EPOCH)
             .unwrap_or_default()
             .as_nanos();
         let path = folder()?.join(format!("simulate-{}-{start:x}.sock", std::process::id()));
-        let failed = |error: std::io::Error| {
-            Failure::new(
-                Exit::Failed,
-                format!("cannot listen on {}: {error}", path.display()),
-            )
+        let (socket, listen) = Self::at(path, bell)?;
+        spawn(listen);
+        Ok(socket)
+    }
+
+    /// The socket at `path`, and the thread that serves it.
+    fn at(path: PathBuf, bell: Bell) -> Result<(Self, impl FnOnce() + Send), ControlSocketError> {
+        let listener = UnixListener::bind(&path).map_err(|source| ControlSocketError::Io {
+            action: "listen on",
+            path: path.clone(),
+            source,
+        })?;
+        let (sender, requests) = sync_channel(WAITING);
+        let closed = Arc::new(AtomicBool::new(false));
+        let ended = Arc::clone(&closed);
+        let accept = move || {
+            let (stream, _) = listener.accept()?;
+            Ok((!ended.load(Ordering::Acquire)).then_some(stream))
         };
-        let listener = UnixListener::bind(&path).map_err(failed)?;
-        let (sender, letters) = sync_channel(WAITING);
-        // ends with the process: nothing is lost with it
-        let accept = move || listener.accept().map(|(stream, _)| stream);
-        spawn(move || listen(accept, &sender, &bell, sleep));
-        Ok(Self { path, letters })
+        let listen = move || listen(accept, &sender, &bell, sleep);
+        let socket = Self {
+            path,
+            requests,
+            closed,
+        };
+        Ok((socket, listen))
     }
 
     /// The next request.
-    pub fn take(&self) -> Option<Letter> {
-        self.letters.try_recv().ok()
+    pub fn take(&self) -> Option<Pending> {
+        self.requests.try_recv().ok()
     }
 }
 
-impl Drop for Mailbox {
+impl Drop for ControlSocket {
     fn drop(&mut self) {
+        self.closed.store(true, Ordering::Release);
+        // wakes the thread, which ends
+        let _ = UnixStream::connect(&self.path);
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -80,7 +98,7 @@ struct Places {
 #[derive(Debug)]
 struct Client {
     stream: Arc<UnixStream>,
-    /// It has sent its question.
+    /// It has sent its request.
     asked: bool,
 }
 
@@ -120,7 +138,7 @@ struct Place {
 }
 
 impl Place {
-    /// The client has sent its question and keeps its place until it is answered.
+    /// The client has sent its request and keeps its place until it is answered.
     fn asked(&self) {
         let mut clients = self.places.lock();
         if let Some(own) = clients.iter_mut().find(|client| self.is(client)) {
@@ -141,27 +159,31 @@ impl Drop for Place {
 }
 
 /// Serves every client in a thread of its own, so that a slow one holds up nobody. When `accept` fails (no file handle
-/// is left) `rest` waits, longer each time it fails again.
+/// is left) `rest` waits, longer each time it fails again. Ends when `accept` returns no client.
 fn listen(
-    accept: impl Fn() -> std::io::Result<UnixStream>,
-    letters: &SyncSender<Letter>,
+    accept: impl Fn() -> std::io::Result<Option<UnixStream>>,
+    requests: &SyncSender<Pending>,
     bell: &Bell,
     rest: impl Fn(Duration),
 ) {
     let places = Arc::new(Places::default());
     let mut pause = SHORTEST_REST;
     loop {
-        let Ok(stream) = accept() else {
-            rest(pause);
-            pause = (pause * 2).min(LONGEST_REST);
-            continue;
+        let stream = match accept() {
+            Ok(Some(stream)) => stream,
+            Ok(None) => return,
+            Err(_) => {
+                rest(pause);
+                pause = (pause * 2).min(LONGEST_REST);
+                continue;
+            }
         };
         pause = SHORTEST_REST;
         let place = places.take(stream);
-        let (letters, bell) = (letters.clone(), bell.clone());
+        let (requests, bell) = (requests.clone(), bell.clone());
         let client = move || {
             // whoever asked may be gone
-            let _ = answer(&place, &letters, &bell);
+            let _ = answer(&place, &requests, &bell);
         };
         if Builder::new().name("request".into()).spawn(client).is_err() {
             rest(pause);
@@ -169,51 +191,61 @@ fn listen(
     }
 }
 
-fn answer(place: &Place, letters: &SyncSender<Letter>, bell: &Bell) -> std::io::Result<()> {
+fn answer(place: &Place, requests: &SyncSender<Pending>, bell: &Bell) -> std::io::Result<()> {
     serve(&place.stream, |request| {
         place.asked();
         let (sender, answer) = channel();
-        let busy = || Answer::Refused("the simulation does not answer".into());
-        if letters.try_send((request, sender)).is_err() {
+        let busy = || Response::Refused("the simulation does not answer".into());
+        if requests.try_send((request, sender)).is_err() {
             return busy();
         }
         bell.ring();
-        answer.recv_timeout(PATIENCE).unwrap_or_else(|_| busy())
+        answer.recv_timeout(TIMEOUT).unwrap_or_else(|_| busy())
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::desk::{Question, ask};
+    use crate::control_socket::send;
     use std::io::{self, Read};
 
-    /// A listener in a thread of its own, its socket and the requests that come in.
-    fn listening(name: &str) -> (PathBuf, Receiver<Letter>) {
+    fn path(name: &str) -> PathBuf {
         let path = std::env::temp_dir().join(format!("profidrive-{name}-{}.sock", std::process::id()));
         let _ = fs::remove_file(&path);
-        let listener = UnixListener::bind(&path).unwrap();
-        let (sender, letters) = sync_channel(WAITING);
-        let bell = Bell::new().unwrap();
-        let accept = move || listener.accept().map(|(stream, _)| stream);
-        spawn(move || listen(accept, &sender, &bell, sleep));
-        (path, letters)
+        path
+    }
+
+    #[test]
+    fn the_thread_ends_with_the_socket() {
+        let path = path("end");
+        let (socket, listen) = ControlSocket::at(path.clone(), Bell::new().unwrap()).unwrap();
+        let (sender, ended) = channel();
+        spawn(move || {
+            listen();
+            sender.send(()).unwrap();
+        });
+        drop(socket);
+        ended.recv_timeout(Duration::from_secs(10)).unwrap();
+        assert!(!path.exists());
     }
 
     /// The kernel keeps 128 connections that are not accepted; more block the next one.
     #[test]
     fn clients_that_say_nothing_hold_up_nobody() {
-        let (path, letters) = listening("slow");
+        let path = path("slow");
+        let (socket, listen) = ControlSocket::at(path.clone(), Bell::new().unwrap()).unwrap();
+        spawn(listen);
         spawn(move || {
-            for (question, answer) in letters {
-                assert!(matches!(question, Question::Drives(_)));
-                let _ = answer.send(Answer::Drives(Vec::new()));
+            while let Ok((request, answer)) = socket.requests.recv() {
+                assert!(matches!(request, Request::Drives(_)));
+                let _ = answer.send(Response::Drives(Vec::new()));
             }
         });
         for idle in [1, 300] {
             let mut idle: Vec<UnixStream> = (0..idle).map(|_| UnixStream::connect(&path).unwrap()).collect();
-            let answer = ask(&path, &Question::Drives("1/eth0".into())).unwrap();
-            assert_eq!(answer, Some(Answer::Drives(Vec::new())));
+            let answer = send(&path, &Request::Drives("1/eth0".into())).unwrap();
+            assert_eq!(answer, Some(Response::Drives(Vec::new())));
             // the newest is still waited for
             let newest = idle.last_mut().unwrap();
             newest.set_nonblocking(true).unwrap();
@@ -225,7 +257,7 @@ mod tests {
 
     #[test]
     fn without_file_handles_it_rests_longer_each_time() {
-        let (sender, _letters) = sync_channel(1);
+        let (sender, _requests) = sync_channel(1);
         let (rested, rests) = sync_channel(0);
         let bell = Bell::new().unwrap();
         let rest = move |pause| {

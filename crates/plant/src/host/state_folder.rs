@@ -1,4 +1,4 @@
-//! What a virtual drive keeps over a restart, in a folder: `NAME.network.json` and `NAME.parameters`.
+//! The state folder: what virtual drives keep over a restart, in `NAME.network.json` and `NAME.parameters`.
 
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -12,10 +12,8 @@ use serde_json::{Map, Value};
 use virtual_drive::model::Model;
 use virtual_drive::store::{Image, ImageError, Storage, crc32, save};
 
-use crate::failure::{Exit, Failure};
-use crate::fields;
-use crate::output::SCHEMA;
-
+/// Name and version of the file with name and address; changes only when a field changes its meaning or goes.
+const SCHEMA: &str = "profidrive/1";
 /// Times that a folder in use is tried again: a simulation that was just ended may still be saving.
 const ATTEMPTS: u32 = 40;
 /// Time between two of them.
@@ -29,26 +27,19 @@ pub struct StateFolder {
 }
 
 impl StateFolder {
-    /// Makes the folder, checks that it can be written to and takes it for this process.
+    /// Makes the folder, checks that it can be written to and locks it for this process; `holder` is what others
+    /// read who want it meanwhile.
     ///
     /// # Errors
     /// When it cannot be written to, or when another simulation uses it.
-    pub fn open(path: &Path) -> Result<Self, Failure> {
-        let holder = format!("`profidrive simulate`, process {}", std::process::id());
+    pub fn open(path: &Path, holder: &str) -> Result<Self, LockError> {
         let mut attempts = 0..ATTEMPTS;
         let lock = loop {
-            match FolderLock::take(path, &holder) {
+            match FolderLock::take(path, holder) {
                 Err(LockError::Held { .. }) if attempts.next().is_some() => sleep(PAUSE),
-                other => break other,
+                other => break other?,
             }
         };
-        let lock = lock.map_err(|error| {
-            let failure = Failure::new(Exit::Failed, format!("--state: {error}"));
-            match error {
-                LockError::Held { .. } => failure.hint("end that simulation, or give each its own folder"),
-                LockError::File(_) => failure.hint("choose a folder that can be written to"),
-            }
-        })?;
         Ok(Self {
             path: path.to_owned(),
             _lock: lock,
@@ -56,6 +47,7 @@ impl StateFolder {
     }
 
     /// The files of the drive `key`.
+    #[must_use]
     pub fn drive(&self, key: &str) -> DriveState {
         let file = |ending: &str| StateFile::new(self.path.join(format!("{key}.{ending}")));
         DriveState {
@@ -81,6 +73,7 @@ pub struct DriveState {
 
 impl DriveState {
     /// True when there is a folder to keep things in.
+    #[must_use]
     pub const fn is_kept(&self) -> bool {
         self.files.is_some()
     }
@@ -89,7 +82,7 @@ impl DriveState {
     ///
     /// # Errors
     /// When the file cannot be read or not be set aside.
-    pub fn read_network(&self) -> Result<Found<Stored>, Failure> {
+    pub fn read_network(&self) -> Result<Found<Stored>, StateFileError> {
         match &self.files {
             Some((file, _)) => checked(file, decode),
             None => Ok(Found::default()),
@@ -97,7 +90,10 @@ impl DriveState {
     }
 
     /// Keeps them.
-    pub fn write_network(&self, network: &Stored) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_network(&self, network: &Stored) -> Result<(), StateFileError> {
         match &self.files {
             Some((file, _)) => write(file, &encode(network)),
             None => Ok(()),
@@ -108,7 +104,7 @@ impl DriveState {
     ///
     /// # Errors
     /// When the file cannot be read or not be set aside.
-    pub fn read_parameters(&self, model: &Model) -> Result<Found<Vec<u8>>, Failure> {
+    pub fn read_parameters(&self, model: &Model) -> Result<Found<Vec<u8>>, StateFileError> {
         let Some((_, file)) = &self.files else {
             return Ok(Found::default());
         };
@@ -124,7 +120,10 @@ impl DriveState {
     }
 
     /// Keeps them.
-    pub fn write_parameters(&self, text: &str) -> Result<(), Failure> {
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_parameters(&self, text: &str) -> Result<(), StateFileError> {
         match &self.files {
             Some((_, file)) => write(file, text),
             None => Ok(()),
@@ -133,9 +132,11 @@ impl DriveState {
 }
 
 /// Reads a file; where `decode` says what is wrong with it, it is renamed, so that nothing is lost and the drive can start.
-fn checked<T>(file: &StateFile, decode: impl Fn(&[u8]) -> Result<T, String>) -> Result<Found<T>, Failure> {
-    let failed = |error: StateFileError| Failure::new(Exit::Failed, error.to_string());
-    let Some(content) = file.read().map_err(failed)? else {
+fn checked<T>(
+    file: &StateFile,
+    decode: impl Fn(&[u8]) -> Result<T, String>,
+) -> Result<Found<T>, StateFileError> {
+    let Some(content) = file.read()? else {
         return Ok(Found {
             content: None,
             warning: None,
@@ -147,7 +148,7 @@ fn checked<T>(file: &StateFile, decode: impl Fn(&[u8]) -> Result<T, String>) -> 
             warning: None,
         }),
         Err(why) => {
-            let aside = file.set_aside().map_err(failed)?;
+            let aside = file.set_aside()?;
             let (path, aside) = (file.path().display(), aside.display());
             Ok(Found {
                 content: None,
@@ -159,9 +160,8 @@ fn checked<T>(file: &StateFile, decode: impl Fn(&[u8]) -> Result<T, String>) -> 
     }
 }
 
-fn write(file: &StateFile, text: &str) -> Result<(), Failure> {
+fn write(file: &StateFile, text: &str) -> Result<(), StateFileError> {
     save(&mut OnDisk { file, beside: None }, text)
-        .map_err(|error| Failure::new(Exit::Failed, error.to_string()))
 }
 
 /// A file as the place the drive saves to.
@@ -200,12 +200,21 @@ fn hex(octets: &[u8]) -> String {
 }
 
 fn encode(network: &Stored) -> String {
-    let mut fields = fields! {
-        "schema": SCHEMA, "kind": "virtual drive",
-        "name": network.name.as_str(), "ip": network.ip.address.to_string(), "mask": network.ip.mask.to_string(),
-        "gateway": network.ip.gateway.to_string(), "im1": hex(&network.im.im1), "im2": hex(&network.im.im2),
-        "im3": hex(&network.im.im3), "im4": hex(&network.im.im4),
-    };
+    let ip = &network.ip;
+    let fields = [
+        ("schema", SCHEMA.to_owned()),
+        ("kind", "virtual drive".to_owned()),
+        ("name", network.name.clone()),
+        ("ip", ip.address.to_string()),
+        ("mask", ip.mask.to_string()),
+        ("gateway", ip.gateway.to_string()),
+        ("im1", hex(&network.im.im1)),
+        ("im2", hex(&network.im.im2)),
+        ("im3", hex(&network.im.im3)),
+        ("im4", hex(&network.im.im4)),
+    ];
+    let fields = fields.map(|(name, text)| (name.to_owned(), Value::from(text)));
+    let mut fields = Map::from_iter(fields);
     fields.insert(CHECKSUM.into(), checksum(&fields).into());
     format!("{:#}\n", Value::Object(fields))
 }
@@ -355,7 +364,7 @@ mod tests {
     #[test]
     fn a_broken_file_is_kept_beside_and_the_drive_starts_as_delivered() {
         let place = Place::new("broken");
-        let folder = StateFolder::open(&place.0).unwrap();
+        let folder = StateFolder::open(&place.0, "a test").unwrap();
         let drive = folder.drive("akd-1");
         drive.write_network(&example()).unwrap();
         assert_eq!(drive.read_network().unwrap().content, Some(example()));
@@ -395,25 +404,24 @@ mod tests {
     #[test]
     fn a_folder_is_of_one_simulation_at_a_time_and_nothing_stays_in_it() {
         let place = Place::new("folder");
-        let first = StateFolder::open(&place.0).unwrap();
-        let failure = StateFolder::open(&place.0).unwrap_err();
-        let who = format!("in use by `profidrive simulate`, process {}", std::process::id());
-        assert!(failure.message.contains(&who), "{failure}");
+        let first = StateFolder::open(&place.0, "a test").unwrap();
+        let error = StateFolder::open(&place.0, "another").unwrap_err().to_string();
+        assert!(error.ends_with("is in use by a test"), "{error}");
         drop(first);
         assert_eq!(fs::read_dir(&place.0).unwrap().count(), 0);
     }
 
     #[test]
-    fn a_folder_that_cannot_be_used_is_told_at_once() {
+    fn a_folder_that_cannot_be_used_is_an_error_at_once() {
         let place = Place::new("state");
         fs::write(&place.0, "a file").unwrap();
-        let failure = StateFolder::open(&place.0).unwrap_err();
-        assert!(failure.message.contains("--state"), "{failure}");
+        let error = StateFolder::open(&place.0, "a test").unwrap_err();
+        assert!(matches!(error, LockError::File(_)), "{error}");
         fs::remove_file(&place.0).unwrap();
     }
 
     #[test]
     fn without_a_folder_nothing_is_kept() {
-        assert_eq!(DriveState::default().read_network(), Ok(Found::default()));
+        assert_eq!(DriveState::default().read_network().unwrap(), Found::default());
     }
 }

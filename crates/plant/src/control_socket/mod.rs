@@ -1,7 +1,13 @@
-//! The way to a running `profidrive simulate`: a socket in a folder of the user, one for each process.
+//! The control socket of a running simulation: a socket in a folder of the user, one for each process.
 //!
-//! A question is a few lines of text: the drive, perhaps how long, and what is to happen; or which drives there are on a
-//! segment. The answer is one line. Nobody but the user can open the folder.
+//! A request is a few lines of text: a drive, what is to happen to it and perhaps for how long; or which drives there
+//! are on a segment. The response is one line. Only the user can open the folder.
+
+mod client;
+mod server;
+
+pub use client::{InjectError, Target, neighbours, target};
+pub(crate) use server::ControlSocket;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -13,47 +19,45 @@ use std::time::{Duration, Instant};
 use profinet::IpSuite;
 use profinet::controller::Station;
 
-use crate::failure::{Exit, Failure};
-
 /// First line of a request.
-const GREETING: &str = "profidrive inject 2";
-/// First line of the question for drives.
-const ROLL: &str = "profidrive drives 1";
-/// Longest question or answer, in octets.
-const LONGEST: u64 = 256 * 1024;
+const INJECT: &str = "profidrive inject 2";
+/// First line of the request for drives.
+const DRIVES: &str = "profidrive drives 1";
+/// Longest request or answer, in octets.
+const MAX_LENGTH: u64 = 256 * 1024;
 /// How long either side waits for the other, from the first octet to the last.
-const PATIENCE: Duration = Duration::from_secs(2);
+const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// What one process asks another.
+/// A request of one process to another.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Question {
-    /// Let this happen.
-    Inject(Request),
-    /// Which drives do you run on this [`segment`]?
+pub(crate) enum Request {
+    /// Make this happen.
+    Inject(InjectRequest),
+    /// The drives on this segment: network namespace and interface.
     Drives(String),
 }
 
 /// What is to happen to which drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Request {
+pub struct InjectRequest {
     /// Station name, IP or MAC address, or the place at a serial line.
     pub drive: String,
-    /// The network [`namespace`] of who asks.
+    /// The network namespace of the sender.
     pub from: u64,
-    /// What, in the notation of scenarios; nothing asks who has the drive.
+    /// What, in the notation of scenarios; empty to find out who has the drive.
     pub happenings: Vec<String>,
     /// How long, in nanoseconds.
     pub lasts: Option<u64>,
 }
 
-/// What became of a request.
+/// The response to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Answer {
+pub(crate) enum Response {
     /// It happened to this drive, or would.
     Done {
         /// The drive in words.
         drive: String,
-        /// It is in the network namespace of who asked, or at a serial line.
+        /// It is in the network namespace of the sender, or at a serial line.
         here: bool,
     },
     /// This process has no such drive; these are its drives.
@@ -64,27 +68,27 @@ pub enum Answer {
     Drives(Vec<Station>),
 }
 
-impl Question {
+impl Request {
     fn text(&self) -> String {
         match self {
             Self::Inject(request) => request.text(),
-            Self::Drives(segment) => format!("{ROLL}\n{segment}\n"),
+            Self::Drives(segment) => format!("{DRIVES}\n{segment}\n"),
         }
     }
 
     fn read(from: impl Read) -> Option<Self> {
-        let mut lines = BufReader::new(from.take(LONGEST)).lines();
+        let mut lines = BufReader::new(from.take(MAX_LENGTH)).lines();
         match lines.next()?.ok()?.as_str() {
-            GREETING => Request::read(lines).map(Self::Inject),
-            ROLL => lines.next()?.ok().map(Self::Drives),
+            INJECT => InjectRequest::read(lines).map(Self::Inject),
+            DRIVES => lines.next()?.ok().map(Self::Drives),
             _ => None,
         }
     }
 }
 
-impl Request {
+impl InjectRequest {
     fn text(&self) -> String {
-        let mut text = format!("{GREETING}\ndrive {}\nfrom {}\n", self.drive, self.from);
+        let mut text = format!("{INJECT}\ndrive {}\nfrom {}\n", self.drive, self.from);
         if let Some(nanos) = self.lasts {
             text += &format!("for {nanos}\n");
         }
@@ -118,7 +122,7 @@ impl Request {
     }
 }
 
-impl Answer {
+impl Response {
     fn text(&self) -> String {
         let line = |text: &str| text.replace('\n', " ");
         match self {
@@ -151,7 +155,7 @@ impl Answer {
     }
 }
 
-/// One drive of [`Answer::Drives`].
+/// One drive of [`Response::Drives`].
 fn station(text: &str) -> Option<Station> {
     let (mac, rest) = text.split_once('/')?;
     let (ip, name) = rest.split_once('/')?;
@@ -167,34 +171,47 @@ fn station(text: &str) -> Option<Station> {
 }
 
 /// Names an interface: one of the same name in another network namespace is another one.
-pub fn segment(interface: &str) -> String {
+pub(crate) fn segment(interface: &str) -> String {
     format!("{}/{interface}", namespace())
 }
 
 /// The network namespace of this process, as a number that two processes of one namespace share.
-pub fn namespace() -> u64 {
+pub(crate) fn namespace() -> u64 {
     fs::metadata("/proc/self/ns/net").map_or(0, |namespace| namespace.ino())
 }
 
-/// The drives that other processes run on an interface: their frames do not come back to it.
-pub fn neighbours(interface: &str) -> Vec<Station> {
-    let question = Question::Drives(segment(interface));
-    let answers = sockets()
-        .unwrap_or_default()
-        .into_iter()
-        .map(|socket| ask(&socket, &question));
-    let drives = answers.filter_map(|answer| match answer {
-        Ok(Some(Answer::Drives(drives))) => Some(drives),
-        _ => None,
-    });
-    drives.flatten().collect()
+/// Why the control sockets cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ControlSocketError {
+    /// The folder of the sockets cannot be made, or others can open it.
+    #[error("{}: {why}", path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The folder or a socket in it cannot be opened.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// Folder or socket.
+        path: PathBuf,
+        /// Why it failed.
+        source: std::io::Error,
+    },
 }
 
 /// The sockets of all running simulations, in a stable order.
-pub fn sockets() -> Result<Vec<PathBuf>, Failure> {
-    let folder = folder()?;
-    let entries = fs::read_dir(&folder)
-        .map_err(|error| Failure::new(Exit::Failed, format!("{}: {error}", folder.display())))?;
+fn sockets() -> Result<Vec<PathBuf>, ControlSocketError> {
+    let path = folder()?;
+    let entries = fs::read_dir(&path).map_err(|source| ControlSocketError::Io {
+        action: "read",
+        path,
+        source,
+    })?;
     let mut found: Vec<_> = entries
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(|path| path.extension().is_some_and(|ending| ending == "sock"))
@@ -204,15 +221,15 @@ pub fn sockets() -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// The folder of the sockets, made if it is not there.
-pub fn folder() -> Result<PathBuf, Failure> {
+fn folder() -> Result<PathBuf, ControlSocketError> {
     let user = user();
     let path = match std::env::var_os("XDG_RUNTIME_DIR").filter(|path| Path::new(path).is_dir()) {
         Some(runtime) => PathBuf::from(runtime).join("profidrive"),
         None => std::env::temp_dir().join(format!("profidrive-{user}")),
     };
-    let failed = |why: String| {
-        Failure::new(Exit::Failed, format!("{}: {why}", path.display()))
-            .hint("the folder of running simulations must belong to you alone; XDG_RUNTIME_DIR chooses another place")
+    let failed = |why: String| ControlSocketError::Folder {
+        path: path.clone(),
+        why,
     };
     match fs::DirBuilder::new().mode(0o700).create(&path) {
         Ok(()) => {}
@@ -231,34 +248,32 @@ fn user() -> u32 {
     fs::metadata("/proc/self").map_or(0, |own| own.uid())
 }
 
-/// Asks one process.
-pub fn ask(socket: &Path, question: &Question) -> std::io::Result<Option<Answer>> {
+/// Sends a request to one process and returns its response.
+fn send(socket: &Path, request: &Request) -> std::io::Result<Option<Response>> {
     let stream = UnixStream::connect(socket)?;
-    Timely::new(&stream, PATIENCE).write_all(question.text().as_bytes())?;
+    Deadline::new(&stream, TIMEOUT).write_all(request.text().as_bytes())?;
     let mut answer = String::new();
     // the other side waits for the request first, then for the thread that runs the drives
-    let answering = Timely::new(&stream, 2 * PATIENCE);
-    answering.take(LONGEST).read_to_string(&mut answer)?;
-    Ok(Answer::read(&answer))
+    let answering = Deadline::new(&stream, 2 * TIMEOUT);
+    answering.take(MAX_LENGTH).read_to_string(&mut answer)?;
+    Ok(Response::read(&answer))
 }
 
-/// Takes one request and gives the answer that `decide` finds.
-pub fn serve(stream: &UnixStream, decide: impl FnOnce(Question) -> Answer) -> std::io::Result<()> {
-    let answer = Question::read(Timely::new(stream, PATIENCE)).map_or_else(
-        || Answer::Refused("this is no question of `profidrive`".into()),
-        decide,
-    );
-    Timely::new(stream, PATIENCE).write_all(answer.text().as_bytes())
+/// Receives one request and sends the response that `decide` finds.
+fn serve(stream: &UnixStream, decide: impl FnOnce(Request) -> Response) -> std::io::Result<()> {
+    let response = Request::read(Deadline::new(stream, TIMEOUT))
+        .map_or_else(|| Response::Refused("not a valid request".into()), decide);
+    Deadline::new(stream, TIMEOUT).write_all(response.text().as_bytes())
 }
 
 /// A stream with one deadline for everything: a time limit for each call would let a peer that sends an octet now and
 /// then stay for ever.
-struct Timely<'s> {
+struct Deadline<'s> {
     stream: &'s UnixStream,
     until: Instant,
 }
 
-impl<'s> Timely<'s> {
+impl<'s> Deadline<'s> {
     fn new(stream: &'s UnixStream, time: Duration) -> Self {
         Self {
             stream,
@@ -276,14 +291,14 @@ impl<'s> Timely<'s> {
     }
 }
 
-impl Read for Timely<'_> {
+impl Read for Deadline<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         self.stream.set_read_timeout(self.left()?)?;
         self.stream.read(buffer)
     }
 }
 
-impl Write for Timely<'_> {
+impl Write for Deadline<'_> {
     fn write(&mut self, octets: &[u8]) -> std::io::Result<usize> {
         self.stream.set_write_timeout(self.left()?)?;
         self.stream.write(octets)
@@ -300,42 +315,42 @@ mod tests {
 
     #[test]
     fn requests_and_answers_survive_the_way() {
-        let request = Request {
+        let request = InjectRequest {
             drive: "akd-1".into(),
             from: namespace(),
             happenings: vec!["fault=439!".into(), "answers=late 500ms".into()],
             lasts: Some(2_000_000_000),
         };
-        let question = Question::Inject(request);
-        assert_eq!(Question::read(question.text().as_bytes()), Some(question.clone()));
-        let roll = Question::Drives(segment("eth0"));
-        assert_eq!(Question::read(roll.text().as_bytes()), Some(roll));
+        let request = Request::Inject(request);
+        assert_eq!(Request::read(request.text().as_bytes()), Some(request.clone()));
+        let roll = Request::Drives(segment("eth0"));
+        assert_eq!(Request::read(roll.text().as_bytes()), Some(roll));
         let drives = ["02:00:00:00:00:01/0.0.0.0/", "02:00:00:00:00:02/10.0.0.2/akd-2"].map(station);
-        let drives = Answer::Drives(drives.into_iter().flatten().collect());
-        assert_eq!(Answer::read(&drives.text()), Some(drives.clone()));
-        assert!(matches!(drives, Answer::Drives(drives) if drives.len() == 2));
+        let drives = Response::Drives(drives.into_iter().flatten().collect());
+        assert_eq!(Response::read(&drives.text()), Some(drives.clone()));
+        assert!(matches!(drives, Response::Drives(drives) if drives.len() == 2));
         for here in [true, false] {
             let drive = "akd-1 (on field)".to_owned();
-            let done = Answer::Done { drive, here };
-            assert_eq!(Answer::read(&done.text()), Some(done));
+            let done = Response::Done { drive, here };
+            assert_eq!(Response::read(&done.text()), Some(done));
         }
         let (near, far) = UnixStream::pair().unwrap();
-        let asked = std::thread::spawn(move || {
+        let sender = std::thread::spawn(move || {
             let mut near = near;
-            near.write_all(question.text().as_bytes()).unwrap();
+            near.write_all(request.text().as_bytes()).unwrap();
             let mut answer = String::new();
             near.read_to_string(&mut answer).unwrap();
-            Answer::read(&answer)
+            Response::read(&answer)
         });
-        serve(&far, |question| match question {
-            Question::Inject(request) => Answer::NotHere(vec![request.drive, "akd-2".into()]),
-            Question::Drives(_) => Answer::Drives(Vec::new()),
+        serve(&far, |request| match request {
+            Request::Inject(request) => Response::NotHere(vec![request.drive, "akd-2".into()]),
+            Request::Drives(_) => Response::Drives(Vec::new()),
         })
         .unwrap();
         drop(far);
         assert_eq!(
-            asked.join().unwrap(),
-            Some(Answer::NotHere(vec!["akd-1".into(), "akd-2".into()]))
+            sender.join().unwrap(),
+            Some(Response::NotHere(vec!["akd-1".into(), "akd-2".into()]))
         );
     }
 
@@ -343,7 +358,7 @@ mod tests {
     fn a_peer_that_sends_an_octet_now_and_then_is_left_at_the_deadline() {
         let (mut near, far) = UnixStream::pair().unwrap();
         near.write_all(b"profidrive inj").unwrap();
-        let mut stream = Timely::new(&far, Duration::ZERO);
+        let mut stream = Deadline::new(&far, Duration::ZERO);
         let error = stream.read(&mut [0; 4]).unwrap_err();
         assert_eq!(error.kind(), std::io::ErrorKind::TimedOut);
         assert!(stream.write(b"x").is_err());
@@ -361,7 +376,7 @@ mod tests {
             "profidrive inject 2\ndrive a\nfrom 1\nfor x\nend\n",
             "profidrive drives 1\n",
         ] {
-            assert_eq!(Question::read(text.as_bytes()), None, "{text}");
+            assert_eq!(Request::read(text.as_bytes()), None, "{text}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What drives want kept, on its way to the disk: of each drive only the newest state waits.
+//! State of drives that waits for the disk: of each drive only the newest.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use profile::parameter::SaveId;
 use profinet::device::Stored;
 
-use super::Keeping;
+use super::HostedDrive;
 
 /// Parameters to be kept.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ pub struct Network {
 /// The newest state of one drive that is not on the disk yet.
 #[derive(Debug)]
 pub struct Job {
-    pub drive: Arc<Keeping>,
+    pub drive: Arc<HostedDrive>,
     /// When the newest part came.
     pub at: Duration,
     pub network: Option<Network>,
@@ -44,7 +44,7 @@ struct Waiting {
     /// At most one for each drive, the oldest first.
     jobs: VecDeque<Job>,
     /// Drive of the job that is being written.
-    busy: Option<Arc<Keeping>>,
+    busy: Option<Arc<HostedDrive>>,
     closed: bool,
 }
 
@@ -57,19 +57,19 @@ pub struct Queue {
 
 impl Queue {
     /// Keeps name and address of a drive, instead of those that wait.
-    pub fn network(&self, drive: &Arc<Keeping>, at: Duration, network: Network) {
+    pub fn network(&self, drive: &Arc<HostedDrive>, at: Duration, network: Network) {
         self.put(drive, at, |job| job.network = Some(network));
     }
 
     /// Keeps the parameters of a drive, instead of those that wait.
-    pub fn parameters(&self, drive: &Arc<Keeping>, at: Duration, mut parameters: Parameters) {
+    pub fn parameters(&self, drive: &Arc<HostedDrive>, at: Duration, mut parameters: Parameters) {
         self.put(drive, at, |job| {
             parameters.asked |= job.parameters.as_ref().is_some_and(|earlier| earlier.asked);
             job.parameters = Some(parameters);
         });
     }
 
-    fn put(&self, drive: &Arc<Keeping>, at: Duration, change: impl FnOnce(&mut Job)) {
+    fn put(&self, drive: &Arc<HostedDrive>, at: Duration, change: impl FnOnce(&mut Job)) {
         let mut waiting = self.lock();
         let place = waiting.jobs.iter().position(|job| Arc::ptr_eq(&job.drive, drive));
         let place = place.unwrap_or_else(|| {
@@ -106,9 +106,9 @@ impl Queue {
         }
     }
 
-    /// Takes no more and waits until everything is saved, but not longer than `limit`; the drives whose newest state is
-    /// not on the disk then.
-    pub fn close(&self, limit: Duration) -> Vec<String> {
+    /// Accepts no more and waits until everything is saved, but not longer than `limit`; returns the drives whose newest
+    /// state is not on the disk then.
+    pub fn close(&self, limit: Duration) -> Vec<Arc<str>> {
         let mut waiting = self.lock();
         waiting.closed = true;
         self.changed.notify_all();
@@ -121,7 +121,7 @@ impl Queue {
             .busy
             .iter()
             .chain(waiting.jobs.iter().map(|job| &job.drive));
-        let mut keys: Vec<String> = drives.map(|drive| drive.key.clone()).collect();
+        let mut keys: Vec<Arc<str>> = drives.map(|drive| Arc::clone(&drive.key)).collect();
         keys.dedup();
         keys
     }
@@ -134,10 +134,10 @@ impl Queue {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::state::DriveState;
+    use crate::host::state_folder::DriveState;
 
-    fn drive(key: &str) -> Arc<Keeping> {
-        Arc::new(Keeping {
+    fn drive(key: &str) -> Arc<HostedDrive> {
+        Arc::new(HostedDrive {
             model: &virtual_drive::model::AKD,
             key: key.into(),
             state: DriveState::default(),
@@ -169,7 +169,7 @@ mod tests {
         }
         assert_eq!(queue.lock().jobs.len(), 2);
         let job = queue.next().unwrap();
-        assert_eq!((job.drive.key.as_str(), job.at.as_millis()), ("akd-1", 99_999));
+        assert_eq!((&*job.drive.key, job.at.as_millis()), ("akd-1", 99_999));
         assert_eq!(job.network.unwrap().network.name, "name-99999");
         assert!(job.parameters.is_none());
         let parameters = queue.next().unwrap().parameters.unwrap();
@@ -183,9 +183,9 @@ mod tests {
         let (busy, calm) = (drive("busy"), drive("calm"));
         queue.network(&busy, Duration::ZERO, named(String::new()));
         queue.network(&calm, Duration::ZERO, named(String::new()));
-        assert_eq!(queue.next().unwrap().drive.key, "busy");
+        assert_eq!(queue.next().unwrap().drive.key.as_ref(), "busy");
         queue.network(&busy, Duration::ZERO, named(String::new()));
-        assert_eq!(queue.next().unwrap().drive.key, "calm");
+        assert_eq!(queue.next().unwrap().drive.key.as_ref(), "calm");
     }
 
     #[test]
@@ -194,8 +194,8 @@ mod tests {
         queue.network(&drive("akd-1"), Duration::ZERO, named(String::new()));
         queue.network(&drive("akd-2"), Duration::ZERO, named(String::new()));
         let _being_written = queue.next();
-        assert_eq!(queue.close(Duration::ZERO), ["akd-1", "akd-2"]);
+        assert_eq!(queue.close(Duration::ZERO), ["akd-1".into(), "akd-2".into()]);
         assert!(queue.next().is_some() && queue.next().is_none());
-        assert_eq!(queue.close(Duration::MAX), Vec::<String>::new());
+        assert_eq!(queue.close(Duration::MAX), Vec::<Arc<str>>::new());
     }
 }

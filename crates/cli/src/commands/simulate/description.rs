@@ -1,0 +1,68 @@
+//! The device description that simulated drives have towards others.
+
+use plant::Scenario;
+use plant::host::{DescriptionError, ForeignDescription};
+
+use super::model_of;
+use crate::args::Simulate;
+use crate::failure::{Exit, Failure};
+use crate::output::Output;
+use crate::render::table::clean;
+
+/// Reads the device description on the command line, and says what was taken from it.
+pub fn read(
+    args: &Simulate,
+    scenario: Option<&Scenario>,
+    output: &Output,
+) -> Result<Option<ForeignDescription>, Failure> {
+    let Some(path) = &args.gsdml else {
+        return Ok(None);
+    };
+    let file = crate::commands::gsdml::read(path)?;
+    let (name, identity) = (path.display().to_string(), &file.identity);
+    let chosen = args.model.map(model_of);
+    let description = ForeignDescription::new(&file, chosen, scenario, args.access_point.as_deref());
+    let description = description.map_err(|error| failure(&name, &error))?;
+    if description.of_other_vendor {
+        output.say(&format!(
+            "to others a drive of vendor 0x{:04X}, inside model {}",
+            identity.vendor_id, description.model.catalogue.model
+        ));
+    }
+    for reason in &description.import.left_out {
+        output.warn(&format!("not simulated: {}", clean(reason)));
+    }
+    let taken = &description.import.description;
+    let mut telegrams: Vec<u16> = taken.telegrams.iter().map(|t| t.telegram).collect();
+    telegrams.sort_unstable();
+    telegrams.dedup();
+    let telegrams: Vec<String> = telegrams.iter().map(u16::to_string).collect();
+    output.say(&format!(
+        "{name}: {} {}, device 0x{:04X}, telegrams {}",
+        clean(&identity.vendor),
+        taken.identity.station_type,
+        taken.identity.device_id,
+        telegrams.join(", ")
+    ));
+    Ok(Some(description))
+}
+
+fn failure(name: &str, error: &DescriptionError) -> Failure {
+    match error {
+        DescriptionError::NotInScenario(vendor) => {
+            let message = format!("{name} is of vendor 0x{vendor:04X}; no drive of the scenario is");
+            Failure::new(Exit::Failed, message)
+        }
+        DescriptionError::NoModel {
+            vendor,
+            name: vendor_name,
+        } => Failure::usage(format!(
+            "{name} is of vendor 0x{vendor:04X} ({}), of which no drive is simulated",
+            clean(vendor_name)
+        ))
+        .hint("--model akd|vlt|vacon says what the drive is inside; to others it is that of the file"),
+        _ => Failure::new(Exit::Failed, format!("{name}: {}", clean(&error.to_string()))).hint(format!(
+            "`profidrive gsdml show {name}` shows access points and modules"
+        )),
+    }
+}

@@ -1,0 +1,470 @@
+//! The simulation host: runs virtual drives on a network interface ([`Host`]) or at a serial line ([`SerialHost`]) in
+//! real time, until it is stopped or its time is over.
+//!
+//! A host keeps what drives save in a [`StateFolder`], written by a thread of its own, checks whether names and addresses
+//! are in use, plays time lines and serves the [control socket](crate::control_socket). It prints nothing: whatever
+//! happens is an [`Event`].
+
+mod description;
+mod duplicate_check;
+mod error;
+mod event;
+mod fleet;
+mod injection;
+mod persistence;
+mod save_queue;
+mod serial;
+mod serial_line;
+mod state_folder;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use network::files::create;
+use network::host::StationId;
+use network::linux::{Bell, Error as NetworkError, Runner, Stop, Turn, now};
+use network::pcap::Writer;
+use profinet::device::Stored;
+use profinet::{Endpoint, Instant};
+use virtual_drive::model::Model;
+use virtual_drive::station::StationConfig;
+
+use crate::control_socket::{ControlSocket, Request};
+use crate::file::DrivePlan;
+use crate::happening::Unit;
+use crate::timeline::Timeline;
+
+pub use description::{DescriptionError, ForeignDescription};
+pub use duplicate_check::Duplicate;
+pub use error::HostError;
+pub use event::{DriveEvent, Event, EventSender, Events, SaveResult, Saved, events};
+pub use fleet::{Fleet, FleetError, MacChoice};
+pub use serial::{SerialHost, SerialHostConfig};
+pub use state_folder::{DriveState, Found, StateFolder};
+
+use description::description_of;
+use duplicate_check::{DuplicateCheck, Wanted};
+use fleet::Plan;
+use persistence::Persistence;
+
+/// How long to sleep while nothing happens.
+const LONGEST_SLEEP: Duration = Duration::from_secs(3600);
+/// Time between two attempts to open an interface or a port that went away.
+const RETRY: Duration = Duration::from_secs(1);
+
+/// Where the state of drives is kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StatePlace {
+    /// The folder.
+    pub folder: PathBuf,
+    /// What another program reads that wants the folder meanwhile.
+    pub holder: String,
+}
+
+/// The drives of a simulation.
+#[derive(Debug, Clone)]
+pub enum Drives {
+    /// Equal drives.
+    Fleet(Fleet),
+    /// Those of a scenario, with their time lines.
+    Plans(Vec<DrivePlan>),
+}
+
+/// How drives are simulated on a network interface.
+#[derive(Debug)]
+pub struct HostConfig {
+    /// Name of the interface.
+    pub interface: String,
+    /// The drives.
+    pub drives: Drives,
+    /// Decides everything that happens by chance.
+    pub seed: u64,
+    /// Where their state is kept; `None` to forget it at the end.
+    pub state: Option<StatePlace>,
+    /// Instead of the device description of its model.
+    pub description: Option<ForeignDescription>,
+    /// Drives refuse a new name and a reset by DCP while their motors run under a controller.
+    pub refuses_in_operation: bool,
+    /// File for the traffic of the drives.
+    pub capture: Option<PathBuf>,
+    /// How long the simulation goes on; `None` until it is stopped.
+    pub time: Option<Duration>,
+    /// Ends the simulation.
+    pub stop: Stop,
+}
+
+/// A drive as its events and its state need it.
+#[derive(Debug)]
+struct HostedDrive {
+    /// Its name in this simulation.
+    key: Arc<str>,
+    model: &'static Model,
+    state: DriveState,
+}
+
+impl HostedDrive {
+    fn new(plan: &Plan, folder: Option<&StateFolder>) -> Self {
+        let key = plan.key();
+        Self {
+            state: folder.map_or_else(DriveState::default, |folder| folder.drive(&key)),
+            model: plan.drive.model,
+            key: key.into(),
+        }
+    }
+
+    /// The parameters that were saved earlier.
+    fn saved_parameters(&self, events: &EventSender) -> Result<Option<Vec<u8>>, HostError> {
+        let found = self.state.read_parameters(self.model)?;
+        found
+            .warning
+            .into_iter()
+            .for_each(|why| events.send(Event::SetAside(why)));
+        Ok(found.content)
+    }
+
+    /// Name and address that the drive begins with: those saved earlier, else the planned ones, which are saved now.
+    fn network(&self, planned: Stored, events: &EventSender) -> Result<Stored, HostError> {
+        let found = self.state.read_network()?;
+        found
+            .warning
+            .into_iter()
+            .for_each(|why| events.send(Event::SetAside(why)));
+        let Some(mut network) = found.content else {
+            if !planned.name.is_empty() || planned.ip.is_set() {
+                self.state.write_network(&planned)?;
+            }
+            return Ok(planned);
+        };
+        if planned.ip.is_set() && !network.ip.is_set() {
+            network.ip = planned.ip;
+            self.state.write_network(&network)?;
+        } else if planned.ip.is_set() && planned.ip != network.ip {
+            events.send(Event::SavedAddress {
+                drive: Arc::clone(&self.key),
+                saved: network.ip.address,
+                planned: planned.ip.address,
+            });
+        }
+        Ok(network)
+    }
+}
+
+/// A drive as it runs.
+#[derive(Debug)]
+struct Running {
+    drive: Arc<HostedDrive>,
+    timeline: Timeline,
+}
+
+/// A running simulation on a network interface.
+pub struct Host {
+    runner: Runner,
+    drives: BTreeMap<StationId, Running>,
+    persistence: Persistence,
+    control_socket: Option<ControlSocket>,
+    duplicate_check: Option<DuplicateCheck>,
+    events: EventSender,
+    start: Instant,
+    end: Option<Instant>,
+    /// When to look again for the interface that went away.
+    next_try: Option<Instant>,
+    /// Holds the lock of the folder.
+    _state: Option<StateFolder>,
+}
+
+impl Host {
+    /// Opens the interface and starts the drives.
+    ///
+    /// # Errors
+    /// When the drives, the interface, the state folder or the capture file cannot be used, or when another simulation
+    /// has the MAC address of a drive.
+    pub fn open(config: HostConfig, events: EventSender) -> Result<Self, HostError> {
+        let mut runner = Runner::open(&config.interface)?;
+        let plans = match &config.drives {
+            Drives::Fleet(fleet) => fleet.plans(runner.interface().mac)?,
+            Drives::Plans(plans) => plans.iter().cloned().map(Plan::from).collect(),
+        };
+        let state = open_state(config.state.as_ref())?;
+        runner.set_stop(config.stop.clone())?;
+        let mut stations = Vec::new();
+        for plan in plans {
+            let drive = HostedDrive::new(&plan, state.as_ref());
+            let station = station(&config, &plan, &drive, &events)?;
+            stations.push((plan, drive, station));
+        }
+        let wanted = stations
+            .iter()
+            .map(|(plan, drive, station)| Wanted::new(&drive.key, plan.drive.mac, &station.network))
+            .collect();
+        let duplicate_check = DuplicateCheck::start(&mut runner, wanted)?;
+        if let Some(path) = &config.capture {
+            runner.add_tap(Box::new(capture(path, &config.interface)?));
+        }
+        let start = now();
+        let bell = Bell::new().map_err(HostError::Bell)?;
+        runner.set_bell(bell.clone())?;
+        let mut host = Self {
+            runner,
+            drives: BTreeMap::new(),
+            persistence: Persistence::new(events.clone(), bell.clone()),
+            control_socket: None,
+            duplicate_check: Some(duplicate_check),
+            events,
+            start,
+            end: config.time.map(|time| start + time),
+            next_try: None,
+            _state: state,
+        };
+        let mut ready = Vec::new();
+        for (number, (plan, drive, station)) in stations.into_iter().enumerate() {
+            let seed = config.seed.wrapping_add(number as u64);
+            ready.push(host.attach(&plan.drive, drive, station, seed)?);
+        }
+        // who waits for the drives to be ready may use the control socket at once
+        host.control_socket = open_control_socket(bell, &host.events);
+        for (drive, what) in ready {
+            host.events.drive(&drive, now() - start, what);
+        }
+        host.events.send(Event::Running {
+            drives: host.drives.len(),
+            place: config.interface,
+            serial: false,
+        });
+        Ok(host)
+    }
+
+    /// Puts a drive on the network; returns its name and that it is ready.
+    fn attach(
+        &mut self,
+        plan: &DrivePlan,
+        drive: HostedDrive,
+        config: StationConfig,
+        seed: u64,
+    ) -> Result<(Arc<str>, DriveEvent), HostError> {
+        let mut unit = plan.build(config, seed)?;
+        let station = unit.inner_mut().endpoint_mut();
+        if drive.state.is_kept() {
+            station.confirm_saves();
+        }
+        let ready = DriveEvent::Ready {
+            name: station.name().to_owned(),
+            mac: station.mac(),
+            ip: station.ip(),
+            acquires_address: station.acquires_address(),
+        };
+        let id = self.runner.attach(Box::new(unit))?;
+        let key = Arc::clone(&drive.key);
+        let running = Running {
+            drive: Arc::new(drive),
+            timeline: Timeline::new(&plan.cues, self.start),
+        };
+        self.drives.insert(id, running);
+        Ok((key, ready))
+    }
+
+    /// Runs the drives until the time is over or the simulation is stopped, then saves what is still to be saved.
+    ///
+    /// # Errors
+    /// When the interface fails for good, when a station on the segment has the MAC address of a drive, or when the
+    /// capture file is not complete.
+    pub fn run(mut self) -> Result<(), HostError> {
+        loop {
+            let turn = self.step()?;
+            self.reopen()?;
+            self.finish_duplicate_check()?;
+            if turn == Turn::Rung {
+                self.deliver_saves();
+                self.answer_requests();
+            }
+            self.handle_events();
+            self.play_timelines();
+            if turn == Turn::Stopped || self.end.is_some_and(|end| now() >= end) {
+                return self.finish();
+            }
+        }
+    }
+
+    /// Carries frames until something is due.
+    fn step(&mut self) -> Result<Turn, HostError> {
+        let timelines = self.drives.values().filter_map(|drive| drive.timeline.next());
+        let sleep = if self.next_try.is_some() {
+            RETRY
+        } else {
+            LONGEST_SLEEP
+        };
+        let check = self.duplicate_check.as_ref().map(DuplicateCheck::due);
+        let until = [Some(now() + sleep), timelines.min(), self.end, check];
+        match self
+            .runner
+            .step(until.into_iter().flatten().min().unwrap_or(Instant::MAX))
+        {
+            Err(error @ (NetworkError::InterfaceDown { .. } | NetworkError::InterfaceGone { .. })) => {
+                self.events.send(Event::CarrierLost(error.to_string()));
+                self.next_try = Some(now() + RETRY);
+                Ok(Turn::Worked)
+            }
+            other => Ok(other?),
+        }
+    }
+
+    /// Opens the interface again that went away.
+    fn reopen(&mut self) -> Result<(), HostError> {
+        if self.next_try.is_none_or(|next| now() < next) {
+            return Ok(());
+        }
+        self.next_try = Some(now() + RETRY);
+        if is_back(self.runner.reopen())? {
+            self.next_try = None;
+            let interface = self.runner.interface().name.clone();
+            self.events.send(Event::CarrierBack(interface));
+        }
+        Ok(())
+    }
+
+    fn finish_duplicate_check(&mut self) -> Result<(), HostError> {
+        match self.duplicate_check.take_if(|check| check.due() <= now()) {
+            Some(check) => check.finish(&mut self.runner, &self.events),
+            None => Ok(()),
+        }
+    }
+
+    fn deliver_saves(&mut self) {
+        while let Some(report) = self.persistence.report() {
+            let id = self
+                .drives
+                .iter()
+                .find(|(_, running)| Arc::ptr_eq(&running.drive, &report.drive));
+            if let Some(unit) = id.and_then(|(id, _)| self.runner.station_mut::<Unit>(*id)) {
+                report.deliver(unit.inner_mut().endpoint_mut(), now());
+            }
+        }
+    }
+
+    fn answer_requests(&mut self) {
+        while let Some((request, response)) = self.control_socket.as_ref().and_then(ControlSocket::take) {
+            // the sender may be gone
+            let _ = response.send(match request {
+                Request::Inject(request) => self.inject(&request),
+                Request::Drives(segment) => self.drives_on(&segment),
+            });
+        }
+    }
+
+    fn handle_events(&mut self) {
+        for turn in 0..self.runner.touched().len() {
+            let Some(id) = self.runner.touched().get(turn).copied() else {
+                continue;
+            };
+            // most turns have no event: looking first leaves the station undisturbed
+            let waiting = self
+                .runner
+                .station::<Unit>(id)
+                .is_some_and(|unit| unit.inner().endpoint().has_event());
+            if waiting {
+                self.handle_events_of(id);
+            }
+        }
+    }
+
+    fn handle_events_of(&mut self, id: StationId) {
+        let unit = self.runner.station_mut::<Unit>(id);
+        let Some((running, unit)) = self.drives.get(&id).zip(unit) else {
+            return;
+        };
+        let station = unit.inner_mut().endpoint_mut();
+        while let Some(event) = station.poll_event() {
+            self.persistence.handle(&running.drive, now() - self.start, event);
+        }
+    }
+
+    fn play_timelines(&mut self) {
+        for (id, running) in &mut self.drives {
+            let at = now();
+            let due = running.timeline.next().is_some_and(|next| next <= at)
+                || running.timeline.watches_position()
+                    && self
+                        .runner
+                        .station::<Unit>(*id)
+                        .is_some_and(|unit| running.timeline.is_due(at, unit));
+            if !due {
+                continue;
+            }
+            if let Some(unit) = self.runner.station_mut::<Unit>(*id) {
+                for played in running.timeline.play(at, unit) {
+                    let what = DriveEvent::Played(played);
+                    self.events.drive(&running.drive.key, at - self.start, what);
+                }
+            }
+        }
+    }
+
+    /// Switches the drives off and saves what they want saved.
+    fn finish(mut self) -> Result<(), HostError> {
+        let all: Vec<StationId> = self.drives.keys().copied().collect();
+        for id in all {
+            if let Some(unit) = self.runner.station_mut::<Unit>(id) {
+                unit.inner_mut().endpoint_mut().switch_off();
+            }
+            self.handle_events_of(id);
+        }
+        self.persistence.finish();
+        self.runner.finish_taps().map_err(HostError::IncompleteCapture)
+    }
+}
+
+/// What the station of a drive is made with.
+fn station(
+    config: &HostConfig,
+    plan: &Plan,
+    drive: &HostedDrive,
+    events: &EventSender,
+) -> Result<StationConfig, HostError> {
+    let mut station = plan.drive.config();
+    station.description = description_of(plan.drive.model, config.description.as_ref());
+    station.follow_controller = true;
+    station.refuses_in_operation = config.refuses_in_operation;
+    if let Drives::Fleet(fleet) = &config.drives {
+        station.rotary = fleet.rotary;
+    }
+    station.network = drive.network(station.network, events)?;
+    station.parameters = drive.saved_parameters(events)?;
+    Ok(station)
+}
+
+fn open_state(state: Option<&StatePlace>) -> Result<Option<StateFolder>, HostError> {
+    let open = |state: &StatePlace| StateFolder::open(&state.folder, &state.holder);
+    state.map(open).transpose().map_err(HostError::StateFolder)
+}
+
+/// Without a control socket everything else works.
+fn open_control_socket(bell: Bell, events: &EventSender) -> Option<ControlSocket> {
+    ControlSocket::open(bell)
+        .map_err(|error| events.send(Event::NoControlSocket(error.to_string())))
+        .ok()
+}
+
+/// Whether the interface could be opened again; down and not there are no failures.
+fn is_back(reopened: Result<(), NetworkError>) -> Result<bool, NetworkError> {
+    match reopened {
+        Ok(()) => Ok(true),
+        Err(
+            NetworkError::InterfaceDown { .. }
+            | NetworkError::InterfaceGone { .. }
+            | NetworkError::NoSuchInterface { .. },
+        ) => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+fn capture(path: &Path, interface: &str) -> Result<Writer<File>, HostError> {
+    let file = create(path).map_err(HostError::CreateCapture)?;
+    let wall = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let origin = wall.saturating_sub(now() - Instant::ZERO);
+    Writer::new(file, interface, origin).map_err(|source| HostError::WriteCapture {
+        path: path.to_owned(),
+        source,
+    })
+}
