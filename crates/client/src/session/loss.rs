@@ -114,7 +114,7 @@ impl<M: Wire> Session<M> {
     /// Reads what the drive does when its controller is lost. Reads only.
     ///
     /// Sources: `loss-` and `lost-controller` rows of the tables of each model (VLT 8-03 and 8-04, Vacon ID 733 and
-    /// ID 506, fault 702 of the AKD). What no table says is [`LossAction::Unknown`].
+    /// ID 506, FAULT702.ACTION of the AKD). What no table says is [`LossAction::Unknown`].
     ///
     /// # Errors
     /// When the drive cannot be reached.
@@ -135,17 +135,9 @@ impl<M: Wire> Session<M> {
 
 /// What the values of [`PARTS`] come down to.
 pub(super) fn reaction(tables: &Catalogue, on_line: bool, told: &Told) -> LossReaction {
-    let always = REACTIONS
-        .iter()
-        .find(|(part, _)| tables.part(*part).is_some() && tables.part_values(*part).is_empty());
-    if let Some((_, action)) = always {
-        // the reaction belongs to the watchdog of the network; a serial line has none
-        let action = if on_line { LossAction::Unknown } else { *action };
-        return LossReaction {
-            action,
-            commands: !on_line,
-            ..LossReaction::UNKNOWN
-        };
+    // without a time of its own the reaction belongs to the watchdog of the network; a serial line has none
+    if on_line && tables.part(Part::LossTime).is_none() {
+        return LossReaction::UNKNOWN;
     }
     let (Some(reading), Some(raw)) = (told.find(Part::LostController), told.raw(Part::LostController)) else {
         return LossReaction::UNKNOWN;

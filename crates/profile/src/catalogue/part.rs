@@ -152,7 +152,7 @@ parts! {
     /// Decides what the drive does when its controller is lost. With the values of the row it stops.
     LostController = "lost-controller";
     /// When its controller is lost, the drive keeps turning with these values. The values of this part and of the other
-    /// `loss` parts are those of one parameter; a row without values holds for every value.
+    /// `loss` parts are those of one parameter.
     LossKeepsTurning = "loss-keeps-turning";
     /// With these of the values with which it keeps turning the drive does nothing: its last control word stays in force.
     LossNone = "loss-none";

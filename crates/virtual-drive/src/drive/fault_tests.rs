@@ -139,6 +139,9 @@ fn fault_actions_make_a_warning_or_nothing_of_a_fault() {
     bench.write("FAULT702.ACTION", 1).unwrap();
     bench.drive.disconnect(Disconnect::Lost);
     assert!(!bench.drive.has_fault());
+    bench.now = bench.drive.next_tick().expect("it stops");
+    bench.drive.tick(bench.now, None, &mut []);
+    assert_eq!(bench.drive.state(), State::S5Ramp, "DRV.DEC, no quick stop");
     bench.drive.connect(1, Duration::from_millis(48)).unwrap();
     bench.write("FAULT702.ACTION", 4).unwrap();
     bench.run(163);
