@@ -9,6 +9,7 @@ use profile::notation::{Number, ParameterReference, Quantity};
 use profile::value::{Assignment, Content, Parameters, Reading, Selection};
 
 use super::axis::{self, End};
+use super::limit;
 use super::rehearse;
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
@@ -119,7 +120,7 @@ fn try_out(
     let settings = axis::settings(&args.cyclic, purpose, limit);
     let tried = rehearse::axis(session, drive, &settings, None, output)?;
     let speed = match wanted.filter(|_| args.real_time) {
-        Some(speed) => speed,
+        Some(speed) => real_time_speed(session, drive, speed, limit, output)?,
         None => {
             let setting = session.jog_speed(drive, jog)?;
             let called = setting.selection.label();
@@ -148,6 +149,7 @@ fn try_out(
                 }
             }
             axis::within(rpm, limit, SpeedUnit::Rpm)?;
+            limit::jog(rpm, &session.motion_facts(drive)?, drive)?;
             rpm
         }
     };
@@ -179,6 +181,9 @@ fn go(
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
     let facts = session.motion_facts(drive)?;
+    if let Some(wanted) = &args.velocity {
+        limit::jog(axis::rpm(wanted, "--velocity")?, &facts, drive)?;
+    }
     let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     let (inner, own) = taken.session();
@@ -223,6 +228,7 @@ fn go(
     }
     let rpm = setting.rpm(&speed).unwrap_or(0.0);
     axis::within(rpm, limit, SpeedUnit::Rpm)?;
+    limit::jog(rpm, &facts, taken.drive())?;
     axis::warn_switch(rpm, &facts, output);
     output.say(&format!(
         "this moves the axis: {} jogs at {} for {} s; Ctrl-C stops it",
@@ -272,6 +278,7 @@ fn real_time(
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
     axis::warn_switch(speed, &session.motion_facts(drive)?, output);
+    real_time_speed(session, drive, speed, limit, output)?;
     let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
     let mut taken = session.take_axis(drive, settings)?;
     output.say(&format!(
@@ -290,6 +297,19 @@ fn real_time(
     });
     axis::finish(taken, result, End::Time, "jog", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, End::Time, session, drive))
+}
+
+/// The speed as MDI_VELOCITY carries it, once nothing speaks against it.
+fn real_time_speed(
+    session: &mut Live,
+    drive: &mut Drive,
+    wanted: f64,
+    limit: f64,
+    output: &Output,
+) -> Result<f64, Failure> {
+    let speed = session.check_jog(drive, wanted, limit)?;
+    axis::tell_rounded(wanted, speed, "rpm", output);
+    Ok(speed)
 }
 
 /// A jog that ended at a limit says so.

@@ -14,6 +14,7 @@ mod home;
 mod info;
 mod inject;
 mod jog;
+mod limit;
 pub mod maker;
 mod motion;
 mod r#move;

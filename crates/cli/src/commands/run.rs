@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use clap::Args;
-use client::axis::{MotionFacts, Purpose, SpeedUnit};
+use client::axis::{Purpose, SpeedUnit};
 use client::{AxisSettings, Drive, Error};
 use profile::catalogue::Part;
 use profile::notation::Quantity;
@@ -11,18 +11,16 @@ use profile::state::Mode;
 use profile::telegram::DANFOSS;
 
 use super::axis::{self, End, SetMode};
+use super::limit::{above, too_fast};
 use super::rehearse;
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
-use crate::failure::{Exit, Failure};
+use crate::failure::Failure;
 use crate::fields;
 use crate::output::Output;
-use crate::render::number;
 
 /// Number of PPO type 0, if there were one: the selections of 9-22.
 const PPO: u16 = 100;
-/// A limit may have been reckoned from a frequency: so much above it is the limit itself.
-const ROUNDING: f64 = 1.001;
 /// A ramp that takes longer than this is told beforehand.
 const LONG_RAMP: Duration = Duration::from_secs(2);
 
@@ -211,8 +209,8 @@ fn permitted(
         axis::warn_switch(speed, &facts, output);
         // who says what 100 % is knows better than the drive
         let told = |part: &Option<Part>| *part != Some(Part::Reference) || args.reference_speed.is_none();
-        if let Some((limit, part)) = above(speed, &facts).filter(|(_, part)| told(part)) {
-            return Err(too_fast(speed, limit, part, drive));
+        if let Some(limit) = above(speed, &facts).filter(|(_, part)| told(part)) {
+            return Err(too_fast(speed, limit, drive));
         }
     }
     axis::tell_alone(session, drive, "run", output)
@@ -277,72 +275,4 @@ fn unreached(wish: &Wish, actual: Option<f64>) -> String {
     let unit = wish.unit.symbol();
     let actual = actual.map_or_else(String::new, |actual| format!(", it was {actual:.1} {unit}"));
     format!("{} was not reached when the stop came{actual}", wish.told())
-}
-
-/// The limit of the drive that a speed is above, and what sets it: it would never be reached.
-fn above(speed: f64, facts: &MotionFacts) -> Option<(f64, Option<Part>)> {
-    let (limit, part) = if speed < 0.0 {
-        (facts.backward_limit, facts.backward_by)
-    } else {
-        (facts.forward_limit, facts.forward_by)
-    };
-    let limit = limit.filter(|&limit| speed.abs() > limit * ROUNDING)?;
-    Some((limit, part))
-}
-
-/// Where the limit of a direction is 0 the drive turns in the other one only.
-fn beyond(speed: f64, limit: f64, by: &str) -> String {
-    let asked = number(speed);
-    if limit > 0.0 {
-        return format!(
-            "{asked} rpm is above the limit of the drive, {} rpm{by}",
-            number(limit)
-        );
-    }
-    let only = if speed < 0.0 { "forward" } else { "backward" };
-    format!("{asked} rpm is in a direction that the drive does not allow: it turns {only} only{by}")
-}
-
-fn too_fast(speed: f64, limit: f64, part: Option<Part>, drive: &Drive) -> Failure {
-    let named = part.map_or_else(Vec::new, |part| drive.named(&[part]));
-    let by = named
-        .first()
-        .map_or_else(String::new, |name| format!(" ({name})"));
-    let failure = Failure::new(
-        Exit::Safety,
-        format!("{}: {}", drive.label(), beyond(speed, limit, &by)),
-    );
-    match named.first() {
-        Some(name) => failure.hint(format!(
-            "`profidrive describe {} {}` shows it; ask for a speed within it",
-            drive.label(),
-            name.replace(' ', "")
-        )),
-        None => failure,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn limits_of_the_drive_are_told() {
-        let facts = MotionFacts {
-            forward_limit: Some(1000.0),
-            backward_limit: Some(500.0),
-            backward_by: Some(Part::BackwardLimit),
-            ..MotionFacts::default()
-        };
-        assert_eq!(above(1000.0, &facts), None);
-        assert_eq!(above(-600.0, &facts), Some((500.0, Some(Part::BackwardLimit))));
-        assert_eq!(
-            beyond(-600.0, 500.0, ""),
-            "-600 rpm is above the limit of the drive, 500 rpm"
-        );
-        assert_eq!(
-            beyond(-700.0, 0.0, " (3-00)"),
-            "-700 rpm is in a direction that the drive does not allow: it turns forward only (3-00)"
-        );
-    }
 }

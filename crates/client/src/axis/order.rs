@@ -1,15 +1,17 @@
 //! A move in engineering units: what goes into the telegram, and what speaks against it.
 
+mod facts;
 mod modulo;
 mod objection;
 
-use profile::catalogue::{Catalogue, Part, Scaling};
+use profile::catalogue::{Catalogue, Scaling};
 use profile::notation::Position;
 use profile::telegram::signal;
 
 use super::command::Traverse;
 use profile::value::is_another;
 
+pub use facts::MotionFacts;
 pub use modulo::ModuloRange;
 pub use objection::Objection;
 
@@ -65,60 +67,6 @@ impl Move {
             deceleration,
             ..self
         }
-    }
-}
-
-/// What the drive says that matters for a move; `None` where it does not say.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MotionFacts {
-    /// Where the axis is, in turns (XIST_A).
-    pub position: Option<f64>,
-    /// ZSW1 bit 11: the home position is set.
-    pub homed: Option<bool>,
-    /// ZSW1 bit 3: a fault waits to be acknowledged.
-    pub fault: Option<bool>,
-    /// Lower software limit in turns, where it is switched on.
-    pub lowest: Option<f64>,
-    /// Upper software limit in turns, where it is switched on.
-    pub highest: Option<f64>,
-    /// The position is reckoned modulo: an absolute target has no end of travel.
-    pub modulo: bool,
-    /// The range of such an axis, where it is known.
-    pub modulo_range: Option<ModuloRange>,
-    /// Highest speed in positive direction, rpm.
-    pub forward_limit: Option<f64>,
-    /// Highest speed in negative direction as a positive number, rpm.
-    pub backward_limit: Option<f64>,
-    /// What sets the highest speed in positive direction.
-    pub forward_by: Option<Part>,
-    /// What sets the highest speed in negative direction.
-    pub backward_by: Option<Part>,
-    /// The limit switch at the negative end is hit.
-    pub negative_switch: Option<bool>,
-    /// The limit switch at the positive end is hit.
-    pub positive_switch: Option<bool>,
-    /// DRV.ACC in rpm/s.
-    pub acceleration: Option<f64>,
-    /// DRV.DEC in rpm/s.
-    pub deceleration: Option<f64>,
-}
-
-impl MotionFacts {
-    /// Returns true when the limit switch in the direction of a speed is hit: the drive may not turn.
-    ///
-    /// ```
-    /// use profidrive_client::axis::MotionFacts;
-    /// let facts = MotionFacts { positive_switch: Some(true), ..MotionFacts::default() };
-    /// assert!(facts.is_at_switch(10.0) && !facts.is_at_switch(-10.0));
-    /// ```
-    #[must_use]
-    pub fn is_at_switch(&self, speed: f64) -> bool {
-        let hit = if speed < 0.0 {
-            self.negative_switch
-        } else {
-            self.positive_switch
-        };
-        hit == Some(true) && speed != 0.0
     }
 }
 
@@ -194,7 +142,15 @@ pub fn plan_move(
         (raw, taken)
     };
     let (velocity, speed) = field(signal::MDI_VELOCITY, order.speed);
-    if order.speed > 0.0 && order.speed <= speed_limit && is_another(order.speed, speed) {
+    let highest = tables
+        .by_pnu(signal::MDI_VELOCITY)
+        .map_or(0.0, |parameter| parameter.engineering(1 << 32, scaling));
+    if order.speed.is_finite() && order.speed > highest {
+        objections.push(Objection::SpeedRange {
+            speed: order.speed,
+            highest,
+        });
+    } else if order.speed > 0.0 && order.speed <= speed_limit && is_another(order.speed, speed) {
         let beside = if speed > order.speed {
             velocity - 1
         } else {
@@ -448,7 +404,7 @@ mod tests {
     fn everything_that_speaks_against_a_move() {
         use Objection::{
             DriveLimit, Fault, LimitSwitch, NoDistance, NoSpeed, NotHomed, Ramp, Range, SoftwareLimit,
-            SpeedLimit,
+            SpeedLimit, SpeedRange,
         };
         let at = |speed| Move { speed, ..turns(10.0) };
         let with = |change: &dyn Fn(&mut MotionFacts)| {
@@ -457,6 +413,7 @@ mod tests {
             facts
         };
         let limits = with(&|facts| (facts.lowest, facts.highest) = (Some(-1.0), Some(9.5)));
+        let fast = with(&|facts| facts.forward_limit = None);
         let none: Vec<Objection> = Vec::new();
         for (order, facts, expected) in [
             (
@@ -558,6 +515,20 @@ mod tests {
                 }],
             ),
             (at(2001.0), facts(), none),
+            (
+                at(12_001.0),
+                fast,
+                vec![
+                    SpeedLimit {
+                        speed: 12_001.0,
+                        limit: 2500.0,
+                    },
+                    SpeedRange {
+                        speed: 12_001.0,
+                        highest: 12_000.0,
+                    },
+                ],
+            ),
             (
                 turns(10.0).with_ramps(Some(0.0), None),
                 facts(),

@@ -4,13 +4,12 @@ use std::ops::{Deref, DerefMut};
 use std::time::Duration;
 
 use profile::catalogue::Part;
-use profile::notation::Position;
 use profile::state::Mode;
 use profinet::Instant;
 
 use super::Axis;
 use super::axis::{AxisStatus, speed_setpoint};
-use crate::axis::{Evidence, Goal, Jog, MotionFacts, Move, MovePlan, Progress, SpeedUnit, Traverse};
+use crate::axis::{Evidence, Goal, Jog, Move, MovePlan, Progress, SpeedUnit, Traverse};
 use crate::{Connection, Error, Wire};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
@@ -207,7 +206,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     /// again while it jogs, the other speed is taken on the fly. [`halt`](Self::halt) ends it.
     ///
     /// # Errors
-    /// A speed above the limit, a drive in velocity mode, and as [`jog`](Self::jog).
+    /// A speed above the limits ([`Session::check_jog`](crate::Session::check_jog)), a drive in velocity mode, and as [`jog`](Self::jog).
     pub fn jog_at(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
@@ -217,19 +216,9 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
                 unit: SpeedUnit::Rpm.symbol(),
             });
         }
-        let order = Move::by(Position::Counts(0.0), rpm.abs())
-            .with_ramps(self.axis.acceleration, self.axis.deceleration);
-        let facts = MotionFacts::default();
-        let plan = self
-            .axis
-            .session
-            .plan_with(&self.axis.drive, &order, &facts, limit)?;
-        if !plan.objections.is_empty() {
-            return Err(Error::Objections {
-                drive: self.axis.drive.label(),
-                objections: plan.objections,
-            });
-        }
+        let ramps = [self.axis.acceleration, self.axis.deceleration];
+        let mut drive = self.axis.drive.clone();
+        let plan = self.axis.session.plan_jog(&mut drive, rpm, ramps, limit)?;
         self.axis.fastest = self.axis.fastest.max(plan.speed);
         self.axis.evidence = None;
         let goal = Goal::RealTimeJog {

@@ -1,11 +1,11 @@
 //! Which parameter of a make is the speed of a jog setpoint.
 
 use profile::catalogue::Part;
-use profile::notation::{Number, Quantity};
+use profile::notation::{Number, Position, Quantity};
 use profile::state::Profile;
 
 use super::Session;
-use crate::axis::Jog;
+use crate::axis::{Jog, MotionFacts, Move, MovePlan};
 use crate::{Drive, Error, Wire};
 use profile::value::{Reading, Selection};
 
@@ -77,6 +77,42 @@ impl<M: Wire> Session<M> {
             selection: Selection::of(parameter, drive.parameters.notation()),
             number: parameter.base.unwrap_or(parameter.pnu),
             pole_pairs,
+        })
+    }
+
+    /// Checks the speed of real-time jogging and returns it as it will travel. Reads only.
+    ///
+    /// # Errors
+    /// [`Error::Objections`] when the speed is above `speed_limit`, above the limit of the drive in its direction, or
+    /// more than MDI_VELOCITY carries; when the model is not known, or the drive cannot be reached.
+    pub fn check_jog(&mut self, drive: &mut Drive, rpm: f64, speed_limit: f64) -> Result<f64, Error> {
+        self.read_scaling(drive)?;
+        let plan = self.plan_jog(drive, rpm, [None; 2], speed_limit)?;
+        Ok(plan.speed.copysign(rpm))
+    }
+
+    pub(super) fn plan_jog(
+        &mut self,
+        drive: &mut Drive,
+        rpm: f64,
+        [acceleration, deceleration]: [Option<f64>; 2],
+        speed_limit: f64,
+    ) -> Result<MovePlan, Error> {
+        let facts = self.motion_facts(drive)?;
+        let order = Move::by(Position::Counts(0.0), rpm.abs()).with_ramps(acceleration, deceleration);
+        // a jog has a direction and no target: of the facts only the limit of that direction counts
+        let facts = MotionFacts {
+            position: Some(0.0),
+            forward_limit: facts.speed_limit(rpm).map(|(limit, _)| limit),
+            ..MotionFacts::default()
+        };
+        let plan = self.plan_with(drive, &order, &facts, speed_limit)?;
+        if plan.objections.is_empty() {
+            return Ok(plan);
+        }
+        Err(Error::Objections {
+            drive: drive.label(),
+            objections: plan.objections,
         })
     }
 }

@@ -399,6 +399,46 @@ fn real_time_jogging_takes_its_speed_from_here_and_changes_on_the_fly() {
     assert!(!drive_at(&bench.0, id).drive().has_fault());
 }
 
+/// Real-time jogging knows the limits that a move knows, each in its direction.
+#[test]
+fn real_time_jogging_respects_the_limits_of_the_drive_and_of_its_setpoint() {
+    let mut bench = positioning();
+    write(
+        &mut bench.0,
+        &mut bench.2,
+        &["VL.LIMITP=200rpm", "VL.LIMITN=-300rpm"],
+    );
+    let objection = |error: Error| match error {
+        Error::Objections { objections, .. } => objections,
+        other => panic!("{other}"),
+    };
+    let (session, drive) = (&mut bench.0, &mut bench.2);
+    let within = session.check_jog(drive, -250.0, 3000.0).expect("VL.LIMITN");
+    assert!((within + 250.0).abs() < 0.001, "{within}");
+    let above = |speed, limit| vec![Objection::DriveLimit { speed, limit }];
+    let refused = session.check_jog(drive, 250.0, 3000.0);
+    assert_eq!(objection(refused.expect_err("VL.LIMITP")), above(250.0, 200.0));
+    let refused = session.check_jog(drive, 13_000.0, 14_000.0).expect_err("2^32");
+    let [
+        ..,
+        Objection::DriveLimit { .. },
+        Objection::SpeedRange { speed, highest },
+    ] = objection(refused)[..]
+    else {
+        panic!("two objections");
+    };
+    assert_eq!([speed, highest], [13_000.0, 12_000.0]);
+    let id = bench.1;
+    with_axis(&mut bench, Purpose::RealTimeJog, |axis| {
+        let error = axis.jog_at(-301.0).expect_err("VL.LIMITN");
+        assert_eq!(objection(error), above(301.0, 300.0));
+        axis.hold(Duration::from_millis(500)).expect("nothing sent");
+        assert!(drive_at(axis.session().0, id).drive().axis().is_at_rest());
+        axis.jog_at(-250.0).expect("within");
+        axis.halt().expect("stands");
+    });
+}
+
 #[test]
 fn a_jog_that_ends_at_a_software_limit_names_it() {
     let mut bench = homed();

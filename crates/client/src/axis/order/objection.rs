@@ -64,6 +64,13 @@ pub enum Objection {
         /// The speeds below and above it that can be told, rpm.
         nearest: [f64; 2],
     },
+    /// Above what the setpoint carries.
+    SpeedRange {
+        /// Speed wanted, rpm.
+        speed: f64,
+        /// The highest speed of MDI_VELOCITY, rpm.
+        highest: f64,
+    },
     /// Above what the caller allows.
     SpeedLimit {
         /// Speed wanted, rpm.
@@ -127,6 +134,12 @@ impl fmt::Display for Objection {
                 figures(nearest[0]),
                 figures(nearest[1])
             ),
+            Self::SpeedRange { speed, highest } => write!(
+                f,
+                "{} rpm is more than MDI_VELOCITY carries, {} rpm",
+                figures(*speed),
+                figures(*highest)
+            ),
             Self::SpeedLimit { speed, limit } => {
                 write!(
                     f,
@@ -175,6 +188,7 @@ impl Objection {
             Self::NoSpeed { .. } => "give a speed above 0; the direction is that of the target",
             Self::NoDistance { .. } => "give a longer distance",
             Self::SpeedStep { .. } => "ask for one of them",
+            Self::SpeedRange { .. } => "give a lower speed",
             Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it",
             Self::DriveLimit { .. } => "{read VL.LIMITP VL.LIMITN} shows the limits",
             Self::Ramp { .. } => "the steps are those of PN.ACCSCALING",
