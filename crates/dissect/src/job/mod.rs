@@ -97,6 +97,10 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
     let id = data.get(1).copied().unwrap_or(0);
     let addresses = HEADER + ADDRESS * usize::from(data.get(3).copied().unwrap_or(0));
     match id {
+        // an attribute in the place of the first format code, unless values follow: a drive that repeats the address
+        1 if has_attribute(data) && Request::parse(data, space).is_ok_and(|job| has_no_values(&job)) => {
+            Side::Request
+        }
         // as long as a read request, but what would be its attribute is a format code
         1 if data.len() == addresses && !looks_like_values(data) => Side::Request,
         // the head alone, padded or not: a change that was carried out
@@ -115,12 +119,17 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
 
 /// True where a response would have its first format code: no attribute is one.
 fn looks_like_values(data: &[u8]) -> bool {
-    !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30 | 0x80..))
+    !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30 | 0x40 | 0x80..))
 }
 
 /// True where a request would have the attribute of its first address.
 fn has_attribute(data: &[u8]) -> bool {
     matches!(data.get(HEADER), Some(0x10 | 0x20 | 0x30))
+}
+
+/// True where only a buffer's zeros follow the addresses, or what is no value.
+fn has_no_values(job: &Request<'_>) -> bool {
+    job.trailing() == 0 || !values_fit(job)
 }
 
 fn values_fit(job: &Request<'_>) -> bool {

@@ -198,6 +198,27 @@ fn words_by_name_and_high_halves() {
     assert!(text.contains("high half of DRV.ACC (2109) = 0"), "{text}");
 }
 
+/// Without a word on the direction: what a request has too much, or wrong, does not make a response of it.
+#[test]
+fn a_request_with_a_mistake_is_a_request() {
+    for (hex, words) in [
+        (
+            "01 01 00 01 10 01 03 A2 00 00 AA BB",
+            "2 octets too many at the end",
+        ),
+        ("01 01 00 01 40 01 03 A2 00 00", "attribute 0x40 does not exist"),
+        (
+            "01 01 00 01 10 01 03 A2 00 00 00 00",
+            "read request 1, axis 0, 1 parameter",
+        ),
+    ] {
+        let mut drive = JobDrive::new(profile::model::Model::by_name("akd").unwrap());
+        let decoded = decode(&mut drive, &octets(hex), None, None).unwrap();
+        let told = decoded.lines.iter().any(|(_, line)| line.contains(words));
+        assert!(told, "{hex}: {:?}", decoded.lines);
+    }
+}
+
 #[test]
 fn a_request_cut_off_is_called_a_request() {
     for hex in [[5, 2, 0, 1, 0x10, 1, 3], [5, 1, 0, 1, 0x10, 1, 3]] {
@@ -359,10 +380,11 @@ fn what_the_dialect_forbids_is_named() {
     };
     assert_eq!(
         lines("vacon", "01 01 05 02 10 01 03 9A 00 00 10 EB 03 AF 00 00"),
-        [
-            "  not allowed (Vacon): axis 5 does not exist, only 1: answered with error 0x19",
-            "    not allowed (Vacon): 235 elements, 1 to 234 are allowed: answered with error 0x16",
-        ]
+        ["  not allowed (Vacon): axis 5 does not exist, only 1: answered with error 0x19"]
+    );
+    assert_eq!(
+        lines("akd", "01 02 00 01 10 01 03 A2 00 00 00 00"),
+        ["    not allowed (AKD): 0x00 is not the format of a value: answered with error 0x17"]
     );
     assert_eq!(
         lines("vacon", "01 01 01 00"),

@@ -130,13 +130,15 @@ impl Dialect {
         error_names: ErrorNames::Profile,
     };
 
-    /// Kollmorgen AKD: axis 0, formats 0x41 to 0x43, six-octet positive change response, PNU 944 counts situations.
+    /// Kollmorgen AKD: axis 0, formats 0x41 to 0x43, six-octet positive change response, no texts,
+    /// PNU 944 counts situations.
     pub const AKD: Self = Self {
         name: "AKD",
         axis: 0,
         axis_checked: true,
         change_response: ChangeResponse::HeaderAndZero,
         substitution_only: true,
+        texts: false,
         fault_counter: Counting::Situations,
         ..Self::STANDARD
     };

@@ -1,13 +1,18 @@
 //! What a dialect forbids in a request.
 
+use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 
-use super::access::Attributes;
-use super::address::{Attribute, MAX_ELEMENTS, ParameterAddress};
+use super::access::{Attributes, Keep, ParameterAccess};
+use super::address::{Attribute, DecodeError, MAX_ELEMENTS, ParameterAddress};
+use super::block::ValueBlock;
+use super::description::Description;
 use super::dialect::Dialect;
 use super::error::ErrorNumber;
+use super::format::Format;
 use super::request::Request;
+use super::serve::{Span, serve_each, whole};
 
 /// Something that is not allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,10 +37,29 @@ pub enum Forbidden {
     },
     /// An attribute that does not exist.
     Attribute(u8),
-    /// Texts of values (attribute 0x30), which the drive does not have.
+    /// Texts of values (attribute 0x30), which the drive does not have or which nobody can change.
     Texts,
+    /// A change of the description (attribute 0x20), or one that the drive does not have.
+    Description,
     /// More than 234 elements, or none of an array.
     Elements(u8),
+    /// Elements that the array does not have.
+    Members {
+        /// The first of them.
+        subindex: u16,
+        /// Number of elements.
+        elements: u8,
+    },
+    /// A change of a parameter that can only be read.
+    ReadOnly,
+    /// A format that no value has.
+    Format(u8),
+    /// A format that is not one of the parameter.
+    Type(u8),
+    /// A number that the type of the parameter does not have.
+    Range,
+    /// More values than one job carries.
+    Long,
     /// Several elements, or another than the first, of a parameter that is not an array.
     NoArray {
         /// Number of elements.
@@ -52,6 +76,10 @@ pub enum Forbidden {
     },
     /// Octets behind the last value, or behind the addresses of a read.
     Trailing(usize),
+    /// Addresses or values that the request ends before.
+    Short,
+    /// Something else.
+    Other,
 }
 
 /// Something that a dialect forbids in a request.
@@ -78,6 +106,22 @@ impl fmt::Display for Objection {
             }
             Forbidden::Attribute(code) => write!(f, "attribute 0x{code:02X} does not exist"),
             Forbidden::Texts => f.write_str("texts (attribute 0x30) are not supported"),
+            Forbidden::Description => {
+                f.write_str("a description (attribute 0x20) that cannot be changed or read")
+            }
+            Forbidden::Members { subindex, elements } => {
+                write!(
+                    f,
+                    "the array does not have {elements} elements from subindex {subindex} on"
+                )
+            }
+            Forbidden::ReadOnly => f.write_str("the parameter can only be read"),
+            Forbidden::Format(code) => write!(f, "0x{code:02X} is not the format of a value"),
+            Forbidden::Type(code) => write!(f, "the parameter does not have the format 0x{code:02X}"),
+            Forbidden::Range => f.write_str("the type of the parameter does not have this number"),
+            Forbidden::Long => f.write_str("more values than one job carries"),
+            Forbidden::Short => f.write_str("the request ends too early"),
+            Forbidden::Other => f.write_str("this is not possible"),
             Forbidden::Elements(elements) => {
                 write!(f, "{elements} elements, 1 to {MAX_ELEMENTS} are allowed")
             }
@@ -105,119 +149,153 @@ impl fmt::Display for Objection {
     }
 }
 
-/// Lists what `dialect` forbids in a request; `facts` gives what is known of a parameter, `None` for an unknown one. Whether
-/// a parameter exists, takes the value or may be written is not looked at.
+/// Lists what `dialect` forbids in a request, with the error numbers that a drive with these rules answers: the request is
+/// served as [`serve`](super::serve()) does it. Where the request as a whole is refused, its parameters are not looked at.
+/// `facts` gives what is known of a parameter, `None` for an unknown one. Whether a parameter exists and whether its limits
+/// and its state allow a value is not looked at.
 #[must_use]
 pub fn objections(
     request: &Request<'_>,
     dialect: &Dialect,
     facts: impl Fn(ParameterAddress) -> Option<Attributes>,
 ) -> Vec<Objection> {
-    let mut found = Vec::new();
-    let mut add = |parameter, what, answer| {
-        found.push(Objection {
-            parameter,
+    if let Err((what, answer)) = whole(request.bytes(), dialect) {
+        return vec![Objection {
+            parameter: None,
             what,
             answer,
-        });
-    };
-    let (id, axis, parameters) = (request.id(), request.axis(), request.parameters());
-    if let (0, Some(number)) = (request.reference(), dialect.bad_reference) {
-        add(None, Forbidden::Reference, Some(number));
-    }
-    if !dialect.knows(id) {
-        add(None, Forbidden::Request(id.octet()), Some(dialect.bad_request.1));
-    }
-    if dialect.axis_checked && axis != dialect.axis {
-        let what = Forbidden::Axis {
-            found: axis,
-            allowed: dialect.axis,
-        };
-        add(None, what, Some(dialect.bad_axis));
-    }
-    if parameters == 0 || parameters > dialect.max_parameters {
-        let what = Forbidden::Parameters {
-            found: parameters,
-            allowed: dialect.max_parameters,
-        };
-        add(None, what, dialect.bad_count);
+        }];
     }
     let mut values = request.values();
-    for (place, address) in request.addresses().enumerate() {
-        let here = Some(place);
+    let parameters: Vec<Asked<'_>> = request
+        .addresses()
+        .map(|address| {
+            let block = values.next().filter(|_| request.id().is_change());
+            let facts = facts(address).unwrap_or_else(|| fitting(address, block.as_ref()));
+            Asked {
+                address,
+                block,
+                facts,
+            }
+        })
+        .collect();
+    let mut drive = Willing {
+        parameters: &parameters,
+        place: 0,
+    };
+    let mut found = Vec::new();
+    let mut out = vec![0; dialect.max_block];
+    // without room for an answer nothing is found
+    let _ = serve_each(
+        request.bytes(),
+        dialect,
+        &mut drive,
+        &mut out,
+        |drive, _, answer| {
+            if let (Err(error), Some(asked)) = (answer, parameters.get(drive.place)) {
+                found.push(Objection {
+                    parameter: Some(drive.place),
+                    what: asked.forbidden(error.number),
+                    answer: Some(error.number),
+                });
+            }
+            drive.place += 1;
+        },
+    );
+    found
+}
+
+/// One parameter of a request.
+struct Asked<'a> {
+    address: ParameterAddress,
+    block: Option<Result<ValueBlock<'a>, DecodeError>>,
+    facts: Attributes,
+}
+
+impl Asked<'_> {
+    /// What of the address or the values an error number is about.
+    fn forbidden(&self, number: ErrorNumber) -> Forbidden {
         let ParameterAddress {
             attribute,
             elements,
             subindex,
             ..
-        } = address;
-        match attribute {
-            Attribute::Other(code) => add(here, Forbidden::Attribute(code), Some(dialect.bad_attribute)),
-            Attribute::Text if !dialect.texts => {
-                let answer = if id.is_change() {
-                    ErrorNumber::TEXT_FIXED
-                } else {
-                    ErrorNumber::NO_TEXT
-                };
-                add(here, Forbidden::Texts, Some(answer));
+        } = self.address;
+        let block = self.block.as_ref().and_then(|block| block.as_ref().ok());
+        let format = block.map_or(0, |block| block.format.0);
+        match (attribute, number) {
+            (_, ErrorNumber::TOO_LONG) => Forbidden::Long,
+            (_, ErrorNumber::SUBINDEX) => Forbidden::Members { subindex, elements },
+            (Attribute::Other(code), _) => Forbidden::Attribute(code),
+            (Attribute::Text, _) => Forbidden::Texts,
+            (_, ErrorNumber::ADDRESS) if elements > MAX_ELEMENTS || self.facts.is_array() => {
+                Forbidden::Elements(elements)
             }
-            _ => {}
-        }
-        let facts = facts(address).filter(|_| attribute == Attribute::Value);
-        if elements > MAX_ELEMENTS {
-            add(here, Forbidden::Elements(elements), Some(ErrorNumber::ADDRESS));
-        } else if let Some(facts) = facts {
-            let offset = subindex.saturating_sub(facts.first);
-            match (facts.is_array(), elements) {
-                (false, _) if offset > 0 => {
-                    add(
-                        here,
-                        Forbidden::NoArray { elements, subindex },
-                        Some(ErrorNumber::NO_ARRAY),
-                    );
-                }
-                (false, 2..) => add(
-                    here,
-                    Forbidden::NoArray {
-                        elements,
-                        subindex: 0,
-                    },
-                    Some(ErrorNumber::ADDRESS),
-                ),
-                (true, 0) if !facts.is_string() => {
-                    add(here, Forbidden::Elements(0), Some(ErrorNumber::ADDRESS));
-                }
-                _ => {}
-            }
-        }
-        if id.is_change()
-            && let Some(Ok(block)) = values.next()
-        {
-            let one = facts.map_or(1, |facts| match facts.string_octets() {
-                octets if octets > 0 && elements <= 1 => octets,
-                _ => 1,
-            });
-            let expected = u16::from(elements.max(1)).saturating_mul(one);
-            if u16::from(block.count) != expected {
-                let what = Forbidden::Values {
+            (Attribute::Description, _) => Forbidden::Description,
+            (_, ErrorNumber::ADDRESS) => Forbidden::NoArray {
+                elements,
+                subindex: 0,
+            },
+            (_, ErrorNumber::NO_ARRAY) => Forbidden::NoArray { elements, subindex },
+            (_, ErrorNumber::NOT_CHANGEABLE) => Forbidden::ReadOnly,
+            (_, ErrorNumber::FORMAT) => Forbidden::Format(format),
+            (_, ErrorNumber::DATA_TYPE) => Forbidden::Type(format),
+            (_, ErrorNumber::LIMIT) => Forbidden::Range,
+            _ => match (block, Span::of(&self.facts, elements, subindex)) {
+                (None, _) if self.block.is_some() => Forbidden::Short,
+                (Some(block), Ok(span)) if block.count != span.count => Forbidden::Values {
                     found: block.count,
-                    expected,
-                };
-                add(here, what, Some(ErrorNumber::VALUE_COUNT));
-            }
+                    expected: span.count.into(),
+                },
+                _ => Forbidden::Other,
+            },
         }
     }
-    let exact = dialect.exact_length && id.is_change();
-    let behind = if exact {
-        request.behind().len()
-    } else {
-        request.trailing()
+}
+
+/// Facts of an unknown parameter that a request fits, as far as one can.
+fn fitting(address: ParameterAddress, block: Option<&Result<ValueBlock<'_>, DecodeError>>) -> Attributes {
+    let block = block.and_then(|block| block.as_ref().ok());
+    let (format, octets) = block.map_or((Format::UNSIGNED8, 1), |block| (block.format, block.width()));
+    let simple = Attributes::simple(format, octets, true);
+    let is_simple = address.elements <= 1 && address.subindex == 0;
+    let elements = match block {
+        Some(block) if is_simple && simple.is_string() => block.count.into(),
+        _ if is_simple => 0,
+        _ => u16::MAX,
     };
-    if behind > 0 {
-        let answer = dialect.trailing.filter(|_| id.is_change());
-        add(None, Forbidden::Trailing(behind), answer);
+    Attributes { elements, ..simple }
+}
+
+/// A drive that has the parameters of a request and refuses nothing by itself.
+struct Willing<'a> {
+    parameters: &'a [Asked<'a>],
+    /// Which of them is served.
+    place: usize,
+}
+
+impl ParameterAccess for Willing<'_> {
+    fn attributes(&self, _: u16, _: u16) -> Option<Attributes> {
+        self.parameters.get(self.place).map(|asked| asked.facts)
     }
-    found
+
+    fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
+        Ok(0)
+    }
+
+    fn write(&mut self, _: u16, _: u16, _: u64, _: Keep) -> Result<(), ErrorNumber> {
+        Ok(())
+    }
+
+    /// The parameters that one number collects have none.
+    fn description(&self, pnu: u16) -> Option<Description> {
+        let facts = self.attributes(pnu, 0)?;
+        (facts.first == 0).then(Description::default)
+    }
+
+    fn text(&self, _: u16, _: u16) -> Option<[u8; 16]> {
+        Some([b' '; 16])
+    }
 }
 
 #[cfg(test)]
@@ -263,7 +341,7 @@ mod tests {
                 &["40 parameters, 1 to 39 are allowed: answered with error 0x68"],
             ),
             (
-                "01 01 01 01 10 EB 03 AF 00 00",
+                "01 01 01 01 10 EB 03 B3 00 00",
                 &["235 elements, 1 to 234 are allowed: answered with error 0x16"],
             ),
             (
@@ -298,11 +376,15 @@ mod tests {
             ),
             (
                 "00 07 01 01 50 01 03 9A 00 00",
-                &[
-                    "reference 0 is reserved: answered with error 0x65",
-                    "request ID 0x07 does not exist: answered with error 0x21",
-                    "attribute 0x50 does not exist: answered with error 0x69",
-                ],
+                &["request ID 0x07 does not exist: answered with error 0x21"],
+            ),
+            (
+                "00 01 01 01 50 01 03 9A 00 00",
+                &["reference 0 is reserved: answered with error 0x65"],
+            ),
+            (
+                "01 01 01 01 50 01 03 9A 00 00",
+                &["attribute 0x50 does not exist: answered with error 0x69"],
             ),
         ] {
             assert_eq!(found(&VACON, &Dialect::VACON, hex), words, "{hex}");

@@ -70,10 +70,10 @@ pub fn serve_saving(
     // saves of other channels are theirs to wait for
     let _ = drive.started_save();
     let (mut save, mut parameters) = (None, 0_u64);
-    let length = serve_each(request, dialect, drive, out, |drive, parameter, changed| {
+    let length = serve_each(request, dialect, drive, out, |drive, parameter, answer| {
         if let Some(started) = drive.started_save() {
             save = Some(started);
-            parameters |= u64::from(changed).checked_shl(parameter).unwrap_or(0);
+            parameters |= u64::from(answer.is_ok()).checked_shl(parameter).unwrap_or(0);
         }
     })?;
     Ok(Served {

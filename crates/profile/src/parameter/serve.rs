@@ -7,6 +7,7 @@ use super::description::{Description, LENGTH as DESCRIPTION_LENGTH};
 use super::dialect::{ChangeResponse, Dialect};
 use super::error::{ErrorNames, ErrorNumber, ParameterError};
 use super::format::{CodeSpace, Format, Kind};
+use super::objection::Forbidden;
 use super::request::Request;
 use super::{DecodeError, Wrong};
 
@@ -61,13 +62,58 @@ pub fn serve(
     serve_each(request, dialect, drive, out, |_, _, _| {})
 }
 
-/// Answers a request; `after` is called behind each parameter with its place and whether it was answered positively.
+/// Checks everything of a request but its parameters, in the order of [`serve`].
+///
+/// # Errors
+/// What is not allowed, and the error number of the answer; `None` where the record write is refused.
+pub(super) fn whole<'a>(
+    request: &'a [u8],
+    dialect: &Dialect,
+) -> Result<Request<'a>, (Forbidden, Option<ErrorNumber>)> {
+    let &[reference, id, axis, parameters, ..] = request else {
+        return Err((Forbidden::Short, None));
+    };
+    let id = RequestId::from_octet(id);
+    if !dialect.knows(id) {
+        return Err((Forbidden::Request(id.octet()), Some(dialect.bad_request.1)));
+    }
+    if parameters == 0 || parameters > dialect.max_parameters {
+        let what = Forbidden::Parameters {
+            found: parameters,
+            allowed: dialect.max_parameters,
+        };
+        return Err((what, dialect.bad_count));
+    }
+    let Ok(parsed) = Request::parse(request, dialect.code_space) else {
+        return Err((Forbidden::Short, dialect.too_few_addresses));
+    };
+    if let Some(number) = dialect.bad_reference.filter(|_| reference == 0) {
+        return Err((Forbidden::Reference, Some(number)));
+    }
+    let behind = if dialect.exact_length && id.is_change() {
+        parsed.behind().len()
+    } else {
+        parsed.trailing()
+    };
+    if behind > 0 {
+        let number = dialect.trailing.filter(|_| id.is_change());
+        return Err((Forbidden::Trailing(behind), number));
+    }
+    if dialect.axis_checked && axis != dialect.axis {
+        let allowed = dialect.axis;
+        let what = Forbidden::Axis { found: axis, allowed };
+        return Err((what, Some(dialect.bad_axis)));
+    }
+    Ok(parsed)
+}
+
+/// Answers a request; `after` is called behind each parameter with its place and how it was answered.
 pub(super) fn serve_each<D: ParameterAccess + ?Sized>(
     request: &[u8],
     dialect: &Dialect,
     drive: &mut D,
     out: &mut [u8],
-    mut after: impl FnMut(&mut D, u32, bool),
+    mut after: impl FnMut(&mut D, u32, Result<(), ParameterError>),
 ) -> Result<usize, Refusal> {
     let &[reference, id, axis, parameters, ..] = request else {
         return Err(Refusal::Length);
@@ -81,34 +127,23 @@ pub(super) fn serve_each<D: ParameterAccess + ?Sized>(
         values: 0,
         failed: false,
     };
-    if !dialect.knows(id) {
-        let (response_id, number) = dialect.bad_request;
-        return job.whole([reference, response_id, axis, parameters], number);
-    }
-    let refused = [reference, id.response_octet() | 0x80, axis, parameters];
-    if parameters == 0 || parameters > dialect.max_parameters {
-        let allowed = dialect.max_parameters;
-        let number = dialect.bad_count.ok_or(Refusal::Parameters {
-            found: parameters,
-            allowed,
-        })?;
-        return job.whole(refused, number);
-    }
-    let Ok(parsed) = Request::parse(request, dialect.code_space) else {
-        let number = dialect.too_few_addresses.ok_or(Refusal::Length)?;
-        return job.whole(refused, number);
+    let parsed = match whole(request, dialect) {
+        Ok(parsed) => parsed,
+        Err((Forbidden::Parameters { found, allowed }, None)) => {
+            return Err(Refusal::Parameters { found, allowed });
+        }
+        Err((_, None)) => return Err(Refusal::Length),
+        Err((what, Some(number))) => {
+            let response_id = match what {
+                Forbidden::Request(_) => dialect.bad_request.0,
+                _ => id.response_octet() | 0x80,
+            };
+            return job.whole([reference, response_id, axis, parameters], number);
+        }
     };
-    if let Some(number) = dialect.bad_reference.filter(|_| reference == 0) {
-        return job.whole(refused, number);
-    }
-    if parsed.trailing() > 0 || (dialect.exact_length && id.is_change() && !parsed.behind().is_empty()) {
-        let number = dialect.trailing.filter(|_| id.is_change());
-        return job.whole(refused, number.ok_or(Refusal::Length)?);
-    }
     job.out
         .put(&[reference, id.response_octet(), axis, parameters])
         .ok_or(Refusal::Room)?;
-    let axis_exists = !dialect.axis_checked || axis == dialect.axis;
     // A change without any values gets error numbers like one that lacks some.
     let missing = DecodeError {
         wrong: Wrong::Values,
@@ -121,15 +156,13 @@ pub(super) fn serve_each<D: ParameterAccess + ?Sized>(
     for (address, place) in parsed.addresses().zip(0..) {
         left -= 1;
         let start = job.out.position();
-        let result = if !axis_exists {
-            Err(dialect.bad_axis.into())
-        } else if id.is_change() {
+        let result = if id.is_change() {
             let block = values.next().unwrap_or(Err(missing));
             job.change(address, block, drive)
         } else {
             job.read(address, left, drive)
         };
-        after(drive, place, result.is_ok());
+        after(drive, place, result);
         if let Err(error) = result {
             job.out.truncate(start);
             job.error(error, left)?;
@@ -507,11 +540,11 @@ fn at(number: ErrorNumber, subindex: u16) -> ParameterError {
 
 /// What elements and subindex of an address really mean.
 #[derive(Debug, Clone, Copy)]
-struct Span {
+pub(super) struct Span {
     /// First element as the drive counts them.
     first: u16,
     /// Values of the block.
-    count: u8,
+    pub(super) count: u8,
     /// Octets of one string where whole strings are meant.
     whole: Option<u16>,
 }
@@ -520,7 +553,7 @@ impl Span {
     /// Source: SINAMICS DCM p. 199, ABB RETA-02 p. 84, Vacon OPTEA p. 119; 0 elements of an array is the special
     /// function that no client may send, it is refused like any impossible address. Strings as a whole and arrays of
     /// them are our reading.
-    fn of(facts: &Attributes, elements: u8, subindex: u16) -> Result<Self, ParameterError> {
+    pub(super) fn of(facts: &Attributes, elements: u8, subindex: u16) -> Result<Self, ParameterError> {
         let relative = subindex.saturating_sub(facts.first);
         if facts.elements == 0 {
             return match (relative, elements) {

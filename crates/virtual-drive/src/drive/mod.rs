@@ -512,6 +512,8 @@ mod makers_tests;
 #[cfg(test)]
 mod memory_tests;
 #[cfg(test)]
+mod objection_tests;
+#[cfg(test)]
 mod panel_tests;
 #[cfg(test)]
 mod set_up_tests;

@@ -136,7 +136,7 @@ impl ParameterAccess for Drive {
 
     /// Texts of an enumeration, the text of a value at its number.
     fn text(&self, pnu: u16, index: u16) -> Option<[u8; 16]> {
-        if !self.model.texts {
+        if !self.model.known.dialect.texts {
             return None;
         }
         let (_, _, parameter) = self.place(pnu, 0).ok()?;
@@ -168,7 +168,7 @@ impl ParameterAccess for Drive {
         set(Identifier::CHANGED, stored && self.values.is_changed(position));
         set(
             Identifier::TEXT,
-            self.model.texts && !parameter.choices.is_empty(),
+            self.model.known.dialect.texts && !parameter.choices.is_empty(),
         );
         let fits = parameter.size.range(parameter.signed);
         let normalised = parameter.format == Format::N2;

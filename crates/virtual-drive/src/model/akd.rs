@@ -32,7 +32,6 @@ pub static AKD: Model = Model {
     connection_lost_fault: 702,
     connection_lost: Lost::Always,
     fault_buffer: Shape::EIGHT_BY_EIGHT,
-    texts: false,
     profile: 0x0329,
 };
 

@@ -78,8 +78,6 @@ pub struct Model {
     pub connection_lost: Lost,
     /// Shape of its fault buffer.
     pub fault_buffer: Shape,
-    /// It gives the texts of enumerations (attribute 0x30).
-    pub texts: bool,
     /// Value of PNU 965: profile 3, version 41.
     pub profile: u16,
 }

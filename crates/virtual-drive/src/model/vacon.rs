@@ -37,7 +37,6 @@ pub static VACON: Model = Model {
     connection_lost_fault: 53,
     connection_lost: Lost::After(&FIELDBUS_FAULT),
     fault_buffer: Shape::EIGHT_SINGLE,
-    texts: false,
     profile: 0x0329,
 };
 

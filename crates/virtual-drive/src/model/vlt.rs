@@ -46,7 +46,6 @@ pub static VLT: Model = Model {
     connection_lost_fault: 34,
     connection_lost: Lost::After(&CONTROL_TIMEOUT),
     fault_buffer: Shape::EIGHT_BY_EIGHT,
-    texts: true,
     profile: 0x0329,
 };
 
