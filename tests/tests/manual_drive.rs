@@ -12,7 +12,11 @@ fn write(bus: &mut Bus, pnu: u16, format: u8, value: u32) -> Option<u8> {
     let [high, low] = pnu.to_be_bytes();
     let mut request = vec![1, 2, 0, 1, 0x10, 1, high, low, 0, 0, format, 1];
     let octets = value.to_be_bytes();
-    request.extend(if format == 0x42 { &octets[2..] } else { &octets[..] });
+    match format {
+        0x41 => request.extend([octets[3], 0]),
+        0x42 => request.extend(&octets[2..]),
+        _ => request.extend(octets),
+    }
     let answer = bus.job(&request);
     (answer[1] == 0x82).then(|| answer[7])
 }
@@ -100,6 +104,21 @@ fn commands_that_a_virtual_drive_cannot_do_are_refused() {
         assert_eq!(told, [StationEvent::Unable { pnu }], "{pnu}");
         let words = told[0].words(bus.station().drive().model().catalogue).unwrap();
         assert!(words.contains(&format!("({pnu}) refused")), "{words}");
+        let advice = bus.station().drive().model().catalogue.not_now(pnu);
+        assert!(
+            advice.is_some_and(|advice| advice.contains("virtual drive")),
+            "{pnu}"
+        );
+    }
+    // BODE.MODE, CAP0.EN, CAP1.EN, DRV.ZERO, FB1.PFIND, PLS.RESET, CMP0.ARM, CMP1.ARM: procedures that end by themselves
+    for (pnu, format) in [2023, 2028, 2041, 2139, 2149, 2914, 2915]
+        .map(|pnu| (pnu, 0x41))
+        .into_iter()
+        .chain([(2327, 0x42)])
+    {
+        assert_eq!(write(&mut bus, pnu, format, 1), Some(0x11), "{pnu}");
+        assert_eq!(events(&mut bus), [StationEvent::Unable { pnu }], "{pnu}");
+        assert_eq!(write(&mut bus, pnu, format, 0), None, "{pnu}");
         let advice = bus.station().drive().model().catalogue.not_now(pnu);
         assert!(
             advice.is_some_and(|advice| advice.contains("virtual drive")),

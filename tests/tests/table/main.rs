@@ -36,6 +36,8 @@ fn permitted(table: &Table, row: &Row, raw: i64) -> &'static [Answer] {
     match row.pnu {
         // The mapping of telegram 1, which is in use as delivered, is fixed (manual 5.11).
         915 | 916 => NOW,
+        // BODE.MODE, CAPx.EN, DRV.ZERO, FB1.PFIND, PLS.RESET, CMPx.ARM: a virtual drive has no such procedure
+        2023 | 2028 | 2041 | 2139 | 2149 | 2327 | 2914 | 2915 if raw != 0 => NOW,
         922 if ![0, 1, 7, 9, 350, 351, 352, 353, 354, 400].contains(&raw) => NO_SUCH,
         _ if table.is_nameless(row, raw) => NO_SUCH,
         // MT.CLEAR: a task of the table, or all of them by -1. MT.MOVE starts a task, which needs a homed axis in operation.

@@ -54,7 +54,7 @@ impl Drive {
             Live::Stored | Live::Mode if parameter.size != Size::Command => {
                 self.number_of_kept(parameter, self.stored(position, element))
             }
-            Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(_) => 0,
+            Live::Stored | Live::Mode | Live::Do(_) | Live::Choose(_) | Live::Absent => 0,
             Live::Measured(quantity) => parameter.raw(self.measured(quantity), &self.settings.scaling),
             Live::Place(place) => wrap(self.place_number(place), parameter),
             Live::Same(other) => self.same(parameter, other),

@@ -103,8 +103,12 @@ impl Drive {
                 let number = u16::try_from(raw).map_err(|_| ErrorNumber::VALUE)?;
                 self.map_signal(Direction::Actual, element, number)?;
             }
-            // a command that nothing in a virtual drive obeys
-            _ if parameter.access == Access::WriteOnly => {
+            Live::Absent if raw == 0 => {}
+            // a command or a procedure that nothing in a virtual drive obeys
+            live if live == Live::Absent || parameter.access == Access::WriteOnly => {
+                if live == Live::Absent {
+                    self.within_limits(parameter, raw)?;
+                }
                 self.emit(Event::Unable { pnu: parameter.pnu });
                 return Err(ErrorNumber::NOT_NOW);
             }

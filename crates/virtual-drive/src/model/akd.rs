@@ -201,6 +201,9 @@ const LIVE: &[(u16, Live)] = &[
     (1001, Live::Same(2203)),
     (1008, Live::Same(3065)),
     (1009, Live::Same(3064)),
+    (2023, Live::Absent), // BODE.MODE
+    (2028, Live::Absent), // CAP0.EN
+    (2041, Live::Absent), // CAP1.EN
     (2058, Live::Rotary),
     (2064, Live::Input { number: 1 }),
     (2069, Live::Input { number: 2 }),
@@ -219,7 +222,9 @@ const LIVE: &[(u16, Live)] = &[
     (2135, Live::Mode),
     (2136, Live::Do(Action::Defaults)),
     (2137, Live::Do(Action::Stop)),
+    (2139, Live::Absent), // DRV.ZERO
     (2144, Live::Place(Place::Angle)),
+    (2149, Live::Absent), // FB1.PFIND
     (2157, Live::Telegram),
     (2204, Live::Do(Action::Home)),
     (2209, Live::Do(Action::SetHome)),
@@ -240,6 +245,7 @@ const LIVE: &[(u16, Live)] = &[
     (2285, Live::Place(Place::Command)),
     (2287, Live::Place(Place::Following)),
     (2294, Live::Place(Place::Actual)),
+    (2327, Live::Absent),              // PLS.RESET
     (2358, Live::Do(Action::Nothing)), // REC.OFF: no recording runs
     (2367, Live::Measured(Quantity::RegenPower)),
     (2381, Live::TorqueAllowed),
@@ -277,6 +283,8 @@ const LIVE: &[(u16, Live)] = &[
     (2876, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
     (2877, Live::Measured(Quantity::Temperature(Sensor::PowerStage))),
     (2900, Live::Measured(Quantity::Temperature(Sensor::Motor))),
+    (2914, Live::Absent),              // CMP0.ARM
+    (2915, Live::Absent),              // CMP1.ARM
     (3013, Live::Do(Action::Restart)), // DRV.REBOOT
     (3022, Live::Watchdog),
 ];

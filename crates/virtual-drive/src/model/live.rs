@@ -93,6 +93,8 @@ pub enum Live {
     Array(Table),
     /// A command.
     Do(Action),
+    /// A procedure that a virtual drive does not have: 0, which starts nothing, is the only value.
+    Absent,
 }
 
 /// One bit of another parameter in a bit field.
