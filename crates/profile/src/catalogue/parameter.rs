@@ -425,6 +425,23 @@ mod tests {
     use super::super::AKD;
     use super::*;
 
+    /// Manual 6.2; a position without a printed type is taken as its sibling.
+    #[test]
+    fn which_positions_of_an_akd_are_scaled() {
+        for (names, scale) in [
+            (
+                &["HOME.DIST", "HOME.MAXDIST", "HOME.P", "PL.FB"][..],
+                Scale::Position,
+            ),
+            (&["FB1.POFFSET", "FB2.POFFSET", "FB3.POFFSET"], Scale::Raw),
+            (&["PLS.P1", "PLS.WIDTH1", "PLS.P8", "PLS.WIDTH8"], Scale::Raw),
+        ] {
+            for name in names {
+                assert_eq!(AKD.by_name(name).unwrap().scale, scale, "{name}");
+            }
+        }
+    }
+
     #[test]
     fn sizes() {
         assert_eq!(Size::Byte.range(false), 0..=255);
