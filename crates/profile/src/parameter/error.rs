@@ -55,7 +55,7 @@ impl ErrorNumber {
     pub const DANFOSS_UNKNOWN_SERVICE: Self = Self(0x66);
     /// Danfoss: not with multi-parameter access.
     pub const DANFOSS_SINGLE_ONLY: Self = Self(0x67);
-    /// Danfoss: the value cannot be read from the bus.
+    /// Danfoss: the bus has no access to the value.
     pub const DANFOSS_NOT_READABLE: Self = Self(0x68);
     /// Vacon: invalid request reference.
     pub const VACON_REFERENCE: Self = Self(0x65);
@@ -81,7 +81,7 @@ impl ErrorNumber {
             ErrorNames::Vacon => VACON,
             ErrorNames::Siemens => SIEMENS,
         };
-        ERRORS.iter().chain(special).find(|row| row.number == self.0)
+        special.iter().chain(ERRORS).find(|row| row.number == self.0)
     }
 
     /// Number and meaning, with the words of a make.
@@ -154,5 +154,13 @@ mod tests {
             ErrorNumber(0x65).info(ErrorNames::Danfoss).map(|i| i.meaning),
             Some("wrong axis")
         );
+        // a number of the profile of which a make says more
+        let remedy = |names| ErrorNumber::NOT_NOW.info(names).map_or("", |info| info.remedy);
+        assert!(remedy(ErrorNames::Danfoss).contains("0-11"));
+        assert!(!remedy(ErrorNames::Profile).contains("0-11"));
+        let own = ErrorNumber::DANFOSS_NOT_READABLE
+            .info(ErrorNames::Danfoss)
+            .unwrap();
+        assert!(own.remedy.contains("read or set"), "{own:?}");
     }
 }

@@ -100,10 +100,11 @@ pub static ERRORS: &[ErrorInfo] = &[
 /// Danfoss VLT.
 #[rustfmt::skip]
 pub static DANFOSS: &[ErrorInfo] = &[
+    ErrorInfo { number: 0x11, meaning: "not executable in the present operating state", remedy: "most settings need the motor stopped; while 0-11 selects the factory set-up (0) the settings of a set-up cannot be written: select another one in 0-11", subindex: false, source: "0x11 for 131 of the parameter channel is ours; 0-11: FC 300 programming guide, from memory" },
     ErrorInfo { number: 0x65, meaning: "wrong axis", remedy: "send axis 0", subindex: false, source: "Danfoss FC 300 PROFIBUS manual MG.33.C2 p.50" },
     ErrorInfo { number: 0x66, meaning: "unknown service", remedy: "send request ID 1, 2, 0x42, 0x51 or 0x52", subindex: false, source: "Danfoss FC 300 PROFIBUS manual MG.33.C2 p.50" },
     ErrorInfo { number: 0x67, meaning: "not with multi-parameter access", remedy: "send one parameter in each request", subindex: false, source: "Danfoss FC 300 PROFIBUS manual MG.33.C2 p.50" },
-    ErrorInfo { number: 0x68, meaning: "parameter value cannot be read from the bus", remedy: "read it at the drive's own panel", subindex: false, source: "Danfoss FC 300 PROFIBUS manual MG.33.C2 p.50" },
+    ErrorInfo { number: 0x68, meaning: "no bus access to the parameter value", remedy: "read or set it at the drive's own panel", subindex: false, source: "Danfoss FC 300 PROFIBUS manual MG.33.C2 p.50, which has reading only; a write gets it for 130 of the parameter channel (ours)" },
 ];
 
 /// Vacon.

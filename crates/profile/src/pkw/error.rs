@@ -118,7 +118,7 @@ impl PkwErrorNumber {
             0x21 if siemens => Self(106),
             0x21 if danfoss => Self(253),
             0x21 if names == PkwErrorNames::Abb => Self(102),
-            // Danfoss 0x68: the value cannot be read from the bus
+            // Danfoss 0x68: the bus has no access to the value
             0x68 if danfoss => Self(130),
             // the maker's own numbers of the one channel are those of the other
             own if own >= 0x65 && names.rows().iter().any(|row| row.number == own) => Self(own),

@@ -224,7 +224,7 @@ fn danfoss_error_numbers() {
         (0x65, "wrong axis"),
         (0x66, "unknown service"),
         (0x67, "not with multi-parameter access"),
-        (0x68, "parameter value cannot be read from the bus"),
+        (0x68, "no bus access to the parameter value"),
     ] {
         let info = ErrorNumber(number).info(ErrorNames::Danfoss).unwrap();
         assert_eq!(info.meaning, meaning);
