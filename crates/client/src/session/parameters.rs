@@ -227,7 +227,7 @@ impl<M: Wire> Session<M> {
 
     /// References run from 1 to 255: 0 is reserved.
     pub(super) fn next_reference(&mut self) -> u8 {
-        self.reference = self.reference.checked_add(1).unwrap_or(1);
+        self.reference = after(self.reference);
         self.reference
     }
 }
@@ -299,5 +299,24 @@ fn malformed(drive: &Drive, error: &dyn std::fmt::Display) -> Error {
     Error::Malformed {
         drive: drive.label(),
         reason: error.to_string(),
+    }
+}
+
+/// The next request reference.
+fn after(reference: u8) -> u8 {
+    reference.checked_add(1).unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::after;
+
+    #[test]
+    fn references_run_from_1_to_255_and_never_are_0() {
+        let mut reference = 0;
+        for expected in (1..=u8::MAX).chain(1..=3) {
+            reference = after(reference);
+            assert_eq!(reference, expected);
+        }
     }
 }

@@ -295,6 +295,11 @@ mod tests {
         assert!(near(ampere.engineering(-182), -0.099_98, 0.000_005));
         assert_eq!(ampere.raw(9.0).value, 0x4000);
         assert_eq!(revolutions(&Scaling::default()).raw(1.5).value, 0x0001_8000);
+        // MDI_TARPOS, XIST_A, XIST_ERROR and HOME_DIST
+        for name in ["MDI_TARPOS", "XIST_A", "XIST_ERROR", "HOME_DIST"] {
+            let parameter = crate::catalogue::AKD.by_name(name).unwrap();
+            assert_eq!(parameter.scale, Scale::Singleturn, "{name}");
+        }
         let coarse = with(|scaling| scaling.singleturn_bits = 10);
         assert_eq!(revolutions(&coarse).raw(-1.5).value, -1536);
         assert_eq!(position(&Scaling::default()).engineering(65_536), 65_536.0);

@@ -265,6 +265,10 @@ fn the_words_before_a_controller_has_sent_one() {
     line.set(1, 0x0406);
     line.cycle();
     assert_eq!((line.read(1), line.read(2)), (0x0406, 0x0231));
+    line.drive.disconnect(Disconnect::Released);
+    line.drive.tick(line.now, None, &mut []);
+    let after = [1, 2].map(|pnu| line.drive.parameter(pnu));
+    assert_eq!(after, [Some(0x0406), Some(0x0240)]);
 }
 
 #[test]

@@ -84,6 +84,10 @@ fn vacon_error_numbers() {
         );
         assert_eq!(answer[4..8], [0x44, 1, 0, expected], "{head}");
     }
+    for reference in 1..=u8::MAX {
+        let answer = served(VACON, &format!("{reference:02X} 01 01 01 {read}"));
+        assert_eq!(answer[..2], [reference, 1]);
+    }
     for attribute in ["50", "00", "80"] {
         assert_eq!(
             number(VACON, &format!("01 01 01 01 {attribute} 01 03 9A 00 00")),

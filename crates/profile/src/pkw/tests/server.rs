@@ -201,6 +201,10 @@ fn rights() {
 /// What a dialect does not know is refused with its own number and not executed.
 #[test]
 fn requests_that_do_not_exist() {
+    for code in [13, 14, 15].map(RequestCode) {
+        let known = [PkwDialect::DANFOSS_PPO, PkwDialect::DANFOSS_FC].map(|dialect| dialect.knows(code));
+        assert_eq!(known, [false, true], "{code:?}");
+    }
     for (dialect, number) in [
         (PkwDialect::STANDARD, 18),
         (PkwDialect::DANFOSS_FC, 253),
