@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use serde_json::Value;
-use system_tests::{Finished, Lab, Running, Side, built, judge};
+use system_tests::{Finished, Lab, Running, Side, built, judge, wait_until};
 
 const SHORT: Duration = Duration::from_secs(20);
 
@@ -121,6 +121,12 @@ fn a_stop_needs_the_port_of_the_controller_and_no_parameters() {
     run.wait_for("set    20.00 %", SHORT);
     monitor.signal("INT");
     run.signal("KILL");
+    // until its watchdog has elapsed the drive has a controller
+    let ownerless = || {
+        let status = client(&lab, &["status", "vlt-1", "--json"]);
+        status.out.contains("\"controller\":null")
+    };
+    assert!(wait_until(SHORT, ownerless), "the connection is not lost");
 
     let bound = "import socket, time; s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM); \
                  s.bind(('', 34964)); print('bound', flush=True); time.sleep(600)";
