@@ -111,9 +111,9 @@ impl Drive {
     }
 
     /// Returns the actions that move its axis in this mode (PNU 930) by these control words, as far as its tables say: each
-    /// is one that the drive can do.
+    /// is one that the drive can do. `homed` is bit 11 of ZSW1 in position mode: without a home position there is no move.
     #[must_use]
-    pub fn motions(&self, mode: Option<Mode>, words: Profile) -> Vec<Action> {
+    pub fn motions(&self, mode: Option<Mode>, homed: bool, words: Profile) -> Vec<Action> {
         let tables = self.model.catalogue;
         // at a serial line there is a speed setpoint and no position
         let positions = !self.is_on_line()
@@ -121,7 +121,11 @@ impl Drive {
         let part = |part| tables.is_some_and(|tables| tables.part(part).is_some());
         let motions = [
             (Action::Run, mode != Some(Mode::Position)),
-            (Action::Move, positions && mode != Some(Mode::Velocity)),
+            (
+                Action::Move,
+                positions && mode != Some(Mode::Velocity) && (homed || mode.is_none()),
+            ),
+            (Action::Home, positions && mode == Some(Mode::Position) && !homed),
             (
                 Action::Jog,
                 has_jog(words) && (part(Part::Jog1) || part(Part::JogOnly)),

@@ -105,7 +105,7 @@ impl<M: Wire> Session<M> {
             carries_speed: carries(signal::NSOLL_A),
             carries_tasks: carries(signal::SATZANW),
             mode: word(pnu::OPERATING_MODE),
-            motions: drive.motions(mode, profile),
+            motions: drive.motions(mode, zsw1.is_some_and(|word| word.has(Zsw1::HOMED)), profile),
             command_source: told.word(Part::CommandSource),
             command_source_text: told.find(Part::CommandSource).and_then(|reading| reading.choice),
             disable_sources: told.word(Part::DisableSources),

@@ -10,7 +10,7 @@ use network::host::StationId;
 use network::segment::SegmentMedium;
 use profidrive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
 use profidrive_client::status::{Cause, diagnose};
-use profidrive_client::{AxisSettings, Drive, Enabled, Error, WriteMode};
+use profidrive_client::{Action, AxisSettings, Drive, Enabled, Error, WriteMode};
 use profile::notation::Position;
 use profile::state::Mode;
 use profile::value::Assignment;
@@ -664,4 +664,27 @@ proptest! {
         });
         prop_assert!(!drive_at(&bench.0, id).drive().has_fault());
     }
+}
+
+#[test]
+fn an_axis_without_a_home_position_is_recommended_to_home_and_not_to_move() {
+    let recommended = |(session, _, drive): &mut (Bench, StationId, Drive)| -> Vec<Action> {
+        let found = diagnose(&session.status(drive).expect("a status"));
+        assert_eq!(found.cause.id(), "no-controller", "{found:?}");
+        found.next.expect("advice").actions().cloned().collect()
+    };
+    let (mut session, ids) = bench(&[("akd-1", 1)]);
+    let mut drive = find(&mut session, "akd-1").expect("there");
+    write(&mut session, &mut drive, &["930=2"]);
+    let mut fresh = (session, ids[0], drive);
+    let actions = recommended(&mut fresh);
+    assert!(
+        actions.contains(&Action::Home) && !actions.contains(&Action::Move),
+        "{actions:?}"
+    );
+    let actions = recommended(&mut homed());
+    assert!(
+        actions.contains(&Action::Move) && !actions.contains(&Action::Home),
+        "{actions:?}"
+    );
 }
