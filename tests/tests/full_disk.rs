@@ -1,5 +1,6 @@
 //! A drive whose state folder is on a full disk: who saves hears of it, and the drive goes on.
 
+use std::path::Path;
 use std::time::Duration;
 
 use system_tests::{Lab, Running, Side, built, client};
@@ -21,7 +22,9 @@ fn drive_on_small_disk(lab: &Lab, model: &str, room: usize) -> Running {
 
 /// Makes room on the disk of the drive.
 fn make_room(drive: &Running) {
-    std::fs::remove_file(format!("/proc/{}/root/run/state/filler", drive.pid())).unwrap();
+    // its folders are in a mount namespace of its own
+    let namespace = Path::new("/proc").join(drive.pid().to_string()).join("root");
+    std::fs::remove_file(namespace.join("run/state/filler")).unwrap();
 }
 
 /// A Vacon saves each change by itself, so a value that it has already may not be saved.

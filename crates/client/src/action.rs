@@ -344,7 +344,23 @@ impl fmt::Display for Advice {
 
 #[cfg(test)]
 mod tests {
+    use profile::catalogue::{AKD, Catalogue, VACON, VLT};
+
     use super::*;
+
+    #[test]
+    fn every_action_in_the_tables_exists() {
+        for tables in [&AKD, &VLT, &VACON] as [&'static Catalogue; 3] {
+            let remedies = tables.faults.iter().map(|fault| fault.remedy);
+            let not_now = tables.parameters.iter().filter_map(|one| tables.not_now(one.pnu));
+            for text in remedies.chain(not_now) {
+                let shown = Advice::from(text).to_string();
+                assert!(!shown.contains(['{', '}', '`']), "{}: {text}", tables.model);
+            }
+        }
+        let refused = AKD.not_now(922).map(Advice::from).unwrap();
+        assert_eq!(refused.actions().collect::<Vec<_>>(), [&Action::Status]);
+    }
 
     #[test]
     fn actions_in_text_are_found_and_shown_by_name() {

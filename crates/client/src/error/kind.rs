@@ -19,33 +19,27 @@ pub enum ErrorKind {
     Lost,
     /// A rule that protects people or machines stopped it.
     Safety,
-    /// A fault of the drive.
-    Fault,
     /// What was commanded was not reached: speed, position, state.
     NotReached,
     /// The drive cannot do it, or not as it is now set up.
     Unsupported,
-    /// A part of it was done and the rest was not.
-    Partial,
-    /// Wrong use of the library.
-    Misuse,
-    /// An error in the program, or an answer that nobody can make sense of.
+    /// The caller wanted to stop.
+    Interrupted,
+    /// The drive sent an answer that has no meaning.
     Internal,
 }
 
 impl ErrorKind {
     /// Every kind with its stable name.
-    pub const ALL: [(Self, &'static str); 11] = [
+    pub const ALL: [(Self, &'static str); 9] = [
         (Self::Usage, "usage"),
         (Self::Refused, "refused"),
         (Self::Unreachable, "unreachable"),
         (Self::Lost, "lost"),
         (Self::Safety, "safety"),
-        (Self::Fault, "fault"),
         (Self::NotReached, "not_reached"),
         (Self::Unsupported, "unsupported"),
-        (Self::Partial, "partial"),
-        (Self::Misuse, "misuse"),
+        (Self::Interrupted, "interrupted"),
         (Self::Internal, "internal"),
     ];
 
@@ -122,11 +116,21 @@ impl Error {
             | Self::NotAtRest { .. }
             | Self::ScaleChanged { .. } => ErrorKind::Safety,
             Self::NotEnabled { .. }
-            | Self::StopInterrupted { .. }
             | Self::NotInTime { .. }
             | Self::SpeedNotReached { .. }
-            | Self::SpeedLost { .. } => ErrorKind::NotReached,
-            _ => ErrorKind::Unsupported,
+            | Self::SpeedLost { .. }
+            | Self::Changing { .. } => ErrorKind::NotReached,
+            Self::Interrupted | Self::StopInterrupted { .. } => ErrorKind::Interrupted,
+            Self::Malformed { .. } | Self::UnknownRequest { .. } => ErrorKind::Internal,
+            Self::NotADrive { .. }
+            | Self::Telegram { .. }
+            | Self::ForeignModule { .. }
+            | Self::NoStopBeside { .. }
+            | Self::SpeedUnit { .. }
+            | Self::NoSuchTelegram { .. }
+            | Self::UnknownModel { .. }
+            | Self::TooManyKinds { .. }
+            | Self::Journal { .. } => ErrorKind::Unsupported,
         }
     }
 }
@@ -160,6 +164,16 @@ mod tests {
         let none = Objection::NoDistance { counts: 0.1 };
         assert_eq!(kind(vec![none]), ErrorKind::Usage);
         assert_eq!(kind(vec![none, Objection::NotHomed]), ErrorKind::Safety);
+    }
+
+    #[test]
+    fn an_answer_without_meaning_is_no_missing_feature() {
+        let malformed = Error::Malformed {
+            drive: "akd-1".into(),
+            reason: "3 octets".into(),
+        };
+        assert_eq!(malformed.kind(), ErrorKind::Internal);
+        assert_eq!(Error::Interrupted.kind(), ErrorKind::Interrupted);
     }
 
     #[test]
