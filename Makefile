@@ -23,10 +23,11 @@ test: setup ## everything that must pass
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc -q --workspace --no-deps
 	$(CARGO) run -q -p xtask -- gen --check
 	$(CARGO) run -q -p xtask -- arrows
+	target/tools/bin/cargo-deny --locked check bans licenses sources
 	$(CARGO) build -q --workspace --bins --examples
 	$(CARGO) test --workspace
 
-setup: ## install what the tests need (Debian packages, Python peers under target/)
+setup: ## install what the tests need (Debian packages, Python peers and cargo-deny under target/)
 	@tools/setup
 
 bench: setup ## figures of this machine, each beside its limit or peer
