@@ -2,7 +2,10 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check test setup bench fuzz fmt lint doc
+.PHONY: help demo check test package setup bench fuzz fmt lint doc
+
+# what `make package` builds for; a target whose programs this machine can run
+TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
@@ -26,6 +29,10 @@ test: setup ## everything that must pass
 	target/tools/bin/cargo-deny --locked check bans licenses sources
 	$(CARGO) build -q --workspace --bins --examples
 	$(CARGO) test --workspace
+
+package: ## release program, Debian package and checksums, in target/package (TARGET=...)
+	$(CARGO) build --release --locked -p profidrive-cli --target $(TARGET)
+	tools/package target/$(TARGET)/release/profidrive $(TARGET) target/package
 
 setup: ## install what the tests need (Debian packages, Python peers and cargo-deny under target/)
 	@tools/setup

@@ -1,5 +1,6 @@
 //! House tasks: `cargo run -p xtask -- gen [--check]` writes (or compares) the generated tables,
-//! `cargo run -p xtask -- arrows` proves that the crates only depend on each other as ARCHITECTURE.md says.
+//! `cargo run -p xtask -- arrows` proves that the crates only depend on each other as ARCHITECTURE.md says,
+//! `cargo run -p xtask -- notices TARGET` prints the licences of what is linked into the program.
 #![forbid(unsafe_code)]
 
 use std::error::Error;
@@ -8,6 +9,7 @@ use std::process::ExitCode;
 
 mod arrows;
 mod r#gen;
+mod notices;
 mod table;
 
 /// A house task either works or says why not.
@@ -16,7 +18,8 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 const USAGE: &str = "usage: cargo run -p xtask -- <task>
   gen            write the generated tables from data/
   gen --check    fail when a generated table is not up to date
-  arrows         fail when a crate depends on one it must not know";
+  arrows         fail when a crate depends on one it must not know
+  notices TARGET print the licences of what is linked into the program";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -25,6 +28,7 @@ fn main() -> ExitCode {
         ["gen"] => r#gen::run(&root(), r#gen::Mode::Write),
         ["gen", "--check"] => r#gen::run(&root(), r#gen::Mode::Check),
         ["arrows"] => arrows::run(&root()),
+        ["notices", target] => notices::run(&root(), target),
         _ => {
             eprintln!("{USAGE}");
             return ExitCode::from(2);

@@ -200,6 +200,9 @@ pub enum Command {
     Demo(Demo),
     /// Write the completion script of a shell
     Completions(Completions),
+    /// Write the manual pages of all commands
+    #[command(hide = true)]
+    Manual(Manual),
 }
 
 #[derive(Debug, Args)]
@@ -257,6 +260,12 @@ pub struct Monitor {
 pub struct Completions {
     /// The shell
     pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct Manual {
+    /// Folder for the pages; it is made where it does not exist
+    pub folder: PathBuf,
 }
 
 /// A model by the name that a person gives it.

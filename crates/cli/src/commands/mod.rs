@@ -16,6 +16,7 @@ mod inject;
 mod jog;
 mod limit;
 pub mod maker;
+mod manual;
 mod motion;
 mod r#move;
 mod parameters;
@@ -90,6 +91,7 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Inject(args) => inject::run(args, output),
         Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),
+        Command::Manual(args) => manual::run(args),
     }
 }
 
@@ -125,7 +127,8 @@ pub fn drive(command: &Command) -> Option<&str> {
         | Command::Gsdml(_)
         | Command::Simulate(_)
         | Command::Demo(_)
-        | Command::Completions(_) => return None,
+        | Command::Completions(_)
+        | Command::Manual(_) => return None,
     })
 }
 
@@ -137,6 +140,7 @@ const fn offline(command: &Command) -> Option<&'static str> {
         Command::Gsdml(_) => Some("gsdml"),
         Command::Demo(_) => Some("demo"),
         Command::Completions(_) => Some("completions"),
+        Command::Manual(_) => Some("manual"),
         _ => None,
     }
 }

@@ -1,0 +1,18 @@
+//! `profidrive manual FOLDER`, for packages: one page for each command.
+
+use clap::CommandFactory;
+
+use crate::args::{Cli, Manual};
+use crate::failure::{Exit, Failure};
+
+pub fn run(args: &Manual) -> Result<(), Failure> {
+    std::fs::create_dir_all(&args.folder)
+        .and_then(|()| clap_mangen::generate_to(Cli::command(), &args.folder))
+        .map_err(|error| {
+            let folder = args.folder.display();
+            Failure::new(
+                Exit::Failed,
+                format!("cannot write the manual pages to {folder}: {error}"),
+            )
+        })
+}

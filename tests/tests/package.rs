@@ -1,0 +1,125 @@
+//! What `make package` hands out: complete, and a Debian package that can be installed and gives the program its capability.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use system_tests::{Lab, Side, built, root, simulate};
+
+const SHORT: Duration = Duration::from_secs(60);
+
+#[track_caller]
+fn output(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let complaints = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {complaints}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Packs the program of this build into `folder` and gives the Debian package.
+fn pack(folder: &Path) -> PathBuf {
+    let target = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
+    let mut pack = Command::new(root().join("tools/package"));
+    output(pack.arg(built("profidrive")).arg(&target).arg(folder));
+    output(
+        Command::new("sha256sum")
+            .args(["--check", "--strict", "SHA256SUMS"])
+            .current_dir(folder),
+    );
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    files.sort();
+    let [_, archive, package] = &files[..] else {
+        panic!("checksums, archive and Debian package: {files:?}")
+    };
+    let listed = output(Command::new("tar").arg("-tf").arg(archive));
+    for name in [
+        "profidrive\n",
+        "THIRD-PARTY\n",
+        "man/profidrive-read.1\n",
+        "completions/_profidrive\n",
+    ] {
+        assert!(listed.contains(name), "{name}: {listed}");
+    }
+    package.clone()
+}
+
+/// The package database is one of the test; nothing on this machine changes.
+fn dpkg(lab: &Lab, what: &[&str]) {
+    let system = lab.folder().join("installed");
+    for folder in [
+        "var/lib/dpkg/info",
+        "var/lib/dpkg/updates",
+        "var/lib/dpkg/triggers",
+    ] {
+        std::fs::create_dir_all(system.join(folder)).unwrap();
+    }
+    for file in ["status", "available"] {
+        let file = system.join("var/lib/dpkg").join(file);
+        std::fs::OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(file)
+            .unwrap();
+    }
+    let mut line = vec![
+        format!("--root={}", system.display()),
+        format!("--log={}", lab.folder().join("dpkg.log").display()),
+        // the libraries are those of this machine, and its programs run the package's script
+        "--force-depends".to_owned(),
+        "--force-script-chrootless".to_owned(),
+    ];
+    line.extend(what.iter().map(ToString::to_string));
+    lab.run(Side::Controller, "dpkg", line, SHORT).ok();
+}
+
+#[test]
+fn the_package_is_complete_and_installed_it_scans_without_root() {
+    let lab = Lab::new("package");
+    let package = pack(&lab.folder().join("package"));
+    let contents = output(Command::new("dpkg-deb").arg("--contents").arg(&package));
+    for path in [
+        "./usr/bin/profidrive",
+        "./usr/share/man/man1/profidrive.1.gz",
+        "./usr/share/man/man1/profidrive-simulate.1.gz",
+        "./usr/share/bash-completion/completions/profidrive",
+        "./usr/share/doc/profidrive/changelog.gz",
+        "./usr/share/doc/profidrive/copyright",
+    ] {
+        assert!(
+            contents.lines().any(|line| line.ends_with(path)),
+            "{path}: {contents}"
+        );
+    }
+    assert!(
+        contents.lines().all(|line| line.contains(" root/root ")),
+        "{contents}"
+    );
+
+    dpkg(&lab, &["--install", package.to_str().unwrap()]);
+    let installed = lab.folder().join("installed/usr/bin/profidrive");
+    let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
+    // root without its powers: what a program may do comes from the program file alone
+    let scan = |program: &Path| {
+        let unprivileged = ["--securebits", "+noroot,+noroot_locked", "--inh-caps", "-all"];
+        let scan = [program.to_str().unwrap(), "scan", "-i", "ctl0"];
+        lab.run(
+            Side::Controller,
+            "setpriv",
+            [&unprivileged[..], &scan[..]].concat(),
+            SHORT,
+        )
+    };
+    let refused = scan(&built("profidrive"));
+    assert!(
+        refused.code != Some(0) && refused.err.contains("cap_net_raw"),
+        "{refused:?}"
+    );
+    let found = scan(&installed).ok();
+    assert!(found.out.contains("akd-1"), "{found:?}");
+
+    dpkg(&lab, &["--purge", "profidrive"]);
+    assert!(!installed.exists());
+}
