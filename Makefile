@@ -2,7 +2,7 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check test package setup bench fuzz fmt lint doc
+.PHONY: help demo check test package setup bench fuzz fmt lint doc site picture
 
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
@@ -51,3 +51,9 @@ lint: ## the lints of `make test`
 
 doc: ## the documentation, in target/doc
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps
+
+site: ## the site of docs/, in target/site (builds mdBook once, 40 s)
+	@tools/site
+
+picture: ## the picture of the demo in docs/
+	$(CARGO) run -q -p profidrive-cli -- demo --fast | $(CARGO) run -q -p xtask -- picture docs/src/demo.svg

@@ -1,9 +1,9 @@
-//! README as a newcomer reads it: the commands of its console blocks are run, in order, in one shell on one machine, and
-//! print what stands there.
+//! README and the site as a newcomer reads them: the commands of the console blocks are run, page by page in the order of
+//! the table of contents, in one shell on one machine, and print what stands there.
 //!
-//! What README may leave out, and what cannot be equal:
+//! What a page may leave out, and what cannot be equal:
 //! - a command with nothing below it has only to succeed; `..` alone on a line stands for any lines, at the end of a line
-//!   for the rest of it; a block that is no console block shows the end of what the command above it prints;
+//!   for the rest of it;
 //! - where an axis moves on the clock ([`ON_THE_CLOCK`]) times, numbers of frames, and speeds and positions of the moment
 //!   are any numbers, and counts are equal to 100; words, states, setpoints and targets are equal.
 //!
@@ -16,16 +16,22 @@ use std::time::Duration;
 
 use system_tests::{Lab, Side, built, root, undisturbed};
 
+use crate::pages::{self, Page};
+
 /// Commands whose output depends on the moment.
-const ON_THE_CLOCK: [&str; 4] = [
+const ON_THE_CLOCK: [&str; 7] = [
     "profidrive run",
     "profidrive move",
     "profidrive write akd-1 930=2 && profidrive home",
     "profidrive ack",
+    // killed while it runs an axis, and what is seen of that axis
+    "timeout -s KILL",
+    "profidrive status vlt-1",
+    "profidrive stop vlt-1",
 ];
 
 /// What is done instead of a command, each for its reason.
-const INSTEAD: [(&str, &str); 5] = [
+const INSTEAD: [(&str, &str); 4] = [
     // this test is a part of it
     ("make test", ":"),
     // what the Makefile runs, built already
@@ -37,27 +43,23 @@ const INSTEAD: [(&str, &str); 5] = [
     ),
     // the shell is in a namespace of its own already
     ("unshare ", ":"),
-    // the description of any maker
-    (
-        "profidrive simulate --gsdml maker.xml",
-        "cp \"$DESCRIPTION\" maker.xml; profidrive simulate --gsdml maker.xml",
-    ),
 ];
 
-/// A description of a drive that is not one of ours.
-const DESCRIPTION: &str = "tests/descriptions/GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
+/// Folders of the checkout that commands name.
+const FOLDERS: [&str; 3] = ["captures", "examples", "tests"];
 
-/// All of it takes some twenty seconds.
+/// All of it takes some fifteen seconds.
 const LONGEST: Duration = Duration::from_secs(180);
 
 /// Stands for any lines.
 const ANY_LINES: &str = "..";
 /// Between the outputs of two commands.
-const MARK: &str = "@@ readme";
+const MARK: &str = "@@ docs";
 
 /// A command, and what is shown below it.
 #[derive(Debug, Clone, Default)]
 struct Step {
+    page: String,
     command: String,
     shown: Vec<String>,
 }
@@ -85,7 +87,7 @@ impl Step {
     }
 
     /// What the shell is given.
-    fn script(&self, number: usize) -> String {
+    fn script(&self) -> String {
         let mut command = self.bare().to_owned();
         if command.contains("/dev/tty") {
             command = ":".into();
@@ -99,49 +101,47 @@ impl Step {
                 };
             }
         }
-        // a file that README shows is one that the reader has written
-        let written = match command.strip_prefix("cat ") {
-            Some(file) => format!("cat >{file} <<'EOF'\n{}\nEOF\n", self.shown.join("\n")),
-            None => String::new(),
-        };
-        // a simulation in the background talks beside what follows; it is ready once it says how to end it
-        let command = match command.strip_suffix('&') {
-            Some(command) => format!(
-                "{command} >{number}.log 2>&1 &\nuntil grep -q 'Ctrl-C ends' {number}.log; do kill -0 $! || break; sleep 0.05; done"
-            ),
-            None => command,
-        };
-        format!("{written}{command}\nprintf '\\n{MARK} %s\\n' $?\n")
+        // a simulation in the background is ready once it says how to end it
+        if command.ends_with('&') {
+            let (_, log) = command
+                .split_once('>')
+                .expect("a file for the events of a simulation");
+            let log = log.split_whitespace().next().unwrap().to_owned();
+            command +=
+                &format!("\nuntil grep -q 'Ctrl-C ends' {log}; do kill -0 $! || break; sleep 0.05; done");
+        }
+        format!("{command}\nprintf '\\n{MARK} %s\\n' $?\n")
     }
 }
 
-/// The commands of all console blocks in order.
-fn steps(text: &str) -> Vec<Step> {
+/// The commands of all console blocks of a page in order.
+fn steps(page: &Page) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
-    let mut block: Option<&str> = None;
-    let mut first = 0;
-    for line in text.lines() {
+    let mut in_block = false;
+    for line in page.text.lines() {
         if let Some(kind) = line.strip_prefix("```") {
-            block = if block.is_some() { None } else { Some(kind) };
-            match block {
-                Some("console") => first = steps.len(),
-                Some("") => steps[first].shown.push(ANY_LINES.into()),
-                _ => {}
-            }
+            in_block = !in_block && kind == "console";
             continue;
         }
-        let prompt = line.strip_prefix("$ ").or_else(|| line.strip_prefix("# "));
-        match (block, prompt) {
-            (Some("console"), Some(command)) => steps.push(Step {
+        if !in_block {
+            continue;
+        }
+        match line.strip_prefix("$ ").or_else(|| line.strip_prefix("# ")) {
+            Some(command) if !continues(&steps, line) => steps.push(Step {
+                page: page.name(),
                 command: command.into(),
                 shown: Vec::new(),
             }),
-            (Some("console"), None) => steps.last_mut().unwrap().shown.push(line.into()),
-            (Some(""), _) => steps[first].shown.push(line.into()),
-            _ => {}
+            _ => steps.last_mut().unwrap().shown.push(line.into()),
         }
     }
     steps
+}
+
+/// A file may begin with a comment, which looks like a prompt.
+fn continues(steps: &[Step], line: &str) -> bool {
+    let shows_a_file = |step: &Step| step.command.starts_with("cat ");
+    line.starts_with("# ") && steps.last().is_some_and(shows_a_file)
 }
 
 /// Words of a line; where it is of the moment, without the numbers that are.
@@ -192,16 +192,18 @@ fn same(shown: &[String], printed: &[&str], moment: bool) -> bool {
 
 /// All of it once; what went wrong where the clock takes part.
 fn session(steps: &[Step]) -> Result<(), String> {
-    let lab = Lab::new("readme");
+    let lab = Lab::new("docs");
     let program = built("profidrive");
     let mut script = format!(
-        "exec 2>&1\nexport BUILT={} DESCRIPTION={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD\n",
+        "exec 2>&1\nexport BUILT={}\nunset PROFIDRIVE_INTERFACE\ncd {}\nexport XDG_RUNTIME_DIR=$PWD\n",
         program.display(),
-        root().join(DESCRIPTION).display(),
         lab.folder().display()
     );
-    for (number, step) in steps.iter().enumerate() {
-        script += &step.script(number);
+    for folder in FOLDERS {
+        let _ = writeln!(script, "ln -s {} {folder}", root().join(folder).display());
+    }
+    for step in steps {
+        script += &step.script();
     }
     script += "kill -KILL $(jobs -p)\n";
     let file = lab.folder().join("session.sh");
@@ -225,8 +227,9 @@ fn session(steps: &[Step]) -> Result<(), String> {
             continue;
         }
         let what = format!(
-            "`{}` (exit code {code}) prints\n{output}\nREADME has\n{}\n",
+            "`{}` (exit code {code}) prints\n{output}\n{} has\n{}\n",
             step.command,
+            step.page,
             step.shown.join("\n")
         );
         let list = if step.on_the_clock() {
@@ -245,12 +248,11 @@ fn session(steps: &[Step]) -> Result<(), String> {
 }
 
 #[test]
-fn a_newcomer_sees_what_readme_shows() {
-    let text = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let steps = steps(&text);
-    assert!(steps.len() >= 30, "{}", steps.len());
+fn a_newcomer_sees_what_the_pages_show() {
+    let steps: Vec<Step> = pages::all().iter().flat_map(steps).collect();
+    assert!(steps.len() >= 60, "{}", steps.len());
     let shown = steps.iter().filter(|step| !step.shown.is_empty()).count();
-    assert!(shown >= 20, "{shown}");
+    assert!(shown >= 40, "{shown}");
     undisturbed(|| session(&steps));
 }
 

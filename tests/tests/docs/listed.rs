@@ -1,0 +1,137 @@
+//! What pages list is what the program has.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use plant::Scenario;
+use pulldown_cmark::Event;
+use system_tests::built;
+
+use crate::pages::{self, Page};
+
+/// A file with a key that does not exist, for each table of a plant file; `{}` stands for that key.
+const UNKNOWN_KEYS: [(&str, &str); 8] = [
+    ("Top level", "{} = 1"),
+    ("[[drive]]", "[[drive]]\n{} = 1"),
+    ("motor", "[[drive]]\nname = \"a\"\nmotor = { {} = 1 }"),
+    ("load", "[[drive]]\nname = \"a\"\nload = { {} = 1 }"),
+    ("travel", "[[drive]]\nname = \"a\"\ntravel = { {} = 1 }"),
+    ("event", "[[drive]]\nname = \"a\"\nevent = [{ {} = 1 }]"),
+    ("[[controller]]", "[[controller]]\n{} = 1"),
+    ("step", "[[controller]]\nstep = [{ {} = 1 }]"),
+];
+
+/// The keys that the parser expects in the place of one that it does not know.
+fn expected(file: &str) -> BTreeSet<String> {
+    let error = file.replace("{}", "no-such-key").parse::<Scenario>().unwrap_err();
+    let list = error
+        .message
+        .strip_prefix("unknown field `no-such-key`, expected ")
+        .unwrap_or_else(|| panic!("{file}: {error}"));
+    list.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+/// First cells of the tables below each heading, without their quotes.
+fn first_cells(page: &Page) -> BTreeMap<String, BTreeSet<String>> {
+    let mut tables: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let mut heading = String::new();
+    for line in page.text.lines() {
+        if line.starts_with('#') {
+            heading = line.trim_start_matches('#').trim().trim_matches('`').to_owned();
+        }
+        if let Some(row) = line.strip_prefix("| `") {
+            let (key, _) = row.split_once('`').unwrap();
+            let new = tables.entry(heading.clone()).or_default().insert(key.to_owned());
+            assert!(new, "{}: {heading}: {key} stands there twice", page.name());
+        }
+    }
+    tables
+}
+
+#[test]
+fn the_page_about_plant_files_has_every_key_of_the_parser_and_no_other() {
+    let listed = first_cells(&Page::read("docs/src/plant-file.md"));
+    for (heading, file) in UNKNOWN_KEYS {
+        assert_eq!(listed.get(heading), Some(&expected(file)), "{heading}");
+    }
+    assert_eq!(listed.len(), UNKNOWN_KEYS.len(), "{:?}", listed.keys());
+}
+
+/// What `--help` of the program, or of one of its commands, prints.
+fn help(command: &[&str]) -> String {
+    let mut program = std::process::Command::new(built("profidrive"));
+    let output = program.args(command).arg("--help").output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The options in a help text.
+fn options(help: &str) -> BTreeSet<String> {
+    help.split(|letter: char| letter.is_whitespace() || "`,[]".contains(letter))
+        .filter(|word| word.starts_with("--"))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Every command with its options.
+fn commands() -> BTreeMap<String, BTreeSet<String>> {
+    let text = help(&[]);
+    let (_, list) = text.split_once("Commands:\n").unwrap();
+    let names = list
+        .lines()
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.strip_prefix("  ")?.split_once(' '))
+        .map(|(name, _)| name)
+        .filter(|name| !name.is_empty() && *name != "help");
+    names
+        .map(|name| (name.to_owned(), options(&help(&[name]))))
+        .collect()
+}
+
+/// What is written as code, in sentences and tables.
+fn code(page: &Page) -> Vec<String> {
+    let code = |event| match event {
+        Event::Code(text) => Some(text.to_string()),
+        _ => None,
+    };
+    page.events().filter_map(code).collect()
+}
+
+#[test]
+fn every_command_is_described_and_every_option_named_exists() {
+    let commands = commands();
+    assert!(commands.len() > 25, "{}", commands.len());
+    let any: BTreeSet<String> = commands.values().flatten().cloned().collect();
+    let mut missing: BTreeSet<&String> = commands.keys().collect();
+    for page in pages::all() {
+        for text in code(&page) {
+            let line = text.strip_prefix("profidrive ").unwrap_or(&text);
+            let first = line.split_whitespace().next().unwrap_or_default();
+            let known = commands.get_key_value(first);
+            if let Some((name, _)) = known {
+                missing.remove(name);
+            }
+            let there = match known {
+                Some((_, options)) => options,
+                None if first.starts_with("--") => &any,
+                None => continue,
+            };
+            for option in options(line) {
+                assert!(there.contains(&option), "{}: `{text}`: no {option}", page.name());
+            }
+        }
+    }
+    assert!(missing.is_empty(), "on no page: {missing:?}");
+}
+
+#[test]
+fn the_exit_codes_are_those_of_the_help() {
+    let text = help(&[]);
+    let (_, list) = text.split_once("Exit codes: ").unwrap();
+    let digits = |text: &str| -> Vec<u8> { text.bytes().filter(u8::is_ascii_digit).collect() };
+    let page = Page::read("docs/src/exit-codes.md");
+    let rows = page
+        .text
+        .lines()
+        .filter_map(|line| line.strip_prefix("| ")?.get(..1));
+    assert_eq!(digits(list), digits(&rows.collect::<String>()));
+}
