@@ -2,7 +2,7 @@
 CARGO ?= cargo
 
 .DEFAULT_GOAL := help
-.PHONY: help demo check test package setup bench fuzz fmt lint doc site picture
+.PHONY: help demo check test package setup bench fuzz fmt lint doc site pages
 
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
@@ -55,5 +55,6 @@ doc: ## the documentation, in target/doc
 site: ## the site of docs/, in target/site (builds mdBook once, 40 s)
 	@tools/site
 
-picture: ## the picture of the demo in docs/
-	$(CARGO) run -q -p profidrive-cli -- demo --fast | $(CARGO) run -q -p xtask -- picture docs/src/demo.svg
+pages: ## the pages of docs/ that come from the program: picture of the demo, reference of the commands
+	$(CARGO) build -q -p profidrive-cli
+	$(CARGO) run -q -p xtask -- pages target/debug/profidrive

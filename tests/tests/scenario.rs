@@ -8,7 +8,7 @@ use system_tests::{Finished, Lab, Running, Side, built, client, judge, wait_unti
 
 const SHORT: Duration = Duration::from_secs(20);
 
-/// The example that the README shows, a plant with everything in it.
+/// The example with everything in it, which the page about virtual drives names.
 fn example() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples/plants/press.toml")
 }

@@ -1,7 +1,7 @@
 //! House tasks: `cargo run -p xtask -- gen [--check]` writes (or compares) the generated tables,
 //! `cargo run -p xtask -- arrows` proves that the crates only depend on each other as ARCHITECTURE.md says,
 //! `cargo run -p xtask -- notices TARGET` prints the licences of what is linked into the program, and
-//! `profidrive demo | cargo run -p xtask -- picture FILE` draws the summary of the demo.
+//! `cargo run -p xtask -- pages PROGRAM [--check]` writes (or compares) what `docs/` has from the program.
 #![forbid(unsafe_code)]
 
 use std::error::Error;
@@ -11,7 +11,7 @@ use std::process::ExitCode;
 mod arrows;
 mod r#gen;
 mod notices;
-mod picture;
+mod pages;
 mod table;
 
 /// A house task either works or says why not.
@@ -22,8 +22,8 @@ const USAGE: &str = "usage: cargo run -p xtask -- <task>
   gen --check    fail when a generated table is not up to date
   arrows         fail when a crate depends on one it must not know
   notices TARGET print the licences of what is linked into the program
-  picture FILE   write the picture of the demo, whose output is read from standard input
-  picture --check FILE   fail when that picture is not up to date";
+  pages PROGRAM  write the pages of docs/ that come from the program
+  pages PROGRAM --check  fail when one of these is not up to date";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -33,8 +33,8 @@ fn main() -> ExitCode {
         ["gen", "--check"] => r#gen::run(&root(), r#gen::Mode::Check),
         ["arrows"] => arrows::run(&root()),
         ["notices", target] => notices::run(&root(), target),
-        ["picture", file] => picture::run(Path::new(file), r#gen::Mode::Write),
-        ["picture", "--check", file] => picture::run(Path::new(file), r#gen::Mode::Check),
+        ["pages", program] => pages::run(&root(), program, r#gen::Mode::Write),
+        ["pages", program, "--check"] => pages::run(&root(), program, r#gen::Mode::Check),
         _ => {
             eprintln!("{USAGE}");
             return ExitCode::from(2);

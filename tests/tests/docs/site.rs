@@ -197,28 +197,18 @@ fn rust_code_is_quoted_from_an_example_or_a_tested_comment() {
     assert!(blocks >= 2, "{blocks}");
 }
 
-/// The picture is what the demo prints now.
 #[test]
-fn the_picture_of_the_demo_is_fresh() {
-    let demo = std::process::Command::new(system_tests::built("profidrive"))
-        .args(["demo", "--fast"])
+fn the_pages_that_come_from_the_program_are_fresh() {
+    let check = std::process::Command::new(system_tests::built("xtask"))
+        .arg("pages")
+        .arg(system_tests::built("profidrive"))
+        .arg("--check")
         .output()
         .unwrap();
-    assert!(demo.status.success(), "{demo:?}");
-    let mut picture = std::process::Command::new(system_tests::built("xtask"));
-    picture
-        .args(["picture", "--check"])
-        .arg(root().join("docs/src/demo.svg"));
-    picture
-        .stdin(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped());
-    let mut picture = picture.spawn().unwrap();
-    std::io::Write::write_all(&mut picture.stdin.take().unwrap(), &demo.stdout).unwrap();
-    let output = picture.wait_with_output().unwrap();
     assert!(
-        output.status.success(),
+        check.status.success(),
         "{}",
-        String::from_utf8_lossy(&output.stderr)
+        String::from_utf8_lossy(&check.stderr)
     );
 }
 

@@ -1,11 +1,8 @@
-//! `picture`: the summary of the demo as a picture of a terminal (SVG), for README and the site.
+//! The summary of the demo as a picture of a terminal (SVG), for README and the site.
 
 use std::fmt::Write;
-use std::io::Read;
-use std::path::Path;
 
 use crate::Outcome;
-use crate::r#gen::Mode;
 
 /// The line above the summary.
 const HEAD: &str = "what happened";
@@ -15,22 +12,6 @@ const LETTER: f64 = 7.25;
 const LINE: usize = 18;
 /// Space around the text.
 const MARGIN: usize = 16;
-
-/// Reads what the demo prints and draws its summary.
-pub fn run(file: &Path, mode: Mode) -> Outcome<()> {
-    let mut text = String::new();
-    std::io::stdin().read_to_string(&mut text)?;
-    let picture = draw(&text)?;
-    match mode {
-        Mode::Write => Ok(std::fs::write(file, picture)?),
-        Mode::Check if std::fs::read_to_string(file)? == picture => Ok(()),
-        Mode::Check => Err(format!(
-            "{} is not what the demo prints now; write it with `make picture`",
-            file.display()
-        )
-        .into()),
-    }
-}
 
 /// Mark, step and result of a line, each with the column where it begins.
 fn columns(line: &str) -> Option<[(usize, &str); 3]> {
@@ -43,7 +24,8 @@ fn columns(line: &str) -> Option<[(usize, &str); 3]> {
     Some([(0, mark), (column(step), name), (column(result), result)])
 }
 
-fn draw(text: &str) -> Outcome<String> {
+/// The picture of what the demo prints.
+pub fn draw(text: &str) -> Outcome<String> {
     let (_, summary) = text
         .split_once(&format!("{HEAD}\n"))
         .ok_or("the demo prints no summary")?;
