@@ -224,6 +224,25 @@ fn request_header_and_parameter_address_of_a_vacon() {
     );
     assert_eq!(bench.ask("01 01 01 01 10 09 03 B3 00 00")[1], 0x81);
     assert_eq!(bench.error("01 01 01 01 10 EB 03 B3 00 00"), 0x16);
+    // the description of a parameter too: 0 or 1 element of 930, 1 to 234 of 947
+    for (elements, pnu, possible) in [
+        ("00", "03 A2", true),
+        ("01", "03 A2", true),
+        ("02", "03 A2", false),
+        ("EA", "03 A2", false),
+        ("FF", "03 A2", false),
+        ("00", "03 B3", false),
+        ("08", "03 B3", true),
+        ("EA", "03 B3", true),
+        ("EB", "03 B3", false),
+    ] {
+        let request = format!("01 01 01 01 20 {elements} {pnu} 00 00");
+        if possible {
+            assert_eq!(bench.ask(&request)[..6], [1, 1, 1, 1, 0x0A, 46], "{request}");
+        } else {
+            assert_eq!(bench.error(&request), 0x16, "{request}");
+        }
+    }
     // any subindex is a question; not all have an answer
     for subindex in ["00 00", "FF FF"] {
         assert_eq!(bench.ask(&format!("01 01 01 01 10 01 27 11 {subindex}"))[1], 0x81);

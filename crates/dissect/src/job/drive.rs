@@ -1,10 +1,10 @@
 //! What a job is read with: the model of its drive, and what is known of the values that scale others.
 
-use profile::catalogue::{Catalogue, Parameter, Part, RecordView, Scale};
+use profile::catalogue::{Catalogue, Parameter, Part, RecordView, Scale, Tables};
 use profile::model::Model;
 use profile::notation::{Elements, Notation, ParameterReference, Prefix, Target};
 use profile::parameter::{
-    CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, Request, ValueBlock, objections, pnu,
+    CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, ValueBlock, objections, pnu,
 };
 use profile::pkw::PkwDialect;
 use profile::state::{Mode, Profile};
@@ -75,12 +75,13 @@ impl JobDrive {
         }
     }
 
-    /// What its dialect forbids in a request.
-    pub fn objections(&self, request: &Request<'_>) -> Vec<Objection> {
-        objections(request, self.dialect(), |address| {
-            let known = self.parameter(address).filter(|_| !self.assumed);
-            known.map(Parameter::attributes)
-        })
+    /// What its dialect and its tables forbid in a request.
+    pub fn objections(&self, request: &[u8]) -> Vec<Objection> {
+        let tables = self.tables().filter(|_| !self.assumed);
+        match tables.map(Tables) {
+            Some(mut tables) => objections(request, self.dialect(), Some(&mut tables)),
+            None => objections(request, self.dialect(), None),
+        }
     }
 
     /// The drive that the object of a remote procedure call names; `None` where it names no vendor.

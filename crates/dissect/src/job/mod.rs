@@ -12,7 +12,8 @@ use std::fmt;
 
 use profile::catalogue::WordKind;
 use profile::parameter::{
-    Attribute, CodeSpace, Description, Format, ParameterAddress, Request, RequestId, ValueBlock,
+    Attribute, CodeSpace, Description, Forbidden, Format, Objection, ParameterAddress, Request, RequestId,
+    ValueBlock,
 };
 use profile::value::Reading;
 use serde_json::{Map, Value};
@@ -111,7 +112,7 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
         // too short for its addresses and no value block: a request that was cut off
         1 | 2 if data.len() < addresses && !looks_like_values(data) => Side::Request,
         // values behind an address, cut off: an answer to a change has none where all of it was written
-        2 if data.len() > addresses && has_attribute(data) => Side::Request,
+        2 if data.len() >= addresses && has_attribute(data) => Side::Request,
         3..0x80 => Side::Request,
         _ => Side::Response,
     }
@@ -262,29 +263,39 @@ const fn verb(id: RequestId) -> &'static str {
     }
 }
 
+/// A request with what is in it, also where it ends too early: a drive answers such a request with an error number.
 fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
-    let job = Request::parse(data, drive.code_space()).map_err(|error| error.to_string())?;
+    let parsed = Request::parse(data, drive.code_space());
+    let (&[reference, id, axis, count], rest) = data
+        .split_first_chunk::<HEADER>()
+        .ok_or_else(|| parsed.map_or_else(|error| error.to_string(), |_| String::new()))?;
+    let id = RequestId::from_octet(id);
     let head = format!(
-        "{} {}, axis {}, {}",
-        verb(job.id()),
-        job.reference(),
-        job.axis(),
-        plural(job.parameters().into(), "parameter")
+        "{} {reference}, axis {axis}, {}",
+        verb(id),
+        plural(count.into(), "parameter")
     );
     let mut lines = vec![(Weight::Normal, head)];
     let mut parameters = Vec::new();
-    let mut values = job.values();
-    let objections = drive.objections(&job);
+    let objections = drive.objections(data);
     let name = drive.dialect().name;
     let objected = |place: Option<usize>| {
-        let these = objections.iter().filter(move |one| one.parameter == place);
+        let these = objections
+            .iter()
+            .filter(move |one| one.parameter == place && one.what != Forbidden::Unknown);
         these.map(|one| (Weight::Error, format!("  not allowed ({name}): {one}")))
     };
     lines.extend(objected(None));
-    for (place, address) in job.addresses().enumerate() {
+    let mut values = parsed.iter().flat_map(Request::values);
+    let (addresses, _) = rest.as_chunks();
+    let addresses = addresses.iter().take(count.into());
+    for (place, address) in addresses
+        .map(|octets| ParameterAddress::from_octets(*octets))
+        .enumerate()
+    {
         let mut fields = address_json(drive, address);
         let mut text = label(drive, address);
-        if job.id().is_change() {
+        if id.is_change() {
             match values.next() {
                 Some(Ok(block)) => {
                     text = format!(
@@ -294,27 +305,45 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
                     );
                     fields.extend(block_json(drive, Some(address), &block));
                 }
-                Some(Err(error)) => return Err(error.to_string()),
+                Some(Err(error)) => {
+                    text = format!("{text} = (no value: {error})");
+                    fields.insert("malformed".into(), error.to_string().into());
+                }
                 None => text.push_str(" = (no value)"),
             }
+        }
+        let mut here = objections.iter().filter(|one| one.parameter == Some(place));
+        if let Some(unknown) = here.find(|one| one.what == Forbidden::Unknown) {
+            text = format!("{text}   ({unknown})");
         }
         lines.push((Weight::Normal, format!("  {text}")));
         lines.extend(objected(Some(place)).map(|(weight, text)| (weight, format!("  {text}"))));
         parameters.push(Value::Object(fields));
     }
     let mut fields = fields! {
-        "side": "request", "reference": job.reference(), "id": job.id().octet(), "axis": job.axis(),
-        "parameters": parameters,
+        "side": "request", "reference": reference, "id": id.octet(), "axis": axis, "parameters": parameters,
     };
-    if !objections.is_empty() {
-        let objections = objections.iter().map(|one| {
-            Value::Object(fields! {
-                "parameter": one.parameter, "text": one.to_string(), "error": one.answer.map(|number| number.0),
-            })
-        });
-        fields.insert("not_allowed".into(), objections.collect());
+    if let Err(error) = parsed {
+        lines.push((Weight::Error, format!("  {error}")));
+        fields.insert("malformed".into(), error.to_string().into());
+    }
+    for (name, unknown) in [("not_allowed", false), ("not_in_tables", true)] {
+        let mut these = objections
+            .iter()
+            .filter(|one| (one.what == Forbidden::Unknown) == unknown)
+            .peekable();
+        if these.peek().is_some() {
+            fields.insert(name.into(), these.map(objection_json).collect());
+        }
     }
     Ok(Decoded { lines, fields })
+}
+
+fn objection_json(objection: &Objection) -> Value {
+    Value::Object(fields! {
+        "parameter": objection.parameter, "text": objection.to_string(),
+        "error": objection.answer.map(|number| number.0),
+    })
 }
 
 fn prefix(drive: &JobDrive, address: Option<ParameterAddress>, link: &str) -> String {

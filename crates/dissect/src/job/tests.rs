@@ -219,22 +219,141 @@ fn a_request_with_a_mistake_is_a_request() {
     }
 }
 
+/// What stands in the octets is named, and what the drive answers to a request that ends too early or has no format.
 #[test]
-fn a_request_cut_off_is_called_a_request() {
-    for hex in [[5, 2, 0, 1, 0x10, 1, 3], [5, 1, 0, 1, 0x10, 1, 3]] {
-        let failure = decode(&mut JobDrive::default(), &hex, None, None).err().unwrap();
-        assert!(failure.to_string().contains("no parameter request"), "{failure}");
+fn a_request_cut_off_has_the_answer_of_the_drive() {
+    let lines = |model: &str, hex: &str| -> Vec<String> {
+        let mut drive = JobDrive::new(profile::model::Model::by_name(model).unwrap());
+        let decoded = decode(&mut drive, &octets(hex), None, None).unwrap();
+        assert_eq!(decoded.fields["side"], "request", "{hex}");
+        assert!(
+            decoded.fields.contains_key("not_allowed"),
+            "{hex}: {:?}",
+            decoded.fields
+        );
+        let in_capture = request_job(&drive, &octets(hex)).fields;
+        assert_eq!(in_capture, decoded.fields, "{hex}");
+        decoded.lines.into_iter().map(|(_, line)| line).collect()
+    };
+    let mode = "Operating mode (p0930) = (no value: ";
+    for (model, hex, expected) in [
+        (
+            "akd",
+            "05 02 00 01 10 01 03 A2 00 00 42 01 00",
+            &[mode, "the request ends too early: answered with error 0x18"][..],
+        ),
+        (
+            "akd",
+            "05 02 00 01 10 01 03 A2 00 00",
+            &[mode, "the request ends too early: answered with error 0x18"],
+        ),
+        // the first value is there
+        (
+            "akd",
+            "05 02 00 02 10 01 03 A2 00 00 10 01 08 3C 00 00 42 01 00 02",
+            &[
+                "Operating mode (p0930) = 2",
+                "the request ends too early: answered with error 0x18",
+            ],
+        ),
+        (
+            "akd",
+            "05 02 00 01 10 01 03 A2 00 00 00 01 00 02",
+            &[
+                mode,
+                "0x00 is not the format of a value: answered with error 0x17",
+            ],
+        ),
+        (
+            "akd",
+            "05 02 00 01 10 01 03 A2 00 00 99 01 00 02",
+            &[
+                mode,
+                "0x99 is not the format of a value: answered with error 0x17",
+            ],
+        ),
+        (
+            "vacon",
+            "01 02 01 01 10 01 27 11 00 67 42 03 00 01",
+            &[
+                "(ID 103) = (no value: ",
+                "the request ends too early: answered with error 0x6B",
+            ],
+        ),
+        (
+            "vacon",
+            "01 01 01 02 10 01 27 11 00 67 10",
+            &[
+                "error 0x6B",
+                "(ID 103)",
+                "the parameter addresses need 12 octets from offset 4, there are 7",
+            ],
+        ),
+        (
+            "akd",
+            "05 01 00 01 10 01 03",
+            &[
+                "the record write is refused",
+                "the parameter addresses need 6 octets",
+            ],
+        ),
+    ] {
+        let found = lines(model, hex);
+        for words in expected {
+            assert!(
+                found.iter().any(|line| line.contains(words)),
+                "{hex}: {words}: {found:#?}"
+            );
+        }
     }
     // a change with its value cut off, at each octet behind its addresses
-    let whole = [5, 2, 0, 1, 0x10, 1, 3, 0xA2, 0, 0, 0x43, 1, 0, 0, 0, 2];
-    for length in 11..whole.len() {
-        let failure = decode(&mut JobDrive::default(), &whole[..length], None, None);
-        let failure = failure.err().unwrap();
+    let whole = "05 02 00 01 10 01 03 A2 00 00 43 01 00 00 00 02";
+    for length in 10..16 {
+        let cut = &whole[..3 * length - 1];
         assert!(
-            failure.to_string().contains("no parameter request"),
-            "{length}: {failure}"
+            lines("akd", cut).iter().any(|line| line.contains("0x18")),
+            "{cut}"
         );
     }
+    // without a header there is nothing to name
+    let failure = decode(&mut JobDrive::default(), &[1, 2, 0], Some(Side::Request), None);
+    let failure = failure.err().unwrap().to_string();
+    assert_eq!(
+        failure,
+        "this is no parameter request: the header needs 4 octets, the block has 3"
+    );
+}
+
+/// A drive can have a parameter that no table has: no error, but a word on the answer if it does not.
+#[test]
+fn a_parameter_that_no_table_has_is_no_mistake() {
+    let told = |model: &str, hex: &str| {
+        let drive = JobDrive::new(profile::model::Model::by_name(model).unwrap());
+        request_job(&drive, &octets(hex))
+    };
+    let unknown = told("vacon", "01 01 01 01 10 01 27 11 FF FF");
+    assert_eq!(
+        unknown.lines,
+        [(
+            Weight::Normal,
+            "read request 1, axis 1, 1 parameter: ID 65535   (not in the tables: answered with error 0x6C unless the \
+             drive has the parameter)"
+                .to_owned()
+        )]
+    );
+    assert_eq!(unknown.fields["not_in_tables"][0]["error"], 0x6C);
+    assert!(!unknown.fields.contains_key("not_allowed"));
+    let unknown = told("standard", "01 01 01 01 10 01 27 11 FF FF");
+    assert_eq!(unknown.lines.len(), 1, "{:?}", unknown.lines);
+    assert!(!unknown.lines[0].1.contains("not"), "{:?}", unknown.lines);
+    let (_, described) = told("vacon", "09 01 01 01 20 EA 27 11 13 88")
+        .lines
+        .pop()
+        .expect("a line");
+    assert!(
+        described.ends_with("has no description (attribute 0x20): answered with error 0x09"),
+        "{described}"
+    );
 }
 
 #[test]

@@ -39,6 +39,7 @@ mod request;
 mod response;
 mod saving;
 mod serve;
+mod span;
 #[cfg(test)]
 mod tests;
 

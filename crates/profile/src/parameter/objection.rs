@@ -5,14 +5,13 @@ use alloc::vec::Vec;
 use core::fmt;
 
 use super::access::{Attributes, Keep, ParameterAccess};
-use super::address::{Attribute, DecodeError, MAX_ELEMENTS, ParameterAddress};
+use super::address::{DecodeError, MAX_ELEMENTS, ParameterAddress};
 use super::block::ValueBlock;
 use super::description::Description;
 use super::dialect::Dialect;
-use super::error::ErrorNumber;
+use super::error::{ErrorNumber, ParameterError};
 use super::format::Format;
-use super::request::Request;
-use super::serve::{Span, serve_each, whole};
+use super::serve::{serve_each, whole};
 
 /// Something that is not allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,12 +34,34 @@ pub enum Forbidden {
         /// At most.
         allowed: u8,
     },
+    /// A parameter that is not in the tables of the drive.
+    Unknown,
     /// An attribute that does not exist.
     Attribute(u8),
-    /// Texts of values (attribute 0x30), which the drive does not have or which nobody can change.
+    /// Texts of values (attribute 0x30) of a drive that has none.
     Texts,
-    /// A change of the description (attribute 0x20), or one that the drive does not have.
-    Description,
+    /// Texts that the parameter does not have.
+    NoText {
+        /// The first of them.
+        subindex: u16,
+        /// Number of texts.
+        elements: u8,
+    },
+    /// A change of texts.
+    TextChange,
+    /// The description (attribute 0x20) of a parameter that has none.
+    Undescribed,
+    /// An element of the description that does not exist.
+    DescriptionElement(u16),
+    /// Several elements of a description at once.
+    DescriptionElements {
+        /// Number of elements.
+        elements: u8,
+        /// The first of them.
+        subindex: u16,
+    },
+    /// A change of the description.
+    DescriptionChange,
     /// More than 234 elements, or none of an array.
     Elements(u8),
     /// Elements that the array does not have.
@@ -50,16 +71,6 @@ pub enum Forbidden {
         /// Number of elements.
         elements: u8,
     },
-    /// A change of a parameter that can only be read.
-    ReadOnly,
-    /// A format that no value has.
-    Format(u8),
-    /// A format that is not one of the parameter.
-    Type(u8),
-    /// A number that the type of the parameter does not have.
-    Range,
-    /// More values than one job carries.
-    Long,
     /// Several elements, or another than the first, of a parameter that is not an array.
     NoArray {
         /// Number of elements.
@@ -67,6 +78,18 @@ pub enum Forbidden {
         /// The first of them.
         subindex: u16,
     },
+    /// A change of a parameter that can only be read.
+    ReadOnly,
+    /// A format that no value has.
+    Format(u8),
+    /// A format that is not one of the parameter.
+    Type(u8),
+    /// A request for double words, of a parameter that has none.
+    NoDoubleWord,
+    /// A number that the type of the parameter does not have.
+    Range,
+    /// More values than one job carries.
+    Long,
     /// Fewer or more values than elements.
     Values {
         /// In the value block.
@@ -78,8 +101,31 @@ pub enum Forbidden {
     Trailing(usize),
     /// Addresses or values that the request ends before.
     Short,
-    /// Something else.
+    /// Something that the drive itself refuses: its state, its limits, the rights of the interface.
     Other,
+}
+
+impl Forbidden {
+    /// The refusal for this reason.
+    pub(super) fn refused(self, error: impl Into<ParameterError>) -> Denial {
+        Denial {
+            what: self,
+            error: error.into(),
+        }
+    }
+}
+
+/// Why a parameter of a request is refused, and the error of the answer.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Denial {
+    pub(super) what: Forbidden,
+    pub(super) error: ParameterError,
+}
+
+impl<E: Into<ParameterError>> From<E> for Denial {
+    fn from(error: E) -> Self {
+        Forbidden::Other.refused(error)
+    }
 }
 
 /// Something that a dialect forbids in a request.
@@ -91,192 +137,179 @@ pub struct Objection {
     pub what: Forbidden,
     /// Error number of the answer; `None` where the record write is refused.
     pub answer: Option<ErrorNumber>,
+    /// True where no tables say that the drive has the parameter, and another number is the answer if it does not.
+    pub assumed: bool,
+}
+
+impl fmt::Display for Forbidden {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Reference => f.write_str("reference 0 is reserved"),
+            Self::Request(id) => write!(f, "request ID 0x{id:02X} does not exist"),
+            Self::Axis { found, allowed } => write!(f, "axis {found} does not exist, only {allowed}"),
+            Self::Parameters { found, allowed } => {
+                write!(f, "{found} parameters, 1 to {allowed} are allowed")
+            }
+            Self::Unknown => f.write_str("not in the tables"),
+            Self::Attribute(code) => write!(f, "attribute 0x{code:02X} does not exist"),
+            Self::Texts => f.write_str("texts (attribute 0x30) are not supported"),
+            Self::NoText { subindex, elements } => {
+                write!(
+                    f,
+                    "the parameter does not have {elements} texts from number {subindex} on"
+                )
+            }
+            Self::TextChange => f.write_str("texts (attribute 0x30) cannot be changed"),
+            Self::Undescribed => f.write_str("the parameter has no description (attribute 0x20)"),
+            Self::DescriptionElement(number) => write!(f, "a description does not have the element {number}"),
+            Self::DescriptionElements { elements, subindex } => write!(
+                f,
+                "{elements} elements of a description from element {subindex} on, only one is read at once"
+            ),
+            Self::DescriptionChange => f.write_str("a description (attribute 0x20) cannot be changed"),
+            Self::Members { subindex, elements } => write!(
+                f,
+                "the array does not have {elements} elements from subindex {subindex} on"
+            ),
+            Self::ReadOnly => f.write_str("the parameter can only be read"),
+            Self::Format(code) => write!(f, "0x{code:02X} is not the format of a value"),
+            Self::Type(code) => write!(f, "the parameter does not have the format 0x{code:02X}"),
+            Self::NoDoubleWord => f.write_str("the value does not fit a double word"),
+            Self::Range => f.write_str("the type of the parameter does not have this number"),
+            Self::Long => f.write_str("more values than one job carries"),
+            Self::Short => f.write_str("the request ends too early"),
+            Self::Other => f.write_str("this is not possible"),
+            Self::Elements(elements) => write!(f, "{elements} elements, 1 to {MAX_ELEMENTS} are allowed"),
+            Self::NoArray {
+                elements,
+                subindex: 0,
+            } => write!(
+                f,
+                "{elements} elements of a parameter that is not an array, 0 or 1 are allowed"
+            ),
+            Self::NoArray { subindex, .. } => {
+                write!(f, "subindex {subindex} of a parameter that is not an array")
+            }
+            Self::Values { found, expected } => {
+                write!(f, "number of values {found}, the address means {expected}")
+            }
+            Self::Trailing(octets) => write!(f, "{octets} octets too many at the end"),
+        }
+    }
 }
 
 impl fmt::Display for Objection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.what {
-            Forbidden::Reference => f.write_str("reference 0 is reserved"),
-            Forbidden::Request(id) => write!(f, "request ID 0x{id:02X} does not exist"),
-            Forbidden::Axis { found, allowed } => {
-                write!(f, "axis {found} does not exist, only {allowed}")
-            }
-            Forbidden::Parameters { found, allowed } => {
-                write!(f, "{found} parameters, 1 to {allowed} are allowed")
-            }
-            Forbidden::Attribute(code) => write!(f, "attribute 0x{code:02X} does not exist"),
-            Forbidden::Texts => f.write_str("texts (attribute 0x30) are not supported"),
-            Forbidden::Description => {
-                f.write_str("a description (attribute 0x20) that cannot be changed or read")
-            }
-            Forbidden::Members { subindex, elements } => {
-                write!(
-                    f,
-                    "the array does not have {elements} elements from subindex {subindex} on"
-                )
-            }
-            Forbidden::ReadOnly => f.write_str("the parameter can only be read"),
-            Forbidden::Format(code) => write!(f, "0x{code:02X} is not the format of a value"),
-            Forbidden::Type(code) => write!(f, "the parameter does not have the format 0x{code:02X}"),
-            Forbidden::Range => f.write_str("the type of the parameter does not have this number"),
-            Forbidden::Long => f.write_str("more values than one job carries"),
-            Forbidden::Short => f.write_str("the request ends too early"),
-            Forbidden::Other => f.write_str("this is not possible"),
-            Forbidden::Elements(elements) => {
-                write!(f, "{elements} elements, 1 to {MAX_ELEMENTS} are allowed")
-            }
-            Forbidden::NoArray {
-                elements,
-                subindex: 0,
-            } => {
-                write!(
-                    f,
-                    "{elements} elements of a parameter that is not an array, 0 or 1 are allowed"
-                )
-            }
-            Forbidden::NoArray { subindex, .. } => {
-                write!(f, "subindex {subindex} of a parameter that is not an array")
-            }
-            Forbidden::Values { found, expected } => {
-                write!(f, "number of values {found}, the address means {expected}")
-            }
-            Forbidden::Trailing(octets) => write!(f, "{octets} octets too many at the end"),
-        }?;
+        self.what.fmt(f)?;
         match self.answer {
             Some(number) => write!(f, ": answered with error 0x{:02X}", number.0),
             None => f.write_str(": the record write is refused"),
+        }?;
+        match self.what {
+            Forbidden::Unknown => f.write_str(" unless the drive has the parameter"),
+            _ if self.assumed => f.write_str(" if the drive has the parameter"),
+            _ => Ok(()),
         }
     }
 }
 
-/// Lists what `dialect` forbids in a request, with the error numbers that a drive with these rules answers: the request is
-/// served as [`serve`](super::serve()) does it. Where the request as a whole is refused, its parameters are not looked at.
-/// `facts` gives what is known of a parameter, `None` for an unknown one. Whether a parameter exists and whether its limits
-/// and its state allow a value is not looked at.
+/// Lists what a drive with this dialect answers with an error number: the request is served as
+/// [`serve`](super::serve()) does it, by `tables`, a drive that has the parameters of a kind of drive and refuses nothing by
+/// its state. Without tables every parameter is assumed to be one that the request fits, as far as one can. Where the
+/// request as a whole is refused, its parameters are not looked at.
 #[must_use]
 pub fn objections(
-    request: &Request<'_>,
+    request: &[u8],
     dialect: &Dialect,
-    facts: impl Fn(ParameterAddress) -> Option<Attributes>,
+    tables: Option<&mut dyn ParameterAccess>,
 ) -> Vec<Objection> {
-    if let Err((what, answer)) = whole(request.bytes(), dialect) {
-        return vec![Objection {
-            parameter: None,
-            what,
-            answer,
-        }];
+    let parsed = match whole(request, dialect) {
+        Ok(parsed) => parsed,
+        Err((what, answer)) => {
+            return vec![Objection {
+                parameter: None,
+                what,
+                answer,
+                assumed: false,
+            }];
+        }
+    };
+    if let Some(drive) = tables {
+        return denied(request, dialect, drive, |_| {});
     }
-    let mut values = request.values();
-    let parameters: Vec<Asked<'_>> = request
-        .addresses()
-        .map(|address| {
-            let block = values.next().filter(|_| request.id().is_change());
-            let facts = facts(address).unwrap_or_else(|| fitting(address, block.as_ref()));
-            Asked {
-                address,
-                block,
-                facts,
-            }
-        })
-        .collect();
+    let mut values = parsed.values();
+    let parameters = parsed.addresses().map(|address| {
+        let block = values.next().filter(|_| parsed.id().is_change());
+        (address, fitting(address, block.as_ref()))
+    });
     let mut drive = Willing {
-        parameters: &parameters,
+        parameters: parameters.collect(),
         place: 0,
     };
-    let mut found = Vec::new();
-    let mut out = vec![0; dialect.max_block];
-    // without room for an answer nothing is found
-    let _ = serve_each(
-        request.bytes(),
-        dialect,
-        &mut drive,
-        &mut out,
-        |drive, _, answer| {
-            if let (Err(error), Some(asked)) = (answer, parameters.get(drive.place)) {
-                found.push(Objection {
-                    parameter: Some(drive.place),
-                    what: asked.forbidden(error.number),
-                    answer: Some(error.number),
-                });
-            }
-            drive.place += 1;
-        },
-    );
+    let mut found = denied(request, dialect, &mut drive, |drive| drive.place += 1);
+    let none = &mut Willing {
+        parameters: Vec::new(),
+        place: 0,
+    };
+    let absent = denied(request, dialect, none, |_| {});
+    for objection in &mut found {
+        let mut absent = absent.iter();
+        let same = |one: &&Objection| (one.parameter, one.answer) == (objection.parameter, objection.answer);
+        objection.assumed = !absent.any(|one| same(&one));
+    }
     found
 }
 
-/// One parameter of a request.
-struct Asked<'a> {
-    address: ParameterAddress,
-    block: Option<Result<ValueBlock<'a>, DecodeError>>,
-    facts: Attributes,
-}
-
-impl Asked<'_> {
-    /// What of the address or the values an error number is about.
-    fn forbidden(&self, number: ErrorNumber) -> Forbidden {
-        let ParameterAddress {
-            attribute,
-            elements,
-            subindex,
-            ..
-        } = self.address;
-        let block = self.block.as_ref().and_then(|block| block.as_ref().ok());
-        let format = block.map_or(0, |block| block.format.0);
-        match (attribute, number) {
-            (_, ErrorNumber::TOO_LONG) => Forbidden::Long,
-            (_, ErrorNumber::SUBINDEX) => Forbidden::Members { subindex, elements },
-            (Attribute::Other(code), _) => Forbidden::Attribute(code),
-            (Attribute::Text, _) => Forbidden::Texts,
-            (_, ErrorNumber::ADDRESS) if elements > MAX_ELEMENTS || self.facts.is_array() => {
-                Forbidden::Elements(elements)
-            }
-            (Attribute::Description, _) => Forbidden::Description,
-            (_, ErrorNumber::ADDRESS) => Forbidden::NoArray {
-                elements,
-                subindex: 0,
-            },
-            (_, ErrorNumber::NO_ARRAY) => Forbidden::NoArray { elements, subindex },
-            (_, ErrorNumber::NOT_CHANGEABLE) => Forbidden::ReadOnly,
-            (_, ErrorNumber::FORMAT) => Forbidden::Format(format),
-            (_, ErrorNumber::DATA_TYPE) => Forbidden::Type(format),
-            (_, ErrorNumber::LIMIT) => Forbidden::Range,
-            _ => match (block, Span::of(&self.facts, elements, subindex)) {
-                (None, _) if self.block.is_some() => Forbidden::Short,
-                (Some(block), Ok(span)) if block.count != span.count => Forbidden::Values {
-                    found: block.count,
-                    expected: span.count.into(),
-                },
-                _ => Forbidden::Other,
-            },
+/// What `drive` refuses of a request; `next` is called behind each parameter.
+fn denied<D: ParameterAccess + ?Sized>(
+    request: &[u8],
+    dialect: &Dialect,
+    drive: &mut D,
+    mut next: impl FnMut(&mut D),
+) -> Vec<Objection> {
+    let mut found = Vec::new();
+    let mut out = vec![0; dialect.max_block];
+    // without room for an answer nothing is found
+    let _ = serve_each(request, dialect, drive, &mut out, |drive, place, answer| {
+        if let Err(Denial { what, error }) = answer {
+            found.push(Objection {
+                parameter: usize::try_from(place).ok(),
+                what,
+                answer: Some(error.number),
+                assumed: false,
+            });
         }
-    }
+        next(drive);
+    });
+    found
 }
 
-/// Facts of an unknown parameter that a request fits, as far as one can.
+/// Facts of a parameter that a request fits, as far as one can.
 fn fitting(address: ParameterAddress, block: Option<&Result<ValueBlock<'_>, DecodeError>>) -> Attributes {
     let block = block.and_then(|block| block.as_ref().ok());
     let (format, octets) = block.map_or((Format::UNSIGNED8, 1), |block| (block.format, block.width()));
-    let simple = Attributes::simple(format, octets, true);
-    let is_simple = address.elements <= 1 && address.subindex == 0;
+    let simple = Attributes {
+        first: address.subindex,
+        ..Attributes::simple(format, octets, true)
+    };
     let elements = match block {
-        Some(block) if is_simple && simple.is_string() => block.count.into(),
-        _ if is_simple => 0,
-        _ => u16::MAX,
+        Some(block) if address.elements <= 1 && simple.is_string() => block.count.into(),
+        _ if address.elements <= 1 => 0,
+        _ => address.elements.into(),
     };
     Attributes { elements, ..simple }
 }
 
 /// A drive that has the parameters of a request and refuses nothing by itself.
-struct Willing<'a> {
-    parameters: &'a [Asked<'a>],
+struct Willing {
+    parameters: Vec<(ParameterAddress, Attributes)>,
     /// Which of them is served.
     place: usize,
 }
 
-impl ParameterAccess for Willing<'_> {
+impl ParameterAccess for Willing {
     fn attributes(&self, _: u16, _: u16) -> Option<Attributes> {
-        self.parameters.get(self.place).map(|asked| asked.facts)
+        self.parameters.get(self.place).map(|(_, facts)| *facts)
     }
 
     fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
@@ -287,34 +320,30 @@ impl ParameterAccess for Willing<'_> {
         Ok(())
     }
 
-    /// The parameters that one number collects have none.
     fn description(&self, pnu: u16) -> Option<Description> {
-        let facts = self.attributes(pnu, 0)?;
-        (facts.first == 0).then(Description::default)
+        self.attributes(pnu, 0).map(|_| Description::default())
     }
 
-    fn text(&self, _: u16, _: u16) -> Option<[u8; 16]> {
-        Some([b' '; 16])
+    fn text(&self, pnu: u16, _: u16) -> Option<[u8; 16]> {
+        self.attributes(pnu, 0).map(|_| [b' '; 16])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::catalogue::{Catalogue, VACON, VLT};
+    use crate::catalogue::{Catalogue, Tables, VACON, VLT};
     use alloc::string::{String, ToString};
 
-    fn found(catalogue: &Catalogue, dialect: &Dialect, hex: &str) -> Vec<String> {
-        let octets: Vec<u8> = hex
-            .split_whitespace()
+    fn octets(hex: &str) -> Vec<u8> {
+        let octets = hex.split_whitespace();
+        octets
             .map(|octet| u8::from_str_radix(octet, 16).unwrap())
-            .collect();
-        let request = Request::parse(&octets, dialect.code_space).unwrap();
-        let facts = |address: ParameterAddress| {
-            let parameter = catalogue.at(address.pnu, address.subindex);
-            parameter.map(crate::catalogue::Parameter::attributes)
-        };
-        let found = objections(&request, dialect, facts);
+            .collect()
+    }
+
+    fn found(catalogue: &'static Catalogue, dialect: &Dialect, hex: &str) -> Vec<String> {
+        let found = objections(&octets(hex), dialect, Some(&mut Tables(catalogue)));
         found.iter().map(ToString::to_string).collect()
     }
 
@@ -350,7 +379,7 @@ mod tests {
             ),
             (
                 "01 02 01 01 30 01 03 9A 00 00 42 01 00 01",
-                &["texts (attribute 0x30) are not supported: answered with error 0x20"],
+                &["texts (attribute 0x30) cannot be changed: answered with error 0x20"],
             ),
             (
                 "01 01 01 01 10 03 03 9A 00 00",
@@ -373,6 +402,36 @@ mod tests {
             (
                 "01 01 01 01 10 01 03 9A 00 00 AA",
                 &["1 octets too many at the end: the record write is refused"],
+            ),
+            (
+                "01 01 01 01 10 01 27 11 FF FF",
+                &["not in the tables: answered with error 0x6C unless the drive has the parameter"],
+            ),
+            (
+                "09 01 01 01 20 EA 27 11 13 88",
+                &["the parameter has no description (attribute 0x20): answered with error 0x09"],
+            ),
+            (
+                "01 01 01 01 20 FF 03 A2 00 00",
+                &["255 elements, 1 to 234 are allowed: answered with error 0x16"],
+            ),
+            (
+                "01 01 01 01 20 02 03 A2 00 00",
+                &[
+                    "2 elements of a parameter that is not an array, 0 or 1 are allowed: answered with error 0x16",
+                ],
+            ),
+            (
+                "01 02 01 01 10 01 27 11 00 67 42 03 00 01",
+                &["the request ends too early: answered with error 0x6B"],
+            ),
+            (
+                "01 01 01 02 10 01 27 11 00 67",
+                &["the request ends too early: answered with error 0x6B"],
+            ),
+            (
+                "01 01 01",
+                &["the request ends too early: the record write is refused"],
             ),
             (
                 "00 07 01 01 50 01 03 9A 00 00",
@@ -407,6 +466,45 @@ mod tests {
             ),
         ] {
             assert_eq!(found(&VLT, &Dialect::VLT, hex), words, "{hex}");
+        }
+    }
+
+    /// Nothing is said of a parameter that no tables have, but what is wrong with every parameter, or with this one if it
+    /// exists.
+    #[test]
+    fn without_tables_a_parameter_is_assumed_to_fit() {
+        for (hex, words) in [
+            ("01 01 01 01 10 01 4E 20 FF FF", &[][..]),
+            ("01 01 01 01 10 EA 4E 20 FF 00", &[]),
+            ("01 02 01 01 10 01 4E 20 FF FF 42 01 00 01", &[]),
+            ("01 02 01 01 10 02 4E 20 00 07 42 02 00 01 00 02", &[]),
+            ("01 02 01 01 10 01 4E 20 00 00 09 03 41 42 43 00", &[]),
+            ("09 01 01 01 20 01 4E 20 00 05", &[]),
+            (
+                "09 01 01 01 20 EA 4E 20 13 88",
+                &[
+                    "234 elements of a description from element 5000 on, only one is read at once: \
+                   answered with error 0x16 if the drive has the parameter",
+                ],
+            ),
+            (
+                "01 01 01 01 10 EB 4E 20 00 00",
+                &[
+                    "235 elements, 1 to 234 are allowed: answered with error 0x16 if the drive has the parameter",
+                ],
+            ),
+            (
+                "01 01 01 01 50 01 4E 20 00 00",
+                &["attribute 0x50 does not exist: answered with error 0x16"],
+            ),
+            (
+                "01 02 01 02 10 01 4E 20 00 00 10 01 4E 21 00 00 42 01 00 01",
+                &["the request ends too early: answered with error 0x18 if the drive has the parameter"],
+            ),
+        ] {
+            let found = objections(&octets(hex), &Dialect::STANDARD, None);
+            let found: Vec<String> = found.iter().map(ToString::to_string).collect();
+            assert_eq!(found, words, "{hex}");
         }
     }
 }

@@ -56,11 +56,6 @@ impl<'a> Request<'a> {
         })
     }
 
-    /// The octets of the whole block.
-    pub(super) const fn bytes(&self) -> &'a [u8] {
-        self.bytes
-    }
-
     fn header(&self) -> [u8; HEADER] {
         self.bytes.first_chunk().copied().unwrap_or_default()
     }

@@ -5,10 +5,11 @@ use super::address::{Attribute, HEADER, MAX_ELEMENTS, ParameterAddress, RequestI
 use super::block::{BlockWriter, ValueBlock};
 use super::description::{Description, LENGTH as DESCRIPTION_LENGTH};
 use super::dialect::{ChangeResponse, Dialect};
-use super::error::{ErrorNames, ErrorNumber, ParameterError};
+use super::error::{ErrorNumber, ParameterError};
 use super::format::{CodeSpace, Format, Kind};
-use super::objection::Forbidden;
+use super::objection::{Denial, Forbidden};
 use super::request::Request;
+use super::span::{Span, at, check_described};
 use super::{DecodeError, Wrong};
 
 /// A request that gets no response block: the record write is refused instead.
@@ -113,7 +114,7 @@ pub(super) fn serve_each<D: ParameterAccess + ?Sized>(
     dialect: &Dialect,
     drive: &mut D,
     out: &mut [u8],
-    mut after: impl FnMut(&mut D, u32, Result<(), ParameterError>),
+    mut after: impl FnMut(&mut D, u32, Result<(), Denial>),
 ) -> Result<usize, Refusal> {
     let &[reference, id, axis, parameters, ..] = request else {
         return Err(Refusal::Length);
@@ -163,9 +164,9 @@ pub(super) fn serve_each<D: ParameterAccess + ?Sized>(
             job.read(address, left, drive)
         };
         after(drive, place, result);
-        if let Err(error) = result {
+        if let Err(denial) = result {
             job.out.truncate(start);
-            job.error(error, left)?;
+            job.error(denial.error, left)?;
         }
     }
     Ok(job.finish())
@@ -222,23 +223,18 @@ impl Job<'_> {
     }
 
     /// Room for a value block of `data` octets, header and pad octet done.
-    fn block(
-        &mut self,
-        format: Format,
-        count: u8,
-        data: usize,
-        left: usize,
-    ) -> Result<&mut [u8], ErrorNumber> {
+    fn block(&mut self, format: Format, count: u8, data: usize, left: usize) -> Result<&mut [u8], Denial> {
+        let too_long = Forbidden::Long.refused(ErrorNumber::TOO_LONG);
         let whole = 2 + data + (data & 1);
         if whole > self.room(left) {
-            return Err(ErrorNumber::TOO_LONG);
+            return Err(too_long);
         }
-        let room = self.out.reserve(whole).ok_or(ErrorNumber::TOO_LONG)?;
+        let room = self.out.reserve(whole).ok_or(too_long)?;
         let [block_format, block_count, values @ ..] = room else {
-            return Err(ErrorNumber::TOO_LONG);
+            return Err(too_long);
         };
         (*block_format, *block_count) = (format.0, count);
-        values.get_mut(..data).ok_or(ErrorNumber::TOO_LONG)
+        values.get_mut(..data).ok_or(too_long)
     }
 
     fn read(
@@ -246,7 +242,7 @@ impl Job<'_> {
         address: ParameterAddress,
         left: usize,
         drive: &mut (impl ParameterAccess + ?Sized),
-    ) -> Result<(), ParameterError> {
+    ) -> Result<(), Denial> {
         let ParameterAddress {
             attribute,
             elements,
@@ -271,7 +267,7 @@ impl Job<'_> {
                 {
                     let raw = drive
                         .read(pnu, index)
-                        .map_err(|number| at(number, index))
+                        .map_err(|number| Denial::from(at(number, index)))
                         .map(|raw| {
                             if form.signed {
                                 extended(raw, facts.octets)
@@ -288,15 +284,19 @@ impl Job<'_> {
             Attribute::Description => {
                 let mut description = match drive.description(pnu) {
                     Some(description) => description,
-                    None if drive.exists(pnu) => return Err(ErrorNumber::NO_DESCRIPTION.into()),
-                    None => return Err(ErrorNumber::UNKNOWN_PARAMETER.into()),
+                    None if drive.exists(pnu) => {
+                        return Err(Forbidden::Undescribed.refused(ErrorNumber::NO_DESCRIPTION));
+                    }
+                    None => return Err(Forbidden::Unknown.refused(ErrorNumber::UNKNOWN_PARAMETER)),
                 };
                 description.identifier = description.identifier.in_space(self.dialect.code_space);
                 let octets = description.encode();
-                if elements > 1 && subindex != 0 {
-                    return Err(ErrorNumber::ADDRESS.into());
+                if let Some(facts) = drive.attributes(pnu, 0) {
+                    check_described(&facts, elements, subindex)?;
                 }
-                let element = Description::element(subindex).ok_or(at(ErrorNumber::SUBINDEX, subindex))?;
+                let element = Description::element(subindex).ok_or(
+                    Forbidden::DescriptionElement(subindex).refused(at(ErrorNumber::SUBINDEX, subindex)),
+                )?;
                 let element = octets.get(element).unwrap_or(&octets);
                 let length = u8::try_from(element.len()).unwrap_or(DESCRIPTION_LENGTH);
                 self.block(Format::OCTET_STRING, length, element.len(), left)?
@@ -304,24 +304,30 @@ impl Job<'_> {
             }
             Attribute::Text => {
                 if !drive.exists(pnu) {
-                    return Err(ErrorNumber::UNKNOWN_PARAMETER.into());
+                    return Err(Forbidden::Unknown.refused(ErrorNumber::UNKNOWN_PARAMETER));
                 }
                 if !self.dialect.texts {
-                    return Err(ErrorNumber::NO_TEXT.into());
+                    return Err(Forbidden::Texts.refused(ErrorNumber::NO_TEXT));
                 }
                 let count = elements.clamp(1, MAX_ELEMENTS / 16);
                 if count < elements {
-                    return Err(ErrorNumber::TOO_LONG.into());
+                    return Err(Forbidden::Long.refused(ErrorNumber::TOO_LONG));
                 }
                 let data = self.block(Format::VISIBLE_STRING, 16 * count, 16 * usize::from(count), left)?;
+                let missing = Forbidden::NoText {
+                    elements: count,
+                    subindex,
+                };
                 let mut index = Some(subindex);
                 for text in data.chunks_exact_mut(16) {
                     let found = index.and_then(|index| drive.text(pnu, index));
-                    text.copy_from_slice(&found.ok_or(ErrorNumber::NO_TEXT)?);
+                    text.copy_from_slice(&found.ok_or(missing.refused(ErrorNumber::NO_TEXT))?);
                     index = index.and_then(|index| index.checked_add(1));
                 }
             }
-            Attribute::Other(_) => return Err(self.dialect.bad_attribute.into()),
+            Attribute::Other(code) => {
+                return Err(Forbidden::Attribute(code).refused(self.dialect.bad_attribute));
+            }
         }
         Ok(())
     }
@@ -331,33 +337,35 @@ impl Job<'_> {
         pnu: u16,
         subindex: u16,
         drive: &(impl ParameterAccess + ?Sized),
-    ) -> Result<Attributes, ParameterError> {
+    ) -> Result<Attributes, Denial> {
         let none = || match drive.exists(pnu) {
             true => at(self.dialect.bad_member, subindex),
             false => ErrorNumber::UNKNOWN_PARAMETER.into(),
         };
-        drive.attributes(pnu, subindex).ok_or_else(none)
+        let facts = drive.attributes(pnu, subindex);
+        facts.ok_or_else(|| Forbidden::Unknown.refused(none()))
     }
 
     /// Counts values against the limit of all parameters together.
-    fn count(&mut self, values: u8, number: ErrorNumber) -> Result<(), ErrorNumber> {
+    fn count(&mut self, values: u8, number: ErrorNumber) -> Result<(), Denial> {
         let sum = self.values.saturating_add(values.into());
         if sum > self.dialect.served_values {
-            return Err(number);
+            return Err(Forbidden::Long.refused(number));
         }
         self.values = sum;
         Ok(())
     }
 
     /// How values of a parameter are sent.
-    fn form(&self, facts: &Attributes) -> Result<Form, ErrorNumber> {
+    fn form(&self, facts: &Attributes) -> Result<Form, Denial> {
+        let narrow = Forbidden::NoDoubleWord.refused(ErrorNumber::DATA_TYPE);
         let own = Form {
             format: facts.format.in_space(self.dialect.code_space),
             octets: facts.octets,
             signed: false,
         };
         Ok(match (self.id.is_wide(), facts.octets) {
-            (true, _) if facts.is_string() => return Err(ErrorNumber::DATA_TYPE),
+            (true, _) if facts.is_string() => return Err(narrow),
             (true, 1 | 2) => {
                 let signed = is_signed(facts);
                 Form {
@@ -371,7 +379,7 @@ impl Job<'_> {
                 }
             }
             (true, 4) => own,
-            (true, _) => return Err(ErrorNumber::DATA_TYPE),
+            (true, _) => return Err(narrow),
             (false, octets) if self.dialect.substitution_only && !facts.is_string() => Form {
                 format: Format::for_octets(octets).unwrap_or(own.format),
                 ..own
@@ -385,7 +393,7 @@ impl Job<'_> {
         address: ParameterAddress,
         block: Result<ValueBlock<'_>, DecodeError>,
         drive: &mut (impl ParameterAccess + ?Sized),
-    ) -> Result<(), ParameterError> {
+    ) -> Result<(), Denial> {
         let ParameterAddress {
             attribute,
             elements,
@@ -394,9 +402,13 @@ impl Job<'_> {
         } = address;
         match attribute {
             Attribute::Value => {}
-            Attribute::Description => return Err(ErrorNumber::DESCRIPTION_FIXED.into()),
-            Attribute::Text => return Err(ErrorNumber::TEXT_FIXED.into()),
-            Attribute::Other(_) => return Err(self.dialect.bad_attribute.into()),
+            Attribute::Description => {
+                return Err(Forbidden::DescriptionChange.refused(ErrorNumber::DESCRIPTION_FIXED));
+            }
+            Attribute::Text => return Err(Forbidden::TextChange.refused(ErrorNumber::TEXT_FIXED)),
+            Attribute::Other(code) => {
+                return Err(Forbidden::Attribute(code).refused(self.dialect.bad_attribute));
+            }
         }
         let facts = self.facts(pnu, subindex, drive)?;
         let span = Span::of(&facts, elements, subindex)?;
@@ -404,17 +416,19 @@ impl Job<'_> {
             return Err(ErrorNumber::NO_RIGHTS.into());
         }
         if !facts.writable {
-            return Err(at(ErrorNumber::NOT_CHANGEABLE, subindex));
+            return Err(Forbidden::ReadOnly.refused(at(ErrorNumber::NOT_CHANGEABLE, subindex)));
         }
+        let no_format = |code: u8| Forbidden::Format(code).refused(ErrorNumber::FORMAT);
         let block = block.map_err(|error| match error.wrong {
-            Wrong::Format => ErrorNumber::FORMAT,
-            _ => self.dialect.too_short,
+            Wrong::Format => no_format(u8::try_from(error.found).unwrap_or_default()),
+            _ => Forbidden::Short.refused(self.dialect.too_short),
         })?;
         if matches!(block.format, Format::ZERO | Format::ERROR | Format::RESERVED) {
-            return Err(ErrorNumber::FORMAT.into());
+            return Err(no_format(block.format.0));
         }
         if block.count != span.count {
-            return Err(ErrorNumber::VALUE_COUNT.into());
+            let (found, expected) = (block.count, span.count.into());
+            return Err(Forbidden::Values { found, expected }.refused(ErrorNumber::VALUE_COUNT));
         }
         self.count(span.count, self.dialect.too_many_values)?;
         let form = self.form(&facts)?;
@@ -424,7 +438,7 @@ impl Job<'_> {
             .iter()
             .any(|&own| block.format.carries(own, space));
         if block.width() != form.octets || !carries {
-            return Err(ErrorNumber::DATA_TYPE.into());
+            return Err(Forbidden::Type(block.format.0).refused(ErrorNumber::DATA_TYPE));
         }
         let keep = self.id.keep();
         if let Some(length) = span.whole {
@@ -434,8 +448,10 @@ impl Job<'_> {
             }
         } else {
             for (index, element) in (0..usize::from(span.count)).zip(span.first..=u16::MAX) {
-                fitted(&block, index, &facts, space)
-                    .and_then(|raw| drive.write(pnu, element, raw, keep))
+                let raw = fitted(&block, index, &facts, space)
+                    .map_err(|number| Forbidden::Range.refused(at(number, element)))?;
+                drive
+                    .write(pnu, element, raw, keep)
                     .map_err(|number| at(self.known(number), element))?;
             }
         }
@@ -527,66 +543,4 @@ fn fitted(
         return Err(ErrorNumber::LIMIT);
     }
     u64::try_from(number & (range - 1)).map_err(|_| ErrorNumber::LIMIT)
-}
-
-/// The number with the subindex as additional information, where the profile says so.
-fn at(number: ErrorNumber, subindex: u16) -> ParameterError {
-    let tells = number.info(ErrorNames::Profile).is_some_and(|info| info.subindex);
-    ParameterError {
-        number,
-        info: (tells && subindex != 0).then_some(subindex),
-    }
-}
-
-/// What elements and subindex of an address really mean.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Span {
-    /// First element as the drive counts them.
-    first: u16,
-    /// Values of the block.
-    pub(super) count: u8,
-    /// Octets of one string where whole strings are meant.
-    whole: Option<u16>,
-}
-
-impl Span {
-    /// Source: SINAMICS DCM p. 199, ABB RETA-02 p. 84, Vacon OPTEA p. 119; 0 elements of an array is the special
-    /// function that no client may send, it is refused like any impossible address. Strings as a whole and arrays of
-    /// them are our reading.
-    pub(super) fn of(facts: &Attributes, elements: u8, subindex: u16) -> Result<Self, ParameterError> {
-        let relative = subindex.saturating_sub(facts.first);
-        if facts.elements == 0 {
-            return match (relative, elements) {
-                (0, 0 | 1) => Ok(Self {
-                    first: subindex,
-                    count: 1,
-                    whole: None,
-                }),
-                (0, _) => Err(ErrorNumber::ADDRESS.into()),
-                _ => Err(ErrorNumber::NO_ARRAY.into()),
-            };
-        }
-        let is_plain_string = facts.is_string() && facts.string == 0;
-        let (size, elements, members) = match (relative, elements) {
-            (0, 0 | 1) if is_plain_string => (facts.elements, 1, 1),
-            _ if facts.string > 0 => (facts.string, elements, facts.elements / facts.string),
-            _ => (1, elements, facts.elements),
-        };
-        if elements == 0 || elements > MAX_ELEMENTS {
-            return Err(ErrorNumber::ADDRESS.into());
-        }
-        if relative >= members {
-            return Err(at(ErrorNumber::SUBINDEX, subindex));
-        }
-        if u16::from(elements) > members - relative {
-            return Err(at(ErrorNumber::SUBINDEX, facts.first.saturating_add(members)));
-        }
-        let octets = u16::from(elements).saturating_mul(size);
-        let count = u8::try_from(octets).ok().filter(|&count| count <= MAX_ELEMENTS);
-        Ok(Self {
-            first: facts.first.saturating_add(relative.saturating_mul(size)),
-            count: count.ok_or(ErrorNumber::TOO_LONG)?,
-            whole: facts.is_string().then_some(size).filter(|&size| size > 1),
-        })
-    }
 }

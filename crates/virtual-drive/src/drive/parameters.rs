@@ -1,6 +1,6 @@
 //! Parameter service: the drive behind base mode parameter access.
 
-use profile::catalogue::{Access, Parameter, Scale, Size};
+use profile::catalogue::{Access, Parameter, Scale, Size, padded};
 use profile::notation::Notation;
 use profile::parameter::{
     Attributes, Description, ErrorNumber, Format, Identifier, Keep, ParameterAccess, Refusal, SaveId,
@@ -54,15 +54,11 @@ impl Drive {
 
 impl ParameterAccess for Drive {
     fn attributes(&self, pnu: u16, subindex: u16) -> Option<Attributes> {
-        let high = || self.model.catalogue.by_high(pnu);
-        let parameter = self
-            .place(pnu, subindex)
-            .map_or_else(|_| high(), |(_, _, parameter)| Some(parameter))?;
-        Some(parameter.attributes())
+        self.model.catalogue.attributes(pnu, subindex)
     }
 
     fn exists(&self, pnu: u16) -> bool {
-        self.attributes(pnu, 0).is_some() || self.model.catalogue.is_collecting(pnu)
+        self.model.catalogue.exists(pnu)
     }
 
     /// Of a 64-bit value the low half is read at its own number and the high half at the next one. Reading the low half
@@ -139,8 +135,7 @@ impl ParameterAccess for Drive {
         if !self.model.known.dialect.texts {
             return None;
         }
-        let (_, _, parameter) = self.place(pnu, 0).ok()?;
-        parameter.choice(i64::from(index)).map(padded)
+        self.model.catalogue.text(pnu, index)
     }
 
     /// The limits are those of a double word: what can be written to this number alone. A high half is described as the
@@ -213,15 +208,6 @@ fn factor(conversion: i8) -> f32 {
 
 /// Normalisation of a cyclic value: valid, bit 14 is 100 %. Source: MCA 101 manual p. 33.
 const NORMALISED: u16 = 0x800E;
-
-/// A text in 16 characters.
-fn padded(text: &str) -> [u8; 16] {
-    let mut padded = [b' '; 16];
-    for (place, octet) in padded.iter_mut().zip(text.bytes()) {
-        *place = octet;
-    }
-    padded
-}
 
 impl Drive {
     /// PNU of the value that is 100 % of a reference.
