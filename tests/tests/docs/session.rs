@@ -38,8 +38,8 @@ const INSTEAD: [(&str, &str); 4] = [
     ("make demo", "\"$BUILT\" demo --fast"),
     // what this test has built is where README says
     (
-        "cargo build --release -p profidrive-cli",
-        "mkdir -p target/release; ln -s \"$BUILT\" target/release/profidrive",
+        "cargo build -p profidrive-cli",
+        "mkdir -p target/debug; ln -s \"$BUILT\" target/debug/profidrive",
     ),
     // the shell is in a namespace of its own already
     ("unshare ", ":"),
