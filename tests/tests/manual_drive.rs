@@ -187,3 +187,22 @@ fn real_time_jogging_beside_a_jog_moves_nothing() {
     assert!((send(&mut bus, 0x143F) - 187.5).abs() < 0.1);
     assert!(send(&mut bus, 0x153F).abs() < 1.0, "jog 1 in addition stops");
 }
+
+/// 6.1: the ranges of a jog ramp begin at one step. 0 would be a jog that never begins (1006) or never ends (1007).
+#[test]
+fn a_jog_ramp_is_at_least_one_step() {
+    let mut bus = Bus::new();
+    bus.connect(9);
+    for mode in [1, 2] {
+        assert_eq!(write(&mut bus, 930, 0x42, mode), None);
+        for scaling in [1, 14_648, 763] {
+            assert_eq!(write(&mut bus, 1008, 0x42, scaling), None);
+            for ramp in [1006, 1007] {
+                for (steps, answer) in [(1, None), (0xFFFF, None), (4, None), (0, Some(0x02))] {
+                    assert_eq!(write(&mut bus, ramp, 0x42, steps), answer, "{ramp} = {steps}");
+                }
+                assert_eq!(bus.read(ramp, 0), 4);
+            }
+        }
+    }
+}
