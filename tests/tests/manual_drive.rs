@@ -206,3 +206,83 @@ fn a_jog_ramp_is_at_least_one_step() {
         }
     }
 }
+
+/// 5.4: bits 11 to 15 have no function in velocity mode, though the sample project calls bit 11 "StartHoming" (7.1.4).
+#[test]
+fn bit_11_does_nothing_in_velocity_mode() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    bus.send(&[0x04, 0x7E, 0, 0], 5);
+    bus.send(&[0x04, 0x7F, 0, 0xA3], 40);
+    let before = bus.read(2425, 0); // VL.CMD
+    let homed = bus.read(2134, 0); // DRV.MOTIONSTAT
+    let answer = bus.send(&[0x0C, 0x7F, 0, 0xA3], 40);
+    assert_eq!((answer[0] & 0xF8, answer[1]), (0, 0x37), "{answer:02X?}");
+    assert_eq!((bus.read(2425, 0), bus.read(2134, 0)), (before, homed));
+}
+
+/// 5.8: signal 107 is reserved. Its parameter is a word of 0 that cannot be written, and PNU 923 does not list it.
+#[test]
+fn the_reserved_signal_reads_0() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    let answer = bus.job(&[1, 1, 0, 1, 0x10, 1, 0, 107, 0, 0]);
+    assert_eq!(answer, [1, 1, 0, 1, 0x42, 1, 0, 0]);
+    assert_eq!(bus.read(923, 107), 0);
+    assert_eq!(write(&mut bus, 107, 0x42, 0), Some(0x01));
+}
+
+/// 5.11.9: the third and fourth actual word of telegram 354 are printed as "-". The drive sends two words.
+#[test]
+fn telegram_354_has_two_actual_words() {
+    let mut bus = Bus::new();
+    bus.connect(354);
+    assert_eq!(bus.send(&[0x04, 0x06, 0, 0, 0, 4, 0, 4], 4).len(), 4);
+    let answer = bus.job(&[1, 1, 0, 1, 0x10, 4, 0x03, 0x94, 0, 0]);
+    assert_eq!(answer[6..], [0, 2, 0, 6, 0, 0, 0, 0]);
+}
+
+/// 5.6: a number that the manual leaves out behind a double word is the high half of a 64-bit value. It reads as any
+/// other, and the lists of numbers have it.
+#[test]
+fn the_numbers_that_the_manual_leaves_out_are_high_halves() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    let mut listed = Vec::new();
+    for list in 980..=989_u16 {
+        let [high, low] = list.to_be_bytes();
+        let answer = bus.job(&[1, 1, 0, 1, 0x10, 117, high, low, 0, 0]);
+        let numbers = answer[6..]
+            .chunks(2)
+            .map(|word| u16::from_be_bytes([word[0], word[1]]));
+        listed.extend(numbers.take_while(|number| *number != 0));
+    }
+    let rows = virtual_drive::model::AKD.catalogue.parameters;
+    let halves: Vec<u16> = rows
+        .iter()
+        .filter_map(profile::catalogue::Parameter::high)
+        .collect();
+    assert_eq!(halves.len(), 121);
+    for half in halves {
+        assert!(listed.contains(&half), "{half}");
+        assert!(rows.iter().all(|row| row.pnu != half), "{half}");
+        let [high, low] = half.to_be_bytes();
+        let answer = bus.job(&[1, 1, 0, 1, 0x10, 1, high, low, 0, 0]);
+        assert_eq!((answer[1], answer[4], answer.len()), (1, 0x43, 10), "{half}");
+    }
+}
+
+/// 5.6 lists the formats 0x41 to 0x43. A change in an integer type of the profile is accepted too.
+#[test]
+fn a_change_may_have_an_integer_format() {
+    let mut bus = Bus::new();
+    bus.connect(1);
+    for format in [0x42, 0x06, 0x03] {
+        for mode in [2, 1] {
+            let request = [1, 2, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, format, 1, 0, mode];
+            assert_eq!(bus.job(&request), [1, 2, 0, 1, 0, 0], "{format:#04X}");
+            let answer = bus.job(&[1, 1, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0]);
+            assert_eq!(answer, [1, 1, 0, 1, 0x42, 1, 0, mode], "{format:#04X}");
+        }
+    }
+}

@@ -299,3 +299,26 @@ fn homing_5_10_3_and_its_abort() {
     assert_eq!(word(answers.last().unwrap()) & 0x5000, 0);
     program.bus.judged("manual-5-10-3");
 }
+
+/// 5.10.3 "STW1 Bit 11 set to one": an edge in S4. A word that enables the axis with bit 11 already set moves nothing.
+#[test]
+fn homing_begins_with_an_edge_of_bit_11_in_s4() {
+    let mut program = Program::new(9, 20, 10);
+    program.write(2203, 11, false); // HOME.MODE: to the next index pulse
+    let mut words = mdi(0x0436, 0, 0, 0, 0);
+    program.send(&words, 4);
+    let place = program.bus.station().drive().axis().position();
+    words[..2].copy_from_slice(&[0x0C, 0x3F]);
+    let answers = program.send(&words, 60);
+    assert_eq!(word(answers.last().unwrap()), 0x2337, "{answers:02X?}");
+    let moved = program.bus.station().drive().axis().position() - place;
+    assert!(moved.abs() < 1 << 20, "{moved}");
+    words[..2].copy_from_slice(&[0x04, 0x3F]);
+    program.send(&words, 2);
+    words[..2].copy_from_slice(&[0x0C, 0x3F]);
+    program.until(&words, 0x2C00, 0x2C00);
+    // still 1 when homing is done: it does not begin again
+    let answers = program.send(&words, 60);
+    assert_eq!(course(&answers, 0x2C00), [0x2C00]);
+    program.bus.judged("manual-5-10-3-edge");
+}

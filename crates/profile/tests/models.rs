@@ -448,3 +448,32 @@ fn both_numbers_of_the_acceleration_scaling_name_what_they_scale() {
         );
     }
 }
+
+/// Names in the text of the AKD manual that its list of parameters (5.6) and of signals (5.8) does not have.
+#[test]
+fn names_outside_the_lists_of_the_manual_are_no_parameters() {
+    for name in [
+        "DRV.NAME",
+        "IP.ADDRESS",
+        "IP.SUBNET",
+        "IP.GATEWAY",
+        "MT.PARAMS",
+        "MID_ACC",
+        "MID_DEC",
+        "MDI_VEL",
+        "MDI_TAR_POS",
+    ] {
+        assert_eq!(AKD.by_name(name).map(|parameter| parameter.pnu), None, "{name}");
+    }
+    let listed = ["AKTSATZ", "MDI_TARPOS", "MDI_VELOCITY", "MDI_ACC", "MDI_DEC"];
+    let numbers = listed.map(|name| AKD.by_name(name).unwrap().pnu);
+    assert_eq!(numbers, [33, 34, 35, 36, 37]);
+    let near = |name: &str| {
+        AKD.nearest(name, 3)
+            .iter()
+            .any(|near| listed.contains(&near.name))
+    };
+    for name in ["MID_ACC", "MID_DEC", "MDI_TAR_POS"] {
+        assert!(near(name), "{name}");
+    }
+}

@@ -204,6 +204,14 @@ fn in_current_mode_the_setpoint_is_il_cmd_fieldbus() {
     // OFF1 ends it at standstill as in every mode.
     send(&mut drive, 0x047E, 910, 0, 200);
     assert_eq!(drive.state(), State::S2);
+    // In the other modes the signal does nothing.
+    for mode in [1, 2] {
+        set(&mut drive, 2135, 0, mode).unwrap();
+        send(&mut drive, 0x047F, 910, 0, 40);
+        assert_eq!(drive.state(), State::S4);
+        assert!(drive.axis().speed().abs() < 0.1, "{}", drive.axis().speed());
+        send(&mut drive, 0x047E, 910, 0, 40);
+    }
 }
 
 #[test]

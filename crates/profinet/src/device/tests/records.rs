@@ -27,6 +27,8 @@ fn identification_is_read_without_a_relation() {
     for subslot in [0x8000, 0x8001] {
         assert!(rig.read(NIL, 0, 0, subslot, 0xAFF0).is_ok());
     }
+    // subslot 0 is no submodule, whatever the AKD manual (3.6) says
+    assert_eq!(rig.read(NIL, 0, 0, 0, 0xAFF0), Err(refused(0xB2)));
     assert_eq!(
         decode_apis(Reader::new(&rig.read(NIL, 0, 0, 0, 0xF821).unwrap())),
         Ok(vec![0, DRIVE_API])
