@@ -7,6 +7,9 @@ CARGO ?= cargo
 # what `make package` builds for; a target whose programs this machine can run
 TARGET ?= $(shell rustc -vV | sed -n 's/^host: //p')
 
+# what has, or passes on, the feature raw-ethernet: must build without it too
+ETHERNET = -p profidrive-network -p profidrive-plant -p profidrive -p profidrive-cli
+
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 10
 
@@ -27,6 +30,8 @@ test: setup ## everything that must pass
 	$(CARGO) run -q -p xtask -- gen --check
 	$(CARGO) run -q -p xtask -- arrows
 	target/tools/bin/cargo-deny --locked check bans licenses sources
+	$(CARGO) clippy -q --no-default-features $(ETHERNET) -- -D warnings
+	$(CARGO) test -q --no-default-features -p profidrive --lib
 	$(CARGO) build -q --workspace --bins --examples
 	$(CARGO) test --workspace
 

@@ -4,7 +4,8 @@
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use client::Session;
-use network::linux::{PacketMedium, ServerPort};
+use network::ethernet::PacketMedium;
+use network::system::ServerPort;
 use profinet::Medium;
 use profinet::controller::ControllerConfig;
 use system_tests::{Lab, Side, built, memory};

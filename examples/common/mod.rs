@@ -12,7 +12,7 @@ use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
 /// A session in virtual time beside one virtual AKD called `akd-1`. On a wire the medium is
-/// `network::linux::PacketMedium` and everything else stays as it is.
+/// `network::ethernet::PacketMedium` and everything else stays as it is.
 pub fn session() -> Session<SegmentMedium> {
     let ip = |last| IpSuite {
         address: Ipv4Addr::new(192, 168, 0, last),

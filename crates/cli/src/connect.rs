@@ -1,7 +1,7 @@
 //! From the command line to a session with a drive: which interface, which way, which rights.
 
 use client::{Drive, DriveAddress, Error, LineAddress};
-use network::linux::{Error as NetworkError, InterfaceInfo, Patience, Stop};
+use network::system::{Error as NetworkError, InterfaceInfo, Patience, Stop};
 use profidrive::{Access, Carrier, Network, OpenError, Opening, Reach, far, open_line, reach};
 use profinet::IpSuite;
 
@@ -71,7 +71,7 @@ pub fn session(
     };
     let mut session = opening.open().map_err(without_right)?;
     if named.is_some() && matches!(session.medium(), Carrier::Udp(_)) {
-        output.say("no right to open a raw socket: going by UDP alone");
+        output.say("no raw socket can be opened: going by UDP alone");
     }
     let (flag, urgent, told) = (stop.clone(), stop, output.clone());
     let details = output.clone();

@@ -123,8 +123,8 @@ impl fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-impl From<network::linux::Error> for Failure {
-    fn from(error: network::linux::Error) -> Self {
+impl From<network::system::Error> for Failure {
+    fn from(error: network::system::Error) -> Self {
         let failure = Self::new(Exit::Unreachable, error.to_string());
         match error.hint() {
             Some(hint) => failure.hint(hint),
@@ -246,7 +246,7 @@ mod tests {
     /// The own interface is down while an axis is under control.
     #[test]
     fn a_carrier_that_fails_under_an_axis_names_the_drive_and_keeps_its_cause() {
-        let network = network::linux::Error::InterfaceDown {
+        let network = network::system::Error::InterfaceDown {
             interface: "eth7".into(),
         };
         let reaction = LossReaction {

@@ -1,5 +1,6 @@
 //! A client of a serial line is killed or frozen at a random moment of a motion, over a pseudo-terminal: what `status`
 //! recommends afterwards works and brings the axis to rest. A failure prints its case and its seed.
+#![cfg(unix)] // pseudo-terminals
 
 mod binary;
 mod cable;

@@ -1,5 +1,6 @@
 //! The binary at serial ports: `simulate --serial` at one end of a line, the commands of a user at the other. The ports
 //! are pseudo-terminals, and the cable between them is a thread that may spoil what passes.
+#![cfg(unix)] // pseudo-terminals
 
 mod binary;
 mod cable;

@@ -1,5 +1,6 @@
 //! A VLT at a serial port, by the binary: every command that a user has for it, over the FC protocol and over USS, on a
 //! line that spoils what passes too.
+#![cfg(unix)] // pseudo-terminals
 
 mod binary;
 mod cable;

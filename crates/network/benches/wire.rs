@@ -9,8 +9,9 @@ use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant as Wall};
 
+use profidrive_network::ethernet::{PacketMedium, Runner};
 use profidrive_network::host::Host;
-use profidrive_network::linux::{InterfaceInfo, PacketMedium, Runner, ServerPort, now};
+use profidrive_network::system::{InterfaceInfo, ServerPort, now};
 use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, MacAddress, Medium, RPC_PORT, Transmit};
 
 const ROUNDS: usize = 20_000;

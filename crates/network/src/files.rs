@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 mod beside;
-mod system;
+pub(crate) mod system;
 
 pub use beside::Beside;
 use beside::{unnamed, with_new_name};

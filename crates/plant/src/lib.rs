@@ -6,14 +6,12 @@
 //! trace for the same seed every time. On a real interface the owner of the stations plays each drive's [`Timeline`]
 //! itself ([`Timeline::play`]): [`host::Host`] does so, with everything else that a simulation on a network has.
 //!
-//! Only [`host`] and [`control_socket`] have sockets, threads and a clock. Nothing in here prints. Both are
-//! for Linux, as raw Ethernet is.
+//! Only [`host`] and [`control_socket`] have sockets, threads and a clock. Nothing in here prints. A simulation on an
+//! interface needs raw Ethernet (Linux), one at a serial line runs anywhere; control sockets are for Linux.
 
-#[cfg(target_os = "linux")]
 pub mod control_socket;
 mod file;
 mod happening;
-#[cfg(target_os = "linux")]
 pub mod host;
 mod program;
 mod text;

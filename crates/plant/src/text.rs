@@ -68,7 +68,6 @@ pub fn derived_mac(name: &str) -> MacAddress {
 }
 
 /// A station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
-#[cfg(target_os = "linux")]
 pub fn station_text(name: &str, mac: MacAddress, ip: IpSuite) -> String {
     if ip.is_set() {
         format!("{name} ({mac}, {})", ip.address)

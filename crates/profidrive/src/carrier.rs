@@ -4,8 +4,9 @@ use std::error::Error;
 use std::fmt;
 
 use client::{Client, Parity, Wire};
-use network::linux::{Error as NetworkError, PacketMedium, UdpMedium};
+use network::ethernet::PacketMedium;
 use network::serial::{self, Line, Settings, Talker};
+use network::system::{Error as NetworkError, UdpMedium};
 use profinet::{Instant, Medium};
 
 /// A way to drives.
@@ -57,7 +58,7 @@ impl Wire for Carrier {
         match self {
             Self::Packet(medium) => Medium::now(medium.as_ref()),
             Self::Udp(medium) => Medium::now(medium.as_ref()),
-            Self::Serial(_) => network::linux::now(),
+            Self::Serial(_) => network::system::now(),
         }
     }
 

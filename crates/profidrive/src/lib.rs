@@ -19,7 +19,6 @@
 //! | know whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write, run | [`Network`], which is a [`client::Session`] |
 #![forbid(unsafe_code)]
-#![cfg(target_os = "linux")]
 
 mod carrier;
 mod open;

@@ -4,8 +4,9 @@ use std::net::Ipv4Addr;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use client::{LineAddress, LineConfig, Session};
-use network::linux::{Error as NetworkError, InterfaceInfo, PacketMedium, ServerPort, Stop, UdpMedium};
+use network::ethernet::{self, PacketMedium};
 use network::serial::{self, Line, Port};
+use network::system::{Error as NetworkError, InterfaceInfo, ServerPort, Stop, UdpMedium};
 use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
@@ -51,6 +52,9 @@ impl OpenError {
     /// That there is no interface to take without asking, with those that there are.
     #[must_use]
     pub fn no_interface() -> Self {
+        if !ethernet::AVAILABLE {
+            return NetworkError::NoRawEthernet.into();
+        }
         let all = InterfaceInfo::list().unwrap_or_default();
         let real = all.into_iter().filter(|info| !info.loopback);
         let names = real.map(|info| match info.up {
@@ -142,7 +146,7 @@ impl Opening {
             };
         };
         match PacketMedium::open(&name, server_port(self.access)) {
-            Err(NetworkError::NoPermission { .. }) if self.by_ip => self.udp(),
+            Err(NetworkError::NoPermission { .. } | NetworkError::NoRawEthernet) if self.by_ip => self.udp(),
             medium => self.packet(medium?),
         }
     }
@@ -237,6 +241,24 @@ mod tests {
         assert_eq!(server_port(Access::Cyclic), ServerPort::Required);
     }
 
+    #[cfg(not(all(feature = "raw-ethernet", target_os = "linux")))]
+    #[test]
+    fn without_raw_ethernet_a_drive_given_by_its_ip_address_is_left() {
+        for opening in [
+            Opening::new(Access::Records),
+            Opening::new(Access::Cyclic).on("eth0"),
+        ] {
+            let error = opening.clone().open().unwrap_err();
+            assert!(
+                matches!(error, OpenError::Network(NetworkError::NoRawEthernet)),
+                "{error}"
+            );
+            let network = opening.by_ip(true).open().unwrap();
+            assert!(matches!(network.medium(), Carrier::Udp(_)));
+        }
+    }
+
+    #[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
     #[test]
     fn an_interface_that_does_not_exist_is_reported_with_those_that_do() {
         let error = open("no-such-interface").unwrap_err();

@@ -84,7 +84,8 @@ pub fn reach(interface: &str, own: &[IpSuite], label: &str, drive: IpSuite) -> R
 /// A word on an address that no subnet of this computer contains.
 #[must_use]
 pub fn far(own: &[IpSuite], address: Ipv4Addr) -> Option<String> {
-    let near = own.iter().any(|own| own.is_local(address));
+    // nothing is known of a computer that does not list its addresses
+    let near = own.is_empty() || own.iter().any(|own| own.is_local(address));
     (!near).then(|| {
         let ours: Vec<String> = own.iter().copied().map(subnet).collect();
         format!(
@@ -172,5 +173,6 @@ mod tests {
         let own = [suite([10, 0, 0, 1], 24, NONE)];
         assert_eq!(far(&own, [10, 0, 0, 9].into()), None);
         assert!(far(&own, [10, 0, 1, 9].into()).is_some());
+        assert_eq!(far(&[], [10, 0, 1, 9].into()), None);
     }
 }

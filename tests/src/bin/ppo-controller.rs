@@ -7,7 +7,8 @@
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use network::linux::{InterfaceInfo, PacketMedium, ServerPort};
+use network::ethernet::PacketMedium;
+use network::system::{InterfaceInfo, ServerPort};
 use profile::pkw::{Client, ClientTiming, Job, Memory, Outcome, PKW_LEN, PkwDialect, PkwValue};
 use profinet::controller::{
     ArId, ConnectConfig, Controller, ControllerConfig, Event, ModuleConfig, SubmoduleConfig, Target,

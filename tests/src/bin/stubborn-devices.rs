@@ -19,8 +19,9 @@ use std::net::SocketAddrV4;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use network::ethernet::Runner;
 use network::host::Host;
-use network::linux::{Runner, now};
+use network::system::now;
 use profinet::device::{Device, Refusals, Stored};
 use profinet::wire::PnioStatus;
 use profinet::wire::dcp::{Pdu, ServiceId};

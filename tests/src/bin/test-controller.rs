@@ -10,7 +10,8 @@ use std::collections::HashMap;
 use std::process::ExitCode;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use network::linux::{InterfaceInfo, PacketMedium, ServerPort};
+use network::ethernet::PacketMedium;
+use network::system::{InterfaceInfo, ServerPort};
 use profile::catalogue::AKD;
 use profinet::controller::{
     ArId, ConnectConfig, Controller, ControllerConfig, Event, Filter, IdentifyOptions, ModuleConfig,

@@ -6,7 +6,7 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use client::{AtWork, Drive, Error, describe};
-use network::linux::InterfaceInfo;
+use network::system::InterfaceInfo;
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
 

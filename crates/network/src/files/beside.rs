@@ -32,7 +32,7 @@ impl Beside {
             .map_err(|source| at(&self.place, "write", source))
     }
 
-    #[cfg(test)]
+    #[cfg(all(test, unix))]
     pub(super) const fn has_name(&self) -> bool {
         self.path.is_some()
     }

@@ -31,6 +31,11 @@ mod os {
         folder.mode() & 0o022 != 0
     }
 
+    /// True for two looks at one file.
+    pub fn is_same(one: &Metadata, other: &Metadata) -> bool {
+        (one.dev(), one.ino()) == (other.dev(), other.ino())
+    }
+
     /// True for a file of this user that has no other name.
     pub fn is_own(file: &Metadata) -> io::Result<bool> {
         let alone = !file.is_file() || file.nlink() == 1;
@@ -60,13 +65,19 @@ mod os {
         false
     }
 
+    /// A file that is open keeps its name there.
+    pub fn is_same(_one: &Metadata, _other: &Metadata) -> bool {
+        true
+    }
+
     #[expect(clippy::unnecessary_wraps, reason = "as on other systems")]
     pub fn is_own(_file: &Metadata) -> io::Result<bool> {
         Ok(true)
     }
 }
 
-pub(super) use os::{is_own, is_shared, refuse_links, set_folder_mode, set_mode, was_link};
+pub(super) use os::{is_own, is_shared, was_link};
+pub(crate) use os::{is_same, refuse_links, set_folder_mode, set_mode};
 
 /// Returns when the names in a folder are on the disk, where folders can be opened.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {

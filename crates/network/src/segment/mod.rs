@@ -26,7 +26,7 @@ use fabric::{Delivery, Fabric};
 pub(crate) use fabric::{chance, jitter};
 pub use medium::{Pace, SegmentMedium};
 pub use tap::Tap;
-#[cfg(target_os = "linux")]
+#[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
 pub(crate) use tap::finish_all;
 
 /// Most frames taken from one station in one turn; what is left follows a microsecond later.

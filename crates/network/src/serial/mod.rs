@@ -7,14 +7,18 @@
 //! | an end of a line that is no port: a pseudo-terminal | [`Port::pair`] |
 
 mod error;
+#[cfg(target_os = "linux")]
+mod opening;
 mod port;
 
 pub use error::{Error, Holder};
 pub use port::{Parity, Port, Settings};
 
+#[cfg(target_os = "linux")]
+use opening::opening;
 use profinet::Instant;
 
-use crate::linux::{Stop, now};
+use crate::system::{Stop, now};
 
 /// Octets read at once.
 const CHUNK: usize = 512;
@@ -24,6 +28,15 @@ const MOST_CHUNKS: usize = 16;
 const TELEGRAM: usize = 512;
 /// Most telegrams sent in one step.
 const MOST_TELEGRAMS: usize = 16;
+
+/// Why a port cannot be opened, in the words of the system.
+#[cfg(not(target_os = "linux"))]
+fn opening(name: &str, error: serialport::Error) -> Error {
+    Error::System {
+        port: name.to_owned(),
+        source: error.into(),
+    }
+}
 
 /// An engine that speaks on a line. Rule: feed, drain, sleep until the deadline.
 pub trait Talker {
@@ -39,9 +52,10 @@ pub trait Talker {
 
 /// A port with an engine at it.
 ///
-/// ```
+#[cfg_attr(unix, doc = "```")]
+#[cfg_attr(not(unix), doc = "```ignore")] // no pseudo-terminals there
 /// use std::time::Duration;
-/// use profidrive_network::linux::now;
+/// use profidrive_network::system::now;
 /// use profidrive_network::serial::{Line, Port, Settings, Talker};
 /// use profinet::Instant;
 ///

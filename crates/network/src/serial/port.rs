@@ -1,19 +1,28 @@
 //! One serial port.
 
-use std::fs;
 use std::io::{self, ErrorKind, Read, Write};
-use std::os::fd::{AsRawFd, RawFd};
-use std::path::Path;
 use std::time::Duration;
 
 use profinet::Instant;
-use serialport::{DataBits, FlowControl, SerialPort, StopBits, TTYPort};
+#[cfg(not(unix))]
+use serialport::COMPort as Native;
+#[cfg(unix)]
+use serialport::TTYPort as Native;
+use serialport::{DataBits, FlowControl, SerialPort, StopBits};
 
-use super::{Error, Holder};
-use crate::linux::{Stop, now};
+use super::Error;
+use super::opening;
+use crate::system::{Stop, now, wait_for_octets, wait_for_room};
 
 /// How long the port may take no octets at all.
 const PATIENCE: Duration = Duration::from_millis(500);
+
+/// Errors of a port that was unplugged.
+#[cfg(unix)]
+const AWAY: &[i32] = &[libc::EIO, libc::ENXIO, libc::ENODEV, libc::EBADF, libc::EPIPE];
+/// Access denied, invalid handle, bad command, device does not function, device not connected.
+#[cfg(not(unix))]
+const AWAY: &[i32] = &[5, 6, 22, 31, 1167];
 
 /// Parity of the characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -51,7 +60,7 @@ impl Settings {
 #[derive(Debug)]
 pub struct Port {
     name: String,
-    tty: TTYPort,
+    tty: Native,
 }
 
 impl Port {
@@ -71,7 +80,7 @@ impl Port {
             .parity(parity)
             .flow_control(FlowControl::None)
             .timeout(Duration::ZERO);
-        let tty = TTYPort::open(&builder).map_err(|error| opening(name, &error))?;
+        let tty = Native::open(&builder).map_err(|error| opening(name, error))?;
         // nothing is lost but what nobody asked for
         let _ = tty.clear(serialport::ClearBuffer::Input);
         Ok(Self {
@@ -80,6 +89,7 @@ impl Port {
         })
     }
 
+    #[cfg(unix)]
     /// Two ends of a line without any hardware: this one, and the name of the other, which is opened as any port.
     ///
     /// # Errors
@@ -89,7 +99,7 @@ impl Port {
             port: "pseudo-terminal".to_owned(),
             source: error.into(),
         };
-        let (mut tty, far) = TTYPort::pair().map_err(failed)?;
+        let (mut tty, far) = Native::pair().map_err(failed)?;
         tty.set_timeout(Duration::ZERO).map_err(failed)?;
         let name = far.name().unwrap_or_default();
         // the end that stays open would see to it that nobody notices when the other one closes
@@ -109,16 +119,12 @@ impl Port {
         &self.name
     }
 
-    fn fd(&self) -> RawFd {
-        self.tty.as_raw_fd()
-    }
-
     /// Sleeps until octets wait, the flag is set, or `until`.
     ///
     /// # Errors
     /// When the port is gone.
     pub(super) fn wait(&self, until: Instant, stop: Option<&Stop>) -> Result<(), Error> {
-        crate::linux::wait_for_octets(self.fd(), until, stop).map_err(|error| self.failed(error))
+        wait_for_octets(&self.tty, until, stop).map_err(|error| self.failed(error))
     }
 
     /// Takes octets that wait; 0 when there are none.
@@ -145,7 +151,7 @@ impl Port {
                 Ok(0) => return Err(self.gone()),
                 Ok(length) => octets = octets.get(length..).unwrap_or_default(),
                 Err(error) if is_for_now(&error) && now() < end => {
-                    crate::linux::wait_for_room(self.fd(), end).map_err(|error| self.failed(error))?;
+                    wait_for_room(&self.tty, end).map_err(|error| self.failed(error))?;
                 }
                 Err(error) if is_for_now(&error) => {
                     return Err(Error::Stuck {
@@ -165,9 +171,8 @@ impl Port {
     }
 
     fn failed(&self, source: io::Error) -> Error {
-        let code = source.raw_os_error();
-        let away = [libc::EIO, libc::ENXIO, libc::ENODEV, libc::EBADF, libc::EPIPE].map(Some);
-        if away.contains(&code) || source.kind() == ErrorKind::BrokenPipe {
+        let away = source.raw_os_error().is_some_and(|code| AWAY.contains(&code));
+        if away || source.kind() == ErrorKind::BrokenPipe {
             return self.gone();
         }
         Error::System {
@@ -184,91 +189,7 @@ fn is_for_now(error: &io::Error) -> bool {
     )
 }
 
-/// Why a port cannot be opened, found out by looking at it once more.
-fn opening(name: &str, error: &serialport::Error) -> Error {
-    let port = name.to_owned();
-    let look = fs::OpenOptions::new().read(true).write(true).custom_open(name);
-    match look {
-        Err(source) if source.kind() == ErrorKind::NotFound => Error::NoSuchPort {
-            port,
-            existing: existing(),
-        },
-        Err(source) if source.kind() == ErrorKind::PermissionDenied => Error::NoPermission { port },
-        Err(source) if source.raw_os_error() == Some(libc::EBUSY) => busy(port),
-        Err(source) if source.raw_os_error() == Some(libc::EIO) => Error::Gone { port },
-        Err(source) => Error::System { port, source },
-        Ok(false) => Error::NotSerial { port },
-        Ok(true) => match error.kind() {
-            // the lock of another program that does not take the port for itself alone
-            serialport::ErrorKind::NoDevice => busy(port),
-            serialport::ErrorKind::Io(ErrorKind::WouldBlock | ErrorKind::ResourceBusy) => busy(port),
-            _ => Error::Settings {
-                port,
-                reason: error.to_string(),
-            },
-        },
-    }
-}
-
-fn busy(port: String) -> Error {
-    let holders = holders(&port).unwrap_or_default();
-    Error::Busy { port, holders }
-}
-
-/// The processes that have a port open; those of other users only root sees.
-fn holders(port: &str) -> io::Result<Vec<Holder>> {
-    let device = fs::canonicalize(port)?;
-    let opens = |process: &Path| {
-        let files = fs::read_dir(process.join("fd")).into_iter().flatten().flatten();
-        files
-            .filter_map(|file| fs::read_link(file.path()).ok())
-            .any(|file| file == device)
-    };
-    let mut holders = Vec::new();
-    for entry in fs::read_dir("/proc")?.flatten() {
-        let number = entry.file_name().to_str().and_then(|name| name.parse().ok());
-        if let Some(number) = number.filter(|_| opens(&entry.path())) {
-            let program = fs::read_to_string(entry.path().join("comm")).unwrap_or_default();
-            holders.push(Holder {
-                number,
-                program: program.trim_end().to_owned(),
-            });
-        }
-    }
-    Ok(holders)
-}
-
-/// Opens a file without waiting for a modem; says whether it is a terminal.
-trait CustomOpen {
-    fn custom_open(&mut self, name: &str) -> io::Result<bool>;
-}
-
-impl CustomOpen for fs::OpenOptions {
-    fn custom_open(&mut self, name: &str) -> io::Result<bool> {
-        use std::io::IsTerminal;
-        use std::os::unix::fs::OpenOptionsExt;
-        let file = self.custom_flags(libc::O_NONBLOCK | libc::O_NOCTTY).open(name)?;
-        Ok(file.is_terminal())
-    }
-}
-
-/// Serial ports that this computer seems to have: those with hardware behind them.
-fn existing() -> Vec<String> {
-    let Ok(entries) = fs::read_dir("/sys/class/tty") else {
-        return Vec::new();
-    };
-    let mut names: Vec<String> = entries
-        .flatten()
-        .filter(|entry| entry.path().join("device").exists())
-        .map(|entry| format!("/dev/{}", entry.file_name().to_string_lossy()))
-        .filter(|name| Path::new(name).exists())
-        .collect();
-    names.sort();
-    names.truncate(16);
-    names
-}
-
-#[cfg(test)]
+#[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
 

@@ -1,18 +1,27 @@
 //! The control socket of a running simulation: a socket in a folder of the user, one for each process.
 //!
 //! A request is a few lines of text: a drive, what is to happen to it and perhaps for how long; or which drives there
-//! are on a segment. The response is one line. Only the user can open the folder.
+//! are on a segment. The response is one line. Only the user can open the folder. On other systems than Linux there is none.
 
+#[cfg(not(target_os = "linux"))]
+mod absent;
 mod client;
+#[cfg(target_os = "linux")]
+mod linux;
 mod server;
 
+#[cfg(not(target_os = "linux"))]
+use absent as os;
+#[cfg(target_os = "linux")]
+use linux as os;
+
 pub use client::{InjectError, Target, neighbours, target};
+pub(crate) use os::namespace;
+use os::{Stream, folder};
 pub(crate) use server::ControlSocket;
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
-use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -175,15 +184,13 @@ pub(crate) fn segment(interface: &str) -> String {
     format!("{}/{interface}", namespace())
 }
 
-/// The network namespace of this process, as a number that two processes of one namespace share.
-pub(crate) fn namespace() -> u64 {
-    fs::metadata("/proc/self/ns/net").map_or(0, |namespace| namespace.ino())
-}
-
 /// Why the control sockets cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ControlSocketError {
+    /// This system has none.
+    #[error("a simulation can be reached from outside on Linux only")]
+    Unsupported,
     /// The folder of the sockets cannot be made, or others can open it.
     #[error("{}: {why}", path.display())]
     Folder {
@@ -220,37 +227,9 @@ fn sockets() -> Result<Vec<PathBuf>, ControlSocketError> {
     Ok(found)
 }
 
-/// The folder of the sockets, made if it is not there.
-fn folder() -> Result<PathBuf, ControlSocketError> {
-    let user = user();
-    let path = match std::env::var_os("XDG_RUNTIME_DIR").filter(|path| Path::new(path).is_dir()) {
-        Some(runtime) => PathBuf::from(runtime).join("profidrive"),
-        None => std::env::temp_dir().join(format!("profidrive-{user}")),
-    };
-    let failed = |why: String| ControlSocketError::Folder {
-        path: path.clone(),
-        why,
-    };
-    match fs::DirBuilder::new().mode(0o700).create(&path) {
-        Ok(()) => {}
-        Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-        Err(error) => return Err(failed(error.to_string())),
-    }
-    let found = fs::symlink_metadata(&path).map_err(|error| failed(error.to_string()))?;
-    if !found.is_dir() || found.uid() != user || found.mode() & 0o077 != 0 {
-        return Err(failed("open to others, or not yours".into()));
-    }
-    Ok(path)
-}
-
-/// The user this program runs as: whoever owns its own entry in /proc.
-fn user() -> u32 {
-    fs::metadata("/proc/self").map_or(0, |own| own.uid())
-}
-
 /// Sends a request to one process and returns its response.
 fn send(socket: &Path, request: &Request) -> std::io::Result<Option<Response>> {
-    let stream = UnixStream::connect(socket)?;
+    let stream = Stream::connect(socket)?;
     Deadline::new(&stream, TIMEOUT).write_all(request.text().as_bytes())?;
     let mut answer = String::new();
     // the other side waits for the request first, then for the thread that runs the drives
@@ -260,7 +239,7 @@ fn send(socket: &Path, request: &Request) -> std::io::Result<Option<Response>> {
 }
 
 /// Receives one request and sends the response that `decide` finds.
-fn serve(stream: &UnixStream, decide: impl FnOnce(Request) -> Response) -> std::io::Result<()> {
+fn serve(stream: &Stream, decide: impl FnOnce(Request) -> Response) -> std::io::Result<()> {
     let response = Request::read(Deadline::new(stream, TIMEOUT))
         .map_or_else(|| Response::Refused("not a valid request".into()), decide);
     Deadline::new(stream, TIMEOUT).write_all(response.text().as_bytes())
@@ -269,12 +248,12 @@ fn serve(stream: &UnixStream, decide: impl FnOnce(Request) -> Response) -> std::
 /// A stream with one deadline for everything: a time limit for each call would let a peer that sends an octet now and
 /// then stay for ever.
 struct Deadline<'s> {
-    stream: &'s UnixStream,
+    stream: &'s Stream,
     until: Instant,
 }
 
 impl<'s> Deadline<'s> {
-    fn new(stream: &'s UnixStream, time: Duration) -> Self {
+    fn new(stream: &'s Stream, time: Duration) -> Self {
         Self {
             stream,
             until: Instant::now() + time,
@@ -309,7 +288,7 @@ impl Write for Deadline<'_> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
 
@@ -334,7 +313,7 @@ mod tests {
             let done = Response::Done { drive, here };
             assert_eq!(Response::read(&done.text()), Some(done));
         }
-        let (near, far) = UnixStream::pair().unwrap();
+        let (near, far) = Stream::pair().unwrap();
         let sender = std::thread::spawn(move || {
             let mut near = near;
             near.write_all(request.text().as_bytes()).unwrap();
@@ -356,7 +335,7 @@ mod tests {
 
     #[test]
     fn a_peer_that_sends_an_octet_now_and_then_is_left_at_the_deadline() {
-        let (mut near, far) = UnixStream::pair().unwrap();
+        let (mut near, far) = Stream::pair().unwrap();
         near.write_all(b"profidrive inj").unwrap();
         let mut stream = Deadline::new(&far, Duration::ZERO);
         let error = stream.read(&mut [0; 4]).unwrap_err();

@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::net::Shutdown;
-use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
@@ -10,9 +9,10 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, sleep, spawn};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use network::linux::Bell;
+use network::system::Bell;
 
-use super::{ControlSocketError, Request, Response, folder, serve};
+use super::os::{Listener, Stream, folder};
+use super::{ControlSocketError, Request, Response, serve};
 
 /// Requests that may wait for the thread that runs the drives.
 const WAITING: usize = 16;
@@ -51,7 +51,7 @@ impl ControlSocket {
 
     /// The socket at `path`, and the thread that serves it.
     fn at(path: PathBuf, bell: Bell) -> Result<(Self, impl FnOnce() + Send), ControlSocketError> {
-        let listener = UnixListener::bind(&path).map_err(|source| ControlSocketError::Io {
+        let listener = Listener::bind(&path).map_err(|source| ControlSocketError::Io {
             action: "listen on",
             path: path.clone(),
             source,
@@ -82,7 +82,7 @@ impl Drop for ControlSocket {
     fn drop(&mut self) {
         self.closed.store(true, Ordering::Release);
         // wakes the thread, which ends
-        let _ = UnixStream::connect(&self.path);
+        let _ = Stream::connect(&self.path);
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -97,7 +97,7 @@ struct Places {
 /// A client that has a place.
 #[derive(Debug)]
 struct Client {
-    stream: Arc<UnixStream>,
+    stream: Arc<Stream>,
     /// It has sent its request.
     asked: bool,
 }
@@ -105,7 +105,7 @@ struct Client {
 impl Places {
     /// Waits for a free place. Where there is none, the client that has said nothing for longest loses its own: an idle
     /// connection blocks no other.
-    fn take(self: &Arc<Self>, stream: UnixStream) -> Place {
+    fn take(self: &Arc<Self>, stream: Stream) -> Place {
         let stream = Arc::new(stream);
         let mut clients = self.lock();
         while clients.len() >= CLIENTS {
@@ -134,7 +134,7 @@ impl Places {
 #[derive(Debug)]
 struct Place {
     places: Arc<Places>,
-    stream: Arc<UnixStream>,
+    stream: Arc<Stream>,
 }
 
 impl Place {
@@ -161,7 +161,7 @@ impl Drop for Place {
 /// Serves every client in a thread of its own, so that a slow one holds up nobody. When `accept` fails (no file handle
 /// is left) `rest` waits, longer each time it fails again. Ends when `accept` returns no client.
 fn listen(
-    accept: impl Fn() -> std::io::Result<Option<UnixStream>>,
+    accept: impl Fn() -> std::io::Result<Option<Stream>>,
     requests: &SyncSender<Pending>,
     bell: &Bell,
     rest: impl Fn(Duration),
@@ -204,7 +204,7 @@ fn answer(place: &Place, requests: &SyncSender<Pending>, bell: &Bell) -> std::io
     })
 }
 
-#[cfg(test)]
+#[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
     use crate::control_socket::send;
@@ -243,7 +243,7 @@ mod tests {
             }
         });
         for idle in [1, 300] {
-            let mut idle: Vec<UnixStream> = (0..idle).map(|_| UnixStream::connect(&path).unwrap()).collect();
+            let mut idle: Vec<Stream> = (0..idle).map(|_| Stream::connect(&path).unwrap()).collect();
             let answer = send(&path, &Request::Drives("1/eth0".into())).unwrap();
             assert_eq!(answer, Some(Response::Drives(Vec::new())));
             // the newest is still waited for
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn no_more_clients_than_there_are_places() {
         let places = Arc::new(Places::default());
-        let client = || UnixStream::pair().unwrap().0;
+        let client = || Stream::pair().unwrap().0;
         let held: Vec<Place> = (0..CLIENTS).map(|_| places.take(client())).collect();
         held.iter().for_each(Place::asked);
         let (sender, got) = channel();

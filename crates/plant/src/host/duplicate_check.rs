@@ -5,9 +5,10 @@ use std::fmt;
 use std::net::Ipv4Addr;
 use std::time::Duration;
 
+use network::ethernet::Runner;
 use network::host::{Host, StationId};
-use network::linux::{InterfaceInfo, Runner, now};
 use network::probe::Probe;
+use network::system::{InterfaceInfo, now};
 use profinet::controller::{self, Controller, ControllerConfig, Filter, IdentifyOptions, Station};
 use profinet::device::Stored;
 use profinet::{Instant, IpSuite, MacAddress};

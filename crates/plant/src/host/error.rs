@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use network::files::StateFileError;
-use network::linux::LockError;
+use network::system::LockError;
 use profinet::controller::Misuse;
 
 use super::fleet::FleetError;
@@ -16,7 +16,7 @@ use crate::world::WorldError;
 pub enum HostError {
     /// The network interface.
     #[error(transparent)]
-    Network(#[from] network::linux::Error),
+    Network(#[from] network::system::Error),
     /// The serial port.
     #[error(transparent)]
     Serial(#[from] network::serial::Error),

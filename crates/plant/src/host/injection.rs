@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use network::host::StationId;
-use network::linux::now;
+use network::system::now;
 use profinet::{Endpoint, controller};
 use virtual_drive::model::Model;
 use virtual_drive::station::Station;

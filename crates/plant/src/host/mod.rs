@@ -23,10 +23,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use network::ethernet::{Runner, Turn};
 use network::files::create;
 use network::host::StationId;
-use network::linux::{Bell, Error as NetworkError, Runner, Stop, Turn, now};
 use network::pcap::Writer;
+use network::system::{Bell, Error as NetworkError, Stop, now};
 use profinet::device::Stored;
 use profinet::{Endpoint, Instant};
 use virtual_drive::model::Model;

@@ -6,7 +6,7 @@ use std::thread::spawn;
 use std::time::Duration;
 
 use network::files::StateFileError;
-use network::linux::Bell;
+use network::system::Bell;
 use profile::parameter::SaveId;
 use profinet::Instant;
 use virtual_drive::station::{Station, StationEvent};

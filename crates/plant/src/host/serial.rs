@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::thread::sleep;
 use std::time::Duration;
 
-use network::linux::{Bell, Stop, now};
 use network::serial::{Error as SerialError, Line, Port, Settings, Talker};
+use network::system::{Bell, Stop, now};
 use profinet::Instant;
 use uss::{Protocol, SlaveConfig};
 use virtual_drive::serial::{SerialConfig, SerialStation};

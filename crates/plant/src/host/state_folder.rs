@@ -5,7 +5,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use network::files::{Beside, StateFile, StateFileError};
-use network::linux::{FolderLock, LockError};
+use network::system::{FolderLock, LockError};
 use profinet::IpSuite;
 use profinet::device::{ImRecords, Stored};
 use serde_json::{Map, Value};

@@ -8,8 +8,9 @@ use std::time::Duration;
 use dissect::Weight;
 use dissect::capture::{Counts, DeviceSummary, Event, StreamSummary, Walker, seconds};
 use indicatif::ProgressBar;
-use network::linux::{Capture, Stop};
+use network::ethernet::Capture;
 use network::pcap::{ReadError, Reader};
+use network::system::Stop;
 use serde_json::{Map, Value, json};
 
 use super::painted;
@@ -107,7 +108,7 @@ fn decode(
 
 /// Decodes what is on the wire until Ctrl-C, or for the time of --until.
 pub fn live(interface: &str, args: &Decode, output: &Output) -> Result<(), Failure> {
-    let failed = |error: network::linux::Error| {
+    let failed = |error: network::system::Error| {
         let failure = Failure::new(Exit::Unreachable, error.to_string());
         match error.hint() {
             Some(hint) => failure.hint(hint),

@@ -1,6 +1,6 @@
 //! Why a simulation failed, in the words of the command line.
 
-use network::linux::LockError;
+use network::system::LockError;
 use plant::ScenarioFileError;
 use plant::host::{FleetError, HostError};
 

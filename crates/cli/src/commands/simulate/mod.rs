@@ -9,7 +9,7 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use client::{LineAddress, Parity};
-use network::linux::Stop;
+use network::system::Stop;
 use plant::Scenario;
 use plant::host::{
     Drives, Fleet, ForeignDescription, Host, HostConfig, MacChoice, SerialHost, SerialHostConfig, StatePlace,

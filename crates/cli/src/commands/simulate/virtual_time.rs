@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use network::files::create;
-use network::linux::{Stop, now};
 use network::pcap::Writer;
+use network::system::{Stop, now};
 use plant::{Entry, Scenario, World};
 use profinet::Instant;
 

@@ -4,10 +4,9 @@ use std::time::Duration;
 
 use profinet::MAX_FRAME;
 
-use super::error::Error;
 use super::packet::PacketSocket;
-use super::poll::{readable, wait};
-use super::stop::Stop;
+use crate::system::linux::{readable, wait};
+use crate::system::{Error, Stop};
 
 /// Receives every frame on an interface, those that this computer sends too. Sends nothing.
 ///
@@ -17,7 +16,8 @@ use super::stop::Stop;
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use std::time::Duration;
-/// use profidrive_network::linux::{Capture, Stop};
+/// use profidrive_network::ethernet::Capture;
+/// use profidrive_network::system::Stop;
 /// let stop = Stop::on_signals()?;
 /// let mut capture = Capture::open("eth0", stop.clone())?;
 /// while !stop.is_stopped() {
@@ -55,7 +55,7 @@ impl Capture {
     pub fn next(&mut self, timeout: Duration) -> Result<Option<(Duration, &[u8])>, Error> {
         let Self { packet, stop, frame } = self;
         if packet.peek().is_none() {
-            let mut fds = [readable(packet.fd()), readable(stop.fd())];
+            let mut fds = [readable(packet.fd()), readable(stop.event().fd())];
             wait(&mut fds, timeout).map_err(Error::system("cannot wait for frames"))?;
             packet.check(fds[0].revents)?;
         }

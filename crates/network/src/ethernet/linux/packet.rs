@@ -8,11 +8,11 @@ use profinet::{MAX_FRAME, MacAddress};
 use smoltcp::wire::{IpProtocol, Ipv4Packet, TcpPacket, UdpPacket};
 use socket2::{Domain, Protocol, Socket, Type};
 
-use super::error::Error;
 use super::filter::{Wanted, program};
-use super::interface::InterfaceInfo;
 use super::ring::{Received, Ring, set_option};
+use crate::ethernet::PacketStatistics;
 use crate::host::ethertype;
+use crate::system::{Error, InterfaceInfo};
 
 const PACKET_IGNORE_OUTGOING: libc::c_int = 23;
 /// Frames sent with one call.
@@ -23,19 +23,6 @@ const MULTICAST: [[u8; 6]; 3] = [
     [0x01, 0x0E, 0xCF, 0, 0, 1],
     [0x01, 0x80, 0xC2, 0, 0, 0x0E],
 ];
-
-/// What a raw socket has counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PacketStatistics {
-    /// Frames received, after the filter.
-    pub received: u64,
-    /// Frames sent.
-    pub sent: u64,
-    /// Frames the kernel did not take: queue full, interface down, frame too long.
-    pub unsent: u64,
-    /// Frames lost before we saw them because we were too slow.
-    pub missed: u64,
-}
 
 /// A raw socket bound to an interface.
 #[derive(Debug)]
@@ -336,7 +323,7 @@ impl Batch {
             }
             // SAFETY: the first `count` messages point to one part each, which points into `bytes`; all live until
             // the call returns and the kernel only reads the octets.
-            unsafe { libc::sendmmsg(fd, messages.as_mut_ptr(), count, libc::MSG_DONTWAIT) as isize }
+            unsafe { libc::sendmmsg(fd, messages.as_mut_ptr(), count, libc::MSG_DONTWAIT as _) as isize }
         };
         if result >= 0 {
             Ok((result as usize).max(1))

@@ -1,5 +1,5 @@
 //! Stations and media on real (virtual) interfaces, with the kernel as the peer.
-#![cfg(target_os = "linux")]
+#![cfg(all(feature = "raw-ethernet", target_os = "linux"))]
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod namespace;
@@ -11,10 +11,9 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use namespace::{inside, run, start, veth};
+use profidrive_network::ethernet::{PacketMedium, Runner, Turn};
 use profidrive_network::host::{Host, StationId};
-use profidrive_network::linux::{
-    Error, InterfaceInfo, PacketMedium, Runner, ServerPort, Stop, Turn, UdpMedium, now,
-};
+use profidrive_network::system::{Error, InterfaceInfo, ServerPort, Stop, UdpMedium, now};
 use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium, RPC_PORT, Transmit};
 
 /// Answers datagrams with the same octets; sends a frame every `every`; keeps what it hears.

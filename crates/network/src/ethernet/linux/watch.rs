@@ -1,54 +1,10 @@
-//! The clock, and waiting for sockets with nanoseconds.
+//! Waiting for the same descriptors again and again.
 
 use std::io;
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 use std::time::Duration;
 
-use profinet::Instant;
-
-use super::stop::Stop;
-
-/// The time of all Linux media: the monotonic clock, whose origin is the start of the computer.
-#[must_use]
-pub fn now() -> Instant {
-    let mut time = libc::timespec {
-        tv_sec: 0,
-        tv_nsec: 0,
-    };
-    // SAFETY: `time` is a valid place for the result. CLOCK_MONOTONIC exists on every Linux.
-    unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
-    Instant::from_nanos(time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64)
-}
-
-/// Gives the calling thread real-time priority (SCHED_FIFO, 1 to 99).
-///
-/// # Errors
-/// When that is not allowed: it needs root, `CAP_SYS_NICE` or an rtprio limit.
-pub fn raise_priority(priority: i32) -> io::Result<()> {
-    let parameter = libc::sched_param {
-        sched_priority: priority,
-    };
-    // SAFETY: process 0 is the calling thread; `parameter` is read during the call only.
-    match unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameter) } {
-        0 => Ok(()),
-        _ => Err(io::Error::last_os_error()),
-    }
-}
-
-/// Lets timers of the calling thread expire when due, not up to 50 us later as the default allows.
-pub(super) fn sharpen_timers() {
-    // SAFETY: PR_SET_TIMERSLACK takes one number and touches no memory of ours. If it fails timers stay as they were.
-    unsafe { libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0) };
-}
-
-/// A descriptor to wait for input on.
-pub(super) fn readable(fd: RawFd) -> libc::pollfd {
-    libc::pollfd {
-        fd,
-        events: libc::POLLIN,
-        revents: 0,
-    }
-}
+use crate::system::linux::{readable, timespec, wait};
 
 /// Waits for the same descriptors again and again: they are told to the kernel once, so that a wait costs less than
 /// [`wait`]'s, which counts for a drive that does little else.
@@ -140,70 +96,10 @@ impl Watch {
     }
 }
 
-fn timespec(time: Duration) -> libc::timespec {
-    libc::timespec {
-        tv_sec: time.as_secs().min(i32::MAX as u64) as libc::time_t,
-        tv_nsec: time.subsec_nanos().into(),
-    }
-}
-
-/// Sleeps until `fd` has octets, the flag is set, or `until`. An end that is gone is an error.
-pub(crate) fn wait_for_octets(fd: RawFd, until: Instant, stop: Option<&Stop>) -> io::Result<()> {
-    let other = stop.map_or(-1, Stop::fd);
-    // a negative descriptor is not watched
-    let mut fds = [readable(fd), readable(other)];
-    wait(&mut fds, until.saturating_since(now()))?;
-    gone(fds[0].revents)
-}
-
-/// Sleeps until `fd` takes octets, or `until`. An end that is gone is an error.
-pub(crate) fn wait_for_room(fd: RawFd, until: Instant) -> io::Result<()> {
-    let mut fds = [libc::pollfd {
-        events: libc::POLLOUT,
-        ..readable(fd)
-    }];
-    wait(&mut fds, until.saturating_since(now()))?;
-    gone(fds[0].revents)
-}
-
-/// Hung up with nothing left to read.
-fn gone(events: libc::c_short) -> io::Result<()> {
-    let ended = events & (libc::POLLHUP | libc::POLLERR | libc::POLLNVAL) != 0;
-    if ended && events & libc::POLLIN == 0 {
-        return Err(io::Error::from_raw_os_error(libc::EIO));
-    }
-    Ok(())
-}
-
-/// Sleeps until one of `fds` has something, or for `timeout`. A signal ends it early, without error.
-pub(super) fn wait(fds: &mut [libc::pollfd], timeout: Duration) -> io::Result<()> {
-    let timeout = timespec(timeout);
-    // SAFETY: `fds` and `timeout` are valid for the call; the length is that of the slice; no signal mask is given.
-    let ready = unsafe {
-        libc::ppoll(
-            fds.as_mut_ptr(),
-            fds.len() as libc::nfds_t,
-            &raw const timeout,
-            std::ptr::null(),
-        )
-    };
-    if ready >= 0 {
-        return Ok(());
-    }
-    let error = io::Error::last_os_error();
-    for fd in fds {
-        fd.revents = 0;
-    }
-    if error.kind() == io::ErrorKind::Interrupted {
-        Ok(())
-    } else {
-        Err(error)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::system::now;
     use std::io::Write;
     use std::os::unix::net::UnixStream;
 

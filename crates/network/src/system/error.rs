@@ -13,6 +13,9 @@ pub enum Error {
         /// The interface asked for.
         interface: String,
     },
+    /// This build of the library, or this system, has no raw Ethernet.
+    #[error("no raw Ethernet in this program: it was not built for Linux with the feature raw-ethernet")]
+    NoRawEthernet,
     /// There is no interface of this name.
     #[error("there is no network interface `{interface}`")]
     NoSuchInterface {
@@ -79,6 +82,10 @@ impl Error {
                  or try it in a network of its own: unshare --user --map-root-user --net"
                     .to_owned(),
             ),
+            Self::NoRawEthernet => Some(
+                "drives given by their IP address can be read and written all the same, and drives at serial lines do all"
+                    .to_owned(),
+            ),
             Self::NoSuchInterface { existing, .. } if existing.is_empty() => {
                 Some("there is no interface at all".to_owned())
             }
@@ -94,7 +101,8 @@ impl Error {
         }
     }
 
-    pub(super) fn system(action: &'static str) -> impl FnOnce(io::Error) -> Self {
+    #[cfg(target_os = "linux")]
+    pub(crate) fn system(action: &'static str) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::System { action, source }
     }
 }

@@ -1,11 +1,10 @@
 //! The exclusive use of a folder.
 
-use std::fs::{DirBuilder, File, OpenOptions, symlink_metadata};
-use std::io::{self, Read, Write};
-use std::os::fd::AsRawFd;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use std::fs::{DirBuilder, File, OpenOptions, TryLockError, symlink_metadata};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
+use crate::files::system::{is_same, refuse_links, set_folder_mode, set_mode};
 use crate::files::{StateFileError, sweep};
 
 /// Name of the file in the folder that is locked.
@@ -49,23 +48,27 @@ impl FolderLock {
             path: path.to_owned(),
             source,
         };
-        DirBuilder::new()
+        let mut builder = DirBuilder::new();
+        set_folder_mode(&mut builder, 0o700);
+        builder
             .recursive(true)
-            .mode(0o700)
             .create(folder)
             .map_err(|error| failed("make", folder, error))?;
         let path = folder.join(NAME);
         loop {
-            let mut file = OpenOptions::new()
-                .read(true)
-                .write(true)
-                .create(true)
-                .truncate(false)
-                .mode(0o600)
-                .custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK)
+            let mut options = OpenOptions::new();
+            options.read(true).write(true).create(true).truncate(false);
+            set_mode(&mut options, 0o600);
+            refuse_links(&mut options);
+            let mut file = options
                 .open(&path)
                 .map_err(|error| failed("open", &path, error))?;
-            if !try_lock(&file).map_err(|error| failed("lock", &path, error))? {
+            let locked = match file.try_lock() {
+                Ok(()) => true,
+                Err(TryLockError::WouldBlock) => false,
+                Err(TryLockError::Error(error)) => return Err(failed("lock", &path, error).into()),
+            };
+            if !locked {
                 let mut holder = Vec::new();
                 let _ = file.take(LONGEST).read_to_end(&mut holder);
                 let holder = String::from_utf8_lossy(&holder).trim_end().to_owned();
@@ -79,7 +82,7 @@ impl FolderLock {
             }
             let opened = file.metadata().map_err(|error| failed("lock", &path, error))?;
             // whoever had it may have removed the file between the open and the lock
-            if !symlink_metadata(&path).is_ok_and(|found| found.ino() == opened.ino()) {
+            if !symlink_metadata(&path).is_ok_and(|found| is_same(&found, &opened)) {
                 continue;
             }
             file.set_len(0)
@@ -98,19 +101,7 @@ impl Drop for FolderLock {
     }
 }
 
-/// Locks the file as long as it is open; false when another program has it locked.
-fn try_lock(file: &File) -> io::Result<bool> {
-    // SAFETY: flock takes a descriptor, which `file` keeps open, and touches no memory.
-    if unsafe { libc::flock(file.as_raw_fd(), libc::LOCK_EX | libc::LOCK_NB) } == 0 {
-        return Ok(true);
-    }
-    match io::Error::last_os_error() {
-        error if error.kind() == io::ErrorKind::WouldBlock => Ok(false),
-        error => Err(error),
-    }
-}
-
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
 

@@ -2,9 +2,6 @@
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
-use std::os::fd::{AsRawFd, RawFd};
-use std::os::linux::net::SocketAddrExt;
-use std::os::unix::net::{SocketAddr as LocalAddr, UnixDatagram};
 
 use profinet::{IpSuite, RPC_PORT};
 use socket2::{Domain, Protocol, Socket, Type};
@@ -12,6 +9,7 @@ use socket2::{Domain, Protocol, Socket, Type};
 use super::error::Error;
 use super::interface::towards;
 use super::medium::ServerPort;
+use super::os::{self, Claim};
 
 /// Most local ports open at once beside those of the server; the one unused for longest makes room.
 const MAX_PORTS: usize = 32;
@@ -22,7 +20,7 @@ struct Port {
     number: u16,
     socket: UdpSocket,
     /// Keeps other programs of this library from requiring the port too.
-    _claim: Option<UnixDatagram>,
+    _claim: Option<Claim>,
     used: u64,
 }
 
@@ -31,7 +29,7 @@ struct Port {
 /// A datagram leaves from the address in whose subnet its receiver is: a station answers, and calls back, where it was
 /// spoken to from.
 #[derive(Debug)]
-pub(super) struct Ports {
+pub(crate) struct Ports {
     own: Vec<IpSuite>,
     server: ServerPort,
     open: Vec<Port>,
@@ -40,7 +38,7 @@ pub(super) struct Ports {
 }
 
 impl Ports {
-    pub(super) fn new(own: Vec<IpSuite>, server: ServerPort) -> Self {
+    pub(crate) fn new(own: Vec<IpSuite>, server: ServerPort) -> Self {
         Self {
             own,
             server,
@@ -55,7 +53,7 @@ impl Ports {
     /// # Errors
     /// [`Error::PortOccupied`] where it is required and free at no address. Where it is free at some, an occupied one
     /// is an error only once a datagram is to leave from there.
-    pub(super) fn listen(&mut self) -> Result<(), Error> {
+    pub(crate) fn listen(&mut self) -> Result<(), Error> {
         if self.server == ServerPort::None {
             return Ok(());
         }
@@ -78,7 +76,7 @@ impl Ports {
     }
 
     /// Sends one datagram. What the network does not take is counted, as any datagram may be lost.
-    pub(super) fn send(
+    pub(crate) fn send(
         &mut self,
         source_port: u16,
         destination: SocketAddrV4,
@@ -109,25 +107,26 @@ impl Ports {
     }
 
     /// Datagrams the network did not take: no route, queue full.
-    pub(super) fn unsent(&self) -> u64 {
+    pub(crate) fn unsent(&self) -> u64 {
         self.unsent
     }
 
     /// Devices can call here: the server port is open.
-    pub(super) fn hears_calls(&self) -> bool {
+    pub(crate) fn hears_calls(&self) -> bool {
         self.open.iter().any(|port| port.number == RPC_PORT)
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.open.len()
     }
 
-    pub(super) fn fds(&self) -> impl Iterator<Item = RawFd> {
-        self.open.iter().map(|port| port.socket.as_raw_fd())
+    #[cfg(target_os = "linux")]
+    pub(crate) fn sockets(&self) -> impl Iterator<Item = &UdpSocket> {
+        self.open.iter().map(|port| &port.socket)
     }
 
     /// One datagram from the socket at `index`, if there is one.
-    pub(super) fn receive(&mut self, index: usize, buffer: &mut [u8]) -> Option<(SocketAddrV4, u16, usize)> {
+    pub(crate) fn receive(&mut self, index: usize, buffer: &mut [u8]) -> Option<(SocketAddrV4, u16, usize)> {
         let port = self.open.get(index)?;
         match port.socket.recv_from(buffer) {
             Ok((length, SocketAddr::V4(from))) => Some((from, port.number, length)),
@@ -201,11 +200,9 @@ fn routed(destination: SocketAddrV4) -> Option<Ipv4Addr> {
     }
 }
 
-/// Claims the server port of an address: a name in the network namespace that is free again with its program.
-fn claim(address: Ipv4Addr) -> Result<UnixDatagram, Error> {
-    let name = format!("profidrive/{address}:{RPC_PORT}");
-    let claimed = LocalAddr::from_abstract_name(name).and_then(|name| UnixDatagram::bind_addr(&name));
-    claimed.map_err(|source| match source.kind() {
+/// Claims the server port of an address.
+fn claim(address: Ipv4Addr) -> Result<Claim, Error> {
+    os::claim(address, RPC_PORT).map_err(|source| match source.kind() {
         io::ErrorKind::AddrInUse => Error::PortOccupied {
             address,
             port: RPC_PORT,
@@ -224,7 +221,7 @@ fn bind(address: Ipv4Addr, number: u16, share: bool) -> Result<UdpSocket, Error>
         source,
     };
     let socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP)).map_err(system)?;
-    if share {
+    if share && os::PORTS_ARE_SHARED {
         socket.set_reuse_address(true).map_err(system)?;
     }
     socket
@@ -237,7 +234,7 @@ fn bind(address: Ipv4Addr, number: u16, share: bool) -> Result<UdpSocket, Error>
             io::ErrorKind::AddrNotAvailable => Error::NotOurAddress { address },
             _ => system(source),
         })?;
-    if number == RPC_PORT {
+    if number == RPC_PORT && os::PORTS_ARE_SHARED {
         // Only after bind: the port stays refused to those who do not share it. The kernel hands datagrams to the socket
         // that was bound last.
         socket.set_reuse_address(true).map_err(system)?;
@@ -274,6 +271,7 @@ mod tests {
         assert!(matches!(error, Error::NotOurAddress { address } if address == foreign));
     }
 
+    #[cfg(target_os = "linux")]
     #[test]
     fn the_port_of_the_controller_is_shared_with_those_who_ask_for_it_only() {
         // an address of its own: the port is the same in every test
@@ -295,6 +293,7 @@ mod tests {
         assert!(suspended.receive(0, &mut buffer).is_some());
     }
 
+    #[cfg(target_os = "linux")]
     /// A command that only reads takes the port where it is free, and may be there first.
     #[test]
     fn a_controller_shares_its_port_with_who_reads_and_not_with_others() {

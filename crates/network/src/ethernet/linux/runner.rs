@@ -6,15 +6,15 @@ use std::time::Duration;
 
 use profinet::{Instant, MAX_FRAME, MacAddress};
 
-use super::error::Error;
 use super::filter::Wanted;
-use super::interface::InterfaceInfo;
-use super::packet::{PacketSocket, PacketStatistics};
-use super::poll::{Watch, now, sharpen_timers};
-use super::stop::{Bell, Stop};
+use super::packet::PacketSocket;
+use super::watch::Watch;
 use crate::deadlines::Deadlines;
+use crate::ethernet::{PacketStatistics, Turn};
 use crate::host::{Station, StationId, addresses};
 use crate::segment::{Tap, finish_all};
+use crate::system::linux::sharpen_timers;
+use crate::system::{Bell, Error, InterfaceInfo, Stop, now};
 
 /// Most frames handled before deadlines get their turn.
 const MAX_FRAMES: usize = 64;
@@ -23,25 +23,13 @@ const MAX_BURST: usize = 256;
 /// Time a station gets when it asks to be called again at once.
 const BREATH: Duration = Duration::from_micros(1);
 
-/// How a [`Runner::step`] ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Turn {
-    /// Stations did something: see [`Runner::touched`].
-    Worked,
-    /// Nothing happened until the time given.
-    Idle,
-    /// The stop flag is set.
-    Stopped,
-    /// The bell has rung.
-    Rung,
-}
-
 /// Runs any number of [`Station`]s on one interface, in the thread of its owner.
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # fn stations() -> Vec<Box<dyn profidrive_network::host::Station>> { Vec::new() }
-/// use profidrive_network::linux::{Runner, Stop, Turn, now};
+/// use profidrive_network::ethernet::{Runner, Turn};
+/// use profidrive_network::system::{Stop, now};
 /// let mut runner = Runner::open("eth0")?;
 /// runner.set_stop(Stop::on_signals()?)?;
 /// for station in stations() {
@@ -196,10 +184,10 @@ impl Runner {
     /// When the system has no room to watch it.
     pub fn set_stop(&mut self, stop: Stop) -> Result<(), Error> {
         if let Some(former) = self.stop.take() {
-            self.watch.remove(former.fd());
+            self.watch.remove(former.event().fd());
         }
         self.watch
-            .add(stop.fd())
+            .add(stop.event().fd())
             .map_err(Error::system("cannot wait for the end of the program"))?;
         self.stop = Some(stop);
         Ok(())
@@ -211,16 +199,16 @@ impl Runner {
     /// When the system has no room to watch it.
     pub fn set_bell(&mut self, bell: Bell) -> Result<(), Error> {
         if let Some(former) = self.bell.take() {
-            self.watch.remove(former.fd());
+            self.watch.remove(former.event().fd());
         }
         self.watch
-            .add(bell.fd())
+            .add(bell.event().fd())
             .map_err(Error::system("cannot wait for requests"))?;
         self.bell = Some(bell);
         Ok(())
     }
 
-    /// Lets `tap` see every frame received for the stations and sent by them; times are those of [`now`](super::now),
+    /// Lets `tap` see every frame received for the stations and sent by them; times are those of [`now`](crate::system::now),
     /// tags that the kernel took out are put in again.
     pub fn add_tap(&mut self, tap: Box<dyn Tap>) {
         self.taps.push(tap);

@@ -1,0 +1,206 @@
+//! The caller's own endpoint on a real network, with the host's own addresses.
+
+use profinet::{Endpoint, Instant, Medium, Transmit};
+
+use super::filter::Wanted;
+use super::packet::PacketSocket;
+use crate::ethernet::PacketStatistics;
+use crate::segment::{Tap, finish_all};
+use crate::system::medium::{Common, MAX_BURST, with_server};
+use crate::system::udp::Ports;
+use crate::system::{Error, InterfaceInfo, ServerPort, Stop, now};
+
+/// Most frames handled before datagrams and deadlines get their turn.
+const MAX_INPUTS: usize = 64;
+
+/// Carries an endpoint on an Ethernet interface: PROFINET frames through a raw socket, datagrams through the
+/// kernel's UDP from the interface's own address in the subnet of the receiver.
+///
+/// The endpoint must use the interface's Ethernet address: see [`InterfaceInfo`].
+///
+/// ```no_run
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// use profidrive_network::ethernet::PacketMedium;
+/// use profidrive_network::system::ServerPort;
+/// use profinet::Medium;
+/// let medium = PacketMedium::open("eth0", ServerPort::Required)?;
+/// println!("{} {}", medium.interface().name, medium.now().as_millis());
+/// # Ok(()) }
+/// ```
+#[derive(Debug)]
+pub struct PacketMedium {
+    packet: PacketSocket,
+    udp: Option<Ports>,
+    common: Common,
+    taps: Taps,
+}
+
+/// Those who see every frame.
+#[derive(Default)]
+struct Taps(Vec<Box<dyn Tap>>);
+
+impl Taps {
+    fn frame(&mut self, at: Instant, frame: &[u8]) {
+        self.0.iter_mut().for_each(|tap| tap.frame(at, frame));
+    }
+}
+
+impl std::fmt::Debug for Taps {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} taps", self.0.len())
+    }
+}
+
+impl PacketMedium {
+    /// Opens an interface.
+    ///
+    /// # Errors
+    /// No such interface, interface down, no right to raw sockets, UDP port in use.
+    pub fn open(interface: &str, server: ServerPort) -> Result<Self, Error> {
+        let mut packet = PacketSocket::open(interface, Wanted::Profinet)?;
+        let mac = packet.interface().usable()?;
+        packet.add_address(mac)?;
+        let own = packet.interface().addresses.clone();
+        let udp = (!own.is_empty()).then(|| with_server(own, server)).transpose()?;
+        Ok(Self {
+            packet,
+            udp,
+            common: Common::new(),
+            taps: Taps::default(),
+        })
+    }
+
+    /// The interface as it was when opened.
+    #[must_use]
+    pub fn interface(&self) -> &InterfaceInfo {
+        self.packet.interface()
+    }
+
+    /// What the raw socket has counted.
+    #[must_use]
+    pub fn statistics(&mut self) -> PacketStatistics {
+        self.packet.statistics()
+    }
+
+    /// Datagrams the kernel did not take: no route, queue full.
+    #[must_use]
+    pub fn unsent_datagrams(&self) -> u64 {
+        self.udp.as_ref().map_or(0, Ports::unsent)
+    }
+
+    /// True while devices can call their controller here, on UDP port 34964.
+    #[must_use]
+    pub fn hears_calls(&self) -> bool {
+        self.udp.as_ref().is_some_and(Ports::hears_calls)
+    }
+
+    /// Lets this flag end a step early, once.
+    pub fn set_stop(&mut self, stop: Stop) {
+        self.common.stop = Some(stop);
+    }
+
+    /// Lets `tap` see every PROFINET frame received and sent; datagrams are the kernel's and not seen.
+    pub fn add_tap(&mut self, tap: Box<dyn Tap>) {
+        self.taps.0.push(tap);
+    }
+
+    /// Ends all taps: buffers are flushed and the first failure is told.
+    ///
+    /// # Errors
+    /// When a tap could not write what it saw.
+    pub fn finish_taps(&mut self) -> std::io::Result<()> {
+        finish_all(&mut self.taps.0)
+    }
+
+    fn drain(&mut self, endpoint: &mut dyn Endpoint) -> Result<(), Error> {
+        let Self {
+            packet,
+            udp,
+            common,
+            taps,
+        } = self;
+        for _ in 0..MAX_BURST {
+            let at = now();
+            match endpoint.poll_transmit(at, &mut common.output) {
+                Some(Transmit::Frame { length }) => {
+                    let frame = common.output.get(..length).unwrap_or_default();
+                    taps.frame(at, frame);
+                    packet.queue(frame)?;
+                }
+                Some(Transmit::Datagram {
+                    destination,
+                    source_port,
+                    length,
+                }) => {
+                    let no_address = || Error::NoAddress {
+                        interface: packet.interface().name.clone(),
+                    };
+                    let ports = udp.as_mut().ok_or_else(no_address)?;
+                    ports.send(
+                        source_port,
+                        destination,
+                        common.output.get(..length).unwrap_or_default(),
+                    )?;
+                }
+                None => break,
+            }
+        }
+        packet.flush()
+    }
+
+    /// Hands over the frames that are there, and the deadline if it is due; does not wait.
+    fn work(&mut self, endpoint: &mut dyn Endpoint) -> Result<bool, Error> {
+        let mut worked = false;
+        for _ in 0..MAX_INPUTS {
+            let at = now();
+            let Some((received, frame)) = self.packet.peek() else {
+                break;
+            };
+            if !self.taps.0.is_empty() {
+                let whole = received.on_the_wire(frame, &mut self.common.input);
+                self.taps.frame(at, whole);
+            }
+            endpoint.handle_frame(at, frame);
+            self.packet.release();
+            worked = true;
+            self.drain(endpoint)?;
+        }
+        if endpoint.poll_timeout().is_some_and(|due| due <= now()) {
+            endpoint.handle_timeout(now());
+            worked = true;
+            self.drain(endpoint)?;
+        }
+        Ok(worked)
+    }
+}
+
+impl Medium for PacketMedium {
+    type Error = Error;
+
+    fn now(&self) -> Instant {
+        now()
+    }
+
+    fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Error> {
+        self.drain(endpoint)?;
+        loop {
+            if self.work(endpoint)? || now() >= until {
+                return Ok(());
+            }
+            let wake = endpoint.poll_timeout().map_or(until, |due| due.min(until));
+            let Common { waiting, stop, .. } = &mut self.common;
+            waiting.wait_beside(self.packet.fd(), self.udp.as_ref(), stop.as_ref(), wake)?;
+            self.packet.check(self.common.waiting.packet())?;
+            let mut worked = self.common.waiting.stopped();
+            for index in 0..self.udp.as_ref().map_or(0, Ports::len) {
+                if self.common.receive(self.udp.as_mut(), index, endpoint) {
+                    worked = true;
+                    self.drain(endpoint)?;
+                }
+            }
+            if worked {
+                return Ok(());
+            }
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Raw Ethernet: stations and clients on a real interface. For Linux, by the feature `raw-ethernet`; without it the types are
+//! here and none of them can be opened ([`Error::NoRawEthernet`](crate::system::Error::NoRawEthernet)).
+//!
+//! | wish | type |
+//! |---|---|
+//! | virtual devices on an interface, beside the host's own addresses | [`Runner`] |
+//! | a client with everything, using the host's own addresses | [`PacketMedium`] |
+//! | every frame on an interface, nothing sent | [`Capture`] |
+//!
+//! Frames of one runner do not reach the other stations of the same runner, nor the host it runs on, as with any
+//! packet socket: the other side must be at the other end of the wire, or of a `veth` pair.
+
+#[cfg(not(all(feature = "raw-ethernet", target_os = "linux")))]
+mod absent;
+#[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
+#[allow(unsafe_code)] // system calls that std does not offer; each block says why it is sound
+mod linux;
+
+#[cfg(not(all(feature = "raw-ethernet", target_os = "linux")))]
+use absent as raw;
+#[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
+use linux as raw;
+
+/// Whether this build has raw Ethernet.
+pub const AVAILABLE: bool = cfg!(all(feature = "raw-ethernet", target_os = "linux"));
+
+pub use raw::{Capture, PacketMedium, Runner};
+
+/// How a [`Runner::step`] ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Turn {
+    /// Stations did something: see [`Runner::touched`].
+    Worked,
+    /// Nothing happened until the time given.
+    Idle,
+    /// The stop flag is set.
+    Stopped,
+    /// The bell has rung.
+    Rung,
+}
+
+/// What a raw socket has counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PacketStatistics {
+    /// Frames received, after the filter.
+    pub received: u64,
+    /// Frames sent.
+    pub sent: u64,
+    /// Frames the kernel did not take: queue full, interface down, frame too long.
+    pub unsent: u64,
+    /// Frames lost before we saw them because we were too slow.
+    pub missed: u64,
+}

@@ -1,0 +1,130 @@
+//! What the system does where only the standard library is used: whoever waits looks once a millisecond. Nothing of this has
+//! run on such a system yet.
+
+use std::io;
+use std::net::Ipv4Addr;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use profinet::Instant;
+use serialport::SerialPort;
+
+use super::stop::SAME_SIGNAL;
+use super::udp::Ports;
+use super::{Error, InterfaceInfo, Stop};
+
+/// How long to sleep between two looks.
+const NAP: Duration = Duration::from_millis(1);
+
+/// Whether a UDP port can be shared with programs that want it too, and with nobody else.
+pub const PORTS_ARE_SHARED: bool = false;
+
+/// The time of all media; its origin is the first call.
+#[must_use]
+pub fn now() -> Instant {
+    static START: OnceLock<std::time::Instant> = OnceLock::new();
+    let start = START.get_or_init(std::time::Instant::now);
+    Instant::ZERO + start.elapsed()
+}
+
+/// The interfaces are of use for raw Ethernet only.
+pub fn interfaces() -> Result<Vec<InterfaceInfo>, Error> {
+    Ok(Vec::new())
+}
+
+/// Nothing: a port that is in use is refused by the system.
+#[derive(Debug)]
+pub struct Claim;
+
+/// Claims a UDP port of an address.
+pub fn claim(_address: Ipv4Addr, _port: u16) -> io::Result<Claim> {
+    Ok(Claim)
+}
+
+/// Counts the signals that end a program.
+#[derive(Debug)]
+pub struct Event {
+    signals: Arc<AtomicU32>,
+}
+
+impl Event {
+    pub fn new() -> io::Result<Self> {
+        Ok(Self {
+            signals: Arc::default(),
+        })
+    }
+
+    /// Nobody needs to be woken.
+    pub fn raise(&self) {}
+
+    pub fn clear(&self) {}
+
+    /// Counts signals from now on, until they are `enough`: then they end the program.
+    pub fn on_signals(&self, enough: u32) -> io::Result<()> {
+        let signals = Arc::clone(&self.signals);
+        let last = AtomicU64::new(0);
+        let handler = move || {
+            let at = 1 + now().as_millis();
+            let former = last.load(Ordering::SeqCst);
+            if former != 0 && at.saturating_sub(former) <= SAME_SIGNAL {
+                return;
+            }
+            last.store(at, Ordering::SeqCst);
+            if signals.fetch_add(1, Ordering::SeqCst) + 1 >= enough {
+                std::process::exit(130);
+            }
+        };
+        ctrlc::set_handler(handler).map_err(io::Error::other)
+    }
+
+    /// Signals that counted.
+    pub fn signals(&self) -> u32 {
+        self.signals.load(Ordering::SeqCst)
+    }
+}
+
+/// What a medium waits for, again and again.
+#[derive(Debug, Default)]
+pub struct Waiting {
+    stopped: bool,
+}
+
+impl Waiting {
+    /// Waits until a port may have something, the stop flag is set, or `until`.
+    pub fn wait(&mut self, _udp: Option<&Ports>, stop: Option<&Stop>, until: Instant) -> Result<(), Error> {
+        // A flag that is set already wakes no more: the owner may have things to bring to an end.
+        let stop = stop.filter(|stop| !stop.is_stopped());
+        nap(until);
+        self.stopped = stop.is_some_and(Stop::is_stopped);
+        Ok(())
+    }
+
+    /// The stop flag ended the wait.
+    pub fn stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// The port at `index` may have something.
+    pub fn has(&self, _index: usize) -> bool {
+        true
+    }
+}
+
+fn nap(until: Instant) {
+    std::thread::sleep(until.saturating_since(now()).min(NAP));
+}
+
+/// Sleeps until `port` has octets, the flag is set, or `until`.
+pub fn wait_for_octets(port: &impl SerialPort, until: Instant, stop: Option<&Stop>) -> io::Result<()> {
+    while port.bytes_to_read()? == 0 && now() < until && !stop.is_some_and(Stop::is_stopped) {
+        nap(until);
+    }
+    Ok(())
+}
+
+/// Sleeps a moment, or until `until`.
+pub fn wait_for_room(_port: &impl SerialPort, until: Instant) -> io::Result<()> {
+    nap(until);
+    Ok(())
+}

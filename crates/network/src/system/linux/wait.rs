@@ -1,0 +1,159 @@
+//! The clock, and waiting for descriptors with nanoseconds.
+
+use std::io;
+use std::os::fd::{AsRawFd, RawFd};
+use std::time::Duration;
+
+use profinet::Instant;
+
+use crate::system::udp::Ports;
+use crate::system::{Error, Stop};
+
+/// The time of all media: the monotonic clock, whose origin is the start of the computer.
+#[must_use]
+pub fn now() -> Instant {
+    let mut time = libc::timespec {
+        tv_sec: 0,
+        tv_nsec: 0,
+    };
+    // SAFETY: `time` is a valid place for the result. CLOCK_MONOTONIC exists on every Linux.
+    unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
+    Instant::from_nanos(time.tv_sec as u64 * 1_000_000_000 + time.tv_nsec as u64)
+}
+
+/// Lets timers of the calling thread expire when due, not up to 50 us later as the default allows.
+pub fn sharpen_timers() {
+    // SAFETY: PR_SET_TIMERSLACK takes one number and touches no memory of ours. If it fails timers stay as they were.
+    unsafe { libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0) };
+}
+
+/// A descriptor to wait for input on.
+pub fn readable(fd: RawFd) -> libc::pollfd {
+    libc::pollfd {
+        fd,
+        events: libc::POLLIN,
+        revents: 0,
+    }
+}
+
+pub fn timespec(time: Duration) -> libc::timespec {
+    libc::timespec {
+        tv_sec: time.as_secs().min(i32::MAX as u64) as _,
+        tv_nsec: time.subsec_nanos().into(),
+    }
+}
+
+/// Sleeps until `port` has octets, the flag is set, or `until`. An end that is gone is an error.
+pub fn wait_for_octets(port: &impl AsRawFd, until: Instant, stop: Option<&Stop>) -> io::Result<()> {
+    let other = stop.map_or(-1, |stop| stop.event().fd());
+    // a negative descriptor is not watched
+    let mut fds = [readable(port.as_raw_fd()), readable(other)];
+    wait(&mut fds, until.saturating_since(now()))?;
+    gone(fds[0].revents)
+}
+
+/// Sleeps until `port` takes octets, or `until`. An end that is gone is an error.
+pub fn wait_for_room(port: &impl AsRawFd, until: Instant) -> io::Result<()> {
+    let mut fds = [libc::pollfd {
+        events: libc::POLLOUT,
+        ..readable(port.as_raw_fd())
+    }];
+    wait(&mut fds, until.saturating_since(now()))?;
+    gone(fds[0].revents)
+}
+
+/// Hung up with nothing left to read.
+fn gone(events: libc::c_short) -> io::Result<()> {
+    let ended = events & (libc::POLLHUP | libc::POLLERR | libc::POLLNVAL) != 0;
+    if ended && events & libc::POLLIN == 0 {
+        return Err(io::Error::from_raw_os_error(libc::EIO));
+    }
+    Ok(())
+}
+
+/// Sleeps until one of `fds` has something, or for `timeout`. A signal ends it early, without error.
+pub fn wait(fds: &mut [libc::pollfd], timeout: Duration) -> io::Result<()> {
+    let timeout = timespec(timeout);
+    // SAFETY: `fds` and `timeout` are valid for the call; the length is that of the slice; no signal mask is given.
+    let ready = unsafe {
+        libc::ppoll(
+            fds.as_mut_ptr(),
+            fds.len() as libc::nfds_t,
+            &raw const timeout,
+            std::ptr::null(),
+        )
+    };
+    if ready >= 0 {
+        return Ok(());
+    }
+    let error = io::Error::last_os_error();
+    for fd in fds {
+        fd.revents = 0;
+    }
+    if error.kind() == io::ErrorKind::Interrupted {
+        Ok(())
+    } else {
+        Err(error)
+    }
+}
+
+/// Places of the packet socket and the stop flag among the descriptors; the UDP sockets follow.
+const PACKET: usize = 0;
+const STOP: usize = 1;
+const UDP: usize = 2;
+
+/// What a medium waits for, again and again.
+#[derive(Debug, Default)]
+pub struct Waiting {
+    fds: Vec<libc::pollfd>,
+    sharpened: bool,
+}
+
+impl Waiting {
+    /// Waits until a port has something, the stop flag is set, or `until`.
+    pub fn wait(&mut self, udp: Option<&Ports>, stop: Option<&Stop>, until: Instant) -> Result<(), Error> {
+        self.wait_beside(-1, udp, stop, until)
+    }
+
+    /// The same, and for a packet socket too.
+    pub fn wait_beside(
+        &mut self,
+        packet: RawFd,
+        udp: Option<&Ports>,
+        stop: Option<&Stop>,
+        until: Instant,
+    ) -> Result<(), Error> {
+        if !self.sharpened {
+            sharpen_timers();
+            self.sharpened = true;
+        }
+        // A flag that is set already wakes no more: the owner may have things to bring to an end.
+        let stop = stop.filter(|stop| !stop.is_stopped());
+        let stop = stop.map_or(-1, |stop| stop.event().fd());
+        self.fds.clear();
+        self.fds.extend([readable(packet), readable(stop)]);
+        let sockets = udp.into_iter().flat_map(Ports::sockets);
+        self.fds
+            .extend(sockets.map(|socket| readable(socket.as_raw_fd())));
+        wait(&mut self.fds, until - now()).map_err(Error::system("cannot wait for frames"))
+    }
+
+    fn revents(&self, index: usize) -> libc::c_short {
+        self.fds.get(index).map_or(0, |fd| fd.revents)
+    }
+
+    /// What the packet socket has.
+    pub fn packet(&self) -> libc::c_short {
+        self.revents(PACKET)
+    }
+
+    /// The stop flag ended the wait.
+    pub fn stopped(&self) -> bool {
+        self.revents(STOP) != 0
+    }
+
+    /// The port at `index` may have something.
+    pub fn has(&self, index: usize) -> bool {
+        self.revents(UDP + index) != 0
+    }
+}

@@ -1,0 +1,36 @@
+//! This computer: its clock, its interfaces, its UDP, the signals that end a program, folders. Raw Ethernet apart
+//! ([`ethernet`](crate::ethernet)), for any system.
+//!
+//! | wish | type |
+//! |---|---|
+//! | a client without the right to raw sockets: records only, no discovery, no cyclic data | [`UdpMedium`] |
+//! | what interfaces there are | [`InterfaceInfo`] |
+//! | Ctrl-C | [`Stop`] |
+//! | a folder that one program uses at a time | [`FolderLock`] |
+
+#[cfg(not(target_os = "linux"))]
+mod elsewhere;
+mod error;
+mod interface;
+#[cfg(target_os = "linux")]
+#[allow(unsafe_code)] // system calls that std does not offer; each block says why it is sound
+#[cfg_attr(not(feature = "raw-ethernet"), allow(dead_code, unused_imports))]
+pub(crate) mod linux;
+mod lock;
+pub(crate) mod medium;
+mod stop;
+#[cfg_attr(not(all(feature = "raw-ethernet", target_os = "linux")), allow(dead_code))]
+pub(crate) mod udp;
+
+#[cfg(not(target_os = "linux"))]
+use elsewhere as os;
+#[cfg(target_os = "linux")]
+use linux as os;
+
+pub use error::Error;
+pub use interface::InterfaceInfo;
+pub use lock::{FolderLock, LockError};
+pub use medium::{ServerPort, UdpMedium};
+pub use os::now;
+pub(crate) use os::{wait_for_octets, wait_for_room};
+pub use stop::{Bell, Patience, Stop};

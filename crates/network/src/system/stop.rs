@@ -1,0 +1,168 @@
+//! Ending a blocking program: Ctrl-C, or another thread.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::os::Event;
+
+/// A signal again within this time, ms, means the same as the one before: a hasty Ctrl-C, a program that ends its whole
+/// group.
+pub(super) const SAME_SIGNAL: u64 = 1000;
+
+/// A flag that wakes whoever waits in a runner or medium it was given to. Clones are the same flag.
+///
+/// ```
+/// # fn main() -> std::io::Result<()> {
+/// use profidrive_network::system::Stop;
+/// let stop = Stop::new()?;
+/// let other = stop.clone();
+/// std::thread::spawn(move || other.stop()).join().expect("the thread ends");
+/// assert!(stop.is_stopped());
+/// # Ok(()) }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Stop {
+    inner: Arc<Inner>,
+}
+
+#[derive(Debug)]
+struct Inner {
+    set: AtomicBool,
+    event: Event,
+}
+
+impl Inner {
+    fn new() -> io::Result<Arc<Self>> {
+        Ok(Arc::new(Self {
+            set: AtomicBool::new(false),
+            event: Event::new()?,
+        }))
+    }
+
+    fn set(&self) {
+        self.set.store(true, Ordering::SeqCst);
+        self.event.raise();
+    }
+}
+
+/// Which signal ends the program at once, as without a handler. Signals within a second count as one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Patience {
+    /// The second one.
+    Second,
+    /// The third one: the second makes the flag [urgent](Stop::is_urgent), for a program whose end may take long.
+    Third,
+}
+
+/// Wakes a runner again and again, from another thread that has work for it. Clones are the same bell.
+#[derive(Debug, Clone)]
+pub struct Bell {
+    inner: Arc<Inner>,
+}
+
+impl Bell {
+    /// A bell that is silent.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left.
+    pub fn new() -> io::Result<Self> {
+        Inner::new().map(|inner| Self { inner })
+    }
+
+    /// Ends the present or the next wait.
+    pub fn ring(&self) {
+        self.inner.set();
+    }
+
+    /// True if it has rung since the last look.
+    #[must_use]
+    pub fn heard(&self) -> bool {
+        let rung = self.inner.set.swap(false, Ordering::SeqCst);
+        if rung {
+            self.inner.event.clear();
+        }
+        rung
+    }
+
+    /// Raised once it has rung.
+    #[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
+    pub(crate) fn event(&self) -> &Event {
+        &self.inner.event
+    }
+}
+
+impl Stop {
+    /// A flag that only the program sets.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left.
+    pub fn new() -> io::Result<Self> {
+        Inner::new().map(|inner| Self { inner })
+    }
+
+    /// A flag that Ctrl-C (SIGINT), Ctrl-\ (SIGQUIT), SIGTERM and a terminal that goes away (SIGHUP, unless ignored as by
+    /// `nohup`) set; on other systems than Linux what ends a program there.
+    /// Signals within a second count as one; a later one ends the program at once, as without this.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left or refuses the handler.
+    pub fn on_signals() -> io::Result<Self> {
+        Self::on_signals_with(Patience::Second)
+    }
+
+    /// The same, and `patience` says which signal ends the program at once.
+    ///
+    /// # Errors
+    /// When the operating system has no descriptor left or refuses the handler.
+    pub fn on_signals_with(patience: Patience) -> io::Result<Self> {
+        let stop = Self::new()?;
+        // The event must stay as long as a signal may come: for ever.
+        std::mem::forget(stop.clone());
+        stop.inner.event.on_signals(match patience {
+            Patience::Second => 2,
+            Patience::Third => 3,
+        })?;
+        Ok(stop)
+    }
+
+    /// Sets the flag and wakes whoever waits.
+    pub fn stop(&self) {
+        self.inner.set();
+    }
+
+    /// True once the flag is set.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.inner.event.signals() > 0 || self.inner.set.load(Ordering::SeqCst)
+    }
+
+    /// True once a second signal came, more than a second after the first: what takes its time is to be cut short.
+    #[must_use]
+    pub fn is_urgent(&self) -> bool {
+        self.inner.event.signals() > 1
+    }
+
+    /// Raised once the flag is set.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn event(&self) -> &Event {
+        &self.inner.event
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bell_is_heard_once_for_any_number_of_rings() {
+        let bell = Bell::new().unwrap();
+        assert!(!bell.heard());
+        bell.clone().ring();
+        bell.ring();
+        assert!(bell.heard());
+        assert!(!bell.heard());
+        bell.ring();
+        assert!(bell.heard());
+    }
+}
