@@ -34,6 +34,8 @@ pub enum Forbidden {
         /// At most.
         allowed: u8,
     },
+    /// The parameter number 0, which no drive has.
+    NumberZero,
     /// A parameter that is not in the tables of the drive.
     Unknown,
     /// An attribute that does not exist.
@@ -106,6 +108,14 @@ pub enum Forbidden {
 }
 
 impl Forbidden {
+    /// The reason where a drive does not have this parameter.
+    pub(super) const fn unknown(pnu: u16) -> Self {
+        match pnu {
+            0 => Self::NumberZero,
+            _ => Self::Unknown,
+        }
+    }
+
     /// The refusal for this reason.
     pub(super) fn refused(self, error: impl Into<ParameterError>) -> Denial {
         Denial {
@@ -150,6 +160,7 @@ impl fmt::Display for Forbidden {
             Self::Parameters { found, allowed } => {
                 write!(f, "{found} parameters, 1 to {allowed} are allowed")
             }
+            Self::NumberZero => f.write_str("parameter number 0 does not exist"),
             Self::Unknown => f.write_str("not in the tables"),
             Self::Attribute(code) => write!(f, "attribute 0x{code:02X} does not exist"),
             Self::Texts => f.write_str("texts (attribute 0x30) are not supported"),
@@ -308,8 +319,9 @@ struct Willing {
 }
 
 impl ParameterAccess for Willing {
-    fn attributes(&self, _: u16, _: u16) -> Option<Attributes> {
-        self.parameters.get(self.place).map(|(_, facts)| *facts)
+    fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
+        let (_, facts) = self.parameters.get(self.place).filter(|_| pnu != 0)?;
+        Some(*facts)
     }
 
     fn read(&mut self, _: u16, _: u16) -> Result<u64, ErrorNumber> {
@@ -404,6 +416,10 @@ mod tests {
                 &["1 octets too many at the end: the record write is refused"],
             ),
             (
+                "01 01 01 01 10 01 00 00 00 00",
+                &["parameter number 0 does not exist: answered with error 0x00"],
+            ),
+            (
                 "01 01 01 01 10 01 27 11 FF FF",
                 &["not in the tables: answered with error 0x6C unless the drive has the parameter"],
             ),
@@ -480,6 +496,18 @@ mod tests {
             ("01 02 01 01 10 02 4E 20 00 07 42 02 00 01 00 02", &[]),
             ("01 02 01 01 10 01 4E 20 00 00 09 03 41 42 43 00", &[]),
             ("09 01 01 01 20 01 4E 20 00 05", &[]),
+            (
+                "05 01 00 01 10 01 00 00 00 00",
+                &["parameter number 0 does not exist: answered with error 0x00"],
+            ),
+            (
+                "05 02 00 01 10 01 00 00 00 00 42 01 00 01",
+                &["parameter number 0 does not exist: answered with error 0x00"],
+            ),
+            (
+                "05 01 00 01 20 01 00 00 00 00",
+                &["parameter number 0 does not exist: answered with error 0x00"],
+            ),
             (
                 "09 01 01 01 20 EA 4E 20 13 88",
                 &[

@@ -287,7 +287,7 @@ impl Job<'_> {
                     None if drive.exists(pnu) => {
                         return Err(Forbidden::Undescribed.refused(ErrorNumber::NO_DESCRIPTION));
                     }
-                    None => return Err(Forbidden::Unknown.refused(ErrorNumber::UNKNOWN_PARAMETER)),
+                    None => return Err(Forbidden::unknown(pnu).refused(ErrorNumber::UNKNOWN_PARAMETER)),
                 };
                 description.identifier = description.identifier.in_space(self.dialect.code_space);
                 let octets = description.encode();
@@ -304,7 +304,7 @@ impl Job<'_> {
             }
             Attribute::Text => {
                 if !drive.exists(pnu) {
-                    return Err(Forbidden::Unknown.refused(ErrorNumber::UNKNOWN_PARAMETER));
+                    return Err(Forbidden::unknown(pnu).refused(ErrorNumber::UNKNOWN_PARAMETER));
                 }
                 if !self.dialect.texts {
                     return Err(Forbidden::Texts.refused(ErrorNumber::NO_TEXT));
@@ -343,7 +343,7 @@ impl Job<'_> {
             false => ErrorNumber::UNKNOWN_PARAMETER.into(),
         };
         let facts = drive.attributes(pnu, subindex);
-        facts.ok_or_else(|| Forbidden::Unknown.refused(none()))
+        facts.ok_or_else(|| Forbidden::unknown(pnu).refused(none()))
     }
 
     /// Counts values against the limit of all parameters together.
