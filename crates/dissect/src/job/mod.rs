@@ -102,15 +102,17 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
         1 if has_attribute(data) && Request::parse(data, space).is_ok_and(|job| has_no_values(&job)) => {
             Side::Request
         }
-        // as long as a read request, but what would be its attribute is a format code
-        1 if data.len() == addresses && !looks_like_values(data) => Side::Request,
+        // what would be its first format code is none
+        1 if !looks_like_values(data, space) && (data.len() <= addresses || !has_attribute(data)) => {
+            Side::Request
+        }
         // the head alone, padded or not: a change that was carried out
         2 if matches!(data.get(HEADER..), Some([] | [0, 0])) => Side::Response,
         2 if data.len() > HEADER + 2 && Request::parse(data, space).is_ok_and(|job| values_fit(&job)) => {
             Side::Request
         }
         // too short for its addresses and no value block: a request that was cut off
-        1 | 2 if data.len() < addresses && !looks_like_values(data) => Side::Request,
+        2 if data.len() < addresses && !looks_like_values(data, space) => Side::Request,
         // values behind an address, cut off: an answer to a change has none where all of it was written
         2 if data.len() >= addresses && has_attribute(data) => Side::Request,
         3..0x80 => Side::Request,
@@ -118,9 +120,11 @@ fn guess(data: &[u8], space: CodeSpace) -> Side {
     }
 }
 
-/// True where a response would have its first format code: no attribute is one.
-fn looks_like_values(data: &[u8]) -> bool {
-    !matches!(data.get(HEADER), None | Some(0x10 | 0x20 | 0x30 | 0x40 | 0x80..))
+/// True where a response has its first format code, and an attribute is none of them.
+fn looks_like_values(data: &[u8], space: CodeSpace) -> bool {
+    let is_format = |code: u8| Format(code).data_len(space, 1, 1).is_some();
+    let first = data.get(HEADER).filter(|_| !has_attribute(data));
+    first.is_some_and(|code| *code != Format::ZERO.0 && is_format(*code))
 }
 
 /// True where a request would have the attribute of its first address.
@@ -286,6 +290,17 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
         these.map(|one| (Weight::Error, format!("  not allowed ({name}): {one}")))
     };
     lines.extend(objected(None));
+    // a drive that refuses it has said so above
+    let reserved = reference == 0 && drive.dialect().bad_reference.is_none();
+    let warnings: Vec<&str> = reserved
+        .then_some("reference 0 is reserved")
+        .into_iter()
+        .collect();
+    lines.extend(
+        warnings
+            .iter()
+            .map(|warning| (Weight::Warning, format!("  ! {warning}"))),
+    );
     let mut values = parsed.iter().flat_map(Request::values);
     let (addresses, _) = rest.as_chunks();
     let addresses = addresses.iter().take(count.into());
@@ -322,6 +337,7 @@ fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
     }
     let mut fields = fields! {
         "side": "request", "reference": reference, "id": id.octet(), "axis": axis, "parameters": parameters,
+        "warnings": warnings,
     };
     if let Err(error) = parsed {
         lines.push((Weight::Error, format!("  {error}")));

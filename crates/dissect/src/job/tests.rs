@@ -555,3 +555,57 @@ fn the_refusal_of_an_unknown_request_answers_it() {
     let last = &decoded.lines.last().expect("a line").1;
     assert_eq!(last, "  ! answers another kind of request");
 }
+
+/// The AKD manual 3.6 reserves the attribute 0x00: no response begins with such a format.
+#[test]
+fn a_request_with_an_attribute_that_does_not_exist_is_known_without_a_side() {
+    for (hex, attribute) in [
+        ("05 01 00 01 00 01 03 A2 00 00", "0x00"),
+        ("05 01 00 01 50 01 03 A2 00 00", "0x50"),
+        ("05 01 00 01 00 01 03 A2 00 00 00 00", "0x00"),
+        ("05 02 00 01 00 01 03 A2 00 00 42 01 00 02", "0x00"),
+    ] {
+        let lines = words(hex, None);
+        assert!(
+            lines.iter().any(|line| line.contains(&format!(
+                "attribute {attribute} does not exist: answered with error 0x16"
+            ))),
+            "{hex}: {lines:?}"
+        );
+    }
+}
+
+/// The AKD manual 3.6: PNU 0x0001 to 0xFFFF, and the reference 0x00 is reserved.
+#[test]
+fn the_number_0_and_the_reference_0_are_named() {
+    let lines = |model: &str, hex: &str| -> Vec<String> {
+        let mut drive = JobDrive::new(profile::model::Model::by_name(model).unwrap());
+        let decoded = decode(&mut drive, &octets(hex), None, None).unwrap();
+        decoded.lines.into_iter().map(|(_, line)| line).collect()
+    };
+    for model in ["akd", "vlt", "standard"] {
+        let read = lines(model, "05 01 00 01 10 01 00 00 00 00");
+        let change = lines(model, "05 02 00 01 10 01 00 00 00 00 42 01 00 02");
+        for found in [read, change] {
+            let words = "parameter number 0 does not exist: answered with error 0x00";
+            let named: Vec<_> = found.iter().filter(|line| line.contains(words)).collect();
+            assert!(
+                matches!(&named[..], [one] if one.contains("not allowed")),
+                "{model}: {found:?}"
+            );
+        }
+        let found = lines(model, "00 01 00 01 10 01 03 A2 00 00");
+        assert!(
+            found.iter().any(|line| line == "  ! reference 0 is reserved"),
+            "{found:?}"
+        );
+    }
+    let found = lines("vacon", "00 01 01 01 10 01 03 9A 00 00");
+    let named = found
+        .iter()
+        .filter(|line| line.contains("reference 0 is reserved"));
+    assert_eq!(named.count(), 1, "{found:?}");
+    let drive = &mut JobDrive::default();
+    let decoded = decode(drive, &octets("00 01 00 01 10 01 03 A2 00 00"), None, None).unwrap();
+    assert_eq!(decoded.fields["warnings"][0], "reference 0 is reserved");
+}
