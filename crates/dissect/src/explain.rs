@@ -2,7 +2,6 @@
 
 use profile::catalogue::{AKD, Catalogue, VLT};
 use profile::model::Model;
-use profile::pkw::{PkwDialect, ReplyCode, RequestCode};
 use profile::state::bits::{self as state_bits, Bit};
 use profile::state::{Mode, Profile};
 use profile::telegram::DANFOSS;
@@ -221,13 +220,11 @@ pub fn explain(
         Kind::Pke => {
             let pke = word(text)?;
             let drive = model.map_or_else(|| JobDrive::of(DANFOSS, 1), JobDrive::new);
-            let lines = job::pkw::pke_lines(&drive, &PkwDialect::DANFOSS_FC, pke);
-            let fields = fields! {
-                "as": "pke", "raw": pke, "ak": pke >> 12, "pnu": pke & 0x0FFF,
-                "request": RequestCode((pke >> 12) as u8).info().name,
-                "reply": ReplyCode((pke >> 12) as u8).info().name,
-            };
-            (lines, fields)
+            let told = job::pkw::pke(&drive, pke);
+            (
+                told.lines.into_iter().map(|(_, line)| line).collect(),
+                told.fields,
+            )
         }
         Kind::AlarmWord => bits(text, "alarm-word", 1690, false, 0)?,
         Kind::AlarmWord2 => bits(text, "alarm-word2", 1691, false, 32)?,

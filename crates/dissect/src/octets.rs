@@ -1,7 +1,6 @@
 //! Octets without their frame: what they are, and what they say.
 
 use profile::model::Model;
-use profile::pkw::PkwDialect;
 use uss::Protocol;
 
 use crate::job::{self, Decoded, JobDrive, NoJob, Side};
@@ -59,16 +58,17 @@ pub fn decode(
             .or_else(|| Model::by_name(usual))
             .map_or_else(JobDrive::default, JobDrive::new)
     };
-    let channel = |usual, dialect: Option<&PkwDialect>| {
+    let channel = |usual, line: Option<Protocol>| {
         let drive = drive(usual);
         let from_controller = from_controller.or(request.map(|_| false));
-        job::pkw::decode(&drive, dialect.unwrap_or(drive.ppo()), octets, from_controller)
+        let dialect = line.map_or(*drive.ppo(), |protocol| drive.line(protocol));
+        job::pkw::decode(&drive, &dialect, octets, from_controller)
     };
     let decoded = match kind {
         Kind::Job(side) => return Ok(job::decode(&mut drive("akd"), octets, side, request)?),
         Kind::Pkw => channel("standard", None),
-        Kind::PkwFc => channel("vlt", Some(&PkwDialect::DANFOSS_FC)),
-        Kind::PkwUss => channel("standard", Some(&PkwDialect::SIEMENS_USS)),
+        Kind::PkwFc => channel("vlt", Some(Protocol::Fc)),
+        Kind::PkwUss => channel("standard", Some(Protocol::Uss)),
         Kind::Serial(protocol) => {
             let usual = match protocol {
                 Protocol::Fc => "vlt",
@@ -93,5 +93,67 @@ fn model_with(telegram: u16) -> &'static str {
     match (having.next(), having.next()) {
         (Some(only), None) => only,
         _ => "akd",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    fn told(kind: Kind, model: &str, hex: &str) -> Decoded {
+        let octets = hex.split(' ').map(|octet| u8::from_str_radix(octet, 16).unwrap());
+        let octets: Vec<u8> = octets.collect();
+        decode(kind, &octets, Model::by_name(model), Some(false), None).unwrap()
+    }
+
+    /// The list of the Danfoss parameter block holds over USS too, and every kind has it for programs.
+    #[test]
+    fn a_refusal_has_its_number_meaning_and_remedy_on_every_carrier() {
+        let fc =
+            |number: &str, check: &str| format!("02 0E 01 71 55 00 00 00 00 00 {number} 06 03 00 00 {check}");
+        let number = |number: &str| format!("71 55 00 00 00 00 00 {number}");
+        let of_side: fn(&Value) -> &Value = |fields| &fields["sides"][0]["error"];
+        for (kind, hex, error) in [
+            (Kind::Serial(Protocol::Uss), fc("83", "AF"), of_side),
+            (Kind::Serial(Protocol::Fc), fc("83", "AF"), of_side),
+            (Kind::PkwUss, number("83"), of_side),
+            (Kind::PkwFc, number("83"), of_side),
+            (Kind::Pkw, number("83"), of_side),
+            (
+                Kind::Telegram(101),
+                format!("{} 06 03 00 00", number("83")),
+                |fields| &fields["halves"][0]["error"],
+            ),
+        ] {
+            let told = told(kind, "vlt", &hex);
+            let meaning = "131 change not possible, the factory setup is selected";
+            let named = told.lines.iter().any(|(weight, line)| {
+                *weight == crate::Weight::Error && line.contains(&format!("refused: {meaning}; "))
+            });
+            assert!(named, "{kind:?}: {:?}", told.lines);
+            let fields = Value::Object(told.fields);
+            let error = error(&fields);
+            assert_eq!(
+                (&error["number"], &error["meaning"]),
+                (&131.into(), &meaning.into()),
+                "{kind:?}"
+            );
+            assert!(error["remedy"].is_string(), "{kind:?}: {error}");
+        }
+        for (code, words) in [("82", "130 no bus access"), ("FD", "253 ")] {
+            let told = told(Kind::PkwUss, "vlt", &number(code));
+            assert!(told.lines[0].1.contains(words) && !told.lines[0].1.contains("own number"));
+        }
+        // a value and a request of the controller are no refusal
+        let value = told(Kind::PkwUss, "vlt", "21 55 00 00 00 00 00 83");
+        assert!(value.fields["sides"][0]["error"].is_null());
+        // the numbers of the others are not Danfoss'
+        let other = told(Kind::PkwUss, "standard", &number("83"));
+        assert!(
+            other.lines[0].1.contains("(the maker's own number)"),
+            "{:?}",
+            other.lines
+        );
     }
 }

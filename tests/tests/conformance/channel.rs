@@ -56,14 +56,25 @@ fn a_standing_request_follows_the_value_in_a_ppo() {
 /// A VLT with address 1 at a line.
 pub struct Line {
     now: Instant,
+    /// Octet of the address.
+    address: u8,
     pub station: SerialStation,
 }
 
 impl Line {
     pub fn new() -> Self {
+        Self::with(SlaveConfig::fc(1, 9600), 0x81)
+    }
+
+    pub fn uss() -> Self {
+        Self::with(SlaveConfig::uss(1, 9600), 1)
+    }
+
+    fn with(slave: SlaveConfig, address: u8) -> Self {
         Self {
             now: Instant::from_millis(1000),
-            station: SerialStation::new(SerialConfig::new(&model::VLT, SlaveConfig::fc(1, 9600))),
+            address,
+            station: SerialStation::new(SerialConfig::new(&model::VLT, slave)),
         }
     }
 
@@ -97,7 +108,7 @@ impl Line {
 
     /// A telegram with a parameter block: the data of its answer.
     pub fn channel(&mut self, channel: [u8; 8], control: u16, reference: u16) -> Vec<u8> {
-        let telegram = parameter_telegram(channel, control, reference);
+        let telegram = parameter_telegram(self.address, channel, control, reference);
         self.ask(&telegram).unwrap()
     }
 }
@@ -108,8 +119,8 @@ fn closed(mut telegram: Vec<u8>) -> Vec<u8> {
     telegram
 }
 
-fn parameter_telegram(channel: [u8; 8], control: u16, reference: u16) -> Vec<u8> {
-    let mut telegram = vec![0x02, 0x0E, 0x81];
+fn parameter_telegram(address: u8, channel: [u8; 8], control: u16, reference: u16) -> Vec<u8> {
+    let mut telegram = vec![0x02, 0x0E, address];
     telegram.extend(channel);
     telegram.extend(control.to_be_bytes());
     telegram.extend(reference.to_be_bytes());
@@ -139,7 +150,7 @@ fn the_exact_frame() {
         0x02, 0x0E, 0x81, 0x15, 0xFA, 0, 0x01, 0, 0, 0, 0, 0, 0, 0, 0, 0x63,
     ];
     assert_eq!(
-        parameter_telegram([0x15, 0xFA, 0, 0x01, 0, 0, 0, 0], 0, 0),
+        parameter_telegram(0x81, [0x15, 0xFA, 0, 0x01, 0, 0, 0, 0], 0, 0),
         request
     );
     let mut line = Line::new();

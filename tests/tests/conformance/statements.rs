@@ -100,6 +100,14 @@ fn every_error_message_of_the_fc_parameter_block() {
         (3, [0x11, 0x36, 0, 8, 0, 0, 0, 0]),
         // 3-41 is no array
         (4, [0x11, 0x55, 0, 1, 0, 0, 0, 0]),
+        // 15-60 has eight texts, 0-37 and 0-39 one each, read and written
+        (3, [0xF6, 0x18, 0x04, 8, 0, 0, 0, 0]),
+        (4, [0xF0, 0x25, 0x04, 1, 0, 0, 0, 0]),
+        (4, [0xF0, 0x25, 0x05, 1, b'f', b'a', b'n', b' ']),
+        (4, [0xF0, 0x27, 0x04, 2, 0, 0, 0, 0]),
+        // AK 15 that neither reads nor writes
+        (253, [0xF0, 0x25, 0x00, 0, 0, 0, 0, 0]),
+        (253, [0xF0, 0x25, 0x06, 0, 0, 0, 0, 0]),
         // 3-41 is a double word
         (5, [0x21, 0x55, 0, 0, 0, 0, 0, 1]),
     ] {
@@ -120,6 +128,40 @@ fn every_error_message_of_the_fc_parameter_block() {
     // 131: the factory set-up is the one that is edited (0-11)
     assert_eq!(asked(&mut line, [0x20, 0x0B, 0, 0, 0, 0, 0, 0])[0], 0x10);
     assert_eq!(refused(&asked(&mut line, [0x31, 0x55, 0, 0, 0, 0, 0x02, 0])), 131);
+}
+
+/// USS has the four words of the FC protocol, so no text.
+#[test]
+fn the_commands_of_the_fc_parameter_block_over_uss() {
+    let mut line = Line::uss();
+    // the index is the low octet of IND (3-10[2]), bit 11 of PKE is part of the number
+    assert_eq!(
+        asked(&mut line, [0x21, 0x36, 0, 2, 0, 0, 0x0B, 0xB8]),
+        [0x11, 0x36, 0, 2, 0, 0, 0x0B, 0xB8]
+    );
+    assert_eq!(
+        asked(&mut line, [0x11, 0x36, 0, 1, 0, 0, 0, 0]),
+        [0x11, 0x36, 0, 1, 0, 0, 0, 0]
+    );
+    assert_eq!(
+        asked(&mut line, [0x19, 0x55, 0, 0, 0, 0, 0, 0]),
+        [0x79, 0x55, 0, 0, 0, 0, 0, 0]
+    );
+    // 1101 and 1110 write to the EEPROM
+    for request in [
+        [0xD1, 0x55, 0, 0, 0, 0, 0x02, 1],
+        [0xE1, 0x3F, 0, 0, 0, 0, 0, 201],
+    ] {
+        asked(&mut line, request);
+    }
+    assert!(is_saved(&mut line, "\n3-19 = 201"));
+    // 1111 is refused, whatever IND says
+    for ind in [0, 4, 5] {
+        assert_eq!(
+            asked(&mut line, [0xF0, 0x25, ind, 0, 0, 0, 0, 0]),
+            [0x70, 0x25, ind, 0, 0, 0, 0, 253]
+        );
+    }
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! The parameter channel in cyclic data: each request once, and its reply once.
 
 use profile::pkw::{Pkw, PkwDialect, ReplyCode, RequestCode};
-use serde_json::Value;
 
 use super::event::{Detail, Job, Sink};
 use crate::Weight;
@@ -87,9 +86,7 @@ fn tell(
         "pnu": address.as_ref().map(|address| address.pnu),
         "index": address.as_ref().map(|address| address.subindex),
     };
-    if let Some(error) = pkw::refusal_json(dialect, words).filter(|_| side == "response") {
-        job.insert("error".into(), Value::Object(error));
-    }
+    job.extend(pkw::refusal_json(dialect, words).filter(|_| side == "response"));
     let detail = Job {
         channel: "pkw",
         job,

@@ -11,6 +11,7 @@ use profile::state::{Mode, Profile};
 use profile::telegram::{Telegram, signal};
 use profile::value::{Interpretation, Parameters, Reading, Selection, take_scale};
 use profinet::wire::Uuid;
+use uss::Protocol;
 
 /// Words of one direction that are remembered.
 const MOST_WORDS: usize = 16;
@@ -149,6 +150,15 @@ impl JobDrive {
             ErrorNames::Danfoss => &PkwDialect::DANFOSS_PPO,
             _ => &PkwDialect::STANDARD,
         }
+    }
+
+    /// Its parameter channel at a serial line: that of its vendor, or that of the protocol.
+    pub fn line(&self, protocol: Protocol) -> PkwDialect {
+        let of_vendor = |vendor| PkwDialect::of_line(vendor, protocol == Protocol::Fc);
+        self.vendor().and_then(of_vendor).unwrap_or(match protocol {
+            Protocol::Fc => PkwDialect::DANFOSS_FC,
+            Protocol::Uss => PkwDialect::SIEMENS_USS,
+        })
     }
 
     fn vendor(&self) -> Option<u16> {

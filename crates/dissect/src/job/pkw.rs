@@ -1,9 +1,12 @@
 //! The PKW channel in words: requests and replies with the names, values and units of the drive.
 
 use profile::parameter::{Attribute, Identifier, ParameterAddress};
-use profile::pkw::{Action, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, Width};
+use profile::pkw::{
+    Action, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, TEXT_READ, TEXT_WRITE, Width,
+};
 use profile::value::Reading;
-use serde_json::{Map, Value};
+use serde_json::Value;
+use uss::Protocol;
 
 use super::{Decoded, JobDrive, description};
 use crate::Weight;
@@ -37,8 +40,8 @@ pub fn decode(
         };
         let who = if side { "request" } else { "reply" };
         let mut told = fields! { "side": who, "text": text.as_str() };
-        if let Some(error) = refusal_json(dialect, pkw).filter(|_| !side) {
-            told.insert("error".into(), Value::Object(error));
+        if !side {
+            told.extend(refusal_json(dialect, pkw));
         }
         sides.push(Value::Object(told));
         lines.push((weight, format!("as a {who:<8} {text}")));
@@ -50,9 +53,6 @@ pub fn decode(
     };
     Ok(Decoded { lines, fields })
 }
-
-/// What IND says of a text.
-const TEXT_WRITE: u8 = 5;
 
 /// What a request wants. `text` is what stands in the place of PWE in a text block.
 pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8]>) -> (Weight, String) {
@@ -71,28 +71,35 @@ pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[
             told = format!("{}: {element} of {}", info.name, whole(drive, dialect, pkw));
         }
         (Action::Text, _) => {
-            let writes = pkw
-                .address(dialect)
-                .is_some_and(|address| address.text == TEXT_WRITE);
-            told = format!(
-                "{} text of {}",
-                if writes { "change" } else { "read" },
-                label(drive, dialect, pkw, false)
-            );
+            let code = pkw.address(dialect).map_or(0, |address| address.text);
+            let writes = code == TEXT_WRITE;
+            let verb = match code {
+                TEXT_READ => "read text",
+                TEXT_WRITE => "change text",
+                _ => info.name,
+            };
+            told = format!("{verb} of {}", label(drive, dialect, pkw, false));
             if let Some(text) = text.filter(|text| writes && !text.is_empty()) {
                 told = format!("{told} = {}", quoted(text));
             }
         }
         _ => {}
     }
-    if dialect.knows(code) {
-        (Weight::Normal, told)
-    } else {
-        (
-            Weight::Warning,
-            format!("{told} (no request of {}: AK {})", dialect.name, code.0),
-        )
+    if pkw.is_request_of(dialect) {
+        return (Weight::Normal, told);
     }
+    let ind = if dialect.knows(code) {
+        format!(" with IND 0x{:04X}", pkw.ind)
+    } else {
+        String::new()
+    };
+    (
+        Weight::Warning,
+        format!(
+            "{told} (no request of {}: AK {}{ind}, refused with {})",
+            dialect.name, code.0, dialect.unknown_request.0
+        ),
+    )
 }
 
 /// What a reply says.
@@ -150,19 +157,20 @@ pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8
     }
 }
 
-/// Error number of a refusal, its meaning and what to do; of a refusal without a number its meaning.
-pub fn refusal_json(dialect: &PkwDialect, pkw: Pkw) -> Option<Map<String, Value>> {
-    match pkw.reply_code() {
+/// The `error` of a refusal: its number, its meaning and what to do; of a refusal without a number its meaning.
+pub fn refusal_json(dialect: &PkwDialect, pkw: Pkw) -> Option<(String, Value)> {
+    let error = match pkw.reply_code() {
         ReplyCode::REFUSED => {
             let number = PkwErrorNumber(pkw.pwe_low());
             let remedy = number.info(dialect.error_names).map(|row| row.remedy);
-            Some(fields! {
+            fields! {
                 "number": number.0, "meaning": number.words(dialect.error_names), "remedy": remedy,
-            })
+            }
         }
-        ReplyCode::NO_RIGHTS => Some(fields! { "number": (), "meaning": ReplyCode::NO_RIGHTS.info().name }),
-        _ => None,
-    }
+        ReplyCode::NO_RIGHTS => fields! { "number": (), "meaning": ReplyCode::NO_RIGHTS.info().name },
+        _ => return None,
+    };
+    Some(("error".into(), Value::Object(error)))
 }
 
 /// True when this is, or may be, what a drive answers to that request.
@@ -250,24 +258,32 @@ fn quoted(text: &[u8]) -> String {
     format!("\"{}\"", text.trim_end_matches(['\0', ' ']))
 }
 
-/// AK and parameter number of a PKE, as both sides may mean it.
-pub fn pke_lines(drive: &JobDrive, dialect: &PkwDialect, pke: u16) -> Vec<String> {
+/// AK and parameter number of a PKE, as both sides may mean it. With bit 11 set the carrier decides over the number.
+pub fn pke(drive: &JobDrive, pke: u16) -> Decoded {
     let pkw = Pkw { pke, ind: 0, pwe: 0 };
     let [high, _] = pke.to_be_bytes();
-    let number = pke & dialect.pnu_mask();
-    let mut lines = vec![
-        format!("PKE {}   {}", crate::hex16(pke), crate::nibbles(pke)),
-        format!("  parameter  {}", whole(drive, dialect, pkw)),
-        format!("  request    {}", RequestCode(high >> 4)),
-        format!("  reply      {}", ReplyCode(high >> 4)),
-    ];
-    if pke & 0x0800 != 0 {
-        lines.push(format!(
-            "  bit 11     part of the number {number} in Danfoss drives; a spontaneous message for parameter {} elsewhere",
-            pke & 0x07FF
-        ));
+    let ak = high >> 4;
+    let (line, ppo) = (drive.line(Protocol::Fc), drive.ppo());
+    let number = |dialect: &PkwDialect| pke & dialect.pnu_mask();
+    let mut texts = vec![format!("PKE {}   {}", crate::hex16(pke), crate::nibbles(pke))];
+    if pkw.spm(ppo) {
+        let named = |dialect| format!("{} (PNU {})", whole(drive, dialect, pkw), number(dialect));
+        texts.push(format!("  parameter  {} over the FC protocol and over USS of a Danfoss drive: bit 11 is part of the number", named(&line)));
+        texts.push(format!("             {} in a PPO: bit 11 is that of spontaneous messages, and in no use in Danfoss drives", named(ppo)));
+    } else {
+        texts.push(format!("  parameter  {}", whole(drive, &line, pkw)));
     }
-    lines
+    texts.push(format!("  request    {}", RequestCode(ak)));
+    texts.push(format!("  reply      {}", ReplyCode(ak)));
+    let fields = fields! {
+        "as": "pke", "raw": pke, "ak": ak, "pnu": number(&line), "pnu_ppo": number(ppo),
+        "request": RequestCode(ak).info().name, "reply": ReplyCode(ak).info().name,
+    };
+    let lines = texts.into_iter().map(|text| (Weight::Normal, text));
+    Decoded {
+        lines: lines.collect(),
+        fields,
+    }
 }
 
 #[cfg(test)]
@@ -301,7 +317,20 @@ mod tests {
         );
         let (weight, text) = told([0x61, 0x9E, 0, 0, 0, 0, 0, 0]);
         assert_eq!(weight, Weight::Warning);
-        assert!(text.contains("no request of Danfoss FC protocol"), "{text}");
+        assert!(
+            text.contains("no request of Danfoss FC protocol: AK 6, refused with 253"),
+            "{text}"
+        );
+        // IND of AK 15 is 0x0400 or 0x0500
+        for ind in [0, 6] {
+            let (weight, text) = told([0xF0, 0x25, ind, 0, 0, 0, 0, 0]);
+            assert_eq!(weight, Weight::Warning, "{text}");
+            let refused = format!("AK 15 with IND 0x{ind:02X}00, refused with 253");
+            assert!(
+                text.starts_with("read or write text of ") && text.contains(&refused),
+                "{text}"
+            );
+        }
         let told = |octets| reply(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
         let (weight, text) = told([0x75, 0xFA, 0, 1, 0, 0, 0, 0x11]);
         assert_eq!(weight, Weight::Error);
@@ -347,9 +376,28 @@ mod tests {
         }
     }
 
+    fn pke_text(drive: &JobDrive, word: u16) -> String {
+        let lines = pke(drive, word).lines.into_iter();
+        lines.map(|(_, line)| line + "\n").collect()
+    }
+
+    /// Bit 11 of PKE is part of the number over FC and USS, and not in the words of a PPO.
+    #[test]
+    fn a_pke_with_bit_11_is_of_two_parameters() {
+        let text = pke_text(&vlt(), 0x1D55);
+        assert!(
+            text.contains("34-13 (PNU 3413) over the FC protocol and over USS"),
+            "{text}"
+        );
+        assert!(text.contains("13-65 (PNU 1365) in a PPO"), "{text}");
+        let fields = pke(&vlt(), 0x1D55).fields;
+        assert_eq!((&fields["pnu"], &fields["pnu_ppo"]), (&3413.into(), &1365.into()));
+        assert!(!pke_text(&vlt(), 0x1555).contains("PPO"));
+    }
+
     #[test]
     fn a_pke_of_both_sides() {
-        let lines = pke_lines(&vlt(), &PkwDialect::DANFOSS_FC, 0x15FA).join("\n");
+        let lines = pke_text(&vlt(), 0x15FA);
         assert!(lines.contains("Fault Log: Error Code (15-30)"), "{lines}");
         assert!(lines.contains("request    AK 1 request value"), "{lines}");
         assert!(lines.contains("reply      AK 1 value (word)"), "{lines}");

@@ -1,8 +1,8 @@
 //! Telegrams of serial lines in words: Danfoss FC protocol and USS.
 
-use profile::pkw::{Pkw, PkwDialect, RequestCode};
+use profile::pkw::{PKW_LEN, Pkw, PkwDialect, RequestCode};
 use profile::state::Profile;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 use uss::{Addressee, Layout, Protocol, Telegram};
 
 use super::telegram::Half;
@@ -18,7 +18,6 @@ const TEXT_AT: usize = 4;
 struct Carrier {
     name: &'static str,
     layout: Layout,
-    dialect: &'static PkwDialect,
 }
 
 const fn carrier(protocol: Protocol) -> Carrier {
@@ -26,12 +25,10 @@ const fn carrier(protocol: Protocol) -> Carrier {
         Protocol::Fc => Carrier {
             name: "FC",
             layout: Layout::FC,
-            dialect: &PkwDialect::DANFOSS_FC,
         },
         Protocol::Uss => Carrier {
             name: "USS",
             layout: Layout::USS,
-            dialect: &PkwDialect::SIEMENS_USS,
         },
     }
 }
@@ -44,6 +41,7 @@ pub fn decode(
     output: Option<bool>,
 ) -> Result<Decoded, String> {
     let carrier = carrier(protocol);
+    let dialect = drive.line(protocol);
     let telegram = Telegram::decode(octets).map_err(|error| error.to_string())?;
     let whom = match telegram.address.addressee(protocol) {
         Addressee::Slave(number) => format!("slave {number}"),
@@ -71,16 +69,20 @@ pub fn decode(
         if output.is_some_and(|wanted| wanted != side) {
             continue;
         }
+        let channel = pkw_of(parts.pkw);
         let mut told = Vec::new();
-        if let Some(line) = parameter(drive, carrier.dialect, parts.pkw, side) {
-            told.push(line);
-        }
+        told.extend(channel.map(|pkw| parameter(drive, &dialect, parts.pkw, pkw, side)));
         told.extend(process(drive, parts.pzd, side));
         let who = if side { "controller" } else { "drive" };
         if output.is_none() {
             lines.push((Weight::Normal, format!("  if from the {who}")));
         }
-        sides.push(json!({ "from": who, "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>() }));
+        let mut fields = fields! {
+            "from": who, "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
+        };
+        let reply = channel.filter(|_| !side);
+        fields.extend(reply.and_then(|pkw| pkw::refusal_json(&dialect, pkw)));
+        sides.push(Value::Object(fields));
         lines.extend(told);
     }
     let fields: Map<String, Value> = fields! {
@@ -94,13 +96,23 @@ fn row(name: &str, text: &str) -> String {
     format!("  {name:<8} {text}")
 }
 
-/// The parameter part: PKE, IND and PWE, or a text in its place.
-fn parameter(drive: &JobDrive, dialect: &PkwDialect, part: &[u8], output: bool) -> Option<(Weight, String)> {
-    let (head, rest) = part.split_at_checked(TEXT_AT)?;
-    let mut octets = [0; profile::pkw::PKW_LEN];
+/// PKE, IND and PWE of a parameter part, as far as it has them.
+fn pkw_of(part: &[u8]) -> Option<Pkw> {
+    let mut octets = [0; PKW_LEN];
     let used = part.len().min(octets.len());
     octets.get_mut(..used)?.copy_from_slice(part.get(..used)?);
-    let pkw = Pkw::from_octets(octets);
+    (used >= TEXT_AT).then_some(Pkw::from_octets(octets))
+}
+
+/// The parameter part: PKE, IND and PWE, or a text in its place.
+fn parameter(
+    drive: &JobDrive,
+    dialect: &PkwDialect,
+    part: &[u8],
+    pkw: Pkw,
+    output: bool,
+) -> (Weight, String) {
+    let (head, rest) = part.split_at_checked(TEXT_AT).unwrap_or((part, &[]));
     let is_text = pkw.request_code() == RequestCode::TEXT && dialect.has_text();
     let text = is_text.then_some(rest);
     let (weight, told) = if output {
@@ -108,13 +120,13 @@ fn parameter(drive: &JobDrive, dialect: &PkwDialect, part: &[u8], output: bool) 
     } else {
         pkw::reply(drive, dialect, pkw, text)
     };
-    let short = !is_text && part.len() != octets.len();
+    let short = !is_text && part.len() != PKW_LEN;
     let note = if short {
         format!(" (parameter part of {} octets: {})", part.len(), hex_bytes(head))
     } else {
         String::new()
     };
-    Some((weight, row("PKW", &format!("{told}{note}"))))
+    (weight, row("PKW", &format!("{told}{note}")))
 }
 
 /// Control or status word and speed, then further words.

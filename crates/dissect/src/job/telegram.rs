@@ -4,7 +4,7 @@ use profile::parameter::ParameterAddress;
 use profile::pkw::Pkw;
 use profile::state::{Profile, Zsw1};
 use profile::telegram::{Field, Image, Telegram, signal};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use super::{Decoded, JobDrive, pkw};
 use crate::Weight;
@@ -281,11 +281,14 @@ pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>
             format!("{} telegram {telegram} {from}", drive.name()),
         ));
         let told = half.lines(data);
-        halves.push(json!({
+        let mut fields = fields! {
             "from": if side { "controller" } else { "drive" },
             "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
             "word": half.word(data), "speed": half.speed(data), "values": half.values_json(data),
-        }));
+        };
+        let reply = half.pkw(data).filter(|_| !side);
+        fields.extend(reply.and_then(|pkw| pkw::refusal_json(drive.ppo(), pkw)));
+        halves.push(Value::Object(fields));
         lines.extend(told);
     }
     let fields: Map<String, Value> =

@@ -37,4 +37,6 @@ pub use dialect::{IndLayout, PAGES, PageRow, PkwDialect, PlainArray};
 pub use error::{PKW_ERRORS, PkwErrorInfo, PkwErrorNames, PkwErrorNumber};
 pub use job::{Answer, Job, JobError, PkwValue, StartError};
 pub use server::{BlockError, Server};
-pub use words::{MAX_BLOCK, MAX_TEXT, PKW_LEN, Pkw, PkwAddress, ReplyWords, RequestWords, Words};
+pub use words::{
+    MAX_BLOCK, MAX_TEXT, PKW_LEN, Pkw, PkwAddress, ReplyWords, RequestWords, TEXT_READ, TEXT_WRITE, Words,
+};

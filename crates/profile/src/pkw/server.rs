@@ -3,7 +3,7 @@
 use super::code::{Action, Memory, ReplyCode, RequestInfo, Width};
 use super::dialect::{PkwDialect, PlainArray};
 use super::error::PkwErrorNumber;
-use super::words::{MAX_BLOCK, PKW_LEN, Pkw, PkwAddress, TEXT_AT, TEXT_READ, TEXT_WRITE};
+use super::words::{MAX_BLOCK, PKW_LEN, Pkw, PkwAddress, TEXT_AT, TEXT_WRITE};
 use crate::parameter::{
     Attributes, CodeSpace, Description, ErrorNumber, Format, Keep, Kind, Octets, ParameterAccess, SaveId,
     SaveState,
@@ -200,7 +200,7 @@ impl Server {
         if let Some(Done::Refused(refusal)) = self.done {
             return Err(refusal);
         }
-        if !self.dialect.knows(info.code) {
+        if !pkw.is_request_of(&self.dialect) {
             return Err(Refusal::Number(self.dialect.unknown_request));
         }
         let address = pkw
@@ -414,25 +414,24 @@ impl Server {
         }
         // the index names one of an array of texts
         let first = u16::from(address.subindex).saturating_mul(facts.string_octets());
+        if first > 0 && facts.string == 0 {
+            return Err(Refusal::Number(PkwErrorNumber::NO_ARRAY));
+        }
         if first > 0 && first >= facts.elements {
             return Err(Refusal::Number(PkwErrorNumber::SUBINDEX));
         }
-        match address.text {
-            TEXT_READ => {}
-            TEXT_WRITE => {
-                let done = match self.done {
-                    Some(done) => done,
-                    None => self.done(drive, |server, drive| {
-                        server.change_text(address, first, facts, text, drive)
-                    }),
-                };
-                match self.stored(done, drive) {
-                    Done::Refused(refusal) => return Err(refusal),
-                    Done::Saving(_) => return Ok(Reply::Nothing),
-                    Done::Changed => {}
-                }
+        if address.text == TEXT_WRITE {
+            let done = match self.done {
+                Some(done) => done,
+                None => self.done(drive, |server, drive| {
+                    server.change_text(address, first, facts, text, drive)
+                }),
+            };
+            match self.stored(done, drive) {
+                Done::Refused(refusal) => return Err(refusal),
+                Done::Saving(_) => return Ok(Reply::Nothing),
+                Done::Changed => {}
             }
-            _ => return Err(Refusal::Number(self.dialect.unknown_request)),
         }
         let mut length = 0;
         let mut room = out.iter_mut().skip(TEXT_AT);

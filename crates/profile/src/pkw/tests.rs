@@ -76,6 +76,9 @@ impl Bench {
 
 impl ParameterAccess for Bench {
     fn attributes(&self, pnu: u16, _: u16) -> Option<Attributes> {
+        if pnu == 1560 {
+            return Some(Attributes::strings(8, 30, false));
+        }
         let (format, octets, elements, writable) = match pnu {
             1 => (Format::UNSIGNED8, 1, 0, true),
             100 => (Format::INTEGER8, 1, 0, true),

@@ -16,9 +16,9 @@ pub const MAX_TEXT: usize = MAX_BLOCK - TEXT_AT;
 pub(super) const TEXT_AT: usize = 4;
 
 /// Text code of IND in the Danfoss FC protocol: read.
-pub(super) const TEXT_READ: u8 = 0x04;
+pub const TEXT_READ: u8 = 0x04;
 /// Text code of IND in the Danfoss FC protocol: write.
-pub(super) const TEXT_WRITE: u8 = 0x05;
+pub const TEXT_WRITE: u8 = 0x05;
 /// SPM bit of PKE, where the parameter number has 11 bits.
 const SPM: u16 = 0x0800;
 
@@ -147,6 +147,23 @@ impl Pkw {
         })
     }
 
+    /// True for a request that the dialect has. With text (AK 15) IND has to say whether it is read or written.
+    ///
+    /// ```
+    /// use profidrive_profile::pkw::{Pkw, PkwDialect};
+    /// let text = |ind| Pkw { pke: 0xF604, ind, pwe: 0 };
+    /// assert!(text(0x0400).is_request_of(&PkwDialect::DANFOSS_FC));
+    /// assert!(!text(0).is_request_of(&PkwDialect::DANFOSS_FC));
+    /// assert!(!text(0x0400).is_request_of(&PkwDialect::DANFOSS_WORDS));
+    /// ```
+    #[must_use]
+    pub fn is_request_of(self, dialect: &PkwDialect) -> bool {
+        let code = self.request_code();
+        let text = self.address(dialect).map(|address| address.text);
+        dialect.knows(code)
+            && (code.info().action != Action::Text || matches!(text, Some(TEXT_READ | TEXT_WRITE)))
+    }
+
     /// PWE low: a word value, an error number.
     #[must_use]
     pub const fn pwe_low(self) -> u16 {
@@ -253,7 +270,7 @@ impl fmt::Display for RequestWords<'_> {
         match pkw.address(dialect).map(|address| address.text) {
             Some(TEXT_READ) if info.action == Action::Text => f.write_str(" (read)"),
             Some(TEXT_WRITE) if info.action == Action::Text => f.write_str(" (write)"),
-            _ if !dialect.knows(info.code) => write!(f, " (not a request of {})", dialect.name),
+            _ if !pkw.is_request_of(dialect) => write!(f, " (not a request of {})", dialect.name),
             _ => Ok(()),
         }
     }

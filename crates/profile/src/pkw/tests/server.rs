@@ -201,13 +201,23 @@ fn rights() {
 /// What a dialect does not know is refused with its own number and not executed.
 #[test]
 fn requests_that_do_not_exist() {
-    for code in [13, 14, 15].map(RequestCode) {
-        let known = [PkwDialect::DANFOSS_PPO, PkwDialect::DANFOSS_FC].map(|dialect| dialect.knows(code));
-        assert_eq!(known, [false, true], "{code:?}");
+    let danfoss = [
+        PkwDialect::DANFOSS_PPO,
+        PkwDialect::DANFOSS_FC,
+        PkwDialect::DANFOSS_WORDS,
+    ];
+    for (code, expected) in [
+        (13, [false, true, true]),
+        (14, [false, true, true]),
+        (15, [false, true, false]),
+    ] {
+        let known = danfoss.map(|dialect| dialect.knows(RequestCode(code)));
+        assert_eq!(known, expected, "AK {code}");
     }
     for (dialect, number) in [
         (PkwDialect::STANDARD, 18),
         (PkwDialect::DANFOSS_FC, 253),
+        (PkwDialect::DANFOSS_WORDS, 253),
         (PkwDialect::DANFOSS_PPO, 18),
         (PkwDialect::SIEMENS_PPO, 106),
         (PkwDialect::SIEMENS_USS, 106),
@@ -287,9 +297,14 @@ fn texts() {
     let refused = [
         (text("F3 EF 05 00", b"longer than it may be"), 2),
         (text("F6 04 05 00", b"read-only"), 1),
-        (text("F6 04 04 01", b"0000"), 3),
+        (text("F6 04 04 01", b"0000"), 4),
+        (text("F3 EF 05 01", b"fan"), 4),
+        (text("F6 18 04 08", b"0000"), 3),
+        (text("F6 18 05 08", b"0000"), 3),
         (text("F1 9E 04 00", b"0000"), 5),
         (text("F6 04 00 00", b"0000"), 253),
+        (text("F6 04 06 00", b"0000"), 253),
+        (text("F1 9E 00 00", b"0000"), 253),
         (text("F6 05 04 00", b"0000"), 0),
     ];
     for (request, number) in refused {
