@@ -17,6 +17,12 @@ use crate::system::{Stop, now, wait_for_octets, wait_for_room};
 /// How long the port may take no octets at all.
 const PATIENCE: Duration = Duration::from_millis(500);
 
+/// How long reading and writing may take: nothing, where waiting is a call of its own.
+#[cfg(unix)]
+const TIMEOUT: Duration = Duration::ZERO;
+#[cfg(not(unix))]
+const TIMEOUT: Duration = PATIENCE;
+
 /// Errors of a port that was unplugged.
 #[cfg(unix)]
 const AWAY: &[i32] = &[libc::EIO, libc::ENXIO, libc::ENODEV, libc::EBADF, libc::EPIPE];
@@ -79,7 +85,7 @@ impl Port {
             .stop_bits(StopBits::One)
             .parity(parity)
             .flow_control(FlowControl::None)
-            .timeout(Duration::ZERO);
+            .timeout(TIMEOUT);
         let tty = Native::open(&builder).map_err(|error| opening(name, error))?;
         // nothing is lost but what nobody asked for
         let _ = tty.clear(serialport::ClearBuffer::Input);
@@ -132,6 +138,9 @@ impl Port {
     /// # Errors
     /// When the port is gone.
     pub fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Error> {
+        if cfg!(not(unix)) && matches!(self.tty.bytes_to_read(), Ok(0)) {
+            return Ok(0);
+        }
         match self.tty.read(buffer) {
             Ok(0) => Err(self.gone()),
             Ok(length) => Ok(length),
@@ -148,7 +157,12 @@ impl Port {
         let end = now() + PATIENCE;
         while !octets.is_empty() {
             match self.tty.write(octets) {
-                Ok(0) => return Err(self.gone()),
+                Ok(0) if cfg!(unix) => return Err(self.gone()),
+                Ok(0) => {
+                    return Err(Error::Stuck {
+                        port: self.name.clone(),
+                    });
+                }
                 Ok(length) => octets = octets.get(length..).unwrap_or_default(),
                 Err(error) if is_for_now(&error) && now() < end => {
                     wait_for_room(&self.tty, end).map_err(|error| self.failed(error))?;

@@ -3,8 +3,8 @@
 
 use std::io;
 use std::net::Ipv4Addr;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 use profinet::Instant;
@@ -48,6 +48,27 @@ pub struct Event {
     signals: Arc<AtomicU32>,
 }
 
+/// The event that counts them now.
+static COUNTING: Mutex<Option<Counting>> = Mutex::new(None);
+
+struct Counting {
+    signals: Arc<AtomicU32>,
+    enough: u32,
+    last: Option<Instant>,
+}
+
+impl Counting {
+    /// Counts a signal; true when there were enough.
+    fn signal(&mut self, at: Instant) -> bool {
+        let same = Duration::from_millis(SAME_SIGNAL);
+        if self.last.is_some_and(|last| at <= last + same) {
+            return false;
+        }
+        self.last = Some(at);
+        self.signals.fetch_add(1, Ordering::SeqCst) + 1 >= self.enough
+    }
+}
+
 impl Event {
     pub fn new() -> io::Result<Self> {
         Ok(Self {
@@ -60,18 +81,19 @@ impl Event {
 
     pub fn clear(&self) {}
 
-    /// Counts signals from now on, until they are `enough`: then they end the program.
+    /// Counts signals from now on, in place of the event before, until they are `enough`: then they end the program.
     pub fn on_signals(&self, enough: u32) -> io::Result<()> {
-        let signals = Arc::clone(&self.signals);
-        let last = AtomicU64::new(0);
+        let counting = Counting {
+            signals: Arc::clone(&self.signals),
+            enough,
+            last: None,
+        };
+        let lock = || COUNTING.lock().unwrap_or_else(PoisonError::into_inner);
+        if lock().replace(counting).is_some() {
+            return Ok(());
+        }
         let handler = move || {
-            let at = 1 + now().as_millis();
-            let former = last.load(Ordering::SeqCst);
-            if former != 0 && at.saturating_sub(former) <= SAME_SIGNAL {
-                return;
-            }
-            last.store(at, Ordering::SeqCst);
-            if signals.fetch_add(1, Ordering::SeqCst) + 1 >= enough {
+            if lock().as_mut().is_some_and(|counting| counting.signal(now())) {
                 std::process::exit(130);
             }
         };
@@ -127,4 +149,38 @@ pub fn wait_for_octets(port: &impl SerialPort, until: Instant, stop: Option<&Sto
 pub fn wait_for_room(_port: &impl SerialPort, until: Instant) -> io::Result<()> {
     nap(until);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signals_within_a_second_count_as_one_and_the_last_one_ends_the_program() {
+        let event = Event::new().unwrap();
+        let mut counting = Counting {
+            signals: Arc::clone(&event.signals),
+            enough: 2,
+            last: None,
+        };
+        let first = Instant::from_millis(5_000);
+        assert!(!counting.signal(first));
+        assert!(!counting.signal(first + Duration::from_millis(SAME_SIGNAL)));
+        assert_eq!(event.signals(), 1);
+        assert!(counting.signal(first + Duration::from_millis(SAME_SIGNAL + 1)));
+        assert_eq!(event.signals(), 2);
+    }
+
+    #[test]
+    fn a_flag_ends_a_wait_once_and_time_ends_it_too() {
+        let stop = Stop::new().unwrap();
+        let mut waiting = Waiting::default();
+        let past = now();
+        waiting.wait(None, Some(&stop), past).unwrap();
+        assert!(!waiting.stopped());
+        stop.stop();
+        // set already: the owner may have things to bring to an end
+        waiting.wait(None, Some(&stop), past).unwrap();
+        assert!(!waiting.stopped() && now() >= past);
+    }
 }
