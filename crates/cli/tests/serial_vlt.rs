@@ -408,6 +408,26 @@ fn a_run_that_is_killed_leaves_the_drive_as_eight_four_says() {
     }
 }
 
+/// Blanks in front of a text are written where quotation marks keep them; else they are left out, which is said.
+#[test]
+fn blanks_in_quotation_marks_are_part_of_a_text() {
+    let cable = Cable::lay();
+    let _drives = Simulated::start_model(&cable, "vlt", &[]);
+    let drive = cable.drive("fc", 1);
+    let quoted = ok(&["write", &drive, "0-37=\"  x \""]);
+    assert!(
+        stdout(&quoted).contains("written, read back"),
+        "{}",
+        stdout(&quoted)
+    );
+    assert!(!stderr(&quoted).contains("left out"), "{}", stderr(&quoted));
+    assert_eq!(values(&drive, &["0-37"])[0], "  x");
+    let bare = ok(&["write", &drive, "0-38=  y"]);
+    let said = "Display Text 2 (0-38): blanks before the text are left out; to write them use quotation marks: \" y\"";
+    assert!(stderr(&bare).contains(said), "{}", stderr(&bare));
+    assert_eq!(values(&drive, &["0-38"])[0], "y");
+}
+
 /// What is kept is there after the power was off, what is not is as delivered.
 #[test]
 fn the_eeprom_survives_a_restart() {

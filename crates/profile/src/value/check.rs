@@ -159,7 +159,8 @@ impl Parameters {
             return Ok(None);
         };
         writable(selection)?;
-        let text = given.text();
+        // blanks fill the rest of a string, so those at the end are none of the text
+        let text = given.text().trim_end_matches(' ');
         if let Some(character) = text.chars().find(|one| !matches!(one, ' '..='~')) {
             return Err(ParameterProblem::Character {
                 parameter: selection.label(),

@@ -30,12 +30,15 @@ pub struct Given {
     text: String,
     /// Between quotation marks, so never a number.
     quoted: bool,
+    /// Blanks stood in front of it, without quotation marks, and are not part of it.
+    cut: bool,
     quantity: Result<Quantity, QuantityError>,
 }
 
 impl Given {
     /// From what stands behind the `=`.
     pub(super) fn of(text: &str) -> Result<Self, QuantityError> {
+        let cut = text.starts_with(char::is_whitespace);
         let text = text.trim();
         let inner = ['"', '\'']
             .into_iter()
@@ -49,8 +52,9 @@ impl Given {
         match quantity {
             Err(error @ QuantityError::Empty) => Err(error),
             quantity => Ok(Self {
-                text: inner.unwrap_or(text).trim().to_owned(),
+                text: inner.unwrap_or(text).to_owned(),
                 quoted: inner.is_some(),
+                cut: cut && inner.is_none(),
                 quantity,
             }),
         }
@@ -68,10 +72,24 @@ impl Given {
         self.quantity.as_ref().ok()
     }
 
-    /// The characters that were given, without quotation marks.
+    /// The characters that were given, without quotation marks. Between these all blanks are part of the text, without
+    /// them those around it are not.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// True when blanks stood in front of a text without quotation marks: they are not part of it.
+    ///
+    /// ```
+    /// use profidrive_profile::value::Assignment;
+    /// let given = |text: &str| text.parse::<Assignment>().unwrap().value;
+    /// assert_eq!((given("0-38= y").text(), given("0-38= y").has_lost_blanks()), ("y", true));
+    /// assert_eq!((given("0-38=\" y\"").text(), given("0-38=\" y\"").has_lost_blanks()), (" y", false));
+    /// ```
+    #[must_use]
+    pub const fn has_lost_blanks(&self) -> bool {
+        self.cut
     }
 
     /// The number that was given.
@@ -95,7 +113,7 @@ impl Given {
         if parameter.choices.is_empty() || number {
             return Ok(None);
         }
-        let wanted = self.text.to_lowercase();
+        let wanted = self.text.trim().to_lowercase();
         let which = |fits: &dyn Fn(&str) -> bool| -> Vec<Meaning> {
             let choices = parameter.choices.iter();
             choices
@@ -133,6 +151,7 @@ impl From<Quantity> for Given {
         Self {
             text: String::new(),
             quoted: false,
+            cut: false,
             quantity: Ok(quantity),
         }
     }
@@ -172,6 +191,34 @@ mod tests {
             assert_eq!(raw(&VLT, text), Ok(number), "{text}");
         }
         assert!(raw(&AKD, "DRV.OPMODE=velocity").is_ok());
+    }
+
+    #[test]
+    fn blanks_between_quotation_marks_are_part_of_a_text() {
+        let tables = Parameters {
+            catalogue: Some(&VLT),
+            scaling: Scaling::default(),
+        };
+        for (text, written, lost) in [
+            ("0-37=\"  x \"", "  x", false),
+            ("0-37 = '  x '", "  x", false),
+            ("0-37=\"  \"", "", false),
+            ("0-37=  x ", "x", true),
+            ("0-37=x y", "x y", false),
+            // blanks at the end fill the string and do not count
+            (
+                "0-37=\"1234567890123456789012345 \"",
+                "1234567890123456789012345",
+                false,
+            ),
+        ] {
+            let assignment: Assignment = text.parse().unwrap();
+            let selection = tables.select(&assignment.reference).unwrap();
+            let checked = tables.check_text(&selection, &assignment.value).unwrap();
+            assert_eq!(checked.as_deref(), Some(written), "{text}");
+            assert_eq!(assignment.value.has_lost_blanks(), lost, "{text}");
+        }
+        assert_eq!(raw(&VLT, "8-10=\" FC profile \""), Ok(0));
     }
 
     #[test]

@@ -66,7 +66,10 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
             table.row(row);
         }
         for (assignment, outcome) in assignments.iter().zip(&outcomes) {
-            if let Some(told) = raw_told(assignment, outcome).or_else(|| rounded(assignment, outcome)) {
+            let told = raw_told(assignment, outcome)
+                .or_else(|| rounded(assignment, outcome))
+                .or_else(|| blanks_lost(assignment, outcome));
+            if let Some(told) = told {
                 output.say(&told);
             }
         }
@@ -277,6 +280,20 @@ fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> 
             "{label}: 0x{raw:04X} is the raw value, that is {} {}",
             wanted(outcome),
             value.unit
+        )
+    })
+}
+
+/// That a text is written without the blanks in front of it, and how to write them.
+fn blanks_lost(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
+    let PlannedValue::Text(text) = &outcome.change.value else {
+        return None;
+    };
+    assignment.value.has_lost_blanks().then(|| {
+        let label = outcome.change.selection.label();
+        let text = clean(text);
+        format!(
+            "{label}: blanks before the text are left out; to write them use quotation marks: \" {text}\""
         )
     })
 }
