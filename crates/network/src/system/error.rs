@@ -83,7 +83,7 @@ impl Error {
                     .to_owned(),
             ),
             Self::NoRawEthernet => Some(
-                "drives given by their IP address can be read and written all the same, and drives at serial lines do all"
+                "drives given by their IP address can be read, written and stopped; drives at serial lines need no network"
                     .to_owned(),
             ),
             Self::NoSuchInterface { existing, .. } if existing.is_empty() => {
