@@ -530,3 +530,38 @@ fn a_real_time_jog_changes_no_parameter() {
     assert!(number(&lab, "PL.FB") < -40_000.0);
     at_rest(&lab);
 }
+
+/// AKD manual 6.5: 11,997 rpm is the most that NSOLL_A carries as delivered, whatever --limit says.
+#[test]
+fn a_speed_above_the_range_of_the_setpoint_names_its_scaling() {
+    let lab = Lab::new("moving-range");
+    let _drive = simulate(&lab);
+    let run = |speed: &str| {
+        let speed = format!("--velocity={speed}");
+        client(
+            &lab,
+            &["run", "akd-1", &speed, "--limit", "20000rpm", "--dry-run"],
+        )
+    };
+    for (speed, highest) in [("12000rpm", "11996.7"), ("-12000rpm", "-11996.7")] {
+        let refused = run(speed);
+        assert_eq!(refused.code, Some(6), "{refused:?}");
+        let words = format!(
+            "beyond what the speed setpoint carries, {highest} rpm (NSOLL_A with PN.VELSCALING = 1638)"
+        );
+        assert!(refused.err.contains(&words), "{refused:?}");
+        assert!(
+            refused
+                .err
+                .contains("`profidrive describe akd-1 PN.VELSCALING` shows the range"),
+            "{refused:?}"
+        );
+        assert!(!refused.err.contains("--limit"), "{refused:?}");
+    }
+    client(&lab, &["write", "akd-1", "PN.VELSCALING=2000"]).ok();
+    let refused = run("12000rpm");
+    assert!(
+        refused.err.contains("limit of the drive"),
+        "VL.LIMITP: {refused:?}"
+    );
+}

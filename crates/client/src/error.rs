@@ -26,7 +26,7 @@ pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
     closed_text, holders_text, in_place, join, objections_text, once, others, owner_text, reaction_text,
-    speed_text, telegram_text, unit_text,
+    scaling_text, speed_text, telegram_text, unit_text,
 };
 
 /// Why something did not come about.
@@ -417,6 +417,25 @@ pub enum Error {
         nearest: [f64; 2],
         /// Unit of the speeds.
         unit: &'static str,
+    },
+    /// A speed above the highest number of the speed setpoint; nothing was sent.
+    #[error(
+        "{drive}: {} {unit} is beyond what the speed setpoint carries, {} {unit}{}",
+        figures(*.wanted),
+        figures(*.highest),
+        scaling_text(.scaling.as_ref())
+    )]
+    SpeedRange {
+        /// The drive.
+        drive: String,
+        /// Speed asked for.
+        wanted: f64,
+        /// The highest speed in that direction.
+        highest: f64,
+        /// Unit of the speeds.
+        unit: &'static str,
+        /// The parameter that scales the setpoint and its value, where the drive has one.
+        scaling: Option<(String, u16)>,
     },
     /// The axis is held by something; what the drive said while it was still in operation.
     #[error("{error}; {evidence}")]

@@ -227,6 +227,13 @@ impl Error {
                 format!("there are: {}", numbers.join(", ")).into()
             }
             Self::SpeedStep { .. } => "ask for one of them, or make the steps finer (AKD: PN.VELSCALING)".into(),
+            Self::SpeedRange { scaling: Some((name, _)), .. } => {
+                let advice = format!(
+                    "ask for a lower speed, or make its steps coarser: {{describe {name}}} shows the range"
+                );
+                advice.as_str().into()
+            }
+            Self::SpeedRange { .. } => "ask for a lower speed".into(),
             Self::SpeedNotReached { .. } => {
                 "the ramp, a limit of the drive or the load holds it".into()
             }

@@ -109,6 +109,7 @@ impl Error {
             | Self::LocalOperation { .. }
             | Self::Ownerless { .. }
             | Self::SpeedLimit { .. }
+            | Self::SpeedRange { .. }
             | Self::Objections { .. }
             | Self::WrongMode { .. }
             | Self::SpeedOnly { .. }

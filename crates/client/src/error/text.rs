@@ -18,6 +18,13 @@ pub(super) fn in_place(telegrams: u64, noise: u64) -> String {
     }
 }
 
+/// What scales NSOLL_A.
+pub(super) fn scaling_text(scaling: Option<&(String, u16)>) -> String {
+    scaling.map_or_else(String::new, |(name, value)| {
+        format!(" (NSOLL_A with {name} = {value})")
+    })
+}
+
 /// Who has the drive.
 pub(super) fn owner_text(controller: Option<&str>) -> String {
     match controller {

@@ -216,10 +216,16 @@ impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
 pub(super) fn speed_setpoint(drive: &Drive, scale: &SpeedScale, speed: f64) -> Result<i16, Error> {
     let unit = scale.unit().symbol();
     let Some(raw) = scale.raw(speed) else {
-        return Err(Error::SpeedLimit {
+        let named = drive
+            .named(&[profile::catalogue::Part::VelocityScaling])
+            .into_iter()
+            .next();
+        return Err(Error::SpeedRange {
+            drive: drive.label(),
             wanted: speed,
-            limit: scale.speed(i16::MAX),
+            highest: scale.speed(i16::MAX).copysign(speed),
             unit,
+            scaling: named.map(|name| (name, drive.parameters.scaling.velocity)),
         });
     };
     let told = scale.speed(raw);

@@ -27,7 +27,7 @@ impl<M: Wire> Session<M> {
     /// one must not be more than [`MOST_ROUNDING`](profile::value::MOST_ROUNDING) away. Reads only.
     ///
     /// # Errors
-    /// [`Error::SpeedStep`] with the speeds beside it, [`Error::SpeedLimit`] beyond what the setpoint holds, and when the
+    /// [`Error::SpeedStep`] with the speeds beside it, [`Error::SpeedRange`] beyond what the setpoint holds, and when the
     /// drive cannot be reached.
     pub fn check_speed(&mut self, drive: &mut Drive, rpm: f64) -> Result<(), Error> {
         self.read_scaling(drive)?;
