@@ -1,0 +1,112 @@
+//! `--save` of a VLT on PROFINET uses request 0x42, which only PROFIBUS manuals name: a drive that refuses it is told to save
+//! by 9-71, and where it refuses that too, the outcome names it.
+
+use client::backup::{Choice, Journal, Saved};
+use client::{ChangeOutcome, Drive, Session, WriteMode};
+use network::host::Host;
+use network::segment::{Pace, Segment, SegmentMedium};
+use profile::catalogue::{Access, Catalogue, Parameter, VLT};
+use profile::model::Model as Known;
+use profile::parameter::{Dialect, ErrorNumber, RequestId};
+use profinet::controller::ControllerConfig;
+use profinet::device::Stored;
+use profinet::{IpSuite, MacAddress};
+use virtual_drive::model::{self, Model};
+use virtual_drive::station::{Station, StationConfig};
+
+/// 9-71, saves all settings.
+const SAVE: u16 = 971;
+
+/// A VLT whose option does not know request 0x42; 9-71 can be written or not.
+fn vlt(can_save: bool) -> &'static Model {
+    static DIALECT: Dialect = Dialect {
+        requests: &[RequestId::Read, RequestId::Change],
+        ..Dialect::VLT
+    };
+    static KNOWN: Known = Known {
+        dialect: &DIALECT,
+        ..profile::model::VLT
+    };
+    let own = |parameter: &Parameter| Parameter {
+        access: match parameter.pnu {
+            SAVE if !can_save => Access::ReadOnly,
+            _ => parameter.access,
+        },
+        ..*parameter
+    };
+    let parameters = VLT.parameters.iter().map(own).collect();
+    let own = Catalogue::assemble(VLT.model, VLT.notation, VLT.scaling, VLT.device, parameters);
+    Box::leak(Box::new(Model {
+        known: &KNOWN,
+        catalogue: Box::leak(Box::new(own)),
+        ..model::VLT
+    }))
+}
+
+fn session(model: &'static Model) -> (Session<SegmentMedium>, Drive) {
+    let ip = |last| IpSuite {
+        address: [10, 0, 0, last].into(),
+        mask: [255, 255, 255, 0].into(),
+        gateway: [0; 4].into(),
+    };
+    let mut drive = StationConfig::new(model, MacAddress([2, 0x50, 0x4E, 0, 0, 1]));
+    drive.network = Stored {
+        name: "vlt-1".into(),
+        ip: ip(1),
+        ..Stored::default()
+    };
+    let mut segment = Segment::new(1);
+    segment.attach(Box::new(Host::new(Station::new(drive))));
+    let config = ControllerConfig::new(MacAddress([2, 0x50, 0x4E, 0, 0, 2]), ip(2), "plc", 1);
+    let mut session = Session::new(SegmentMedium::new(segment, Pace::Virtual), config);
+    let drive = session.find(&"vlt-1".parse().unwrap()).expect("there");
+    (session, drive)
+}
+
+/// The parameters of the outcomes, and the error number that each was refused with.
+fn numbers(outcomes: &[ChangeOutcome]) -> Vec<(u16, Option<ErrorNumber>)> {
+    let refused = |outcome: &ChangeOutcome| {
+        let refusal = outcome.written.as_ref().expect("written").as_ref().err();
+        refusal.map(|refusal| refusal.number)
+    };
+    let outcomes = outcomes.iter();
+    outcomes
+        .map(|outcome| (outcome.change.selection.pnu, refused(outcome)))
+        .collect()
+}
+
+#[test]
+fn a_save_that_is_refused_by_request_and_by_parameter_is_named() {
+    for (can_save, expected) in [(true, None), (false, Some(ErrorNumber::NOT_CHANGEABLE))] {
+        let (mut session, mut drive) = session(vlt(can_save));
+        let change = ["3-41=7.5".parse().unwrap()];
+        let outcomes = session
+            .write(&mut drive, &change, WriteMode::Save)
+            .expect("tried");
+        assert_eq!(numbers(&outcomes), [(341, None), (SAVE, expected)]);
+        assert!(!outcomes[0].differs(), "the value is written all the same");
+        if let Some(Err(refusal)) = &outcomes[1].written {
+            assert!(refusal.to_string().contains("9-71"), "{refusal}");
+        }
+        // a restore that is to save says so too
+        let wanted = session.backup(&mut drive, &mut |_, _| {}).expect("read");
+        let back = ["3-41=9".parse().unwrap()];
+        session
+            .write(&mut drive, &back, WriteMode::Write)
+            .expect("written");
+        let plan = session
+            .plan(&mut drive, &wanted, &Choice::default())
+            .expect("a plan");
+        let mut journal = Journal::new(&plan);
+        session
+            .restore(&mut drive, &mut journal, true, &mut |_| Ok(()))
+            .expect("restored");
+        match (journal.saved(), can_save) {
+            (Saved::Yes, true) => {}
+            (Saved::Refused(refusal), false) => {
+                assert_eq!(Some(refusal.number), expected);
+            }
+            (saved, _) => panic!("{saved:?}: {journal}"),
+        }
+    }
+}
