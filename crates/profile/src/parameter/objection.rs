@@ -429,7 +429,9 @@ mod tests {
             ),
             (
                 "01 01 01 01 20 FF 03 A2 00 00",
-                &["255 elements, 1 to 234 are allowed: answered with error 0x16"],
+                &[
+                    "255 elements of a parameter that is not an array, 0 or 1 are allowed: answered with error 0x16",
+                ],
             ),
             (
                 "01 01 01 01 20 02 03 A2 00 00",

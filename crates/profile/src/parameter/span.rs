@@ -80,11 +80,11 @@ pub(super) fn check_described(facts: &Attributes, elements: u8, subindex: u16) -
     let is_plain = facts.elements == 0 || facts.string_octets() == facts.elements;
     let what = match elements {
         0 if is_plain => return Ok(()),
-        0 | 235.. => Forbidden::Elements(elements),
         2.. if facts.elements == 0 => Forbidden::NoArray {
             elements,
             subindex: 0,
         },
+        0 | 235.. => Forbidden::Elements(elements),
         2.. if subindex != 0 => Forbidden::DescriptionElements { elements, subindex },
         _ => return Ok(()),
     };
