@@ -261,16 +261,21 @@ impl Parameters {
         Ok(number)
     }
 
-    /// Lowest and highest engineering value: the known limits, cut to what the size of the parameter holds.
+    /// Lowest and highest engineering value: the known limits, cut to what the size of the parameter holds. A limit far from
+    /// every step (1 rpm/s in steps of 763) is the next step inside.
     #[must_use]
     pub fn limits(&self, parameter: &Parameter) -> (f64, f64) {
         let range = parameter.range();
         let fits = |raw: i64| parameter.engineering(raw, &self.scaling);
         let (low, high) = (fits(*range.start()), fits(*range.end()));
         let (minimum, maximum) = parameter.limits_in(&self.scaling);
+        let inside = |limit: f64, upwards: bool| {
+            let step = fits(parameter.raw_limit(limit, upwards, &self.scaling));
+            if is_another(limit, step) { step } else { limit }
+        };
         (
-            minimum.map_or(low, |limit| limit.max(low)),
-            maximum.map_or(high, |limit| limit.min(high)),
+            minimum.map_or(low, |limit| inside(limit, true).max(low)),
+            maximum.map_or(high, |limit| inside(limit, false).min(high)),
         )
     }
 }
@@ -343,6 +348,27 @@ mod tests {
         let assignment: Assignment = text.parse()?;
         let selection = drive.select(&assignment.reference)?;
         drive.check(&selection, &assignment.value)
+    }
+
+    /// A jog ramp is at least one step of PN.ACCSCALING, whatever that is.
+    #[test]
+    fn the_lowest_jog_ramp_is_one_step() {
+        let parameter = AKD.by_pnu(1006).unwrap();
+        for (acceleration, lowest) in [(763, 763.0), (1, 1.0), (14_648, 14_648.0)] {
+            let drive = Parameters {
+                catalogue: Some(&AKD),
+                scaling: Scaling {
+                    acceleration,
+                    ..Scaling::default()
+                },
+            };
+            assert_eq!(drive.limits(parameter).0, lowest);
+            assert_eq!(parameter.raw_limits(&drive.scaling), (1, 65_535));
+            let selection = drive.select(&ParameterReference::number(1006)).unwrap();
+            let below: Assignment = "1006=0.5rpm/s".parse().unwrap();
+            let problem = drive.check(&selection, &below.value).unwrap_err();
+            assert!(matches!(problem, ParameterProblem::Limit { minimum, .. } if minimum == lowest));
+        }
     }
 
     /// The tables have limits in the unit of a drive as delivered, 2^16 counts for each revolution.
