@@ -8,7 +8,7 @@ use std::error::Error;
 use std::fs::File;
 use std::io::BufReader;
 
-use client::DriveAddress;
+use client::{DriveAddress, Wait};
 use network::files;
 use network::pcap::{Reader, Writer};
 use profinet::wire::ethernet::Frame;
@@ -16,14 +16,14 @@ use profinet::wire::ethernet::Frame;
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("give a file to write")?;
     let file = files::create(path.as_ref())?;
-    let mut session = common::session();
-    session
-        .medium_mut()
+    let (mut session, world) = common::network();
+    world
+        .wire()
         .segment_mut()
         .add_tap(Box::new(Writer::starting_now(file, "segment")?));
-    session.find(&DriveAddress::Name("akd-1".into()))?;
-    session.close()?;
-    session.medium_mut().segment_mut().finish_taps()?;
+    session.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    session.close().wait()?;
+    world.wire().segment_mut().finish_taps()?;
     for captured in Reader::new(BufReader::new(File::open(&path)?))? {
         let captured = captured?;
         match Frame::parse(&captured.frame) {

@@ -8,39 +8,41 @@ use std::error::Error;
 use std::time::Duration;
 
 use client::axis::{Move, Purpose};
-use client::{AxisSettings, DriveAddress};
+use client::{AxisSettings, DriveAddress, Wait};
 use profile::notation::Position;
 use profile::state::Mode;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut session = common::session();
-    let mut drive = session.find(&DriveAddress::Name("akd-1".into()))?;
-    session.set_operating_mode(&mut drive, Mode::Position)?;
-    let mut axis = session.take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))?;
-    let mut enabled = axis.enable()?;
-    enabled.home(Some(Duration::from_secs(30)))?;
+    let (mut session, _) = common::network();
+    let mut drive = session.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    session.set_operating_mode(&mut drive, Mode::Position).wait()?;
+    let mut axis = session
+        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .wait()?;
+    let mut enabled = axis.enable().wait()?;
+    enabled.home(Some(Duration::from_secs(30))).wait()?;
     for order in [
         Move::to(Position::Turns(10.0), 600.0),
         Move::by(Position::Counts(-65_536.0), 60.0).with_ramps(Some(3000.0), Some(1500.0)),
     ] {
         // what speaks against a move is told before anything is sent
-        enabled.move_to(&order)?;
+        enabled.move_to(&order).wait()?;
         println!(
             "at {:.3} rev",
             enabled.status().and_then(|s| s.position).unwrap_or_default()
         );
     }
-    let far = enabled.plan(&Move::to(Position::Turns(500.0), 300.0))?;
-    enabled.start(&far)?;
-    enabled.hold(Duration::from_secs(1))?;
-    let home = enabled.plan(&Move::to(Position::Turns(0.0), 300.0))?;
-    enabled.start(&home)?; // on the fly
-    enabled.wait(Some(Duration::from_secs(30)))?;
+    let far = enabled.plan(&Move::to(Position::Turns(500.0), 300.0)).wait()?;
+    enabled.start(&far).wait()?;
+    enabled.hold(Duration::from_secs(1)).wait()?;
+    let home = enabled.plan(&Move::to(Position::Turns(0.0), 300.0)).wait()?;
+    enabled.start(&home).wait()?; // on the fly
+    enabled.reach_target(Some(Duration::from_secs(30))).wait()?;
     println!(
         "at {:.3} rev",
         enabled.status().and_then(|s| s.position).unwrap_or_default()
     );
-    enabled.disable()?;
-    axis.release()?;
+    enabled.disable().wait()?;
+    axis.release().wait()?;
     Ok(())
 }

@@ -6,12 +6,12 @@ mod common;
 
 use std::error::Error;
 
-use client::{DriveAddress, WriteMode};
+use client::{DriveAddress, Wait, WriteMode};
 use profile::value::Assignment;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut session = common::session();
-    let mut drive = session.find(&DriveAddress::Name("akd-1".into()))?;
+    let (mut session, _) = common::network();
+    let mut drive = session.find(&DriveAddress::Name("akd-1".into())).wait()?;
     println!("found {}", client::describe(&drive.station));
 
     let names = ["DRV.ACC", "VBUS.VALUE", "r947[0]"];
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .map(|name| drive.select(name))
         .collect::<Result<Vec<_>, _>>()?;
-    for result in session.read(&mut drive, &selections)? {
+    for result in session.read(&mut drive, &selections).wait()? {
         match result {
             Ok(reading) => println!(
                 "{:12} {:8} {} {}",
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Checked against the table of the drive before anything is sent; old and new value come back.
     let change: Assignment = "DRV.ACC=5000rpm/s".parse()?;
-    for outcome in session.write(&mut drive, &[change], WriteMode::Write)? {
+    for outcome in session.write(&mut drive, &[change], WriteMode::Write).wait()? {
         let old = outcome
             .old
             .and_then(Result::ok)
@@ -45,6 +45,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             .and_then(|reading| reading.number());
         println!("DRV.ACC {old:?} -> {new:?}");
     }
-    session.close()?;
+    session.close().wait()?;
     Ok(())
 }

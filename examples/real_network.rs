@@ -7,6 +7,7 @@
 use std::error::Error;
 
 use client::status::diagnose;
+use profidrive::Wait;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -15,10 +16,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     let mut network = profidrive::open(&interface)?;
-    let mut drive = network.find(&drive.parse()?)?;
+    let mut drive = network.find(&drive.parse()?).wait()?;
     println!("{}", client::describe(&drive.station));
 
-    let diagnosis = diagnose(&network.status(&mut drive)?);
+    let diagnosis = diagnose(&network.status(&mut drive).wait()?);
     println!("{}: {}", diagnosis.verdict, diagnosis.sentence);
     if let Some(next) = diagnosis.next {
         println!("next: {next}");
@@ -26,13 +27,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     for name in ["DRV.ACC", "DRV.DEC"] {
         let selection = drive.select(name)?;
-        let reading = network.read_one(&mut drive, &selection)?;
+        let reading = network.read_one(&mut drive, &selection).wait()?;
         println!(
             "{name} = {} {}",
             reading.number().unwrap_or(f64::NAN),
             reading.unit
         );
     }
-    network.close()?;
+    network.close().wait()?;
     Ok(())
 }

@@ -7,23 +7,23 @@ mod common;
 use std::error::Error;
 use std::time::Duration;
 
-use client::{AxisSettings, DriveAddress};
+use client::{AxisSettings, DriveAddress, Wait};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut session = common::session();
-    let mut drive = session.find(&DriveAddress::Name("akd-1".into()))?;
-    let mut axis = session.take_axis(&mut drive, AxisSettings::default())?;
-    let mut enabled = axis.enable()?;
-    enabled.run(60.0)?;
+    let (mut session, _) = common::network();
+    let mut drive = session.find(&DriveAddress::Name("akd-1".into())).wait()?;
+    let mut axis = session.take_axis(&mut drive, AxisSettings::default()).wait()?;
+    let mut enabled = axis.enable().wait()?;
+    enabled.run(60.0).wait()?;
     for _ in 0..5 {
-        enabled.hold(Duration::from_millis(500))?;
+        enabled.hold(Duration::from_millis(500)).wait()?;
         if let Some(status) = enabled.status() {
             let speed = status.speed_actual.unwrap_or_default();
             println!("{:5} ms  {speed:6.2} rpm", status.time.as_millis());
         }
     }
-    enabled.disable()?;
+    enabled.disable().wait()?;
     println!("stopped: {:?}", axis.status().map(|status| status.speed_actual));
-    axis.release()?;
+    axis.release().wait()?;
     Ok(())
 }

@@ -1,13 +1,10 @@
 //! Reading every parameter of an AKD with the client: in memory, and over a veth pair from a drive in another process;
 //! saving all its settings with the program.
 
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
-use client::Session;
-use network::ethernet::PacketMedium;
-use network::system::ServerPort;
-use profinet::Medium;
-use profinet::controller::ControllerConfig;
+use client::{Session, Wait};
+use profidrive::{Access, Opening};
 use system_tests::{Lab, Side, built, memory};
 
 use crate::drives::simulate;
@@ -20,7 +17,7 @@ const BACKUP: Duration = Duration::from_secs(1);
 
 /// Both ways.
 pub fn compare() -> Vec<Row> {
-    let (count, in_memory) = measure(&mut memory::session());
+    let (count, in_memory) = measure(&mut memory::network().0);
     let lab = Lab::new("bench-parameters");
     let own = std::env::current_exe().unwrap();
     let _drive = simulate(&lab, &["--ip", "192.168.77.60/24"]);
@@ -79,27 +76,20 @@ fn backup(lab: &Lab) -> Row {
 
 /// The client over an interface: prints the median time in nanoseconds.
 pub fn read_all(interface: &str) {
-    let medium = PacketMedium::open(interface, ServerPort::IfFree).unwrap();
-    let info = medium.interface().clone();
-    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap();
-    let seed = u64::from(time.subsec_nanos());
-    let config = ControllerConfig::new(info.usable().unwrap(), info.ip(), "bench", seed);
-    let (_, time) = measure(&mut Session::new(medium, config));
+    let opening = Opening::new(Access::Records).on(interface);
+    let (_, time) = measure(&mut opening.open().unwrap());
     println!("{}", time.as_nanos());
 }
 
 /// Number of parameters and median wall time to read them all, on a connection that is there already.
-fn measure<M: Medium>(session: &mut Session<M>) -> (usize, Duration)
-where
-    M::Error: Send + Sync + 'static,
-{
+fn measure(session: &mut Session) -> (usize, Duration) {
     let mut drive = memory::find(session);
     let all = memory::everything(&drive);
-    session.read(&mut drive, &all[..1]).unwrap();
+    session.read(&mut drive, &all[..1]).wait().unwrap();
     let mut times: Vec<Duration> = (0..ROUNDS)
         .map(|_| {
             let start = Instant::now();
-            let readings = session.read(&mut drive, &all).unwrap();
+            let readings = session.read(&mut drive, &all).wait().unwrap();
             let time = start.elapsed();
             let refused = readings.iter().filter(|reading| reading.is_err()).count();
             assert_eq!(refused, 0, "parameters refused");
@@ -107,6 +97,6 @@ where
         })
         .collect();
     times.sort();
-    session.close().unwrap();
+    session.close().wait().unwrap();
     (all.len(), times[ROUNDS / 2])
 }

@@ -1,8 +1,7 @@
 //! One virtual drive and one controller on a segment in memory: virtual time, the whole wire path, every frame kept.
 
-use std::cell::RefCell;
 use std::path::PathBuf;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use client::modules_of;
@@ -54,7 +53,7 @@ pub struct Bus {
     drive: StationId,
     ar: Option<ArId>,
     events: Vec<Event>,
-    frames: Rc<RefCell<Seen>>,
+    frames: Arc<Mutex<Seen>>,
     /// How many of them were given to the test.
     given: usize,
 }
@@ -84,9 +83,9 @@ impl Bus {
             ip: address(1),
             ..Stored::default()
         };
-        let frames = Rc::new(RefCell::new(Seen::new()));
+        let frames = Arc::new(Mutex::new(Seen::new()));
         let mut segment = Segment::new(1);
-        segment.add_tap(Box::new(Rc::clone(&frames)));
+        segment.add_tap(Box::new(Arc::clone(&frames)));
         let drive = segment.attach(Box::new(Host::new(Station::new(config))));
         let plc = ControllerConfig::new(CONTROLLER, address(2), "plc", 1);
         let mut bus = Self {
@@ -279,7 +278,7 @@ impl Bus {
     /// Ends it, and lets the dissector judge every frame: `target/system/<name>`.
     #[track_caller]
     pub fn judged(self, name: &str) -> PathBuf {
-        let file = memory::save(&format!("{name}.pcapng"), &self.frames.borrow());
+        let file = memory::save(&format!("{name}.pcapng"), &self.frames.lock().unwrap());
         judge::judge(&file).clean().saw("pn_io", 10).saw("pn_rt", 10);
         file
     }
@@ -287,7 +286,7 @@ impl Bus {
     /// Every frame since the last call, as it was on the wire.
     #[must_use]
     pub fn frames(&mut self) -> Vec<Vec<u8>> {
-        let frames = self.frames.borrow();
+        let frames = self.frames.lock().unwrap();
         let since = std::mem::replace(&mut self.given, frames.len());
         frames
             .iter()

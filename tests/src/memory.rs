@@ -1,11 +1,10 @@
 //! A virtual AKD and a client on an in-memory segment in virtual time, with every frame kept for the dissector.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use client::{Drive, DriveAddress, Session};
+use client::{Drive, DriveAddress, Network, Session, Wait, World};
 use network::host::Host;
 use network::pcap::Writer;
 use network::segment::{Pace, Segment, SegmentMedium};
@@ -21,9 +20,9 @@ use virtual_drive::station::{Station, StationConfig};
 /// Frames with the time at which each was sent.
 pub type Traffic = Vec<(Instant, Vec<u8>)>;
 
-/// A session beside one virtual AKD called `akd-1`, in virtual time.
+/// A client beside one virtual AKD called `akd-1`, in virtual time, and the wire between them.
 #[must_use]
-pub fn session() -> Session<SegmentMedium> {
+pub fn network() -> (Network, Arc<World<SegmentMedium>>) {
     let ip = |last| IpSuite {
         address: [10, 0, 0, last].into(),
         mask: [255, 255, 255, 0].into(),
@@ -38,18 +37,18 @@ pub fn session() -> Session<SegmentMedium> {
     let mut segment = Segment::new(1);
     segment.attach(Box::new(Host::new(Station::new(drive))));
     let config = ControllerConfig::new(MacAddress([2, 0x50, 0x4E, 0, 0, 2]), ip(2), "plc", 1);
-    Session::new(SegmentMedium::new(segment, Pace::Virtual), config)
+    Network::on(SegmentMedium::new(segment, Pace::Virtual), config)
 }
 
-/// The drive of [`session`].
+/// The drive of [`network()`].
 #[must_use]
 #[track_caller]
-pub fn find<M: profinet::Medium>(session: &mut Session<M>) -> Drive
-where
-    M::Error: Send + Sync + 'static,
-{
+pub fn find(session: &mut Session) -> Drive {
     let address: DriveAddress = "akd-1".parse().unwrap();
-    session.find(&address).unwrap_or_else(|e| panic!("akd-1: {e}"))
+    session
+        .find(&address)
+        .wait()
+        .unwrap_or_else(|e| panic!("akd-1: {e}"))
 }
 
 /// Every parameter of the AKD that has a value to read.
@@ -67,9 +66,9 @@ pub fn everything(drive: &Drive) -> Vec<Selection> {
 }
 
 /// Keeps all frames of a segment from now on.
-pub fn listen(segment: &mut Segment) -> Rc<RefCell<Traffic>> {
-    let traffic = Rc::new(RefCell::new(Traffic::new()));
-    segment.add_tap(Box::new(Rc::clone(&traffic)));
+pub fn listen(segment: &mut Segment) -> Arc<Mutex<Traffic>> {
+    let traffic = Arc::new(Mutex::new(Traffic::new()));
+    segment.add_tap(Box::new(Arc::clone(&traffic)));
     traffic
 }
 

@@ -2,9 +2,10 @@
 //! IP.RESET, on an in-memory segment in virtual time.
 
 use std::net::Ipv4Addr;
+use std::sync::Arc;
 use std::time::Duration;
 
-use client::{DriveAddress, Session, WriteMode};
+use client::{DriveAddress, Network, Wait, World, WriteMode};
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profinet::controller::ControllerConfig;
@@ -32,7 +33,8 @@ struct Memory {
 
 /// A drive with these rotary switches that is switched on, and a client beside it.
 struct Plant {
-    session: Session<SegmentMedium>,
+    session: Network,
+    world: Arc<World<SegmentMedium>>,
     id: StationId,
 }
 
@@ -51,22 +53,20 @@ impl Plant {
             "client",
             1,
         );
-        Self {
-            session: Session::new(medium, client),
-            id,
-        }
+        let (session, world) = Network::on(medium, client);
+        Self { session, world, id }
     }
 
-    fn station(&mut self) -> &mut Station {
-        let segment = self.session.medium_mut().segment_mut();
-        let host: &mut Host<Station> = segment.station_mut(self.id).expect("attached");
-        host.endpoint_mut()
+    fn station<T>(&self, act: impl FnOnce(&mut Station) -> T) -> T {
+        let mut wire = self.world.wire();
+        let host: &mut Host<Station> = wire.segment_mut().station_mut(self.id).expect("attached");
+        act(host.endpoint_mut())
     }
 
     /// Lets time pass; what is to be kept goes into the memory.
     fn pass(&mut self, time: Duration, memory: &mut Memory) {
-        self.session.pass(time).expect("a segment cannot fail");
-        while let Some(event) = self.station().poll_event() {
+        self.session.pass(time).wait().expect("a segment cannot fail");
+        while let Some(event) = self.station(Station::poll_event) {
             match event {
                 StationEvent::PersistNetwork { network, .. } => memory.network = network,
                 StationEvent::PersistParameters { text, .. } => memory.parameters = Some(text.into_bytes()),
@@ -76,7 +76,7 @@ impl Plant {
     }
 
     fn ip(&mut self) -> Ipv4Addr {
-        self.station().ip().address
+        self.station(|station| station.ip().address)
     }
 }
 
@@ -85,7 +85,12 @@ const SECOND: Duration = Duration::from_secs(1);
 fn read(plant: &mut Plant, drive: &mut client::Drive, name: &str) -> Option<i64> {
     let reference = name.parse().expect("a name");
     let selection = drive.parameters.select(&reference).expect("known");
-    plant.session.read_one(drive, &selection).expect("read").raw()
+    plant
+        .session
+        .read_one(drive, &selection)
+        .wait()
+        .expect("read")
+        .raw()
 }
 
 #[test]
@@ -93,15 +98,18 @@ fn the_rotary_switches_are_the_last_octet() {
     let mut memory = Memory::default();
     let mut plant = Plant::switched_on(42, &memory);
     plant.pass(SECOND, &mut memory);
-    assert_eq!(plant.station().ip(), suite([192, 168, 0, 42]));
+    assert_eq!(plant.station(|station| station.ip()), suite([192, 168, 0, 42]));
     let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
-    let mut drive = plant.session.find(&mac).expect("found");
+    let mut drive = plant.session.find(&mac).wait().expect("found");
     assert_eq!(read(&mut plant, &mut drive, "DIN.ROTARY"), Some(42));
     assert_eq!(read(&mut plant, &mut drive, "IP.MODE"), Some(0));
     // as delivered and as saved, where nothing was saved
     for command in ["DRV.RSTVAR=1", "DRV.NVLOAD=1"] {
         let assignment = command.parse().expect("an assignment");
-        let outcomes = plant.session.write(&mut drive, &[assignment], WriteMode::Write);
+        let outcomes = plant
+            .session
+            .write(&mut drive, &[assignment], WriteMode::Write)
+            .wait();
         assert!(matches!(outcomes.expect("reached")[0].written, Some(Ok(()))));
         assert_eq!(read(&mut plant, &mut drive, "IP.MODE"), Some(0), "{command}");
     }
@@ -113,7 +121,7 @@ fn switches_at_0_without_a_server_give_a_link_local_address() {
     let mut memory = Memory::default();
     let mut plant = Plant::switched_on(0, &memory);
     plant.pass(SECOND, &mut memory);
-    assert!(plant.ip().is_unspecified() && plant.station().acquires_address());
+    assert!(plant.ip().is_unspecified() && plant.station(|station| station.acquires_address()));
     plant.pass(20 * SECOND, &mut memory);
     let address = plant.ip();
     assert!(address.is_link_local(), "{address}");
@@ -131,26 +139,31 @@ fn dcp_overrules_the_switches_until_b1_is_held() {
     plant.pass(SECOND, &mut memory);
     let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
     let set = suite([192, 168, 0, 77]);
-    let drive = plant.session.find(&mac).expect("found");
-    plant.session.set_ip(&drive, set, true).expect("set");
+    let drive = plant.session.find(&mac).wait().expect("found");
+    plant.session.set_ip(&drive, set, true).wait().expect("set");
     plant.pass(30 * SECOND, &mut memory);
     assert_eq!(
-        (plant.station().ip(), plant.station().acquires_address()),
+        (
+            plant.station(|station| station.ip()),
+            plant.station(|station| station.acquires_address())
+        ),
         (set, false)
     );
 
     let mut plant = Plant::switched_on(0, &memory);
     plant.pass(30 * SECOND, &mut memory);
-    assert_eq!(plant.station().ip(), set, "stored, IP.MODE 1");
-    plant.station().drive_mut().inject(Injection::ButtonB1(4.9));
+    assert_eq!(plant.station(|station| station.ip()), set, "stored, IP.MODE 1");
+    plant.station(|station| station.drive_mut().inject(Injection::ButtonB1(4.9)));
     plant.pass(SECOND, &mut memory);
     assert!(memory.network.ip.is_set(), "too short");
-    plant
-        .station()
-        .drive_mut()
-        .inject("b1=5s".parse().expect("an injection"));
+    let press = "b1=5s".parse().expect("an injection");
+    plant.station(|station| station.drive_mut().inject(press));
     plant.pass(SECOND, &mut memory);
-    assert_eq!(plant.station().ip(), set, "until the next power-on");
+    assert_eq!(
+        plant.station(|station| station.ip()),
+        set,
+        "until the next power-on"
+    );
     let mut plant = Plant::switched_on(0, &memory);
     plant.pass(30 * SECOND, &mut memory);
     assert!(plant.ip().is_link_local(), "{}", plant.ip());
@@ -158,10 +171,10 @@ fn dcp_overrules_the_switches_until_b1_is_held() {
     // with other switches the button does nothing
     let mut memory = Memory::default();
     let mut plant = Plant::switched_on(5, &memory);
-    let drive = plant.session.find(&mac).expect("found");
-    plant.session.set_ip(&drive, set, true).expect("set");
+    let drive = plant.session.find(&mac).wait().expect("found");
+    plant.session.set_ip(&drive, set, true).wait().expect("set");
     plant.pass(SECOND, &mut memory);
-    plant.station().drive_mut().inject(Injection::ButtonB1(9.0));
+    plant.station(|station| station.drive_mut().inject(Injection::ButtonB1(9.0)));
     plant.pass(SECOND, &mut memory);
     assert_eq!(memory.network.ip, set);
 }
@@ -172,15 +185,19 @@ fn ip_reset_applies_the_mode() {
     let mut memory = Memory::default();
     let mut plant = Plant::switched_on(5, &memory);
     let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
-    let mut drive = plant.session.find(&mac).expect("found");
+    let mut drive = plant.session.find(&mac).wait().expect("found");
     plant
         .session
         .set_ip(&drive, suite([192, 168, 0, 77]), true)
+        .wait()
         .expect("set");
-    drive = plant.session.find(&mac).expect("found");
+    drive = plant.session.find(&mac).wait().expect("found");
     for text in ["IP.MODE=0", "IP.RESET=1"] {
         let assignment = text.parse().expect("an assignment");
-        let outcomes = plant.session.write(&mut drive, &[assignment], WriteMode::Write);
+        let outcomes = plant
+            .session
+            .write(&mut drive, &[assignment], WriteMode::Write)
+            .wait();
         let outcomes = outcomes.expect("reached");
         assert!(
             matches!(outcomes[0].written, Some(Ok(()))),
@@ -188,7 +205,7 @@ fn ip_reset_applies_the_mode() {
         );
     }
     plant.pass(2 * SECOND, &mut memory);
-    assert_eq!(plant.station().ip(), suite([192, 168, 0, 5]));
+    assert_eq!(plant.station(|station| station.ip()), suite([192, 168, 0, 5]));
 }
 
 /// DRV.REBOOT is a power-on for the rotary switches too, also of a drive that never saved anything.
@@ -197,12 +214,15 @@ fn a_restarted_drive_takes_its_address_from_the_switches_again() {
     let mut memory = Memory::default();
     let mut plant = Plant::switched_on(7, &memory);
     let mac = DriveAddress::Mac(MacAddress([2, 0, 0, 0, 0, 1]));
-    let mut drive = plant.session.find(&mac).expect("found");
+    let mut drive = plant.session.find(&mac).wait().expect("found");
     let reboot = "DRV.REBOOT=1".parse().expect("an assignment");
-    let outcomes = plant.session.write(&mut drive, &[reboot], WriteMode::Write);
+    let outcomes = plant
+        .session
+        .write(&mut drive, &[reboot], WriteMode::Write)
+        .wait();
     assert!(matches!(outcomes.expect("reached")[0].written, Some(Ok(()))));
     plant.pass(2 * SECOND, &mut memory);
-    assert_eq!(plant.station().ip(), suite([192, 168, 0, 7]));
+    assert_eq!(plant.station(|station| station.ip()), suite([192, 168, 0, 7]));
 }
 
 /// On the wire: an IO connection keeps its address, which the drive reports; a tool that reads is disconnected.

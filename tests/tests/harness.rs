@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use client::Wait;
 use profile::parameter::Dialect;
 use system_tests::{Lab, Side, capture_files, compare, judge, memory};
 
@@ -81,15 +82,15 @@ fn the_dissector_reads_parameter_requests() {
 /// know. Those frames are not held against us; the same frames with one octet of real damage are.
 #[test]
 fn a_pad_octet_is_no_damage_and_damage_is_no_pad_octet() {
-    let mut session = memory::session();
-    let traffic = memory::listen(session.medium_mut().segment_mut());
+    let (mut session, world) = memory::network();
+    let traffic = memory::listen(world.wire().segment_mut());
     let mut drive = memory::find(&mut session);
     let all = memory::everything(&drive);
-    let readings = session.read(&mut drive, &all).unwrap();
+    let readings = session.read(&mut drive, &all).wait().unwrap();
     // arrays give one reading for each element
     assert!(readings.len() >= all.len());
-    session.close().unwrap();
-    let traffic = traffic.borrow().clone();
+    session.close().wait().unwrap();
+    let traffic = traffic.lock().unwrap().clone();
     let file = memory::save("every-parameter.pcapng", &traffic);
     let verdict = judge::judge(&file);
     verdict.clean().saw("dcerpc", 100);

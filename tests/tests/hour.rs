@@ -355,8 +355,8 @@ fn the_dissector_accepts_every_frame_of_the_hour() {
     world.until("the controller notices", 1, |world| world.lost.len() > before);
     world.segment.uncut(world.drive);
     world.until("connected again", 60, |world| world.running);
-    let file = memory::save("bad-segment.pcapng", &traffic.borrow());
-    let sent = traffic.borrow().len();
+    let file = memory::save("bad-segment.pcapng", &traffic.lock().unwrap());
+    let sent = traffic.lock().unwrap().len();
     assert!(sent > 500_000, "{sent} frames");
     let verdict = judge::judge(&file);
     verdict.clean().saw("pn_dcp", 4).saw("pn_io", 400_000);

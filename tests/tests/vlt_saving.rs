@@ -2,7 +2,7 @@
 //! by 9-71, and where it refuses that too, the outcome names it.
 
 use client::backup::{Choice, Journal, Saved};
-use client::{ChangeOutcome, Drive, Session, WriteMode};
+use client::{ChangeOutcome, Drive, Network, Wait, WriteMode};
 use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium};
 use profile::catalogue::{Access, Catalogue, Parameter, VLT};
@@ -43,7 +43,7 @@ fn vlt(can_save: bool) -> &'static Model {
     }))
 }
 
-fn session(model: &'static Model) -> (Session<SegmentMedium>, Drive) {
+fn session(model: &'static Model) -> (Network, Drive) {
     let ip = |last| IpSuite {
         address: [10, 0, 0, last].into(),
         mask: [255, 255, 255, 0].into(),
@@ -58,8 +58,8 @@ fn session(model: &'static Model) -> (Session<SegmentMedium>, Drive) {
     let mut segment = Segment::new(1);
     segment.attach(Box::new(Host::new(Station::new(drive))));
     let config = ControllerConfig::new(MacAddress([2, 0x50, 0x4E, 0, 0, 2]), ip(2), "plc", 1);
-    let mut session = Session::new(SegmentMedium::new(segment, Pace::Virtual), config);
-    let drive = session.find(&"vlt-1".parse().unwrap()).expect("there");
+    let (mut session, _) = Network::on(SegmentMedium::new(segment, Pace::Virtual), config);
+    let drive = session.find(&"vlt-1".parse().unwrap()).wait().expect("there");
     (session, drive)
 }
 
@@ -82,6 +82,7 @@ fn a_save_that_is_refused_by_request_and_by_parameter_is_named() {
         let change = ["3-41=7.5".parse().unwrap()];
         let outcomes = session
             .write(&mut drive, &change, WriteMode::Save)
+            .wait()
             .expect("tried");
         assert_eq!(numbers(&outcomes), [(341, None), (SAVE, expected)]);
         assert!(!outcomes[0].differs(), "the value is written all the same");
@@ -89,17 +90,20 @@ fn a_save_that_is_refused_by_request_and_by_parameter_is_named() {
             assert!(refusal.to_string().contains("9-71"), "{refusal}");
         }
         // a restore that is to save says so too
-        let wanted = session.backup(&mut drive, &mut |_, _| {}).expect("read");
+        let wanted = session.backup(&mut drive, &mut |_, _| {}).wait().expect("read");
         let back = ["3-41=9".parse().unwrap()];
         session
             .write(&mut drive, &back, WriteMode::Write)
+            .wait()
             .expect("written");
         let plan = session
             .plan(&mut drive, &wanted, &Choice::default())
+            .wait()
             .expect("a plan");
         let mut journal = Journal::new(&plan);
         session
             .restore(&mut drive, &mut journal, true, &mut |_| Ok(()))
+            .wait()
             .expect("restored");
         match (journal.saved(), can_save) {
             (Saved::Yes, true) => {}

@@ -1,8 +1,8 @@
 //! From the command line to a session with a drive: which interface, which way, which rights.
 
-use client::{Drive, DriveAddress, Error, LineAddress};
+use client::{Drive, DriveAddress, Error, LineAddress, Wait};
 use network::system::{Error as NetworkError, InterfaceInfo, Patience, Stop};
-use profidrive::{Access, Carrier, Network, OpenError, Opening, Reach, far, open_line, reach};
+use profidrive::{Access, Network, OpenError, Opening, Reach, Way, far, open_line, reach};
 use profinet::IpSuite;
 
 use crate::args::Interface;
@@ -70,7 +70,7 @@ pub fn session(
         None => opening,
     };
     let mut session = opening.open().map_err(without_right)?;
-    if named.is_some() && matches!(session.medium(), Carrier::Udp(_)) {
+    if named.is_some() && matches!(session.way(), Way::Udp) {
         output.say("no raw socket can be opened: going by UDP alone");
     }
     let (flag, urgent, told) = (stop.clone(), stop, output.clone());
@@ -143,9 +143,9 @@ pub fn drive(
         session.tolerate_unread();
     }
     let spinner = spinner(output, format!("looking for {address}"));
-    let found = session.find(&address);
+    let found = session.find(&address).wait();
     spinner.finish_and_clear();
-    let drive = found.map_err(|error| not_found(error, session.medium(), &address))?;
+    let drive = found.map_err(|error| not_found(error, session.way(), &address))?;
     let mut drive = match interface.model {
         Some(model) => drive.taken_for(model),
         None => drive,
@@ -153,8 +153,7 @@ pub fn drive(
     if let Some(file) = &interface.gsdml {
         maker::describe(file, &mut drive)?;
     }
-    if let (Carrier::Packet(medium), true) = (session.medium(), need != Need::Discovery) {
-        let info = medium.interface();
+    if let (Way::Packet(info), true) = (session.way(), need != Need::Discovery) {
         match reach(&info.name, &info.addresses, &drive.label(), drive.station.ip)? {
             Reach::Near => {}
             Reach::Routed(words) => output.warn(&words),
@@ -164,7 +163,7 @@ pub fn drive(
         (Need::Discovery, _) => Ok(()),
         (_, None) => learn(&mut session, &mut drive, output),
         // without tables only the drive knows its axis
-        (_, Some(_)) => session.find_channel(&mut drive),
+        (_, Some(_)) => session.find_channel(&mut drive).wait(),
     };
     match known {
         // a device without parameters still has its identity
@@ -183,10 +182,12 @@ fn learn(session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), E
         return Ok(());
     }
     let bar = bar(output, 0, "asking the drive what its parameters are");
-    session.recognise(drive, &mut |done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    })?;
+    session
+        .recognise(drive, &mut |done, all| {
+            bar.set_length(all as u64);
+            bar.set_position(done as u64);
+        })
+        .wait()?;
     bar.finish_and_clear();
     Ok(())
 }
@@ -211,7 +212,7 @@ fn at_line(
     }
     session.interrupt_with(move || stop.is_stopped());
     let spinner = spinner(output, format!("looking for {at}"));
-    let found = session.find(&DriveAddress::Line(at.clone()));
+    let found = session.find(&DriveAddress::Line(at.clone())).wait();
     spinner.finish_and_clear();
     let drive = found?;
     let drive = match interface.model {
@@ -222,9 +223,9 @@ fn at_line(
 }
 
 /// Nobody answered; without discovery the address may be the reason.
-fn not_found(error: Error, medium: &Carrier, address: &DriveAddress) -> Failure {
+fn not_found(error: Error, way: &Way, address: &DriveAddress) -> Failure {
     let failure = Failure::from(error);
-    let (Carrier::Udp(_), DriveAddress::Ip(ip)) = (medium, address) else {
+    let (Way::Udp, DriveAddress::Ip(ip)) = (way, address) else {
         return failure;
     };
     let own = InterfaceInfo::list().unwrap_or_default();

@@ -259,7 +259,7 @@ mod tests {
         };
         let failure = Failure::from(client::Error::CarrierLost {
             drive: "vlt-1".into(),
-            error: Box::new(CarrierError::Network(network)),
+            error: std::sync::Arc::new(CarrierError::Network(network)),
             reaction: Some(Box::new(reaction)),
         });
         assert_eq!(failure.exit, Exit::Unreachable);

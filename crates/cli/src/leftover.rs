@@ -6,7 +6,7 @@
 
 use std::path::PathBuf;
 
-use client::{Drive, Error};
+use client::{Drive, Error, Wait};
 use network::files::StateFile;
 use profile::catalogue::Part;
 use profile::notation::{ParameterReference, Quantity};
@@ -119,7 +119,7 @@ pub fn at(session: &mut Live, drive: &mut Drive) -> Result<Vec<Leftover>, Error>
         let note = Note::of(drive, pnu);
         let Some(leftover) = note.read() else { continue };
         let selection = drive.parameters.select(&ParameterReference::number(pnu))?;
-        match session.read_one(drive, &selection) {
+        match session.read_one(drive, &selection).wait() {
             Ok(reading) if reading.raw() == Some(leftover.set) => found.push(leftover),
             Ok(_) => note.clear(),
             Err(Error::Refused { .. }) => {}

@@ -4,6 +4,7 @@
 
 mod clean;
 mod progress;
+mod shared;
 
 use std::hash::{BuildHasher, RandomState};
 use std::io::{self, IsTerminal, Write};
@@ -18,6 +19,7 @@ use crate::fields;
 
 pub use self::clean::clean;
 pub use self::progress::{bar, bytes, spinner};
+pub use self::shared::Shared;
 
 /// Name and version of the JSON form; changes only when a field changes its meaning or goes.
 pub const SCHEMA: &str = "profidrive/1";

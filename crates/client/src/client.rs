@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
+use std::sync::Arc;
 use std::time::Duration;
 
 use profile::state::{Mode, State, Stw1, Zsw1};
@@ -15,7 +16,7 @@ use profile::parameter::DecodeError;
 use profile::pkw::JobError;
 use uss::{ReceiverStatistics, SlaveId};
 
-use crate::axis::{AxisControl, Command, Goal, Progress, Seen, Traverse, Wiring};
+use crate::axis::{AxisControl, Command, Goal, Progress, Sample, SampleQueue, Seen, Traverse, Wiring};
 use crate::line::{Answered, Bridge, Line, LineConfig};
 use crate::mapper::{Mapper, Registered};
 
@@ -113,6 +114,12 @@ struct AxisLink {
     answered: Stw1,
     /// Frames and status word when the present control word was sent.
     since: (u64, Option<Zsw1>),
+    /// It was in operation under this control.
+    operated: bool,
+    /// Frames that were sampled.
+    sampled: u64,
+    /// Who wants every input.
+    taps: Vec<Arc<SampleQueue>>,
 }
 
 /// Frames after which a drive has had time to answer a control word, whether its status word changed or not.
@@ -184,6 +191,8 @@ pub struct AxisView {
     pub held: Option<Traverse>,
     /// What the drive is for, as the control was told.
     pub mode: Mode,
+    /// True once it was in operation under this control.
+    pub operated: bool,
 }
 
 impl AxisView {
@@ -359,7 +368,14 @@ impl Client {
                 }
             }
         }
-        self.axes.retain(|axis| axis.link != link);
+        self.end_axis(link);
+    }
+
+    /// Those who record an axis are told that no more comes.
+    fn end_axis(&mut self, link: Link) {
+        for axis in self.axes.extract_if(.., |axis| axis.link == link) {
+            axis.taps.iter().for_each(|tap| tap.end());
+        }
     }
 
     /// Keeps the telegram of `slot`/`subslot` of a cyclic connection from now on; control is not taken yet. `control`
@@ -378,6 +394,7 @@ impl Client {
 
     fn attach(&mut self, link: Link, (slot, subslot): (u16, u16), wiring: Wiring, control: AxisControl) {
         self.axes.retain(|axis| axis.link != link);
+        let control_operates = control.goal() == Goal::Keep;
         self.axes.push(AxisLink {
             link,
             slot,
@@ -388,6 +405,9 @@ impl Client {
             sent: None,
             answered: Stw1(0),
             since: (0, None),
+            operated: control_operates,
+            sampled: 0,
+            taps: Vec::new(),
         });
         self.take_over();
     }
@@ -405,6 +425,7 @@ impl Client {
     pub fn pursue(&mut self, now: Instant, link: impl Into<Link>, goal: Goal) {
         let link = link.into();
         if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.operated |= goal.operates();
             axis.control.pursue(now, goal);
         }
         self.work(now);
@@ -417,6 +438,43 @@ impl Client {
             axis.control.hurry(now);
         }
         self.work(now);
+    }
+
+    /// Stops an axis that is in operation, or all of them: along its ramp, or at once (OFF3).
+    pub fn stop_now(&mut self, now: Instant, link: Option<Link>, quick: bool) {
+        let wanted = |axis: &&mut AxisLink| link.is_none_or(|link| axis.link == link);
+        for axis in self.axes.iter_mut().filter(wanted) {
+            axis.control.stop_now(now);
+            if quick {
+                axis.control.hurry(now);
+            }
+        }
+        self.work(now);
+    }
+
+    /// Gives every input of an axis to `tap` from now on.
+    pub(crate) fn tap(&mut self, link: Link, tap: Arc<SampleQueue>) {
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.taps.push(tap);
+        } else {
+            tap.end();
+        }
+    }
+
+    /// Says when the operation of an axis ends by a ramp stop, unless that is said again.
+    pub fn set_deadline(&mut self, link: impl Into<Link>, deadline: Option<Instant>) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.control.set_deadline(deadline);
+        }
+    }
+
+    /// Notes that an axis is in operation, though nothing was commanded yet.
+    pub(crate) fn note_operated(&mut self, link: impl Into<Link>) {
+        let link = link.into();
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.operated = true;
+        }
     }
 
     /// Says how long the ramp stop of an axis may take from now on.
@@ -446,6 +504,7 @@ impl Client {
             accepted: axis.control.is_accepted(),
             held: axis.control.held(),
             mode: axis.control.mode(),
+            operated: axis.operated,
         })
     }
 
@@ -456,11 +515,15 @@ impl Client {
         }
         self.take_over();
         for axis in &mut self.axes {
-            let received = match axis.link {
-                Link::Relation(ar) => self.controller.statistics(ar).map_or(0, |counts| counts.received),
-                Link::Slave(slave) => self.line.as_ref().map_or(0, |line| line.replies(slave)),
+            let (received, missed) = match axis.link {
+                Link::Relation(ar) => self
+                    .controller
+                    .statistics(ar)
+                    .map_or((0, 0), |counts| (counts.received, counts.missed)),
+                Link::Slave(slave) => (self.line.as_ref().map_or(0, |line| line.replies(slave)), 0),
             };
-            let before = axis.control.command().stw1;
+            let answered = axis.control.command();
+            let before = answered.stw1;
             let seen = match axis.link {
                 Link::Relation(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
                     Some((data, provider)) => axis.wiring.decode(data).filter(|_| provider.is_good()),
@@ -484,6 +547,17 @@ impl Client {
                 // nothing is switched on on the word of a drive that says nothing valid
                 None => axis.control.step_blind(now),
             };
+            if let Some(seen) = seen.filter(|_| received != axis.sampled) {
+                axis.sampled = received;
+                let sample = Sample {
+                    at: now,
+                    number: received,
+                    missed,
+                    seen,
+                    command: answered,
+                };
+                axis.taps.iter().for_each(|tap| tap.push(sample));
+            }
             if command.stw1 != before {
                 axis.since = (received, axis.seen.map(|seen| seen.zsw1));
             }

@@ -17,7 +17,7 @@ use profinet::controller::{DcpError, LostCause, Misuse, ServiceError, Station};
 
 use crate::axis::{Evidence, NoTelegram, Objection, SpeedUnit, Trouble};
 use crate::session::{LocalControl, LossReaction};
-use crate::{Action, AtWork, ClosedRoute, DriveAddress};
+use crate::{Action, AtWork, ClosedRoute, DriveAddress, WireFailure};
 use profile::value::ParameterProblem;
 
 pub use kind::ErrorKind;
@@ -35,7 +35,16 @@ use text::{
 pub enum Error {
     /// The medium failed: interface gone, permission lost.
     #[error("the network interface failed: {0}")]
-    Medium(Box<dyn std::error::Error + Send + Sync>),
+    Medium(WireFailure),
+    /// The network was left: nothing is carried any more.
+    #[error("the network is closed")]
+    Closed,
+    /// More requests wait for this drive than it makes sense to keep.
+    #[error("{drive}: too many requests wait for it already")]
+    Busy {
+        /// The drive.
+        drive: String,
+    },
     /// The caller was asked to stop.
     #[error("interrupted")]
     Interrupted,
@@ -209,7 +218,7 @@ pub enum Error {
         /// The drive.
         drive: String,
         /// Why.
-        error: Box<dyn std::error::Error + Send + Sync>,
+        error: WireFailure,
         /// What the drive does without its controller, where an axis was under control.
         reaction: Option<Box<LossReaction>>,
     },

@@ -1,8 +1,9 @@
 //! What one wants of a drive: find it, know it, read and write its parameters, run it.
 //!
 //! The profile (`profidrive`) and the controller (`profinet::controller`) meet here. Still no I/O: a
-//! [`Medium`](profinet::Medium) carries the bytes. [`Client`] is the engine for programs with a loop of their own,
-//! [`Session`] the same with calls that wait.
+//! [`Medium`](profinet::Medium) carries the bytes. [`Client`] is the state machine, for programs with a loop of their own.
+//! An [`Engine`] shares it between any number of callers, and a [`Driver`] carries its bytes: the calls of a [`Session`] are
+//! futures that need no runtime; [`Wait::wait`] waits for one.
 //!
 //! | to | use |
 //! |---|---|
@@ -10,7 +11,7 @@
 //! | know | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
 //! | read and write | [`Session::read`], [`Session::write`] with [`profile::value`] |
 //! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::restore`] |
-//! | the same over a serial line | [`Session::on_line`] and a [`Wire`] of octets |
+//! | open a network, or a serial line | [`Network::on`], [`Network::on_line`] with a [`Wire`] |
 //! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
 #![forbid(unsafe_code)]
 
@@ -20,11 +21,13 @@ pub mod axis;
 pub mod backup;
 mod client;
 mod drive;
+mod engine;
 mod error;
 mod learn;
 mod line;
 mod mapper;
 mod modules;
+mod network;
 mod session;
 pub mod status;
 pub mod text;
@@ -35,15 +38,17 @@ pub use action::{Action, Advice, AdvicePart, Choice};
 pub use address::{DriveAddress, DriveAddressError, LineAddress, Parity};
 pub use client::{AxisView, Client, Connection, Link};
 pub use drive::Drive;
+pub use engine::{Driver, Engine, Wait, WireFailure, World};
 pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;
 pub use modules::{MakerModule, modules_of};
+pub use network::Network;
 pub use session::{
     AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described,
     DescribedLimits, Enabled, FaultEntry, FaultReport, Identity, Info, JogSpeed, LocalControl, LoggedFault,
     LossAction, LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, Rest, Route,
-    RouteNotice, Session, Snapshot, StopMeans, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher,
-    WriteMode,
+    RouteNotice, Samples, Session, Snapshot, StopHandle, StopMeans, StopOutcome, StopWay, WarningEntry,
+    WarningWatcher, Watcher, WriteMode,
 };
 pub use wire::Wire;

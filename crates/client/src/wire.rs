@@ -4,12 +4,12 @@ use std::error::Error;
 
 use profinet::{Instant, Medium};
 
-use crate::Client;
+use crate::Engine;
 
-/// Something that carries the bytes of a [`Client`].
+/// Something that carries the bytes of an [`Engine`].
 ///
 /// Every [`Medium`] is one, for drives on a network. A serial line is another one: it brings octets to
-/// [`Client::handle_octets`], sends what [`Client::poll_octets`] gives and wakes it with [`Client::handle_line_timeout`].
+/// [`Engine::handle_octets`], sends what [`Engine::poll_octets`] gives and wakes it with [`Engine::handle_line_timeout`].
 pub trait Wire {
     /// Why it failed.
     type Error: Error + Send + Sync + 'static;
@@ -17,12 +17,12 @@ pub trait Wire {
     /// The present time.
     fn now(&self) -> Instant;
 
-    /// Carries bytes to and from `client` until at least one input or deadline was handled or `until` is reached,
+    /// Carries bytes to and from `engine` until at least one input or deadline was handled or `until` is reached,
     /// whichever is first.
     ///
     /// # Errors
     /// When the wire itself fails; never because of received bytes.
-    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Self::Error>;
+    fn step(&mut self, engine: &mut Engine, until: Instant) -> Result<(), Self::Error>;
 }
 
 impl<M: Medium> Wire for M
@@ -35,7 +35,7 @@ where
         Medium::now(self)
     }
 
-    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Self::Error> {
-        Medium::step(self, client, until)
+    fn step(&mut self, engine: &mut Engine, until: Instant) -> Result<(), Self::Error> {
+        Medium::step(self, engine, until)
     }
 }

@@ -4,10 +4,9 @@
 
 mod namespace;
 
-use std::cell::RefCell;
 use std::net::{Ipv4Addr, SocketAddrV4, UdpSocket};
 use std::process::{Child, Command};
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use namespace::{inside, run, start, veth};
@@ -187,8 +186,8 @@ fn a_client_and_stations_exchange_frames_and_datagrams() {
     let mut runner = Runner::open("va").unwrap();
     let one = runner.attach(Box::new(Host::new(echo(1)))).unwrap();
     let two = runner.attach(Box::new(Host::new(echo(2)))).unwrap();
-    let seen = Rc::new(RefCell::new(Vec::<(Instant, Vec<u8>)>::new()));
-    runner.add_tap(Box::new(Rc::clone(&seen)));
+    let seen = Arc::new(Mutex::new(Vec::<(Instant, Vec<u8>)>::new()));
+    runner.add_tap(Box::new(Arc::clone(&seen)));
     let mut medium = PacketMedium::open("vb", ServerPort::Required).unwrap();
     let own = medium.interface().clone();
     let mut client = Echo {
@@ -258,9 +257,9 @@ fn a_client_and_stations_exchange_frames_and_datagrams() {
     // the tap shows what was on the wire, tag included
     let tagged = cyclic(mac(1), client.mac, true);
     assert!(
-        seen.borrow().iter().any(|(_, frame)| *frame == tagged),
+        seen.lock().unwrap().iter().any(|(_, frame)| *frame == tagged),
         "{:02x?}",
-        seen.borrow()
+        seen.lock().unwrap()
     );
 }
 

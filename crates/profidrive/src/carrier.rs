@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::fmt;
 
-use client::{Client, Parity, Wire};
+use client::{Engine, Parity, Wire};
 use network::ethernet::PacketMedium;
 use network::serial::{self, Line, Settings, Talker};
-use network::system::{Error as NetworkError, UdpMedium};
+use network::system::{Bell, Error as NetworkError, UdpMedium};
 use profinet::{Instant, Medium};
 
 /// A way to drives.
@@ -51,6 +51,17 @@ impl CarrierError {
     }
 }
 
+impl Carrier {
+    /// Lets this bell end a step early whenever it rings.
+    pub(crate) fn set_bell(&mut self, bell: Bell) {
+        match self {
+            Self::Packet(medium) => medium.set_bell(bell),
+            Self::Udp(medium) => medium.set_bell(bell),
+            Self::Serial(line) => line.set_bell(bell),
+        }
+    }
+}
+
 impl Wire for Carrier {
     type Error = CarrierError;
 
@@ -62,21 +73,21 @@ impl Wire for Carrier {
         }
     }
 
-    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), CarrierError> {
+    fn step(&mut self, engine: &mut Engine, until: Instant) -> Result<(), CarrierError> {
         match self {
             Self::Packet(medium) => {
-                Medium::step(medium.as_mut(), client, until).map_err(CarrierError::Network)
+                Medium::step(medium.as_mut(), engine, until).map_err(CarrierError::Network)
             }
-            Self::Udp(medium) => Medium::step(medium.as_mut(), client, until).map_err(CarrierError::Network),
+            Self::Udp(medium) => Medium::step(medium.as_mut(), engine, until).map_err(CarrierError::Network),
             Self::Serial(line) => line
-                .step(&mut Speaker(client), until)
+                .step(&mut Speaker(engine), until)
                 .map_err(CarrierError::Serial),
         }
     }
 }
 
-/// A client at a serial line.
-struct Speaker<'a>(&'a mut Client);
+/// An engine at a serial line.
+struct Speaker<'a>(&'a mut Engine);
 
 impl Talker for Speaker<'_> {
     fn handle_octets(&mut self, now: Instant, octets: &[u8]) {

@@ -1,12 +1,12 @@
 //! Drives on a real network or at a serial line: opened here, then found, read, written and run.
 //!
 //! ```no_run
-//! use profile::notation::ParameterReference;
+//! use profidrive::Wait;
 //!
 //! let mut network = profidrive::open("eth0")?;
-//! let mut drive = network.find(&"akd-1".parse()?)?;
+//! let mut drive = network.find(&"akd-1".parse()?).wait()?;
 //! let selection = drive.select("DRV.ACC")?;
-//! let reading = network.read_one(&mut drive, &selection)?;
+//! let reading = network.read_one(&mut drive, &selection).wait()?;
 //! println!("{} {}", reading.number().unwrap_or_default(), reading.unit);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -21,9 +21,11 @@
 #![forbid(unsafe_code)]
 
 mod carrier;
+mod driver;
 mod open;
 mod reach;
 
-pub use carrier::{Carrier, CarrierError, serial_settings};
-pub use open::{Access, Network, OpenError, Opening, interface, open, open_line};
+pub use carrier::{CarrierError, serial_settings};
+pub use client::Wait;
+pub use open::{Access, Network, OpenError, Opening, Way, interface, open, open_line};
 pub use reach::{OtherSubnet, Reach, far, reach};

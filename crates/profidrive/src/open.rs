@@ -1,9 +1,10 @@
 //! From an interface or a port to a session.
 
 use std::net::Ipv4Addr;
+use std::ops::{Deref, DerefMut};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use client::{LineAddress, LineConfig, Session};
+use client::{Client, LineAddress, LineConfig, Session};
 use network::ethernet::{self, PacketMedium};
 use network::serial::{self, Line, Port};
 use network::system::{Error as NetworkError, InterfaceInfo, ServerPort, Stop, UdpMedium};
@@ -11,9 +12,63 @@ use profinet::controller::ControllerConfig;
 use profinet::{IpSuite, MacAddress};
 
 use crate::carrier::{Carrier, serial_settings};
+use crate::driver::Threaded;
 
-/// A session on a real network, or at a serial line.
-pub type Network = Session<Carrier>;
+/// The drives of a real network or of a serial line. A thread of its own carries the bytes.
+#[derive(Debug)]
+pub struct Network {
+    network: client::Network,
+    way: Way,
+}
+
+/// What carries a network.
+#[derive(Debug, Clone)]
+pub enum Way {
+    /// A network interface with the right to raw frames, as it was when opened: everything.
+    Packet(InterfaceInfo),
+    /// UDP alone: records only.
+    Udp,
+    /// A serial port.
+    Serial,
+}
+
+impl Network {
+    /// What carries it.
+    #[must_use]
+    pub const fn way(&self) -> &Way {
+        &self.way
+    }
+
+    fn start(client: Client, carrier: Carrier, way: Way, stop: Option<Stop>) -> Result<Self, OpenError> {
+        let start = |engine| Threaded::start(engine, carrier, stop).map_err(OpenError::Thread);
+        let network = client::Network::driven(client, start)?;
+        Ok(Self { network, way })
+    }
+
+    fn with_calls(self, hears_calls: bool) -> Self {
+        if hears_calls {
+            return self;
+        }
+        Self {
+            network: self.network.without_calls(),
+            way: self.way,
+        }
+    }
+}
+
+impl Deref for Network {
+    type Target = Session;
+
+    fn deref(&self) -> &Session {
+        &self.network
+    }
+}
+
+impl DerefMut for Network {
+    fn deref_mut(&mut self) -> &mut Session {
+        &mut self.network
+    }
+}
 
 /// What a session is opened for: decides which addresses and ports it takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -46,6 +101,9 @@ pub enum OpenError {
         /// The names there are, apart from loopback; those that are down are marked.
         existing: Vec<String>,
     },
+    /// The operating system has no thread or descriptor left.
+    #[error("no thread for the network: {0}")]
+    Thread(std::io::Error),
 }
 
 impl OpenError {
@@ -129,7 +187,7 @@ impl Opening {
         self
     }
 
-    /// Opens it. That UDP alone had to be enough shows in the medium, a [`Carrier::Udp`].
+    /// Opens it. That UDP alone had to be enough shows in its [`Network::way`].
     ///
     /// # Errors
     /// When there is no such interface, it is down, has no address, or the right is missing.
@@ -156,29 +214,33 @@ impl Opening {
         if self.access != Access::Discovery && !info.ip().is_set() {
             return Err(NetworkError::NoAddress { interface: info.name }.into());
         }
-        if let Some(stop) = self.stop {
-            medium.set_stop(stop);
+        if let Some(stop) = &self.stop {
+            medium.set_stop(stop.clone());
         }
-        let config = config(info.usable()?, info.ip());
+        let client = Client::new(config(info.usable()?, info.ip()));
         let hears_calls = medium.hears_calls();
-        Ok(with_calls(
-            Session::new(Carrier::Packet(Box::new(medium)), config),
-            hears_calls,
-        ))
+        let carrier = Carrier::Packet(Box::new(medium));
+        let network = Network::start(client, carrier, Way::Packet(info), self.stop)?;
+        Ok(network.with_calls(hears_calls))
     }
 
     fn udp(self) -> Result<Network, OpenError> {
         let mut medium = UdpMedium::open(Ipv4Addr::UNSPECIFIED, server_port(self.access))?;
-        if let Some(stop) = self.stop {
-            medium.set_stop(stop);
+        if let Some(stop) = &self.stop {
+            medium.set_stop(stop.clone());
         }
         let up = |info: InterfaceInfo| if info.up && !info.loopback { info.mac } else { None };
         let all = InterfaceInfo::list().unwrap_or_default();
         let mac = all.into_iter().find_map(up);
         let config = config(mac.unwrap_or(MacAddress([2, 0, 0, 0, 0, 1])), IpSuite::NONE);
         let hears_calls = medium.hears_calls();
-        let session = Session::new(Carrier::Udp(Box::new(medium)), config).without_discovery();
-        Ok(with_calls(session, hears_calls))
+        let carrier = Carrier::Udp(Box::new(medium));
+        let network = Network::start(Client::new(config), carrier, Way::Udp, self.stop)?;
+        let network = Network {
+            network: network.network.without_discovery(),
+            ..network
+        };
+        Ok(network.with_calls(hears_calls))
     }
 }
 
@@ -188,19 +250,12 @@ impl Opening {
 /// When there is no such port, another program has it, or the right is missing.
 pub fn open_line(at: &LineAddress, stop: Option<Stop>) -> Result<Network, OpenError> {
     let mut line = Line::new(Port::open(&at.port, serial_settings(at.baud, at.parity))?);
-    if let Some(stop) = stop {
-        line.set_stop(stop);
+    if let Some(stop) = &stop {
+        line.set_stop(stop.clone());
     }
-    let config = LineConfig::new(at.protocol, at.baud);
-    Ok(Session::on_line(Carrier::Serial(Box::new(line)), config))
-}
-
-fn with_calls(session: Network, hears_calls: bool) -> Network {
-    if hears_calls {
-        session
-    } else {
-        session.without_calls()
-    }
+    let client = Client::on_line(LineConfig::new(at.protocol, at.baud));
+    let carrier = Carrier::Serial(Box::new(line));
+    Network::start(client, carrier, Way::Serial, stop)
 }
 
 const fn server_port(access: Access) -> ServerPort {
@@ -254,7 +309,7 @@ mod tests {
                 "{error}"
             );
             let network = opening.by_ip(true).open().unwrap();
-            assert!(matches!(network.medium(), Carrier::Udp(_)));
+            assert!(matches!(network.way(), Way::Udp));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::net::Ipv4Addr;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use network::host::{Host, StationId};
@@ -84,7 +84,7 @@ pub struct Bench {
     controller: Controller,
     ar: ArId,
     station: StationId,
-    traffic: Rc<RefCell<Traffic>>,
+    traffic: Arc<Mutex<Traffic>>,
 }
 
 thread_local! {
@@ -101,7 +101,11 @@ impl Drop for Bench {
         ALL.with_borrow_mut(|all| {
             let before = all.last().map_or(Duration::ZERO, |last| last.0 - Instant::ZERO);
             let later = |(at, frame): (Instant, Vec<u8>)| (at + before + Duration::from_secs(1), frame);
-            all.extend(self.traffic.take().into_iter().map(later));
+            all.extend(
+                std::mem::take(&mut *self.traffic.lock().unwrap())
+                    .into_iter()
+                    .map(later),
+            );
         });
     }
 }

@@ -5,7 +5,7 @@ use std::net::Ipv4Addr;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use client::{AtWork, Drive, Error, describe};
+use client::{AtWork, Drive, Error, Wait, describe};
 use network::system::InterfaceInfo;
 use profinet::IpSuite;
 use profinet::wire::dcp::{check_name, legal_name};
@@ -33,7 +33,7 @@ pub fn name(args: &Name, interface: &Interface, output: &Output) -> Result<(), F
             "dry run: {station} would be {name} ({kept}); nothing was changed"
         ));
     } else {
-        session.set_name(&drive, &args.name, !args.temporary)?;
+        session.set_name(&drive, &args.name, !args.temporary).wait()?;
         output.say(&format!("{station} is {name} now ({kept})"));
     }
     if output.json() {
@@ -74,9 +74,9 @@ fn not_owned(session: &mut Live, drive: &Drive, force: bool, undone: &'static st
     if force || !in_reach(drive.station.ip)? {
         return Ok(());
     }
-    session.check_unowned(drive, undone).map_err(at_work)?;
+    session.check_unowned(drive, undone).wait().map_err(at_work)?;
     // the connection that asked is not to be cut by what follows
-    Ok(session.close()?)
+    Ok(session.close().wait()?)
 }
 
 /// Says what to do where a drive is at work.
@@ -113,7 +113,7 @@ fn other_of_that_name(session: &mut Live, drive: &Drive, name: &str) -> Result<(
         return Ok(());
     }
     let address = client::DriveAddress::Name(name.to_owned());
-    match session.find(&address) {
+    match session.find(&address).wait() {
         Ok(other) if other.station.mac == drive.station.mac => Ok(()),
         Ok(other) => {
             let message = format!("the name {name} is taken already: {}", describe(&other.station));
@@ -134,7 +134,7 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
     };
     not_our_own(ip.address)?;
     let address = client::DriveAddress::Ip(ip.address);
-    match session.find(&address) {
+    match session.find(&address).wait() {
         Ok(other) if other.station.mac != drive.station.mac => {
             let message = format!(
                 "the address {} is taken already: {}",
@@ -155,7 +155,7 @@ pub fn ip(args: &Ip, interface: &Interface, output: &Output) -> Result<(), Failu
             "dry run: {label} would have {suite} ({kept}); nothing was changed"
         ));
     } else {
-        session.set_ip(&drive, ip, !args.temporary)?;
+        session.set_ip(&drive, ip, !args.temporary).wait()?;
         output.say(&format!("{label} has {suite} now ({kept})"));
     }
     if output.json() {
@@ -196,7 +196,7 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
     let end = session.now() + args.time;
     let mut told = false;
     loop {
-        session.blink(&drive)?;
+        session.blink(&drive).wait()?;
         // only the answer says that it does
         if !std::mem::replace(&mut told, true) {
             output.say(&format!("{} blinks", describe(&drive.station)));
@@ -206,7 +206,7 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
         if pause.is_zero() {
             break;
         }
-        match session.pass(pause) {
+        match session.pass(pause).wait() {
             Err(Error::Interrupted) => break,
             other => other?,
         }
@@ -226,7 +226,7 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
     let checked = !args.force && in_reach(drive.station.ip)?;
     if checked {
         // a person is not asked about what is refused anyway
-        session.check_idle(&mut drive, "reset").map_err(at_work)?;
+        session.check_idle(&mut drive, "reset").wait().map_err(at_work)?;
     }
     if !args.yes {
         let station = describe(&drive.station);
@@ -237,9 +237,9 @@ pub fn reset(args: &Reset, interface: &Interface, output: &Output) -> Result<(),
         )?;
     }
     let done = if checked {
-        session.reset(&mut drive, mode)
+        session.reset(&mut drive, mode).wait()
     } else {
-        session.reset_at_work(&drive, mode)
+        session.reset_at_work(&drive, mode).wait()
     };
     done.map_err(not_reset)?;
     output.say(&format!("{} reset: {what}", drive.label()));
@@ -299,7 +299,7 @@ fn confirm(session: &mut Live, question: &str, output: &Output) -> Result<(), Fa
             }
             Err(mpsc::TryRecvError::Empty) => {}
         }
-        match session.pass(GLANCE) {
+        match session.pass(GLANCE).wait() {
             Err(Error::Interrupted) => {
                 output.say("");
                 return Err(Failure::new(Exit::Safety, "not reset"));

@@ -1,14 +1,13 @@
 //! What all commands that move an axis share: how it begins, how it is shown, how it ends.
 
-use std::cell::RefCell;
-use std::rc::Rc;
 use std::time::Duration;
 
 use clap::Args;
 use client::axis::{Cycle, Goal, MotionFacts, Purpose, SpeedUnit, Strained, Trouble};
 use client::status::{Cause, Note, Verdict, diagnose, switched_off_beside};
 use client::{
-    AxisSettings, AxisStatus, Drive, Error, FaultEntry, LossAction, ModeBefore, PutBack, Rest, WarningEntry,
+    AxisSettings, AxisStatus, Drive, Error, FaultEntry, LossAction, ModeBefore, PutBack, Rest, Session, Wait,
+    WarningEntry,
 };
 use profile::notation::Quantity;
 use profile::state::Mode;
@@ -20,13 +19,13 @@ use crate::args::{Cyclic, Interface};
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
 use crate::fields;
-use crate::output::Output;
+use crate::output::{Output, Shared};
 use crate::render::live::{AxisView, LiveView};
 use crate::render::number;
 
-pub type Axis<'s> = client::Axis<'s, profidrive::Carrier>;
+pub type Axis = client::Axis;
 
-pub type Enabled<'a, 's> = client::Enabled<'a, 's, profidrive::Carrier>;
+pub type Enabled<'a> = client::Enabled<'a>;
 
 /// Longest wait of a motion that ends with Ctrl-C only.
 pub const FOR_EVER: Duration = Duration::from_secs(100 * 365 * 24 * 3600);
@@ -128,7 +127,7 @@ pub fn with_drive(
 ) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, name, output)?;
     in_mode(&mut session, &mut drive, needed, wanted, output, work)?;
-    Ok(session.close()?)
+    Ok(session.close().wait()?)
 }
 
 /// Does something with the drive in the mode that is needed: put into it, if that was asked for, and back afterwards,
@@ -145,7 +144,7 @@ pub fn in_mode(
     if !wanted.set_mode {
         return work(session, drive);
     }
-    let before = session.enter_mode(drive, needed)?;
+    let before = session.enter_mode(drive, needed).wait()?;
     tell_mode(&before, needed, output);
     let result = work(session, drive);
     leave_mode(session, drive, &before, output);
@@ -169,7 +168,7 @@ fn tell_mode(before: &ModeBefore, needed: Mode, output: &Output) {
 
 /// Puts mode and telegram back and reports it.
 fn leave_mode(session: &mut Live, drive: &mut Drive, before: &ModeBefore, output: &Output) {
-    let done = match session.leave_mode(drive, before) {
+    let done = match session.leave_mode(drive, before).wait() {
         Ok(done) => done,
         Err(error) => {
             output.warn(&format!(
@@ -205,7 +204,7 @@ pub fn tell_alone(
     command: &str,
     output: &Output,
 ) -> Result<(), Failure> {
-    let loss = session.loss_reaction(drive)?;
+    let loss = session.loss_reaction(drive).wait()?;
     if loss.action.stops() {
         return Ok(());
     }
@@ -236,7 +235,7 @@ pub fn tell_alone(
 }
 
 /// Shows the axis from now on, and says what taking it has changed at the drive; with `--set-mode` that is put back.
-pub fn watch(axis: &mut Axis<'_>, command: &'static str, set_mode: bool, output: &Output) {
+pub fn watch(axis: &mut Axis, command: &'static str, set_mode: bool, output: &Output) {
     if let Some(before) = axis.telegram_before() {
         let after = if set_mode {
             "it is put back afterwards"
@@ -255,18 +254,18 @@ pub fn watch(axis: &mut Axis<'_>, command: &'static str, set_mode: bool, output:
     if let Some(strained) = axis.strained() {
         warn_strained(&strained, command, output);
     }
-    let view = Rc::new(RefCell::new(LiveView::new(output.clone(), command)));
+    let view = Shared::new(LiveView::new(output.clone(), command));
     let mut stop = LongStop::default();
-    let (above, teller) = (Rc::clone(&view), output.clone());
+    let (above, teller) = (view.clone(), output.clone());
     axis.watch_warnings(move |status, warnings| {
-        above.borrow_mut().leave();
+        above.lock().leave();
         tell_warnings(command, status, warnings, &teller);
     });
     let output = output.clone();
     axis.watch(move |status| {
-        view.borrow_mut().show(&AxisView::of(status));
+        view.lock().show(&AxisView::of(status));
         if stop.tells(status) {
-            view.borrow_mut().leave();
+            view.lock().leave();
             output.say("still stopping along the ramp; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before");
         }
     });
@@ -361,7 +360,7 @@ pub enum End {
 
 /// Stops and releases whatever happened, then tells what did.
 pub fn finish(
-    axis: Axis<'_>,
+    axis: Axis,
     result: Result<(), Error>,
     end: End,
     command: &str,
@@ -370,7 +369,7 @@ pub fn finish(
 ) -> Result<(), Error> {
     let statistics = axis.statistics();
     // a ramp that was under way may have ended meanwhile, by a trip for example
-    let released = axis.release_and_look();
+    let released = axis.release_and_look().wait();
     let rest = *released.as_ref().unwrap_or(&Rest::Stands);
     let interrupted = matches!(result, Err(Error::Interrupted));
     if interrupted && output.is_closed() {
@@ -456,7 +455,8 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
     if !asked {
         return failure;
     }
-    let Ok(status) = session.uninterrupted(|session| session.status(drive)) else {
+    let status = session.uninterrupted(async |session: &mut Session| session.status(drive).await);
+    let Ok(status) = status.wait() else {
         return failure;
     };
     for fault in &status.faults {

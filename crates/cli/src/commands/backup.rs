@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use client::backup::{Backup, MAX_TEXT, Task, TasksTold};
-use client::{Drive, Refusal};
+use client::{Drive, Refusal, Wait};
 use network::files::StateFile;
 use serde_json::{Map, Value};
 
@@ -157,13 +157,15 @@ const MOST_NAMED: usize = 3;
 pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Backup, Drive), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, name, output)?;
     let bar = connect::bar(output, 0, "reading");
-    let backup = session.backup(&mut drive, &mut |done, of| {
-        bar.set_length(of as u64);
-        bar.set_position(done as u64);
-    });
+    let backup = session
+        .backup(&mut drive, &mut |done, of| {
+            bar.set_length(of as u64);
+            bar.set_position(done as u64);
+        })
+        .wait();
     bar.finish_and_clear();
     let backup = backup?;
-    session.close()?;
+    session.close().wait()?;
     Ok((backup, drive))
 }
 

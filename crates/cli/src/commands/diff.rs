@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use client::backup::{Backup, Difference, Side, TasksTold, compare, compare_tasks};
-use client::{Drive, DriveAddress};
+use client::{Drive, DriveAddress, Wait};
 use profile::catalogue::Role;
 use profile::value::Reading;
 use serde_json::{Map, Value};
@@ -220,10 +220,10 @@ fn like(file: &Backup, text: &str, interface: &Interface, output: &Output) -> Re
     let (mut session, mut drive) = connect::drive(interface, Need::Records, text, output)?;
     fits(file, &drive)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let backup = session.backup_like(&mut drive, file);
+    let backup = session.backup_like(&mut drive, file).wait();
     spinner.finish_and_clear();
     let backup = backup?;
-    session.close()?;
+    session.close().wait()?;
     let more = file.lacks(&drive.model);
     if more > 0 {
         output.say(&format!(

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use client::status::{Cause, Note, diagnose};
-use client::{Drive, FaultEntry, FaultReport, LoggedFault, WarningEntry, WriteMode};
+use client::{Drive, FaultEntry, FaultReport, LoggedFault, Wait, WarningEntry, WriteMode};
 use profile::catalogue::{Cleared, Role};
 use profile::fault::Counting;
 use profile::value::Assignment;
@@ -33,8 +33,8 @@ pub struct Args {
 
 pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
-    let report = session.fault_report(&mut drive)?;
-    session.close()?;
+    let report = session.fault_report(&mut drive).wait()?;
+    session.close().wait()?;
     if output.json() {
         output.document("faults", json(&drive, &report, args.history));
         return Ok(());
@@ -225,13 +225,15 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
             Failure::new(Exit::Failed, message)
                 .hint("without --by-parameter control is taken and STW1 bit 7 does it")
         })?;
-    let before = session.faults(&mut drive)?;
+    let before = session.faults(&mut drive).wait()?;
     for fault in before.iter().filter(|fault| fault.situation == 0) {
         output.say(&title(fault));
     }
     output.say(&format!("acknowledging with {} (p{})", command.name, command.pnu));
     let assignment = Assignment::of(command, 1);
-    let outcomes = session.write(&mut drive, &[assignment], WriteMode::Write)?;
+    let outcomes = session
+        .write(&mut drive, &[assignment], WriteMode::Write)
+        .wait()?;
     if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
         let drive = drive.label();
         return Err(client::Error::Refused { drive, refusal }.into());
@@ -239,16 +241,16 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
     // the drive takes the command in its own time
     let end = session.now() + PATIENCE;
     let report = loop {
-        let report = session.fault_report(&mut drive)?;
+        let report = session.fault_report(&mut drive).wait()?;
         if report.present().next().is_none() || session.now() >= end {
             break report;
         }
-        session.pass(GLANCE)?;
+        session.pass(GLANCE).wait()?;
     };
     let mut left: Vec<String> = report.present().map(title).collect();
     let mut hint = "remove the cause, then acknowledge again".to_owned();
     if !left.is_empty() {
-        let status = session.status(&mut drive)?;
+        let status = session.status(&mut drive).wait()?;
         let turns = |note: &Note| note.id == Cause::MovedFromOutside.id();
         if let Some(moved) = diagnose(&status).notes.into_iter().find(turns) {
             left.push(moved.sentence);
@@ -257,7 +259,7 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
                 .map_or(hint, |next| advice::text(&next, &drive.label()));
         }
     }
-    session.close()?;
+    session.close().wait()?;
     if output.json() {
         output.document("ack", json(&drive, &report, false));
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 use client::axis::Purpose;
-use client::{Drive, Error};
+use client::{Drive, Error, Wait};
 use profile::state::Mode;
 
 use super::axis::{self, End, SetMode};
@@ -43,7 +43,7 @@ fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
     const END: End = End::Target("the axis is not homed");
     let procedure = procedure(session, drive)?;
     let settings = axis::settings(&args.cyclic, Purpose::Home, f64::INFINITY);
-    let mut taken = session.take_axis(drive, settings)?;
+    let mut taken = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} homes{procedure}, telegram {}; Ctrl-C stops it",
         drive.label(),
@@ -51,8 +51,8 @@ fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
     ));
     axis::watch(&mut taken, "home", args.mode.set_mode, output);
     let mut place = None;
-    let result = taken.enable().and_then(|mut enabled| {
-        let result = enabled.home(Some(args.timeout));
+    let result = taken.enable().wait().and_then(|mut enabled| {
+        let result = enabled.home(Some(args.timeout)).wait();
         place = enabled.status().and_then(|status| status.position);
         result
     });
@@ -82,7 +82,7 @@ fn procedure(session: &mut Live, drive: &mut Drive) -> Result<String, Error> {
         let Ok(selection) = drive.select(name) else {
             continue;
         };
-        match session.read_one(drive, &selection) {
+        match session.read_one(drive, &selection).wait() {
             Ok(reading) => parts.push(format!("{name} {}", value::full(&reading))),
             Err(Error::Refused { .. }) => {}
             Err(error) => return Err(error),

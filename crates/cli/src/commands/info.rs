@@ -1,6 +1,6 @@
 //! `profidrive info DRIVE`
 
-use client::{Drive, FaultEntry, Identity, Info, describe};
+use client::{Drive, FaultEntry, Identity, Info, Wait, describe};
 use profile::model::PROFIDRIVE_API;
 use profile::parameter::pnu;
 use profile::state::{Mode, bits};
@@ -24,17 +24,17 @@ const STW1: u16 = 1;
 pub fn run(args: &args::Drive, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let (mut session, mut drive) = connect::drive(interface, Need::Identity, &args.drive, output)?;
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let info = session.info(&mut drive);
+    let info = session.info(&mut drive).wait();
     let readable = info.as_ref().is_ok_and(|info| !info.readings.is_empty());
     let faults = if readable {
-        session.faults(&mut drive)
+        session.faults(&mut drive).wait()
     } else {
         Ok(Vec::new())
     };
     spinner.finish_and_clear();
     let info = info?;
     let faults = faults.unwrap_or_default();
-    session.close()?;
+    session.close().wait()?;
     if output.json() {
         output.document("info", json(&drive, &info, &faults));
         return Ok(());

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 use client::axis::{Jog as JogSetpoint, Purpose, SpeedUnit};
-use client::{Drive, Error, JogSpeed, WriteMode};
+use client::{Drive, Error, JogSpeed, Session, Wait, WriteMode};
 use profile::notation::{Number, ParameterReference, Quantity};
 use profile::value::{Assignment, Content, Parameters, Reading, Selection};
 
@@ -65,13 +65,13 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
     };
     if args.dry_run {
         try_out(args, limit, wanted, jog, &mut session, &mut drive, output)?;
-        return Ok(session.close()?);
+        return Ok(session.close().wait()?);
     }
     if let Some(speed) = wanted.filter(|_| args.real_time) {
         real_time(args, speed, limit, &mut session, &mut drive, output)?;
-        return Ok(session.close()?);
+        return Ok(session.close().wait()?);
     }
-    let setting = session.jog_speed(&mut drive, jog)?;
+    let setting = session.jog_speed(&mut drive, jog).wait()?;
     let pnu = setting.number;
     let called = setting.selection.label();
     let mut before: Option<Reading> = None;
@@ -85,7 +85,9 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         output,
     );
     if let Some(speed) = before {
-        let back = session.uninterrupted(|session| put_back(session, &mut drive, pnu, &speed));
+        let back = session
+            .uninterrupted(async |session: &mut Session| put_back(session, &mut drive, pnu, &speed).await)
+            .wait();
         match back {
             Ok(()) => {
                 Note::of(&drive, pnu).clear();
@@ -98,7 +100,7 @@ pub fn run(args: &Jog, interface: &Interface, output: &Output) -> Result<(), Fai
         }
     }
     result?;
-    Ok(session.close()?)
+    Ok(session.close().wait()?)
 }
 
 /// Everything that `jog` reads and checks; nothing is sent that changes anything.
@@ -122,9 +124,9 @@ fn try_out(
     let speed = match wanted.filter(|_| args.real_time) {
         Some(speed) => real_time_speed(session, drive, speed, limit, output)?,
         None => {
-            let setting = session.jog_speed(drive, jog)?;
+            let setting = session.jog_speed(drive, jog).wait()?;
             let called = setting.selection.label();
-            let mut speed = session.read_one(drive, &setting.selection)?;
+            let mut speed = session.read_one(drive, &setting.selection).wait()?;
             let left = Note::of(drive, setting.number).read();
             if let Some(left) = left.filter(|left| speed.raw() == Some(left.set)) {
                 output.warn(&left.told(&drive.label()).0);
@@ -149,7 +151,7 @@ fn try_out(
                 }
             }
             axis::within(rpm, limit, SpeedUnit::Rpm)?;
-            limit::jog(rpm, &session.motion_facts(drive)?, drive)?;
+            limit::jog(rpm, &session.motion_facts(drive).wait()?, drive)?;
             rpm
         }
     };
@@ -180,12 +182,12 @@ fn go(
     output: &Output,
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
-    let facts = session.motion_facts(drive)?;
+    let facts = session.motion_facts(drive).wait()?;
     if let Some(wanted) = &args.velocity {
         limit::jog(axis::rpm(wanted, "--velocity")?, &facts, drive)?;
     }
     let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
-    let mut taken = session.take_axis(drive, settings)?;
+    let mut taken = session.take_axis(drive, settings).wait()?;
     let (inner, own) = taken.session();
     let JogSpeed {
         selection,
@@ -193,15 +195,15 @@ fn go(
         ..
     } = *setting;
     let called = selection.label();
-    let mut speed = inner.read_one(own, &selection)?;
+    let mut speed = inner.read_one(own, &selection).wait()?;
     let note = Note::of(own, pnu);
     let left = note.read().filter(|left| speed.raw() == Some(left.set));
     if let Some(left) = left {
         output.warn(&left.told(&own.label()).0);
-        set_speed(inner, own, pnu, &left.old)?;
+        set_speed(inner, own, pnu, &left.old).wait()?;
         note.clear();
         output.say(&format!("{called} is {} again", left.old));
-        speed = inner.read_one(own, &selection)?;
+        speed = inner.read_one(own, &selection).wait()?;
     }
     if let Some(wanted) = &args.velocity {
         let wanted = &setting.quantity(wanted);
@@ -222,8 +224,8 @@ fn go(
             }
             // put back at the end, whatever happens
             *before = Some(speed);
-            set_speed(inner, own, pnu, wanted)?;
-            speed = inner.read_one(own, &selection)?;
+            set_speed(inner, own, pnu, wanted).wait()?;
+            speed = inner.read_one(own, &selection).wait()?;
         }
     }
     let rpm = setting.rpm(&speed).unwrap_or(0.0);
@@ -237,9 +239,9 @@ fn go(
         args.time.as_secs_f64()
     ));
     axis::watch(&mut taken, "jog", false, output);
-    let result = taken.enable().and_then(|mut enabled| {
-        enabled.jog(jog)?;
-        enabled.hold(args.time)?;
+    let result = taken.enable().wait().and_then(|mut enabled| {
+        enabled.jog(jog).wait()?;
+        enabled.hold(args.time).wait()?;
         held_back(&mut enabled, output);
         Ok(())
     });
@@ -277,10 +279,10 @@ fn real_time(
     output: &Output,
 ) -> Result<(), Failure> {
     axis::tell_alone(session, drive, "jog", output)?;
-    axis::warn_switch(speed, &session.motion_facts(drive)?, output);
+    axis::warn_switch(speed, &session.motion_facts(drive).wait()?, output);
     real_time_speed(session, drive, speed, limit, output)?;
     let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
-    let mut taken = session.take_axis(drive, settings)?;
+    let mut taken = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",
         drive.label(),
@@ -289,9 +291,9 @@ fn real_time(
         taken.telegram()
     ));
     axis::watch(&mut taken, "jog", false, output);
-    let result = taken.enable().and_then(|mut enabled| {
-        enabled.jog_at(speed)?;
-        enabled.hold(args.time)?;
+    let result = taken.enable().wait().and_then(|mut enabled| {
+        enabled.jog_at(speed).wait()?;
+        enabled.hold(args.time).wait()?;
         held_back(&mut enabled, output);
         Ok(())
     });
@@ -307,20 +309,20 @@ fn real_time_speed(
     limit: f64,
     output: &Output,
 ) -> Result<f64, Failure> {
-    let speed = session.check_jog(drive, wanted, limit)?;
+    let speed = session.check_jog(drive, wanted, limit).wait()?;
     axis::tell_rounded(wanted, speed, "rpm", output);
     Ok(speed)
 }
 
 /// A jog that ended at a limit says so.
-fn held_back(enabled: &mut axis::Enabled<'_, '_>, output: &Output) {
-    if let Some(evidence) = enabled.held_back() {
+fn held_back(enabled: &mut axis::Enabled<'_>, output: &Output) {
+    if let Some(evidence) = enabled.held_back().wait() {
         output.warn(&format!("the axis stood at the end of the jog: {evidence}"));
     }
 }
 
 /// The speed of the drive as it was, to the last bit.
-fn put_back(session: &mut Live, drive: &mut Drive, pnu: u16, before: &Reading) -> Result<(), Error> {
+async fn put_back(session: &mut Session, drive: &mut Drive, pnu: u16, before: &Reading) -> Result<(), Error> {
     let Some(number) = before.number() else {
         return Ok(());
     };
@@ -328,15 +330,20 @@ fn put_back(session: &mut Live, drive: &mut Drive, pnu: u16, before: &Reading) -
         number: Number::Decimal(number),
         unit: None,
     };
-    set_speed(session, drive, pnu, &quantity)
+    set_speed(session, drive, pnu, &quantity).await
 }
 
-fn set_speed(session: &mut Live, drive: &mut Drive, pnu: u16, speed: &Quantity) -> Result<(), Error> {
+async fn set_speed(
+    session: &mut Session,
+    drive: &mut Drive,
+    pnu: u16,
+    speed: &Quantity,
+) -> Result<(), Error> {
     let assignment = Assignment {
         reference: ParameterReference::number(pnu),
         value: speed.clone().into(),
     };
-    let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
+    let outcomes = session.write(drive, &[assignment], WriteMode::Write).await?;
     match outcomes.into_iter().find_map(|outcome| outcome.written) {
         Some(Err(refusal)) => Err(Error::Refused {
             drive: drive.label(),

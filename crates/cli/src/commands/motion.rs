@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use client::axis::Purpose;
-use client::{Drive, Error, Snapshot};
+use client::{Drive, Error, Session, Snapshot, Wait};
 use profile::notation::ParameterReference;
 use profile::state::{State, Zsw1};
 use profile::value::{ParameterProblem, Selection};
@@ -24,11 +24,11 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     axis::checked(&args.cyclic)?;
     let (mut session, mut drive) = connect::drive(interface, Need::Cyclic, &args.drive, output)?;
     // a drive that does not tell its faults so may have one all the same
-    match session.fault_report(&mut drive) {
+    match session.fault_report(&mut drive).wait() {
         Ok(report) => {
             let bit = report.zsw1.is_none_or(words::has_fault);
             if report.present().next().is_none() && !bit {
-                session.close()?;
+                session.close().wait()?;
                 if output.json() {
                     output.event("ack", fields! { "end": true, "faults": Vec::<Value>::new() });
                 }
@@ -39,7 +39,7 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
                 output.say(&told(fault));
             }
             if report.needs_restart() {
-                session.close()?;
+                session.close().wait()?;
                 let message = format!("{}: no command clears what is present", drive.label());
                 return Err(Failure::new(Exit::Refused, message)
                     .hint("remove the cause, then switch the drive off and on"));
@@ -52,12 +52,15 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     }
     output.say("acknowledging by an edge of STW1 bit 7");
     let settings = axis::settings(&args.cyclic, Purpose::Control, 0.0);
-    let mut taken = session.take_axis(&mut drive, settings)?;
+    let mut taken = session.take_axis(&mut drive, settings).wait()?;
     axis::watch(&mut taken, "ack", false, output);
-    let result = taken.ready_or_fault().and_then(|()| taken.acknowledge());
+    let result = taken
+        .ready_or_fault()
+        .wait()
+        .and_then(|()| taken.acknowledge().wait());
     axis::finish(taken, result, End::Time, "ack", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, End::Time, &mut session, &mut drive))?;
-    Ok(session.close()?)
+    Ok(session.close().wait()?)
 }
 
 /// The shortest time between two readings of a monitor: a drive has other callers too.
@@ -103,7 +106,7 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
         let again = counted != snapshot.fault_counter;
         counted = snapshot.fault_counter;
         if again || general(&snapshot).is_some_and(|(zsw1, _)| words::has_fault(zsw1)) {
-            let faults = session.faults(&mut drive).unwrap_or_default();
+            let faults = session.faults(&mut drive).wait().unwrap_or_default();
             let present = || faults.iter().filter(|fault| fault.situation == 0);
             for fault in present().filter(|fault| again || !shown.contains(&fault.number)) {
                 output.warn(&told(fault));
@@ -111,7 +114,8 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
             shown = present().map(|fault| fault.number).collect();
         }
         let next = (begin + args.every).min(end);
-        match session.pass(next - session.now()) {
+        let time = next - session.now();
+        match session.pass(time).wait() {
             Err(Error::Interrupted) => break,
             other => other?,
         }
@@ -119,7 +123,7 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
             break;
         }
     }
-    Ok(session.close()?)
+    Ok(session.close().wait()?)
 }
 
 /// A drive that answers takes some milliseconds: longer than this is told.
@@ -135,11 +139,13 @@ fn answered(
     let begin = session.now();
     let label = drive.label();
     let (teller, silent) = (output.clone(), label.clone());
-    let result = session.telling_silence(
-        SILENCE,
-        |session| session.snapshot(drive, more),
-        move || teller.warn(&format!("{silent} does not answer; waiting for it")),
-    );
+    let result = session
+        .telling_silence(
+            SILENCE,
+            async |session: &mut Session| session.snapshot(drive, more).await,
+            move || teller.warn(&format!("{silent} does not answer; waiting for it")),
+        )
+        .wait();
     let waited = session.now() - begin;
     match result {
         Ok(snapshot) => Ok(Some(snapshot)),

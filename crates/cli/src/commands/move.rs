@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 use client::axis::{Move as Order, MovePlan, Purpose, SpeedUnit};
-use client::{Drive, Error};
+use client::{Drive, Error, Wait};
 use profile::notation::Quantity;
 use profile::state::Mode;
 use serde_json::{Map, Value};
@@ -65,11 +65,11 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
     let (mut session, mut drive) = connect::drive(interface, need, &args.drive, output)?;
     drive.check_able(Some(Mode::Position))?;
     if !args.mode.set_mode {
-        session.check_mode(&mut drive, Mode::Position)?;
+        session.check_mode(&mut drive, Mode::Position).wait()?;
     }
     if args.dry_run {
-        let plan = session.plan_move(&mut drive, &order, limit)?;
-        session.close()?;
+        let plan = session.plan_move(&mut drive, &order, limit).wait()?;
+        session.close().wait()?;
         output.say(&format!(
             "dry run: {} {}; nothing moves",
             drive.label(),
@@ -82,7 +82,7 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
     }
     let go = |session: &mut Live, drive: &mut Drive| go(args, &order, limit, session, drive, output);
     axis::in_mode(&mut session, &mut drive, Mode::Position, &args.mode, output, go)?;
-    Ok(session.close()?)
+    Ok(session.close().wait()?)
 }
 
 fn go(
@@ -94,10 +94,10 @@ fn go(
     output: &Output,
 ) -> Result<(), Failure> {
     const END: End = End::Target("the target was not reached");
-    let plan = session.plan_move(drive, order, limit)?;
+    let plan = session.plan_move(drive, order, limit).wait()?;
     permitted(&plan, drive)?;
     let settings = axis::settings(&args.cyclic, Purpose::Move, limit);
-    let mut taken = session.take_axis(drive, settings)?;
+    let mut taken = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} {}, telegram {}; Ctrl-C stops it",
         drive.label(),
@@ -106,15 +106,19 @@ fn go(
     ));
     axis::watch(&mut taken, "move", args.mode.set_mode, output);
     let mut place = None;
-    let result = taken.enable().and_then(|mut enabled| {
+    let result = taken.enable().wait().and_then(|mut enabled| {
         // with what the telegram says now
-        let plan = enabled.plan(order)?;
-        enabled.start(&plan)?;
-        let result = enabled.wait(Some(args.timeout.unwrap_or_else(|| patience(&plan))));
+        let plan = enabled.plan(order).wait()?;
+        enabled.start(&plan).wait()?;
+        let limit = args.timeout.unwrap_or_else(|| patience(&plan));
+        let reached = enabled.reach_target(Some(limit)).wait();
         // where it was when ZSW1 bit 10 came, before anything else happens
-        place = enabled.status().and_then(|status| status.position);
-        result
+        let status = reached.as_ref().ok().copied().or_else(|| enabled.status());
+        place = status.and_then(|status| status.position);
+        reached.map(|_| ())
     });
+    // how it ended is told with the release
+    let _ = taken.stopped().wait();
     let now = taken.status().and_then(|status| status.position);
     let left = axis::left(place, now).filter(|_| result.is_ok());
     if let (Ok(()), Some(position)) = (&result, place) {

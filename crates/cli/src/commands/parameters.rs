@@ -6,6 +6,7 @@ mod list;
 mod write;
 
 use client::Refusal;
+use client::Wait;
 use profile::catalogue::{Access, Catalogue, Parameter, Part};
 use profile::notation::{ParameterReference, Shown};
 use profile::parameter::pnu;
@@ -40,9 +41,9 @@ pub fn read(args: &Read, interface: &Interface, output: &Output) -> Result<(), F
             Err(problem) => problems.push(problem.into()),
         }
     }
-    let mut readings = session.read(&mut drive, &selections)?;
+    let mut readings = session.read(&mut drive, &selections).wait()?;
     name_bits(&mut session, &mut drive, &mut readings)?;
-    session.close()?;
+    session.close().wait()?;
     print_readings("read", &drive.label(), &readings, args.raw, output);
     let refused = readings.iter().filter_map(|reading| reading.as_ref().err());
     problems.extend(refused.map(|refusal| refused_failure(&drive.label(), refusal)));
@@ -70,7 +71,7 @@ fn name_bits(
         .flatten()
         .map(|pnu| Selection::number(pnu, drive.parameters.notation()))
         .collect();
-    let answers = session.read(drive, &selections)?;
+    let answers = session.read(drive, &selections).wait()?;
     let raw = |pnu: u16| {
         let found = answers.iter().flatten().find(|reading| reading.pnu == pnu);
         found.and_then(Reading::raw)

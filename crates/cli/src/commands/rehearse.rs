@@ -1,7 +1,7 @@
 //! What a command that moves an axis would do: checked as far as reading can, said, not done.
 
 use client::status::{Verdict, diagnose};
-use client::{AxisPlan, AxisSettings, Drive, Error};
+use client::{AxisPlan, AxisSettings, Drive, Error, Wait};
 use profile::state::Mode;
 use serde_json::{Map, Value};
 
@@ -28,9 +28,9 @@ pub fn axis(
     needed: Option<(Mode, &SetMode)>,
     output: &Output,
 ) -> Result<Rehearsal, Failure> {
-    let plan = match session.plan_axis(drive, settings) {
+    let plan = match session.plan_axis(drive, settings).wait() {
         Err(Error::WrongMode { .. }) if needed.is_some_and(|(_, wanted)| wanted.set_mode) => {
-            session.check_control(drive)?;
+            session.check_control(drive).wait()?;
             let mode = match needed {
                 Some((Mode::Position, _)) => "position",
                 _ => "velocity",
@@ -42,7 +42,7 @@ pub fn axis(
         }
         other => Some(other?),
     };
-    let status = session.status(drive)?;
+    let status = session.status(drive).wait()?;
     let diagnosis = diagnose(&status);
     if diagnosis.verdict == Verdict::Held {
         let message = format!("{} would not run: {}", drive.label(), diagnosis.sentence);

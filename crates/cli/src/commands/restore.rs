@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
-use client::{Drive, Error, describe};
+use client::{Drive, Error, Wait, describe};
 use network::files::StateFile;
 use profile::catalogue::Role;
 use profile::model::Model;
@@ -69,7 +69,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         beyond_limits: args.beyond_limits,
     };
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
-    let plan = session.plan(&mut drive, &wanted, &choice);
+    let plan = session.plan(&mut drive, &wanted, &choice).wait();
     spinner.finish_and_clear();
     let plan = plan?;
     for remark in plan.remarks(&wanted) {
@@ -82,7 +82,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         show(&plan, output);
     }
     if args.dry_run {
-        session.close()?;
+        session.close().wait()?;
         if output.json() {
             output.document("restore", document(&drive, args, &Journal::new(&plan), None));
         }
@@ -99,7 +99,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         output,
     );
     // the connection of a drive that is lost ends by itself
-    let closed = session.close();
+    let closed = session.close().wait();
     let file = (journal.total() > 0 && way_back.exists()).then_some(way_back.as_path());
     if output.json() {
         output.document("restore", document(&drive, args, &journal, file));
@@ -147,10 +147,10 @@ fn fits(wanted: &Backup, drive: &Drive) -> Result<(), Failure> {
 
 /// A controller could switch the axis on at any moment.
 fn nobody_connected(session: &mut Live, drive: &Drive) -> Result<(), Failure> {
-    let Some(Some(name)) = session.owner(drive)? else {
+    let Some(Some(name)) = session.owner(drive).wait()? else {
         return Ok(());
     };
-    session.close()?;
+    session.close().wait()?;
     let message = format!(
         "nothing is written to {}: controller \"{}\" is running it",
         describe(&drive.station),
@@ -271,15 +271,17 @@ fn carry_out(
 ) -> Result<(), Error> {
     let file = StateFile::document(way_back);
     let bar = connect::bar(output, journal.total(), "writing");
-    let result = session.restore(drive, journal, save, &mut |journal| {
-        let done = journal.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));
-        bar.set_position(done as u64);
-        if journal.total() == 0 {
-            // nothing changes, so there is no way back
-            return Ok(());
-        }
-        file.replace(journal.to_string().as_bytes()).map_err(Into::into)
-    });
+    let result = session
+        .restore(drive, journal, save, &mut |journal| {
+            let done = journal.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));
+            bar.set_position(done as u64);
+            if journal.total() == 0 {
+                // nothing changes, so there is no way back
+                return Ok(());
+            }
+            file.replace(journal.to_string().as_bytes()).map_err(Into::into)
+        })
+        .wait();
     bar.finish_and_clear();
     result
 }

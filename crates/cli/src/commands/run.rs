@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 use client::axis::{Purpose, SpeedUnit};
-use client::{AxisSettings, Drive, Error};
+use client::{AxisSettings, Drive, Error, Wait};
 use profile::catalogue::Part;
 use profile::notation::Quantity;
 use profile::state::Mode;
@@ -151,7 +151,7 @@ fn try_out(args: &Run, wish: &Wish, interface: &Interface, output: &Output) -> R
     let settings = settings(args, wish, &drive)?;
     let needed = Some((Mode::Velocity, &args.mode));
     let tried = rehearse::axis(&mut session, &mut drive, &settings, needed, output)?;
-    session.close()?;
+    session.close().wait()?;
     let plan = tried.plan.as_ref();
     let told = plan.map(|plan| plan.speed_told(&drive, wish.speed)).transpose()?;
     if let Some(told) = told {
@@ -203,9 +203,9 @@ fn permitted(
         // of all others the scale is known with the telegram only
         let known = drive.model.catalogue.is_some() && !drive.model.learned;
         if known && args.telegram.is_none() && args.reference_speed.is_none() {
-            session.check_speed(drive, speed)?;
+            session.check_speed(drive, speed).wait()?;
         }
-        let facts = session.motion_facts(drive)?;
+        let facts = session.motion_facts(drive).wait()?;
         axis::warn_switch(speed, &facts, output);
         // who says what 100 % is knows better than the drive
         let told = |part: &Option<Part>| *part != Some(Part::Reference) || args.reference_speed.is_none();
@@ -227,7 +227,7 @@ fn go(
     permitted(args, wish, session, drive, output)?;
     let end = if args.time.is_some() { End::Time } else { End::Open };
     let settings = settings(args, wish, drive)?;
-    let mut taken = session.take_axis(drive, settings)?;
+    let mut taken = session.take_axis(drive, settings).wait()?;
     if let Some(nearest) = taken.rounded_speed(speed) {
         axis::tell_rounded(speed, nearest, wish.unit.symbol(), output);
     }
@@ -238,7 +238,7 @@ fn go(
         time_told(args)
     ));
     axis::watch(&mut taken, "run", args.mode.set_mode, output);
-    let result = taken.enable().and_then(|mut enabled| match args.time {
+    let result = taken.enable().wait().and_then(|mut enabled| match args.time {
         Some(time) => {
             let ramp = enabled.speed_time(speed);
             if ramp > LONG_RAMP {
@@ -251,11 +251,11 @@ fn go(
                     ramp.as_secs_f64()
                 ));
             }
-            enabled.reach_speed(speed, None)?;
-            enabled.keep_speed(speed, time)
+            enabled.reach_speed(speed, None).wait()?;
+            enabled.keep_speed(speed, time).wait()
         }
         None => {
-            match enabled.reach_speed(speed, None) {
+            match enabled.reach_speed(speed, None).wait() {
                 Err(Error::Interrupted) => {
                     let actual = enabled.status().and_then(|status| status.speed_actual);
                     output.warn(&unreached(wish, actual));
@@ -263,7 +263,7 @@ fn go(
                 }
                 other => other?,
             }
-            enabled.keep_speed(speed, axis::FOR_EVER)
+            enabled.keep_speed(speed, axis::FOR_EVER).wait()
         }
     });
     axis::finish(taken, result, end, "run", serde_json::Map::new(), output)

@@ -1,5 +1,6 @@
 //! `profidrive scan`
 
+use client::Wait;
 use std::collections::BTreeMap;
 
 use profile::model::Model;
@@ -17,7 +18,7 @@ use crate::render::table::Table;
 pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Failure> {
     let mut session = connect::session(interface, Need::Discovery, None, output)?;
     let spinner = connect::spinner(output, format!("listening for {} ms", args.time.as_millis()));
-    let stations = session.scan(args.time);
+    let stations = session.scan(args.time).wait();
     spinner.finish_and_clear();
     let stations = stations?;
     if output.json() {

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use client::status::{Diagnosis, DriveStatus, Note, Verdict, diagnose};
-use client::{Action, LossReaction};
+use client::{Action, LossReaction, Wait};
 use profile::catalogue::{Catalogue, Part};
 use profile::state::{Mode, Profile};
 use serde_json::{Map, Value};
@@ -31,13 +31,14 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let status = session
         .status(&mut drive)
+        .wait()
         .map_err(|error| unread(error, &drive.label()))?;
     // a controller may be the very program that will put its setting back
     let left = match status.controller {
         Some(None) => leftover::at(&mut session, &mut drive)?,
         _ => Vec::new(),
     };
-    session.close()?;
+    session.close().wait()?;
     let mut diagnosis = diagnose(&status);
     diagnosis.notes.extend(left.iter().map(|left| {
         let (sentence, next) = left.told(&drive.label());

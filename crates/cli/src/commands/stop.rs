@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use clap::Args;
 use client::status::moved_advice;
-use client::{StopOutcome, StopWay};
+use client::{StopOutcome, StopWay, Wait};
 
 use crate::args::{Interface, duration};
 use crate::connect::{self, Need};
@@ -35,9 +35,9 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
         StopWay::Stop
     };
     // the command first: everything else can be asked while it slows down
-    let outcome = session.stop_drive(&mut drive, way, args.timeout)?;
-    let owner = session.owner(&drive)?;
-    session.close()?;
+    let outcome = session.stop_drive(&mut drive, way, args.timeout).wait()?;
+    let owner = session.owner(&drive).wait()?;
+    session.close().wait()?;
     let label = drive.label();
     let command = outcome.command(way, &drive);
     // of a drive that is stopped by its control word there is nothing stronger

@@ -1,5 +1,6 @@
 //! `profidrive task`
 
+use client::Wait;
 use std::time::Duration;
 
 use clap::Args;
@@ -40,11 +41,11 @@ pub fn run(args: &Task, interface: &Interface, output: &Output) -> Result<(), Fa
 
 fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
     const END: End = End::Target("the task was not finished");
-    session.check_mode(drive, Mode::Position)?;
-    session.check_control(drive)?;
-    session.check_task(drive, args.number)?;
+    session.check_mode(drive, Mode::Position).wait()?;
+    session.check_control(drive).wait()?;
+    session.check_task(drive, args.number).wait()?;
     let settings = axis::settings(&args.cyclic, Purpose::Task, f64::INFINITY);
-    let mut taken = session.take_axis(drive, settings)?;
+    let mut taken = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} carries out its motion task {}, telegram {}; Ctrl-C stops it",
         drive.label(),
@@ -53,11 +54,11 @@ fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
     ));
     axis::watch(&mut taken, "task", args.mode.set_mode, output);
     let mut status = None;
-    let result = taken.enable().and_then(|mut enabled| {
-        enabled.start_task(args.number)?;
-        let result = enabled.wait(Some(args.timeout));
-        status = enabled.status();
-        result
+    let result = taken.enable().wait().and_then(|mut enabled| {
+        enabled.start_task(args.number).wait()?;
+        let reached = enabled.reach_target(Some(args.timeout)).wait();
+        status = reached.as_ref().ok().copied().or_else(|| enabled.status());
+        reached.map(|_| ())
     });
     let running = status.and_then(|status| status.view.seen?.aktsatz);
     if result.is_ok() {

@@ -68,6 +68,8 @@ pub struct AxisControl {
     homed_before: bool,
     /// Since when the axis stands where it should not stay.
     astray: Option<Instant>,
+    /// When operation ends if nobody puts that off.
+    deadline: Option<Instant>,
 }
 
 impl AxisControl {
@@ -99,6 +101,7 @@ impl AxisControl {
             braking: false,
             homed_before: false,
             astray: None,
+            deadline: None,
         }
     }
 
@@ -141,6 +144,13 @@ impl AxisControl {
         }
     }
 
+    /// Stops an axis that is in operation, whoever moves it: who does is told by [`Trouble::Stopped`].
+    pub fn stop_now(&mut self, now: Instant) {
+        if self.goal.operates() || self.goal == Goal::Keep {
+            self.give_up(now, Trouble::Stopped);
+        }
+    }
+
     /// Turns a ramp stop under way into a quick stop (OFF3).
     pub fn hurry(&mut self, now: Instant) {
         if self.goal == Goal::Stop && self.progress == Progress::Pursuing && !self.quick {
@@ -152,6 +162,11 @@ impl AxisControl {
     /// Says how long a ramp stop may take from now on before the quick stop is used.
     pub const fn allow_stop(&mut self, limit: Duration) {
         self.limits.stop = limit;
+    }
+
+    /// Says when operation ends by a ramp stop, unless it is said again; with `None` it never does.
+    pub const fn set_deadline(&mut self, deadline: Option<Instant>) {
+        self.deadline = deadline;
     }
 
     /// What is wanted.
@@ -286,6 +301,9 @@ impl AxisControl {
         }
         if let Some(needed) = self.goal.mode().filter(|&needed| needed != self.mode) {
             self.give_up(now, Trouble::OtherMode { needed });
+        }
+        if self.goal.operates() && self.deadline.is_some_and(|deadline| deadline <= now) {
+            self.give_up(now, Trouble::Unattended);
         }
         match self.goal {
             Goal::Released => {

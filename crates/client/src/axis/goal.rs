@@ -162,6 +162,12 @@ pub enum Trouble {
     /// Homing ended without a home position.
     #[error("homing ended without a home position (ZSW1 bit 13 is 1, bit 11 is 0)")]
     HomingFailed,
+    /// Its stop handle stopped it, or all axes were stopped.
+    #[error("it was stopped from elsewhere in this program")]
+    Stopped,
+    /// The deadline of a motion passed and nobody had put it off.
+    #[error("no call was made for the axis in time, it was brought to rest")]
+    Unattended,
     /// The connection lives, but the inputs are marked bad (IOPS).
     #[error("the drive marks its data as not valid (IOPS bad)")]
     NoInputs,

@@ -9,6 +9,7 @@ mod goal;
 #[cfg(test)]
 mod model;
 mod order;
+mod samples;
 mod scale;
 mod seen;
 mod wiring;
@@ -22,6 +23,8 @@ pub use cycle::{Cycle, Strained};
 pub use evidence::Evidence;
 pub use goal::{Goal, Jog, Limits, Progress, Trouble};
 pub use order::{ModuloRange, MotionFacts, Move, MovePlan, Objection, plan_move};
+pub use samples::Sample;
+pub(crate) use samples::SampleQueue;
 pub use scale::{SpeedScale, SpeedUnit};
 pub use seen::Seen;
 pub use wiring::{Wiring, WiringError};

@@ -161,6 +161,8 @@ impl Error {
                     "check enable inputs, STO and DC bus: {status}"
                 }
                 Trouble::LeftOperation { .. } => "something else switched it off: check enable inputs and STO",
+                Trouble::Stopped => "enable it again once the reason is gone",
+                Trouble::Unattended => "the program that moves it has to look after it more often; enable it again",
                 Trouble::StillTurns => "keep clear of it; apply a brake or take the load away",
                 Trouble::QuickStopUsed | Trouble::NotStopped => "check the deceleration of the drive and the load",
                 Trouble::NoInputs => "the module plugged may be that of another telegram than PNU 922 says: {choose description} takes the right one from the device description of the maker; {info} shows what is plugged",

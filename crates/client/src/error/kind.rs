@@ -83,6 +83,8 @@ impl Error {
                 ErrorKind::Lost
             }
             Self::Medium(_)
+            | Self::Closed
+            | Self::Busy { .. }
             | Self::NoAnswer { .. }
             | Self::StopUnanswered { .. }
             | Self::Channel { .. }

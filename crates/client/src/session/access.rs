@@ -8,9 +8,11 @@ use profinet::{Instant, MacAddress};
 use std::net::Ipv4Addr;
 
 use super::Session;
-use super::route::{Route, RouteNotice, is_no_service, refusal};
+use super::axis::Place;
+use super::route::{Route, RouteNotice, Routes, is_no_service, refusal};
+use crate::engine::{Queues, Turn};
 use crate::line::Answered;
-use crate::{Client, Connection, Drive, Error, Link, Wire};
+use crate::{Client, Connection, Drive, Error, Link};
 
 /// Longer than a connect may take with its repetitions.
 const CONNECT_LIMIT: Duration = Duration::from_secs(90);
@@ -24,6 +26,34 @@ const RESPONDER: &str = "CMResponderMacAdd";
 
 /// Largest record asked for.
 const MAX_RECORD: u32 = 4096;
+
+/// What all callers know of connections for records.
+#[derive(Debug, Default)]
+pub(crate) struct Records {
+    access: Vec<Access>,
+    /// What turned out about the ways to drives.
+    pub(super) routes: Vec<Routes>,
+    /// Reference of the last parameter request.
+    pub(super) reference: u8,
+    /// The axes that were taken.
+    pub(super) axes: Vec<Place>,
+    /// Who wants something of which drive.
+    pub(crate) queues: Queues,
+}
+
+impl Records {
+    /// An axis of this drive is being brought to rest.
+    pub(super) fn ends_axis(&mut self, drive: &Drive) -> bool {
+        self.axes.retain(|axis| !axis.is_over());
+        self.axes.iter().any(|axis| axis.is_of(drive) && axis.is_ending())
+    }
+
+    /// An axis is being brought to rest.
+    pub(super) fn ends_axes(&mut self) -> bool {
+        self.axes.retain(|axis| !axis.is_over());
+        self.axes.iter().any(Place::is_ending)
+    }
+}
 
 /// A connection kept for the records of one drive.
 #[derive(Debug, Clone, Copy)]
@@ -74,45 +104,54 @@ pub(super) const fn channel(drive: &Drive) -> RecordAddress {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Opens the way to the records of a drive, if it is not open.
     ///
     /// # Errors
     /// When the drive has no address, cannot be reached or refuses.
-    pub fn open(&mut self, drive: &Drive) -> Result<(), Error> {
+    pub async fn open(&mut self, drive: &Drive) -> Result<(), Error> {
         if drive.is_on_line() {
             return Ok(());
         }
-        self.reaching(drive, |session| session.for_records(drive))
-            .map(|_| ())
+        let _turn = self.turn(drive).await?;
+        let open = self.for_records(drive).await;
+        Self::reached(drive, open).map(|_| ())
+    }
+
+    /// Waits for its turn among the requests to a drive. What a stop or a motion asks for goes first.
+    async fn turn(&mut self, drive: &Drive) -> Result<Turn, Error> {
+        let urgent = self.bound.is_some() || self.unread.is_some();
+        let turn = self.engine.turn_at(drive, urgent, self.due()).await?;
+        self.glance()?;
+        Ok(turn)
     }
 
     /// Returns the connection that records are read over, opened if necessary; `None` where they are read without one.
-    fn for_records(&mut self, drive: &Drive) -> Result<Option<ArId>, Error> {
-        if let Some(ar) = self.beside_controller(drive)? {
+    async fn for_records(&mut self, drive: &Drive) -> Result<Option<ArId>, Error> {
+        if let Some(ar) = self.beside_controller(drive).await? {
             return Ok(Some(ar));
         }
         if !self.is_closed(drive, Route::Implicit) {
             return Ok(None);
         }
-        self.as_controller(drive).map(Some)
+        self.as_controller(drive).await.map(Some)
     }
 
     /// Returns the connection for parameter jobs, opened if necessary.
-    pub(super) fn for_parameters(&mut self, drive: &Drive) -> Result<ArId, Error> {
-        match self.beside_controller(drive)? {
+    pub(super) async fn for_parameters(&mut self, drive: &Drive) -> Result<ArId, Error> {
+        match self.beside_controller(drive).await? {
             Some(ar) => Ok(ar),
-            None => self.as_controller(drive),
+            None => self.as_controller(drive).await,
         }
     }
 
     /// Returns a connection that is open already, else device access; `None` where the device refuses that.
-    fn beside_controller(&mut self, drive: &Drive) -> Result<Option<ArId>, Error> {
-        if let Some(known) = self.access.iter().find(|access| access.is_to(drive)).copied() {
-            match self.client.connection(known.ar) {
+    async fn beside_controller(&mut self, drive: &Drive) -> Result<Option<ArId>, Error> {
+        if let Some(known) = self.access_to(drive, |_| true) {
+            match self.connection(known.ar) {
                 Connection::Lost(_) | Connection::Silent | Connection::Released => self.drop_access(known.ar),
                 // begun by a call that was interrupted
-                Connection::Opening => return self.opened(drive, known),
+                Connection::Opening => return self.opened(drive, known).await,
                 Connection::Open | Connection::Running => return Ok(Some(known.ar)),
             }
         }
@@ -129,36 +168,38 @@ impl<M: Wire> Session<M> {
         }
         let now = self.now();
         let ar = self
-            .client
+            .client()
             .controller()
             .connect_device_access(now, target(drive), Resolve::Trust)?;
         let access = self.remember(drive, ar, route);
-        self.opened(drive, access)
+        self.opened(drive, access).await
     }
 
     /// Notes a connection for records. It is known before it is open: whoever interrupts the wait leaves nothing behind
     /// at the drive.
     pub(super) fn remember(&mut self, drive: &Drive, ar: ArId, route: Route) -> Access {
         let access = Access::of(drive, ar, false, route);
-        self.access.push(access);
+        self.engine.records().access.push(access);
         access
     }
 
     /// The ARUUIDs of the connections for records to a drive.
     pub(super) fn record_relations(&self, drive: &Drive) -> Vec<Uuid> {
-        let controller = self.client.controller_ref();
         let own = self.accesses(drive).into_iter();
-        own.filter_map(|ar| controller.ar_uuid(ar)).collect()
+        let client = self.client();
+        own.filter_map(|ar| client.controller_ref().ar_uuid(ar)).collect()
     }
 
     /// Waits until a connection for records is open; `None` when the device refuses this kind of connection.
-    pub(super) fn opened(&mut self, drive: &Drive, access: Access) -> Result<Option<ArId>, Error> {
+    pub(super) async fn opened(&mut self, drive: &Drive, access: Access) -> Result<Option<ArId>, Error> {
         let Access { ar, route, .. } = access;
         let limit = self.end_of(CONNECT_LIMIT) - self.now();
-        let end = self.wait(CONNECT_LIMIT, |client| match client.connection(ar) {
-            Connection::Opening => None,
-            other => Some(other),
-        })?;
+        let end = self
+            .wait(CONNECT_LIMIT, |client| match client.connection(ar) {
+                Connection::Opening => None,
+                other => Some(other),
+            })
+            .await?;
         match end {
             Some(Connection::Lost(cause)) => {
                 self.drop_access(ar);
@@ -169,7 +210,7 @@ impl<M: Wire> Session<M> {
                         self.close_route(drive, route, reason);
                         Ok(None)
                     }
-                    None => Err(self.connect_error(drive, cause, None)),
+                    None => Err(self.connect_error(drive, cause, None).await),
                 }
             }
             Some(_) => {
@@ -180,7 +221,7 @@ impl<M: Wire> Session<M> {
                 Ok(Some(ar))
             }
             None => {
-                self.release(ar.into())?;
+                self.release(ar.into()).await?;
                 Err(Error::Timeout {
                     drive: drive.label(),
                     what: "connecting",
@@ -190,9 +231,17 @@ impl<M: Wire> Session<M> {
         }
     }
 
+    /// The first connection to a drive that is like this.
+    pub(super) fn access_to(&self, drive: &Drive, like: impl Fn(&Access) -> bool) -> Option<Access> {
+        let records = self.engine.records();
+        let mut own = records.access.iter().filter(|access| access.is_to(drive));
+        own.find(|access| like(access)).copied()
+    }
+
     /// The connections for record access to a drive.
     pub(super) fn accesses(&self, drive: &Drive) -> Vec<ArId> {
-        let own = self.access.iter();
+        let records = self.engine.records();
+        let own = records.access.iter();
         own.filter(|access| !access.cyclic && access.is_to(drive))
             .map(|access| access.ar)
             .collect()
@@ -200,18 +249,27 @@ impl<M: Wire> Session<M> {
 
     /// Remembers the cyclic connection of an axis: records of its drive go through it too.
     pub(super) fn share(&mut self, drive: &Drive, ar: ArId) {
-        self.access.retain(|access| access.ar != ar);
-        self.access
+        let mut records = self.engine.records();
+        records.access.retain(|access| access.ar != ar);
+        records
+            .access
             .insert(0, Access::of(drive, ar, true, Route::Controller));
     }
 
     /// Records do not go through a connection any more. What became of the connection of an axis stays known until the
     /// axis is released.
     pub(super) fn drop_access(&mut self, ar: ArId) {
-        let of_axis = self.access.iter().any(|access| access.ar == ar && access.cyclic);
-        self.access.retain(|access| access.ar != ar);
+        let of_axis = {
+            let mut records = self.engine.records();
+            let of_axis = records
+                .access
+                .iter()
+                .any(|access| access.ar == ar && access.cyclic);
+            records.access.retain(|access| access.ar != ar);
+            of_axis
+        };
         if !of_axis {
-            self.client.forget(ar);
+            self.client().forget(ar);
         }
     }
 
@@ -219,61 +277,62 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the medium fails.
-    pub fn close(&mut self) -> Result<(), Error> {
-        self.close_within(RELEASE_LIMIT)
+    pub async fn close(&mut self) -> Result<(), Error> {
+        self.close_within(RELEASE_LIMIT).await
     }
 
     /// Closes every connection for record access, waiting for each as long as given.
-    pub(super) fn close_within(&mut self, limit: Duration) -> Result<(), Error> {
-        let open: Vec<ArId> = self
-            .access
-            .iter()
-            .filter(|access| !access.cyclic)
-            .map(|access| access.ar)
-            .collect();
+    pub(super) async fn close_within(&mut self, limit: Duration) -> Result<(), Error> {
+        let open: Vec<ArId> = {
+            let records = self.engine.records();
+            let own = records.access.iter().filter(|access| !access.cyclic);
+            own.map(|access| access.ar).collect()
+        };
         for ar in open {
-            self.release_within(ar, limit)?;
+            self.release_within(ar, limit).await?;
         }
         Ok(())
     }
 
     /// Releases the connection as IO controller that was opened for records: the place is needed for an axis.
-    pub(super) fn make_way(&mut self, drive: &Drive) -> Result<(), Error> {
-        let own =
-            |access: &&Access| !access.cyclic && access.route == Route::Controller && access.is_to(drive);
-        match self.access.iter().find(own).map(|access| access.ar) {
-            Some(ar) => self.release_within(ar, RELEASE_LIMIT),
+    pub(super) async fn make_way(&mut self, drive: &Drive) -> Result<(), Error> {
+        let own = |access: &Access| !access.cyclic && access.route == Route::Controller;
+        match self.access_to(drive, own) {
+            Some(access) => self.release_within(access.ar, RELEASE_LIMIT).await,
             None => Ok(()),
         }
     }
 
     /// Releases a connection and waits for its end.
-    pub(super) fn release(&mut self, link: Link) -> Result<(), Error> {
+    pub(super) async fn release(&mut self, link: Link) -> Result<(), Error> {
         match link {
-            Link::Relation(ar) => self.release_within(ar, RELEASE_LIMIT),
+            Link::Relation(ar) => self.release_within(ar, RELEASE_LIMIT).await,
             Link::Slave(slave) => {
-                self.client.forget(slave);
+                self.client().forget(slave);
                 Ok(())
             }
         }
     }
 
-    fn release_within(&mut self, ar: ArId, limit: Duration) -> Result<(), Error> {
+    async fn release_within(&mut self, ar: ArId, limit: Duration) -> Result<(), Error> {
         let open = matches!(
-            self.client.connection(ar),
+            self.connection(ar),
             Connection::Open | Connection::Running | Connection::Opening
         );
         let now = self.now();
-        if open && self.client.controller().release(now, ar).is_ok() {
+        let released = open && self.client().controller().release(now, ar).is_ok();
+        if released {
             let stopping = std::mem::replace(&mut self.stopping, true);
-            let end = self.wait(limit, |client| {
-                matches!(client.connection(ar), Connection::Released | Connection::Lost(_)).then_some(())
-            });
+            let end = self
+                .wait(limit, |client| {
+                    matches!(client.connection(ar), Connection::Released | Connection::Lost(_)).then_some(())
+                })
+                .await;
             self.stopping = stopping;
             end?;
         }
         self.drop_access(ar);
-        self.client.forget(ar);
+        self.client().forget(ar);
         Ok(())
     }
 
@@ -281,11 +340,13 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached or refuses.
-    pub fn read_record(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
-        self.reaching(drive, |session| session.read_record_now(drive, at))
+    pub async fn read_record(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
+        let _turn = self.turn(drive).await?;
+        let read = self.read_record_now(drive, at).await;
+        Self::reached(drive, read)
     }
 
-    fn read_record_now(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
+    async fn read_record_now(&mut self, drive: &Drive, at: RecordAddress) -> Result<Vec<u8>, Error> {
         if drive.is_on_line() {
             let (drive, what) = (drive.label(), "record");
             return Err(Error::NotOnLine { drive, what });
@@ -297,12 +358,14 @@ impl<M: Wire> Session<M> {
             )
         };
         loop {
-            if let Some(ar) = self.for_records(drive)? {
-                return self.call(drive, ar, &what, |client, now, ar| {
-                    client.controller().read(now, ar, at, MAX_RECORD)
-                });
+            if let Some(ar) = self.for_records(drive).await? {
+                return self
+                    .call(drive, ar, &what, |client, now, ar| {
+                        client.controller().read(now, ar, at, MAX_RECORD)
+                    })
+                    .await;
             }
-            match self.read_implicitly(drive, at)? {
+            match self.read_implicitly(drive, at).await? {
                 Ok(data) => return Ok(data),
                 // the next way is tried
                 Err(_) if self.is_closed(drive, Route::Implicit) => {}
@@ -318,17 +381,17 @@ impl<M: Wire> Session<M> {
     }
 
     /// Reads a record without a connection. A device that serves no such reads closes this way.
-    pub(super) fn read_implicitly(
+    pub(super) async fn read_implicitly(
         &mut self,
         drive: &Drive,
         at: RecordAddress,
     ) -> Result<Result<Vec<u8>, ServiceError>, Error> {
         let now = self.now();
         let call = self
-            .client
+            .client()
             .controller()
             .read_implicit(now, &target(drive), at, MAX_RECORD)?;
-        let result = self.wait(RECORD_LIMIT, |client| client.take_record(call))?;
+        let result = self.wait(RECORD_LIMIT, |client| client.take_record(call)).await?;
         let result = result.unwrap_or(Err(ServiceError::Timeout {
             what: "implicit read",
         }));
@@ -346,36 +409,41 @@ impl<M: Wire> Session<M> {
     }
 
     /// One parameter job over the parameter channel of the drive.
-    pub(super) fn job(&mut self, drive: &Drive, request: &[u8]) -> Result<Answered, Error> {
-        self.reaching(drive, |session| session.job_now(drive, request))
+    pub(super) async fn job(&mut self, drive: &Drive, request: &[u8]) -> Result<Answered, Error> {
+        let _turn = self.turn(drive).await?;
+        let done = self.job_now(drive, request).await;
+        Self::reached(drive, done)
     }
 
-    fn job_now(&mut self, drive: &Drive, request: &[u8]) -> Result<Answered, Error> {
+    async fn job_now(&mut self, drive: &Drive, request: &[u8]) -> Result<Answered, Error> {
         if let Some(slave) = drive.slave {
-            return self.line_job(drive, slave, request);
+            return self.line_job(drive, slave, request).await;
         }
         let what = || "parameter access".to_owned();
-        let ar = self.for_parameters(drive)?;
+        let ar = self.for_parameters(drive).await?;
         let due = self.due();
-        let octets = self.call(drive, ar, &what, |client, now, ar| {
-            let (controller, at) = (client.controller(), channel(drive));
-            match due {
-                Some(due) => controller.parameter_job_within(now, ar, at, request, due - now),
-                None => controller.parameter_job(now, ar, at, request),
-            }
-        })?;
+        let octets = self
+            .call(drive, ar, &what, |client, now, ar| {
+                let (controller, at) = (client.controller(), channel(drive));
+                match due {
+                    Some(due) => controller.parameter_job_within(now, ar, at, request, due - now),
+                    None => controller.parameter_job(now, ar, at, request),
+                }
+            })
+            .await?;
         Ok(Answered::by_record(octets))
     }
 
-    fn call(
+    async fn call(
         &mut self,
         drive: &Drive,
         ar: ArId,
-        what: &dyn Fn() -> String,
-        start: impl FnOnce(&mut Client, Instant, ArId) -> Result<CallId, Misuse>,
+        what: &(dyn Fn() -> String + Sync),
+        start: impl FnOnce(&mut Client, Instant, ArId) -> Result<CallId, Misuse> + Send,
     ) -> Result<Vec<u8>, Error> {
         let now = self.now();
-        let call = match start(&mut self.client, now, ar) {
+        let started = start(&mut self.client(), now, ar);
+        let call = match started {
             Ok(call) => call,
             // it ended meanwhile: no mistake of the caller
             Err(Misuse::UnknownConnection | Misuse::NotOpenYet) => {
@@ -384,7 +452,7 @@ impl<M: Wire> Session<M> {
             Err(misuse) => return Err(misuse.into()),
         };
         let limit = self.end_of(RECORD_LIMIT) - now;
-        match self.wait(RECORD_LIMIT, |client| client.take_record(call))? {
+        match self.wait(RECORD_LIMIT, |client| client.take_record(call)).await? {
             Some(Ok(data)) => Ok(data),
             Some(Err(ServiceError::Closed { what: service })) => Err(self.lost_access(drive, ar, service)),
             Some(Err(error)) => Err(Error::Record {
@@ -402,7 +470,7 @@ impl<M: Wire> Session<M> {
 
     /// The error of a call whose connection is gone.
     fn lost_access(&mut self, drive: &Drive, ar: ArId, what: &'static str) -> Error {
-        let cause = match self.client.connection(ar) {
+        let cause = match self.connection(ar) {
             Connection::Lost(cause) => cause,
             _ => LostCause::Service(ServiceError::Closed { what }),
         };
@@ -415,37 +483,42 @@ impl<M: Wire> Session<M> {
     }
 
     /// Waits until a cyclic connection carries valid data.
-    pub(super) fn running(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
-        self.reaching(drive, |session| session.running_now(drive, link))
+    pub(super) async fn running(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
+        let running = self.running_now(drive, link).await;
+        Self::reached(drive, running)
     }
 
-    fn running_now(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
+    async fn running_now(&mut self, drive: &Drive, link: Link) -> Result<(), Error> {
         let limit = self.end_of(CONNECT_LIMIT) - self.now();
-        let end = self.wait(CONNECT_LIMIT, |client| match client.connection(link) {
-            Connection::Opening | Connection::Open => None,
-            other => Some(other),
-        })?;
+        let end = self
+            .wait(CONNECT_LIMIT, |client| match client.connection(link) {
+                Connection::Opening | Connection::Open => None,
+                other => Some(other),
+            })
+            .await?;
         match end {
             Some(Connection::Running) => Ok(()),
             Some(Connection::Lost(cause)) => {
-                self.client.forget(link);
+                self.client().forget(link);
                 // records may be read beside the controller that has it
                 let owner = if is_owned(&cause) {
-                    self.owner(drive)
+                    self.owner(drive).await
                 } else {
                     Ok(None)
                 };
-                Err(self.connect_error(drive, cause, owner.ok().flatten().flatten()))
+                Err(self
+                    .connect_error(drive, cause, owner.ok().flatten().flatten())
+                    .await)
             }
             Some(Connection::Silent) => {
-                self.client.forget(link);
+                self.client().forget(link);
                 Err(Error::LineSilent {
                     drive: drive.label(),
                     reaction: None,
                 })
             }
             _ => {
-                self.client.forget(link);
+                self.client().forget(link);
                 Err(Error::Timeout {
                     drive: drive.label(),
                     what: "cyclic data",
@@ -456,10 +529,10 @@ impl<M: Wire> Session<M> {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Why a connection did not come about: a refusal because somebody else, `owner`, is connected, or an answer of somebody
     /// else, has its own kind, as the user can do something about it.
-    fn connect_error(&mut self, drive: &Drive, cause: LostCause, owner: Option<String>) -> Error {
+    async fn connect_error(&mut self, drive: &Drive, cause: LostCause, owner: Option<String>) -> Error {
         if is_owned(&cause) {
             return Error::OwnedByController {
                 drive: drive.label(),
@@ -471,7 +544,7 @@ impl<M: Wire> Session<M> {
             return Error::SharedAddress {
                 drive: drive.label(),
                 ip: drive.station.ip.address,
-                macs: self.holders(drive).unwrap_or_default(),
+                macs: self.holders(drive).await.unwrap_or_default(),
             };
         }
         Error::Connect {

@@ -6,7 +6,7 @@ use profile::catalogue::Part;
 
 use super::Session;
 use super::stop::STANDS;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 
 /// What a drive is at work with.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,15 +32,15 @@ impl fmt::Display for AtWork {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Checks that no controller is connected to a drive. `undone` says what is not done otherwise: `renamed`.
     ///
     /// A drive that cannot be asked passes: another name or address is how it becomes reachable.
     ///
     /// # Errors
     /// [`Error::AtWork`] when a controller is connected, [`Error::Interrupted`] when the caller wants to stop.
-    pub fn check_unowned(&mut self, drive: &Drive, undone: &'static str) -> Result<(), Error> {
-        let owner = answered(self.owner(drive))?;
+    pub async fn check_unowned(&mut self, drive: &Drive, undone: &'static str) -> Result<(), Error> {
+        let owner = answered(self.owner(drive).await)?;
         let works = owner.flatten().flatten().map(AtWork::Controller);
         idle(drive, undone, works)
     }
@@ -52,14 +52,14 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// [`Error::AtWork`] when it is at work, [`Error::Interrupted`] when the caller wants to stop.
-    pub fn check_idle(&mut self, drive: &mut Drive, undone: &'static str) -> Result<(), Error> {
-        self.check_unowned(drive, undone)?;
-        let told = answered(self.ask(drive, &[Part::Speed, Part::SpeedActual]))?;
+    pub async fn check_idle(&mut self, drive: &mut Drive, undone: &'static str) -> Result<(), Error> {
+        self.check_unowned(drive, undone).await?;
+        let told = answered(self.ask(drive, &[Part::Speed, Part::SpeedActual]).await)?;
         let speed = told.and_then(|told| told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual)));
         let turns = speed.filter(|speed| speed.abs() >= STANDS).map(AtWork::Turns);
         let on = match turns {
             Some(_) => None,
-            None => answered(self.is_enabled(drive))?.flatten(),
+            None => answered(self.is_enabled(drive).await)?.flatten(),
         };
         let enabled = on.filter(|on| *on).map(|_| AtWork::Enabled);
         idle(drive, undone, turns.or(enabled))

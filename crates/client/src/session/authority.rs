@@ -8,7 +8,7 @@ use profile::state::Zsw1;
 use super::Session;
 use super::prepare::zsw1_of;
 use super::stop::STANDS;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 
 /// Who commands a drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -78,31 +78,37 @@ impl fmt::Display for LocalControl {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads who commands a drive.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn authority(&mut self, drive: &mut Drive) -> Result<Authority, Error> {
-        let telegram = self.telegram_now(drive)?;
-        let told = self.ask(
-            drive,
-            &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
-        )?;
+    pub async fn authority(&mut self, drive: &mut Drive) -> Result<Authority, Error> {
+        let telegram = self.telegram_now(drive).await?;
+        let told = self
+            .ask(
+                drive,
+                &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
+            )
+            .await?;
         let word = zsw1_of(drive, &told, telegram);
-        self.authority_by(drive, word)
+        self.authority_by(drive, word).await
     }
 
     /// The same, by a status word that was read.
-    pub(super) fn authority_by(&mut self, drive: &mut Drive, word: Option<Zsw1>) -> Result<Authority, Error> {
+    pub(super) async fn authority_by(
+        &mut self,
+        drive: &mut Drive,
+        word: Option<Zsw1>,
+    ) -> Result<Authority, Error> {
         if let Some(word) = word.filter(|word| !word.has(Zsw1::CONTROL_REQUESTED)) {
-            return Ok(Authority::Local(self.local_control(drive, word)?));
+            return Ok(Authority::Local(self.local_control(drive, word).await?));
         }
         let enabled = match word {
             Some(word) if in_operation(word) => true,
             // stopped by itself, or commanded by what it does without its controller
             Some(word) if power_is_on(word) => {
-                let told = self.ask(drive, &[Part::Speed, Part::SpeedActual])?;
+                let told = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
                 told.stands(STANDS) == Some(false)
             }
             _ => false,
@@ -111,7 +117,7 @@ impl<M: Wire> Session<M> {
         let owner = if drive.is_on_line() {
             Some(None)
         } else {
-            self.owner(drive)?
+            self.owner(drive).await?
         };
         Ok(match owner {
             Some(Some(controller)) => Authority::Controller(controller),
@@ -122,11 +128,15 @@ impl<M: Wire> Session<M> {
     }
 
     /// Who at the drive itself commands it, by its settings.
-    pub(super) fn local_control(&mut self, drive: &mut Drive, word: Zsw1) -> Result<LocalControl, Error> {
+    pub(super) async fn local_control(
+        &mut self,
+        drive: &mut Drive,
+        word: Zsw1,
+    ) -> Result<LocalControl, Error> {
         let Some(tables) = drive.model.catalogue else {
             return Ok(LocalControl::Panel);
         };
-        let told = self.ask(drive, &[Part::ControlSite])?;
+        let told = self.ask(drive, &[Part::ControlSite]).await?;
         let excluded = told
             .find(Part::ControlSite)
             .zip(told.raw(Part::ControlSite))

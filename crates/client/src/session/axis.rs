@@ -1,28 +1,33 @@
 //! Control of an axis as an object: while it exists the connection is open, when it goes the axis is stopped and
 //! released.
 
+mod beside;
 mod open;
 mod rest;
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use profile::state::Mode;
 use profinet::controller::{LostCause, ServiceError};
 use profinet::cyclic::CyclicStatistics;
 
-use super::Session;
 use super::enabled::Enabled;
 use super::faults::WarningEntry;
-use super::keep::Kept;
 use super::loss::LossReaction;
 use super::warnings::Warnings;
+use super::{GLANCE, Session};
 use crate::axis::{
     Evidence, Goal, Limits, MotionFacts, Move, MovePlan, Progress, Purpose, Seen, SpeedScale, SpeedUnit,
-    Strained,
+    Strained, Trouble,
 };
 use crate::client::AxisView;
-use crate::{Connection, Drive, Error, Link, Wire};
+use crate::{Connection, Drive, Error, Link};
 use profile::value::{Beyond, is_another, is_rounding};
+use rest::Ending;
+
+pub use beside::{Samples, StopHandle};
+pub(super) use rest::Place;
 
 /// How to run an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +49,9 @@ pub struct AxisSettings {
     pub speed_limit: f64,
     /// How much longer than the ramp of the drive is reckoned to need stopping may take before the quick stop is used.
     pub stop: Duration,
+    /// How long the axis stays in operation without a call: then it is brought to rest along its ramp, whatever became of
+    /// the program. Every call for the axis that waits puts that off, and so does [`Axis::renew`].
+    pub lease: Duration,
 }
 
 impl Default for AxisSettings {
@@ -57,6 +65,7 @@ impl Default for AxisSettings {
             reference_speed: None,
             speed_limit: 3000.0,
             stop: Duration::from_secs(10),
+            lease: Duration::from_secs(5),
         }
     }
 }
@@ -135,36 +144,39 @@ pub enum Rest {
 }
 
 /// Somebody who wants to see the axis while calls wait.
-pub type Watcher<'s> = Box<dyn FnMut(&AxisStatus) + 's>;
+pub type Watcher = Box<dyn FnMut(&AxisStatus) + Send>;
 
 /// Somebody who wants to know of warnings as they come, by number where the drive has numbers.
-pub type WarningWatcher<'s> = Box<dyn FnMut(&AxisStatus, &[WarningEntry]) + 's>;
+pub type WarningWatcher = Box<dyn FnMut(&AxisStatus, &[WarningEntry]) + Send>;
 
 /// An axis under control.
 ///
-/// Dropping it, for whatever reason, ends in a ramp stop and a release. It cannot be moved before it is enabled: only
+/// Dropping it, for whatever reason, ends in a ramp stop and a release, which the driver of the network sees to: the drop
+/// itself does not wait. It may go to another thread, and cannot be moved before it is enabled: only
 /// [`enable`](Self::enable) gives the [`Enabled`] that has motions.
 ///
+/// Operation ends by itself [some time](AxisSettings::lease) after the last call for the axis.
+///
 /// ```
-/// use profidrive_client::{Axis, Error, Wire};
-/// fn turn<M: Wire>(axis: &mut Axis<'_, M>) -> Result<(), Error> {
-///     let mut enabled = axis.enable()?;
-///     enabled.run(60.0)?;
-///     enabled.hold(std::time::Duration::from_secs(1))?;
-///     enabled.disable() // dropping it stops too
+/// use profidrive_client::{Axis, Error};
+/// async fn turn(axis: &mut Axis) -> Result<(), Error> {
+///     let mut enabled = axis.enable().await?;
+///     enabled.run(60.0).await?;
+///     enabled.hold(std::time::Duration::from_secs(1)).await?;
+///     enabled.disable().await // dropping it stops too
 /// }
 /// ```
 ///
 /// Without it there is nothing to call:
 ///
 /// ```compile_fail,E0599
-/// use profidrive_client::{Axis, Error, Wire};
-/// fn turn<M: Wire>(axis: &mut Axis<'_, M>) -> Result<(), Error> {
-///     axis.run(60.0)
+/// use profidrive_client::{Axis, Error};
+/// async fn turn(axis: &mut Axis) -> Result<(), Error> {
+///     axis.run(60.0).await
 /// }
 /// ```
-pub struct Axis<'s, M: Wire> {
-    pub(super) session: &'s mut Session<M>,
+pub struct Axis {
+    pub(super) session: Session,
     pub(super) drive: Drive,
     link: Link,
     pub(super) settings: AxisSettings,
@@ -179,31 +191,22 @@ pub struct Axis<'s, M: Wire> {
     /// Ramps of the drive in the unit of the speeds a second.
     pub(super) acceleration: Option<f64>,
     pub(super) deceleration: Option<f64>,
-    /// Highest speed asked for since the axis was taken.
-    pub(super) fastest: f64,
     /// What the drive said about a motion that does not get on.
     pub(super) evidence: Option<Evidence>,
-    /// What the telegram writes in coarser steps than the drive has them.
-    kept: Kept,
     /// What the drive does when this connection is lost.
     loss: Box<LossReaction>,
     /// Where the move under way leads, in turns.
     pub(super) target: Option<f64>,
     taken: profinet::Instant,
-    pub(super) watcher: Option<Watcher<'s>>,
-    pub(super) warnings: Warnings<'s>,
+    pub(super) watcher: Option<Watcher>,
+    pub(super) warnings: Warnings,
     /// The trouble there is was returned to the caller.
     told: bool,
-    finished: bool,
-    /// A quick stop ended what should have been a ramp stop.
-    quick: bool,
-    /// The axis was in operation under this control.
-    operated: bool,
-    /// How it was when it was given back.
-    rest: Rest,
+    /// What the one knows who brings it to rest.
+    pub(super) ending: Arc<Ending>,
 }
 
-impl<M: Wire> std::fmt::Debug for Axis<'_, M> {
+impl std::fmt::Debug for Axis {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Axis")
             .field("drive", &self.drive.label())
@@ -246,15 +249,15 @@ pub(super) fn speed_setpoint(drive: &Drive, scale: &SpeedScale, speed: f64) -> R
     })
 }
 
-impl<'s, M: Wire> Axis<'s, M> {
+impl Axis {
     /// Shows the axis to `watcher` after everything that happens while calls wait.
-    pub fn watch(&mut self, watcher: impl FnMut(&AxisStatus) + 's) {
+    pub fn watch(&mut self, watcher: impl FnMut(&AxisStatus) + Send + 'static) {
         self.watcher = Some(Box::new(watcher));
     }
 
     /// Tells `watcher` of each warning (ZSW1 bit 7) when it comes, while calls wait. A drive that has no number for its
     /// warning gives an empty list.
-    pub fn watch_warnings(&mut self, watcher: impl FnMut(&AxisStatus, &[WarningEntry]) + 's) {
+    pub fn watch_warnings(&mut self, watcher: impl FnMut(&AxisStatus, &[WarningEntry]) + Send + 'static) {
         self.warnings.watch(Box::new(watcher));
     }
 
@@ -298,14 +301,14 @@ impl<'s, M: Wire> Axis<'s, M> {
     }
 
     /// The session, for parameters beside the running axis.
-    pub fn session(&mut self) -> (&mut Session<M>, &mut Drive) {
-        (self.session, &mut self.drive)
+    pub const fn session(&mut self) -> (&mut Session, &mut Drive) {
+        (&mut self.session, &mut self.drive)
     }
 
     /// The axis as it is now.
     #[must_use]
     pub fn status(&self) -> Option<AxisStatus> {
-        let view = self.session.client.axis(self.link)?;
+        let view = self.session.client().axis(self.link)?;
         Some(AxisStatus {
             view,
             unit: self.scale.unit(),
@@ -318,7 +321,7 @@ impl<'s, M: Wire> Axis<'s, M> {
             position: view.seen.and_then(|seen| Some(self.turns(seen.xist_a?))),
             following_error: view.seen.and_then(|seen| Some(self.turns(seen.xist_error?))),
             time: self.session.now() - self.taken,
-            lost: matches!(self.session.client.connection(self.link), Connection::Lost(_)),
+            lost: matches!(self.session.connection(self.link), Connection::Lost(_)),
         })
     }
 
@@ -326,7 +329,7 @@ impl<'s, M: Wire> Axis<'s, M> {
     #[must_use]
     pub fn statistics(&self) -> Option<CyclicStatistics> {
         match self.link {
-            Link::Relation(ar) => self.session.client.controller_ref().statistics(ar),
+            Link::Relation(ar) => self.session.client().controller_ref().statistics(ar),
             Link::Slave(_) => None,
         }
     }
@@ -335,19 +338,20 @@ impl<'s, M: Wire> Axis<'s, M> {
     ///
     /// # Errors
     /// When the drive does not follow, the connection is lost or the caller wants to stop.
-    pub fn ready(&mut self) -> Result<(), Error> {
-        self.reach(Goal::Ready)
+    pub async fn ready(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Ready).await
     }
 
     /// As [`ready`](Self::ready), but content with a fault that waits to be acknowledged.
     ///
     /// # Errors
     /// When the connection is lost or the caller wants to stop.
-    pub fn ready_or_fault(&mut self) -> Result<(), Error> {
+    pub async fn ready_or_fault(&mut self) -> Result<(), Error> {
         self.pursue(Goal::Ready);
         let fault = |status: &AxisStatus| status.view.seen.is_some_and(Seen::fault);
         let ready = |status: &AxisStatus| status.view.progress == Progress::Reached;
         self.hold_until(Limits::default().step, |status| fault(status) || ready(status))
+            .await
             .map(|_| ())
     }
 
@@ -357,10 +361,10 @@ impl<'s, M: Wire> Axis<'s, M> {
     ///
     /// # Errors
     /// Trouble with the motion before that nobody was told of yet, and as [`ready`](Self::ready).
-    pub fn enable(&mut self) -> Result<Enabled<'_, 's, M>, Error> {
-        self.untold()?;
+    pub async fn enable(&mut self) -> Result<Enabled<'_>, Error> {
+        self.untold().await?;
         self.target = None;
-        self.reach(Goal::Enabled)?;
+        self.reach(Goal::Enabled).await?;
         Ok(Enabled::new(self))
     }
 
@@ -368,13 +372,13 @@ impl<'s, M: Wire> Axis<'s, M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn plan(&mut self, order: &Move) -> Result<MovePlan, Error> {
+    pub async fn plan(&mut self, order: &Move) -> Result<MovePlan, Error> {
         let limit = self.settings.speed_limit;
         let seen = self
             .status()
             .and_then(|status| Some((status.view.seen?, status.position)));
         let mut drive = self.drive.clone();
-        let facts = self.session.motion_facts(&mut drive)?;
+        let facts = self.session.motion_facts(&mut drive).await?;
         let facts = MotionFacts {
             // the telegram is newer
             position: seen.and_then(|(_, position)| position).or(facts.position),
@@ -394,17 +398,17 @@ impl<'s, M: Wire> Axis<'s, M> {
     ///
     /// # Errors
     /// When the fault stays, and as [`ready`](Self::ready).
-    pub fn acknowledge(&mut self) -> Result<(), Error> {
-        self.reach(Goal::Acknowledge)
+    pub async fn acknowledge(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Acknowledge).await
     }
 
     /// Ramp stop (OFF1); returns once the pulses are off. A caller's wish to stop does not interrupt it.
     ///
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost.
-    pub fn stop(&mut self) -> Result<(), Error> {
+    pub async fn stop(&mut self) -> Result<(), Error> {
         let stopping = std::mem::replace(&mut self.session.stopping, true);
-        let result = self.reach(Goal::Stop);
+        let result = self.reach(Goal::Stop).await;
         self.session.stopping = stopping;
         result
     }
@@ -415,22 +419,22 @@ impl<'s, M: Wire> Axis<'s, M> {
     pub fn coasts(&self) -> bool {
         let off = |view: &AxisView| view.seen.is_some_and(Seen::pulses_off);
         let told = self.status().map(|status| status.view);
-        !self.operated && told.is_some_and(|view| view.turns && off(&view))
+        told.is_some_and(|view| !view.operated && view.turns && off(&view))
     }
 
     /// Keeps what was reached for `time`.
     ///
     /// # Errors
     /// As soon as the drive leaves it, the connection is lost or the caller wants to stop.
-    pub fn hold(&mut self, time: Duration) -> Result<(), Error> {
-        self.hold_until(time, |_| false).map(|_| ())
+    pub async fn hold(&mut self, time: Duration) -> Result<(), Error> {
+        self.hold_until(time, |_| false).await.map(|_| ())
     }
 
     /// Keeps what was reached until `enough`, at most for `time`; true if it was enough.
     ///
     /// # Errors
     /// As [`hold`](Self::hold).
-    pub fn hold_until(
+    pub async fn hold_until(
         &mut self,
         time: Duration,
         mut enough: impl FnMut(&AxisStatus) -> bool,
@@ -438,7 +442,7 @@ impl<'s, M: Wire> Axis<'s, M> {
         let end = self.session.now() + time;
         loop {
             let before = self.session.bind(end);
-            let status = self.look();
+            let status = self.look().await;
             self.session.bound = before;
             if enough(&status?) {
                 return Ok(true);
@@ -446,68 +450,84 @@ impl<'s, M: Wire> Axis<'s, M> {
             if self.session.now() >= end {
                 return Ok(false);
             }
-            self.session.step(end)?;
+            self.session.step(end).await?;
         }
-    }
-
-    /// Stops the axis, gives control back and closes the connection. An axis that [`coasts`](Self::coasts) is not waited
-    /// for.
-    ///
-    /// # Errors
-    /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
-    pub fn release(self) -> Result<(), Error> {
-        self.release_and_look().map(|_| ())
-    }
-
-    /// The same; returns how the axis was when control was given back.
-    ///
-    /// # Errors
-    /// As [`release`](Self::release).
-    pub fn release_and_look(mut self) -> Result<Rest, Error> {
-        self.shut_down()?;
-        Ok(self.rest)
     }
 
     pub(super) fn pursue(&mut self, goal: Goal) {
         let now = self.session.now();
         self.told = false;
-        self.operated |= goal.operates();
-        self.session.client.pursue(now, self.link, goal);
+        self.session.client().pursue(now, self.link, goal);
     }
 
     /// An axis that stopped by itself meanwhile is not started again before the caller knows.
-    fn untold(&mut self) -> Result<(), Error> {
+    async fn untold(&mut self) -> Result<(), Error> {
         if self.told {
             return Ok(());
         }
-        self.look().map(|_| ())
+        self.look().await.map(|_| ())
     }
 
-    fn reach(&mut self, goal: Goal) -> Result<(), Error> {
+    async fn reach(&mut self, goal: Goal) -> Result<(), Error> {
+        self.stopped().await?;
         self.pursue(goal);
         self.arrive(None, "", |status| status.view.progress == Progress::Reached)
+            .await
+            .map(|_| ())
+    }
+
+    /// Waits for the end of a stop under way, as the one that begins when an [`Enabled`] goes. How it ended is told with the
+    /// release.
+    ///
+    /// # Errors
+    /// When the wire fails. A caller's wish to stop does not interrupt it.
+    pub async fn stopped(&mut self) -> Result<(), Error> {
+        let stopping = std::mem::replace(&mut self.session.stopping, true);
+        let stopped = self.stopped_now().await;
+        self.session.stopping = stopping;
+        stopped
+    }
+
+    async fn stopped_now(&mut self) -> Result<(), Error> {
+        let stops = |view: &AxisView| view.goal == Goal::Stop && !view.at_rest;
+        while self.status().is_some_and(|status| stops(&status.view)) && self.lost().is_none() {
+            let stopped = self.look().await;
+            if !matches!(
+                stopped,
+                Ok(_)
+                    | Err(Error::Axis {
+                        trouble: Trouble::QuickStopUsed,
+                        ..
+                    })
+            ) {
+                return Ok(());
+            }
+            self.session.look_again().await?;
+        }
+        Ok(())
     }
 
     /// Waits until `enough`, for no longer than `limit`.
-    pub(super) fn arrive(
+    pub(super) async fn arrive(
         &mut self,
         limit: Option<Duration>,
         what: &'static str,
         mut enough: impl FnMut(&AxisStatus) -> bool,
-    ) -> Result<(), Error> {
+    ) -> Result<AxisStatus, Error> {
         let begin = self.session.now();
         loop {
             let before = self.session.bound;
             if let Some(limit) = limit {
                 self.session.bind(begin + limit);
             }
-            let status = self.look();
+            let status = self.look().await;
             if status.as_ref().is_ok_and(|status| status.view.stays_away) {
-                self.gather();
+                self.gather().await;
             }
             self.session.bound = before;
-            if enough(&status?) {
-                return Ok(());
+            let status = status?;
+            if enough(&status) {
+                return Ok(status);
             }
             if let Some(limit) = limit.filter(|&limit| self.session.now() - begin >= limit) {
                 return Err(Error::NotInTime {
@@ -516,18 +536,32 @@ impl<'s, M: Wire> Axis<'s, M> {
                     limit,
                 });
             }
-            // the control has its own limits and fails; this one only wakes it
-            let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));
-            self.session.step(soon)?;
+            // the control has its own limits and fails
+            let soon = self.session.now() + GLANCE;
+            let end = limit.map_or(soon, |limit| begin + limit);
+            self.session.step(end.min(soon)).await?;
         }
     }
 
-    /// Shows the axis, and tells what went wrong.
-    pub(super) fn look(&mut self) -> Result<AxisStatus, Error> {
+    /// Shows the axis to whoever wants to see it.
+    fn show(&mut self) -> Option<AxisStatus> {
         let status = self.status();
         if let (Some(watcher), Some(status)) = (&mut self.watcher, &status) {
             watcher(status);
         }
+        status
+    }
+
+    /// Puts off the end of operation: see [`AxisSettings::lease`].
+    pub fn renew(&self) {
+        let deadline = self.session.now() + self.settings.lease;
+        let engine = self.session.engine();
+        engine.quietly().set_deadline(self.link, Some(deadline));
+    }
+
+    /// Shows the axis, and tells what went wrong.
+    pub(super) async fn look(&mut self) -> Result<AxisStatus, Error> {
+        let status = self.show();
         if let Some(error) = self.lost() {
             return Err(error);
         }
@@ -535,11 +569,8 @@ impl<'s, M: Wire> Axis<'s, M> {
             let what = "cyclic data";
             return Err(self.connection_lost(LostCause::Service(ServiceError::Closed { what })));
         };
-        let ramp = status.view.goal == Goal::Stop && !status.view.quick_stop && !status.view.at_rest;
-        if ramp && self.session.hurries() {
-            let now = self.session.now();
-            self.session.client.hurry(now, self.link);
-        }
+        self.renew();
+        self.session.hurry_on(self.link, &status.view);
         match status.view.progress {
             Progress::Failed(trouble) => {
                 self.told = true;
@@ -549,7 +580,7 @@ impl<'s, M: Wire> Axis<'s, M> {
                 })
             }
             Progress::Pursuing | Progress::Reached => {
-                self.look_for_warnings(&status);
+                self.look_for_warnings(&status).await;
                 Ok(status)
             }
         }
@@ -563,14 +594,7 @@ impl<'s, M: Wire> Axis<'s, M> {
 
     /// The error of a connection that is gone.
     pub(super) fn lost(&self) -> Option<Error> {
-        match self.session.client.connection(self.link) {
-            Connection::Lost(cause) => Some(self.connection_lost(cause)),
-            Connection::Silent => Some(Error::LineSilent {
-                drive: self.drive.label(),
-                reaction: Some(self.loss.clone()),
-            }),
-            _ => None,
-        }
+        rest::lost(&self.drive, self.connection(), &self.loss)
     }
 
     fn connection_lost(&self, cause: LostCause) -> Error {
@@ -583,6 +607,6 @@ impl<'s, M: Wire> Axis<'s, M> {
 
     /// What became of the connection.
     pub(super) fn connection(&self) -> Connection {
-        self.session.client.connection(self.link)
+        self.session.connection(self.link)
     }
 }

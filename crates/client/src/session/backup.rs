@@ -10,7 +10,7 @@ use super::parameters::{Outgoing, saver};
 use super::prepare::zsw1_of;
 use crate::backup::{Backup, Change, Choice, Header, Journal, Plan, Saved, Step, Window, everything};
 use crate::wide::halves;
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{Drive, Error, Refusal};
 use profile::value::{Interpretation, Selection};
 
 /// The lists of all parameters of a drive.
@@ -24,19 +24,20 @@ const PART: usize = 117;
 const REPAIRS: usize = 2;
 
 /// Where a journal is kept: on a disk, mostly.
-pub type Keep<'k> = dyn FnMut(&Journal) -> Result<(), Box<dyn std::error::Error + Send + Sync>> + 'k;
+pub type Keep<'k> = dyn FnMut(&Journal) -> Result<(), Box<dyn std::error::Error + Send + Sync>> + Send + 'k;
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// The numbers of all parameters, as the drive itself lists them (PNU 980 and following).
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn numbers(&mut self, drive: &mut Drive) -> Result<Vec<u16>, Error> {
+    pub async fn numbers(&mut self, drive: &mut Drive) -> Result<Vec<u16>, Error> {
         let mut numbers: Vec<u16> = Vec::new();
         for list in LISTS {
-            let selections = self.whole(drive, &[list])?;
+            let selections = self.whole(drive, &[list]).await?;
             let found: Vec<u16> = self
-                .read(drive, &selections)?
+                .read(drive, &selections)
+                .await?
                 .into_iter()
                 .flatten()
                 .filter_map(|reading| u16::try_from(reading.raw()?).ok())
@@ -56,12 +57,12 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn settings(&mut self, drive: &mut Drive) -> Result<Vec<Selection>, Error> {
+    pub async fn settings(&mut self, drive: &mut Drive) -> Result<Vec<Selection>, Error> {
         if drive.model.catalogue.is_some() && !drive.model.learned {
             return Ok(everything(&drive.model));
         }
-        let numbers = self.numbers(drive)?;
-        let descriptions = self.descriptions(drive, &numbers)?;
+        let numbers = self.numbers(drive).await?;
+        let descriptions = self.descriptions(drive, &numbers).await?;
         let described = numbers.into_iter().zip(descriptions);
         Ok(described
             .filter(|(pnu, description)| {
@@ -86,16 +87,16 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached. A refused parameter stands in the backup as refused.
-    pub fn backup(
+    pub async fn backup(
         &mut self,
         drive: &mut Drive,
-        progress: &mut dyn FnMut(usize, usize),
+        progress: &mut (dyn FnMut(usize, usize) + Send),
     ) -> Result<Backup, Error> {
-        let settings = self.settings(drive)?;
-        let mut backup = self.backup_of(drive, &settings, progress)?;
+        let settings = self.settings(drive).await?;
+        let mut backup = self.backup_of(drive, &settings, progress).await?;
         let window = drive.model.catalogue.and_then(Window::of);
         let rows: Vec<u16> = window.map_or_else(Vec::new, |window| window.rows().collect());
-        self.read_tasks(drive, &mut backup, &rows)?;
+        self.read_tasks(drive, &mut backup, &rows).await?;
         Ok(backup)
     }
 
@@ -103,7 +104,7 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn backup_like(&mut self, drive: &mut Drive, like: &Backup) -> Result<Backup, Error> {
+    pub async fn backup_like(&mut self, drive: &mut Drive, like: &Backup) -> Result<Backup, Error> {
         // what the file calls a parameter is one of this drive
         let selections: Vec<Selection> = like
             .selections()
@@ -119,8 +120,8 @@ impl<M: Wire> Session<M> {
                     .is_none_or(|one| one.access != Access::WriteOnly)
             })
             .collect();
-        let mut backup = self.backup_of(drive, &selections, &mut |_, _| {})?;
-        self.read_tasks(drive, &mut backup, &like.task_numbers())?;
+        let mut backup = self.backup_of(drive, &selections, &mut |_, _| {}).await?;
+        self.read_tasks(drive, &mut backup, &like.task_numbers()).await?;
         Ok(backup)
     }
 
@@ -128,20 +129,20 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn backup_of(
+    pub async fn backup_of(
         &mut self,
         drive: &mut Drive,
         selections: &[Selection],
-        progress: &mut dyn FnMut(usize, usize),
+        progress: &mut (dyn FnMut(usize, usize) + Send),
     ) -> Result<Backup, Error> {
-        let identity = self.identity(drive)?;
+        let identity = self.identity(drive).await?;
         // the scaling that the values are read with is that of the drive
         drive.scaled = false;
-        self.read_scaling(drive)?;
+        self.read_scaling(drive).await?;
         let mut answers = Vec::new();
         for (at, part) in selections.chunks(PART).enumerate() {
             progress(at * PART, selections.len());
-            answers.extend(self.read(drive, part)?);
+            answers.extend(self.read(drive, part).await?);
         }
         progress(selections.len(), selections.len());
         let mut parameters = drive.parameters;
@@ -160,8 +161,8 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn plan(&mut self, drive: &mut Drive, wanted: &Backup, choice: &Choice) -> Result<Plan, Error> {
-        let present = self.backup_like(drive, wanted)?;
+    pub async fn plan(&mut self, drive: &mut Drive, wanted: &Backup, choice: &Choice) -> Result<Plan, Error> {
+        let present = self.backup_like(drive, wanted).await?;
         Ok(Plan::new(wanted, &present, choice))
     }
 
@@ -169,29 +170,31 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn is_enabled(&mut self, drive: &mut Drive) -> Result<Option<bool>, Error> {
+    pub async fn is_enabled(&mut self, drive: &mut Drive) -> Result<Option<bool>, Error> {
         let active = drive
             .model
             .catalogue
             .and_then(|tables| tables.with_role(Role::Active));
         if let Some(active) = active {
             let selection = Selection::of(active, drive.parameters.notation());
-            let reading = self.read(drive, &[selection])?.into_iter().next();
+            let reading = self.read(drive, &[selection]).await?.into_iter().next();
             let raw = reading.and_then(Result::ok).and_then(|reading| reading.raw());
             return Ok(raw.map(|raw| raw != 0));
         }
         if drive.model.learned_or_none().is_some() {
             // only this number is sure to be the status word of a drive without tables
             let selection = Selection::number(ZSW1, Notation::Name);
-            let reading = self.read(drive, &[selection])?.into_iter().next();
+            let reading = self.read(drive, &[selection]).await?.into_iter().next();
             let raw = reading.and_then(Result::ok).and_then(|reading| reading.raw());
             return Ok(raw.map(|raw| raw & ENABLED != 0));
         }
-        let telegram = self.telegram_now(drive)?;
-        let told = self.ask(
-            drive,
-            &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
-        )?;
+        let telegram = self.telegram_now(drive).await?;
+        let told = self
+            .ask(
+                drive,
+                &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
+            )
+            .await?;
         let zsw1 = zsw1_of(drive, &told, telegram);
         // the motor turns as long as it is stopped too
         Ok(zsw1.map(power_is_on))
@@ -206,14 +209,14 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the power stage is on or comes on, the drive is lost, the caller wants to stop or `keep` fails. The journal
     /// then says what was done, what was not, and what is in doubt. Refused values are told in the journal only.
-    pub fn restore(
+    pub async fn restore(
         &mut self,
         drive: &mut Drive,
         journal: &mut Journal,
         save: bool,
         keep: &mut Keep<'_>,
     ) -> Result<(), Error> {
-        let result = self.restore_all(drive, journal, save, keep);
+        let result = self.restore_all(drive, journal, save, keep).await;
         match &result {
             Ok(()) => journal.complete(),
             Err(error) => journal.end(&error.to_string()),
@@ -222,7 +225,7 @@ impl<M: Wire> Session<M> {
         result.and(kept)
     }
 
-    fn restore_all(
+    async fn restore_all(
         &mut self,
         drive: &mut Drive,
         journal: &mut Journal,
@@ -230,27 +233,27 @@ impl<M: Wire> Session<M> {
         keep: &mut Keep<'_>,
     ) -> Result<(), Error> {
         let changes = journal.plan().changes.clone();
-        self.at_rest(drive)?;
+        self.at_rest(drive).await?;
         kept(drive, journal, keep)?;
         let mut due: Vec<usize> = (0..changes.len()).collect();
         for _ in 0..=REPAIRS {
-            self.write_all(drive, journal, &changes, &due, keep)?;
-            self.look_back(drive, journal, &changes)?;
+            self.write_all(drive, journal, &changes, &due, keep).await?;
+            self.look_back(drive, journal, &changes).await?;
             kept(drive, journal, keep)?;
             due = places(journal, |step| *step == Step::Differs);
             if due.is_empty() {
                 break;
             }
         }
-        self.restore_tasks(drive, journal, keep)?;
+        self.restore_tasks(drive, journal, keep).await?;
         if save && journal.is_done() {
-            self.save(drive, journal, keep)?;
+            self.save(drive, journal, keep).await?;
         }
         Ok(())
     }
 
     /// Writes the changes at `due`, and again what was refused while something else was taken.
-    fn write_all(
+    async fn write_all(
         &mut self,
         drive: &mut Drive,
         journal: &mut Journal,
@@ -262,8 +265,8 @@ impl<M: Wire> Session<M> {
         while !due.is_empty() {
             for group in groups(changes, &due, drive) {
                 self.glance()?;
-                self.at_rest(drive)?;
-                self.write_group(drive, journal, changes, &group, keep)?;
+                self.at_rest(drive).await?;
+                self.write_group(drive, journal, changes, &group, keep).await?;
             }
             let refused: Vec<usize> = due
                 .iter()
@@ -278,7 +281,7 @@ impl<M: Wire> Session<M> {
         Ok(())
     }
 
-    fn write_group(
+    async fn write_group(
         &mut self,
         drive: &mut Drive,
         journal: &mut Journal,
@@ -297,7 +300,7 @@ impl<M: Wire> Session<M> {
         kept(drive, journal, keep)?;
         // a scaling may be among them
         drive.scaled = false;
-        let answers = self.change(drive, &outgoing)?;
+        let answers = self.change(drive, &outgoing).await?;
         for (&at, answer) in group.iter().zip(answers) {
             let step = match answer {
                 Ok(()) => Step::Written,
@@ -309,7 +312,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// Reads everything back that was written, at the end: a later value can change an earlier one.
-    fn look_back(
+    async fn look_back(
         &mut self,
         drive: &mut Drive,
         journal: &mut Journal,
@@ -323,7 +326,7 @@ impl<M: Wire> Session<M> {
             .filter_map(|&at| changes.get(at))
             .map(|change| selection(drive, change))
             .collect();
-        let back = self.read(drive, &selections)?;
+        let back = self.read(drive, &selections).await?;
         for (&at, back) in written.iter().zip(back) {
             let Some(change) = changes.get(at) else { continue };
             // what cannot be read stays what the drive said: written
@@ -337,7 +340,12 @@ impl<M: Wire> Session<M> {
         Ok(())
     }
 
-    fn save(&mut self, drive: &mut Drive, journal: &mut Journal, keep: &mut Keep<'_>) -> Result<(), Error> {
+    async fn save(
+        &mut self,
+        drive: &mut Drive,
+        journal: &mut Journal,
+        keep: &mut Keep<'_>,
+    ) -> Result<(), Error> {
         if drive.model.dialect.saving == Saving::Always {
             journal.set_saved(Saved::Yes);
             return Ok(());
@@ -355,7 +363,7 @@ impl<M: Wire> Session<M> {
         };
         journal.set_saved(Saved::InDoubt);
         kept(drive, journal, keep)?;
-        let answer = self.change(drive, &[outgoing])?.into_iter().next();
+        let answer = self.change(drive, &[outgoing]).await?.into_iter().next();
         journal.set_saved(match answer {
             Some(Ok(())) => Saved::Yes,
             Some(Err(refusal)) => Saved::Refused(refusal),
@@ -364,8 +372,8 @@ impl<M: Wire> Session<M> {
         Ok(())
     }
 
-    pub(super) fn at_rest(&mut self, drive: &mut Drive) -> Result<(), Error> {
-        let what = match self.is_enabled(drive)? {
+    pub(super) async fn at_rest(&mut self, drive: &mut Drive) -> Result<(), Error> {
+        let what = match self.is_enabled(drive).await? {
             Some(false) => return Ok(()),
             Some(true) => "the power stage is on",
             None => "the drive does not tell whether its power stage is on",

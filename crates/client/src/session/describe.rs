@@ -5,7 +5,7 @@ use profile::parameter::{Description, Identifier, Kind};
 
 use super::Session;
 use crate::learn::Values;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 use profile::value::Selection;
 
 /// What a drive says of one of its parameters: its description (attribute 0x20) and its texts (attribute 0x30).
@@ -41,18 +41,22 @@ pub enum DescribedLimits {
     Own(f64, f64),
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Asks the drive to describe a parameter; `None` when it does not. Values that are elements of a collecting number
     /// (the application ids of a Vacon) and halves of a 64-bit value have no description of their own and are not asked for.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn described(&mut self, drive: &Drive, selection: &Selection) -> Result<Option<Described>, Error> {
+    pub async fn described(
+        &mut self,
+        drive: &Drive,
+        selection: &Selection,
+    ) -> Result<Option<Described>, Error> {
         let row = selection.parameter;
         if row.is_some_and(|row| row.base.is_some() || row.wide) {
             return Ok(None);
         }
-        let description = match self.descriptions(drive, &[selection.pnu]) {
+        let description = match self.descriptions(drive, &[selection.pnu]).await {
             Ok(mut answers) => answers.pop().flatten(),
             // a drive that knows values only
             Err(Error::Record { .. } | Error::Malformed { .. }) => None,
@@ -63,7 +67,7 @@ impl<M: Wire> Session<M> {
         };
         let identifier = description.identifier;
         let texts = if identifier.has(Identifier::TEXT) && !drive.is_on_line() {
-            self.texts(drive, selection.pnu)?
+            self.texts(drive, selection.pnu).await?
         } else {
             Vec::new()
         };

@@ -7,10 +7,10 @@ use profile::catalogue::Part;
 use profile::state::Mode;
 use profinet::Instant;
 
-use super::Axis;
 use super::axis::{AxisStatus, speed_setpoint};
+use super::{Axis, GLANCE};
 use crate::axis::{Evidence, Goal, Jog, Move, MovePlan, Progress, SpeedUnit, Traverse};
-use crate::{Connection, Error, Wire};
+use crate::{Connection, Error};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
 const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
@@ -29,32 +29,32 @@ const ON_THE_SPOT: [i64; 2] = [0, 13];
 ///
 /// It stands for operation that was reached. When the drive leaves it, by a fault for example, every motion returns
 /// what happened and nothing is sent: the axis has to be enabled again.
-pub struct Enabled<'a, 's, M: Wire> {
-    axis: &'a mut Axis<'s, M>,
+pub struct Enabled<'a> {
+    axis: &'a mut Axis,
 }
 
-impl<M: Wire> std::fmt::Debug for Enabled<'_, '_, M> {
+impl std::fmt::Debug for Enabled<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Enabled").field(&self.axis).finish()
     }
 }
 
-impl<'s, M: Wire> Deref for Enabled<'_, 's, M> {
-    type Target = Axis<'s, M>;
+impl Deref for Enabled<'_> {
+    type Target = Axis;
 
     fn deref(&self) -> &Self::Target {
         self.axis
     }
 }
 
-impl<M: Wire> DerefMut for Enabled<'_, '_, M> {
+impl DerefMut for Enabled<'_> {
     fn deref_mut(&mut self) -> &mut Self::Target {
         self.axis
     }
 }
 
-impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
-    pub(super) const fn new(axis: &'a mut Axis<'s, M>) -> Self {
+impl<'a> Enabled<'a> {
+    pub(super) const fn new(axis: &'a mut Axis) -> Self {
         Self { axis }
     }
 
@@ -64,7 +64,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     /// # Errors
     /// A speed above the limit or one that cannot be told ([`Session::check_speed`](crate::Session::check_speed)), a drive in position mode, and when the axis is not
     /// enabled any more.
-    pub fn run(&mut self, rpm: f64) -> Result<(), Error> {
+    pub async fn run(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
             return Err(Error::SpeedLimit {
@@ -74,9 +74,9 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
             });
         }
         let setpoint = speed_setpoint(&self.axis.drive, &self.axis.scale, rpm)?;
-        self.axis.fastest = self.axis.fastest.max(rpm.abs());
+        self.axis.ending.note_speed(rpm.abs());
         self.axis.evidence = None;
-        self.reach(Goal::Run { setpoint }, None, "")
+        self.reach(Goal::Run { setpoint }, None, "").await
     }
 
     /// Follows this speed from now on, in rpm, and returns once the axis has it: by NIST_A, or by ZSW1 bit 10 where the
@@ -84,13 +84,13 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     ///
     /// # Errors
     /// When the axis does not come up to the speed, and as [`run`](Self::run).
-    pub fn reach_speed(&mut self, rpm: f64, limit: Option<Duration>) -> Result<(), Error> {
-        self.run(rpm)?;
+    pub async fn reach_speed(&mut self, rpm: f64, limit: Option<Duration>) -> Result<(), Error> {
+        self.run(rpm).await?;
         let limit = limit.unwrap_or_else(|| self.speed_time(rpm) * SPEED_PATIENCE.0 + SPEED_PATIENCE.1);
         let begin = self.axis.session.now();
         let mut highest: Option<f64> = None;
         loop {
-            let status = self.axis.look()?;
+            let status = self.axis.look().await?;
             if has_speed(&status, rpm) {
                 return Ok(());
             }
@@ -99,7 +99,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
                 highest = if faster { Some(actual) } else { highest };
             }
             if self.axis.session.now() - begin >= limit {
-                self.axis.gather();
+                self.axis.gather().await;
                 return Err(self.axis.with_evidence(Error::SpeedNotReached {
                     drive: self.axis.drive.label(),
                     wanted: rpm,
@@ -108,8 +108,8 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
                     unit: self.axis.scale.unit().symbol(),
                 }));
             }
-            let soon = self.axis.session.now() + self.axis.cycle();
-            self.axis.session.step(soon)?;
+            let soon = self.axis.session.now() + GLANCE;
+            self.axis.session.step(soon.min(begin + limit)).await?;
         }
     }
 
@@ -118,26 +118,26 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     /// # Errors
     /// When the axis does not follow any more for a second, when somebody changes the scale of its speeds, and as
     /// [`hold`](Axis::hold).
-    pub fn keep_speed(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
+    pub async fn keep_speed(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
         let end = self.axis.session.now() + time;
         // no parameter makes the motion longer
         let before = self.axis.session.bind(end);
-        let kept = self.keep_until(rpm, end);
+        let kept = self.keep_until(rpm, end).await;
         self.axis.session.bound = before;
         kept
     }
 
-    fn keep_until(&mut self, rpm: f64, end: Instant) -> Result<(), Error> {
+    async fn keep_until(&mut self, rpm: f64, end: Instant) -> Result<(), Error> {
         let mut followed = self.axis.session.now();
         let mut checked = followed;
         loop {
-            let status = self.axis.look()?;
+            let status = self.axis.look().await?;
             let now = self.axis.session.now();
             if has_speed(&status, rpm) {
                 followed = now;
             } else if now - followed >= AWAY {
-                self.check_scale(now + SCALE_CHECK)?;
-                self.axis.gather();
+                self.check_scale(now + SCALE_CHECK).await?;
+                self.axis.gather().await;
                 return Err(self.axis.with_evidence(Error::SpeedLost {
                     drive: self.axis.drive.label(),
                     wanted: rpm,
@@ -150,24 +150,30 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
                 return Ok(());
             }
             if now - checked >= SCALE_CHECK {
-                self.check_scale(followed + AWAY)?;
+                self.check_scale(followed + AWAY).await?;
                 checked = self.axis.session.now();
             }
             let soon = (checked + SCALE_CHECK).min(followed + AWAY).min(end);
-            self.axis.session.step(soon.max(now + Duration::from_millis(1)))?;
+            self.axis
+                .session
+                .step(soon.max(now + Duration::from_millis(1)))
+                .await?;
         }
     }
 
     /// The setpoint means what it meant when the axis was taken, as far as the drive says so until `due`. On a serial line
     /// the setpoint has a scale of its own.
-    fn check_scale(&mut self, due: Instant) -> Result<(), Error> {
+    async fn check_scale(&mut self, due: Instant) -> Result<(), Error> {
         if self.axis.drive.is_on_line() {
             return Ok(());
         }
         let mut drive = self.axis.drive.clone();
         drive.scaled = false;
-        let session = &mut *self.axis.session;
-        match session.until(due, |session| session.read_scaling(&mut drive)) {
+        let session = &mut self.axis.session;
+        let before = session.bind(due);
+        let told = session.read_scaling(&mut drive).await;
+        session.bound = before;
+        match told {
             Ok(()) => {}
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             // a lost connection is seen by the exchange of data; a parameter channel that is busy is asked again
@@ -198,8 +204,8 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     ///
     /// # Errors
     /// When the axis does not come to a standstill first, or is not enabled any more.
-    pub fn jog(&mut self, jog: Jog) -> Result<(), Error> {
-        self.reach(Goal::Jog(jog), None, "")
+    pub async fn jog(&mut self, jog: Jog) -> Result<(), Error> {
+        self.reach(Goal::Jog(jog), None, "").await
     }
 
     /// Jogs at a speed given from here, in rpm, with the ramps of the drive (real-time jogging, STW1 bits 12 and 13). Called
@@ -207,7 +213,7 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     ///
     /// # Errors
     /// A speed above the limits ([`Session::check_jog`](crate::Session::check_jog)), a drive in velocity mode, and as [`jog`](Self::jog).
-    pub fn jog_at(&mut self, rpm: f64) -> Result<(), Error> {
+    pub async fn jog_at(&mut self, rpm: f64) -> Result<(), Error> {
         let limit = self.axis.settings.speed_limit;
         if rpm.is_nan() || rpm.abs() > limit {
             return Err(Error::SpeedLimit {
@@ -218,24 +224,24 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
         }
         let ramps = [self.axis.acceleration, self.axis.deceleration];
         let mut drive = self.axis.drive.clone();
-        let plan = self.axis.session.plan_jog(&mut drive, rpm, ramps, limit)?;
-        self.axis.fastest = self.axis.fastest.max(plan.speed);
+        let plan = self.axis.session.plan_jog(&mut drive, rpm, ramps, limit).await?;
+        self.axis.ending.note_speed(plan.speed);
         self.axis.evidence = None;
         let goal = Goal::RealTimeJog {
             values: plan.traverse,
             backwards: rpm < 0.0,
         };
-        self.reach(goal, None, "")
+        self.reach(goal, None, "").await
     }
 
     /// What holds an axis that stands though it was told to jog, as far as the drive says.
-    pub fn held_back(&mut self) -> Option<Evidence> {
+    pub async fn held_back(&mut self) -> Option<Evidence> {
         let status = self.axis.status()?;
         let tells = status.view.mode == Mode::Position || status.speed_actual.is_some();
         if status.view.turns || !tells {
             return None;
         }
-        self.axis.gather();
+        self.axis.gather().await;
         self.axis.evidence.filter(|evidence| evidence.cause().is_some())
     }
 
@@ -243,49 +249,52 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     ///
     /// # Errors
     /// When something speaks against it, the drive does not accept it, or the axis is not enabled any more.
-    pub fn start(&mut self, plan: &MovePlan) -> Result<(), Error> {
+    pub async fn start(&mut self, plan: &MovePlan) -> Result<(), Error> {
         if !plan.objections.is_empty() {
             return Err(Error::Objections {
                 drive: self.axis.drive.label(),
                 objections: plan.objections.clone(),
             });
         }
-        self.axis.fastest = self.axis.fastest.max(plan.speed);
-        self.begin(plan.traverse, plan.target)
+        self.axis.ending.note_speed(plan.speed);
+        self.begin(plan.traverse, plan.target).await
     }
 
     /// Starts a task of the drive's table; returns once the drive has accepted it.
     ///
     /// # Errors
     /// As [`start`](Self::start).
-    pub fn start_task(&mut self, number: u16) -> Result<(), Error> {
-        self.begin(Traverse::task(number), None)
+    pub async fn start_task(&mut self, number: u16) -> Result<(), Error> {
+        self.begin(Traverse::task(number), None).await
     }
 
     /// Plans a move, starts it and waits until the target is reached.
     ///
     /// # Errors
     /// As [`start`](Self::start), and when the target is not reached.
-    pub fn move_to(&mut self, order: &Move) -> Result<(), Error> {
-        let plan = self.axis.plan(order)?;
-        self.start(&plan)?;
+    pub async fn move_to(&mut self, order: &Move) -> Result<AxisStatus, Error> {
+        let plan = self.axis.plan(order).await?;
+        self.start(&plan).await?;
         let limit = plan
             .duration
             .map(|seconds| Duration::from_secs_f64(seconds) * PATIENCE.0 + PATIENCE.1);
-        self.wait(limit)
+        self.reach_target(limit).await
     }
 
-    /// Waits until the task under way is at its target, or homing has ended.
+    /// Waits until the task under way is at its target, or homing has ended; returns how the axis was at that moment.
     ///
     /// # Errors
     /// When it takes longer than `limit`, the axis stops elsewhere, the drive leaves operation, the connection is lost
     /// or the caller wants to stop. The motion is still under way then until this object goes.
-    pub fn wait(&mut self, limit: Option<Duration>) -> Result<(), Error> {
-        let result = self.axis.arrive(limit, "reaching the target", |status| {
-            status.view.progress == Progress::Reached
-        });
+    pub async fn reach_target(&mut self, limit: Option<Duration>) -> Result<AxisStatus, Error> {
+        let result = self
+            .axis
+            .arrive(limit, "reaching the target", |status| {
+                status.view.progress == Progress::Reached
+            })
+            .await;
         if let Err(Error::NotInTime { .. }) = &result {
-            self.axis.gather();
+            self.axis.gather().await;
         }
         result.map_err(|error| self.axis.with_evidence(error))
     }
@@ -294,64 +303,69 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
     ///
     /// # Errors
     /// When homing does not begin, fails or takes longer than `limit`, and as [`start`](Self::start).
-    pub fn home(&mut self, limit: Option<Duration>) -> Result<(), Error> {
-        let on_the_spot = self.homes_on_the_spot()?;
-        self.reach(Goal::Home { on_the_spot }, limit, "homing")
+    pub async fn home(&mut self, limit: Option<Duration>) -> Result<(), Error> {
+        let on_the_spot = self.homes_on_the_spot().await?;
+        self.reach(Goal::Home { on_the_spot }, limit, "homing").await
     }
 
     /// Intermediate stop: the task stays, [`resume`](Self::resume) goes on with it. Returns at standstill.
     ///
     /// # Errors
     /// When the axis does not come to a standstill, or is not enabled any more.
-    pub fn pause(&mut self) -> Result<(), Error> {
-        self.reach(Goal::Pause, None, "")
+    pub async fn pause(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Pause, None, "").await
     }
 
     /// Goes on with the task that a pause holds.
     ///
     /// # Errors
     /// When no task is held, or the axis is not enabled any more.
-    pub fn resume(&mut self) -> Result<(), Error> {
-        let status = self.axis.look()?;
+    pub async fn resume(&mut self) -> Result<(), Error> {
+        let status = self.axis.look().await?;
         let held = status.view.held.ok_or(profinet::controller::Misuse::Range(
             "resume without a paused task",
         ))?;
-        self.pursue_enabled(Goal::Traverse(held))
+        self.pursue_enabled(Goal::Traverse(held)).await
     }
 
     /// Stops along the ramp and stays enabled; a task is discarded. Returns at standstill.
     ///
     /// # Errors
     /// When the axis does not come to a standstill, or is not enabled any more.
-    pub fn halt(&mut self) -> Result<(), Error> {
-        self.reach(Goal::Enabled, None, "")
+    pub async fn halt(&mut self) -> Result<(), Error> {
+        self.reach(Goal::Enabled, None, "").await
     }
 
     /// Ramp stop (OFF1) and the end of operation.
     ///
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost.
-    pub fn disable(self) -> Result<(), Error> {
-        self.axis.stop()
+    pub async fn disable(self) -> Result<(), Error> {
+        self.axis.stop().await
     }
 
-    fn begin(&mut self, traverse: Traverse, target: Option<f64>) -> Result<(), Error> {
-        self.pursue_enabled(Goal::Traverse(traverse))?;
+    async fn begin(&mut self, traverse: Traverse, target: Option<f64>) -> Result<(), Error> {
+        self.pursue_enabled(Goal::Traverse(traverse)).await?;
         self.axis.evidence = None;
         self.axis.target = target;
         // the control has its own limit for the handshake
-        self.axis.arrive(None, "", |status| status.view.accepted)
+        self.axis
+            .arrive(None, "", |status| status.view.accepted)
+            .await
+            .map(|_| ())
     }
 
-    fn reach(&mut self, goal: Goal, limit: Option<Duration>, what: &'static str) -> Result<(), Error> {
-        self.pursue_enabled(goal)?;
+    async fn reach(&mut self, goal: Goal, limit: Option<Duration>, what: &'static str) -> Result<(), Error> {
+        self.pursue_enabled(goal).await?;
         self.axis
             .arrive(limit, what, |status| status.view.progress == Progress::Reached)
+            .await
+            .map(|_| ())
     }
 
     /// Nothing is pursued any more once the axis has been told to stop, or stopped by itself.
-    fn pursue_enabled(&mut self, goal: Goal) -> Result<(), Error> {
-        let status = self.axis.look()?;
+    async fn pursue_enabled(&mut self, goal: Goal) -> Result<(), Error> {
+        let status = self.axis.look().await?;
         if !status.view.goal.operates() {
             return Err(Error::NotEnabled {
                 drive: self.axis.drive.label(),
@@ -368,9 +382,9 @@ impl<'a, 's, M: Wire> Enabled<'a, 's, M> {
         Ok(())
     }
 
-    fn homes_on_the_spot(&mut self) -> Result<bool, Error> {
+    async fn homes_on_the_spot(&mut self) -> Result<bool, Error> {
         let mut drive = self.axis.drive.clone();
-        let told = self.axis.session.ask(&mut drive, &[Part::HomeMode])?;
+        let told = self.axis.session.ask(&mut drive, &[Part::HomeMode]).await?;
         let mode = told.raw(Part::HomeMode);
         Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
     }
@@ -384,20 +398,14 @@ fn has_speed(status: &AxisStatus, rpm: f64) -> bool {
     }
 }
 
-impl<M: Wire> Drop for Enabled<'_, '_, M> {
+impl Drop for Enabled<'_> {
     fn drop(&mut self) {
-        if std::thread::panicking() {
-            // a watcher that panics once more would end the process before the axis stands
-            self.axis.watcher = None;
-            self.axis.warnings = Default::default();
-        }
         let operates = self
             .axis
             .status()
             .is_some_and(|status| status.view.goal.operates());
         if operates && self.axis.connection() == Connection::Running {
-            // nobody is left to tell
-            let _ = self.axis.come_to_rest();
+            self.axis.begin_stop();
         }
     }
 }

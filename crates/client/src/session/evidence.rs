@@ -5,8 +5,8 @@ use std::time::Duration;
 use profile::catalogue::Part;
 
 use super::Axis;
+use crate::Error;
 use crate::axis::Evidence;
-use crate::{Error, Wire};
 
 const PARTS: [Part; 7] = [
     Part::FollowingError,
@@ -21,16 +21,19 @@ const PARTS: [Part; 7] = [
 /// How long a drive in motion may take to tell what is only told beside.
 pub(super) const BESIDE: Duration = Duration::from_millis(500);
 
-impl<M: Wire> Axis<'_, M> {
+impl Axis {
     /// Reads it now, if it has not been read since the motion began.
-    pub(super) fn gather(&mut self) {
+    pub(super) async fn gather(&mut self) {
         if self.evidence.is_some() {
             return;
         }
         let mut drive = self.drive.clone();
         // why it does not move is told beside what went wrong, never in its place
         let due = self.session.now() + BESIDE;
-        let Ok(told) = self.session.until(due, |session| session.ask(&mut drive, &PARTS)) else {
+        let before = self.session.bind(due);
+        let told = self.session.ask(&mut drive, &PARTS).await;
+        self.session.bound = before;
+        let Ok(told) = told else {
             // asked once: the axis is to be looked at
             self.evidence = Some(Evidence::default());
             return;

@@ -8,7 +8,7 @@ use profile::parameter::pnu;
 use super::Session;
 use super::prepare::zsw1_of;
 use super::told::Told;
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
 /// What is asked beside the buffer.
@@ -130,25 +130,25 @@ impl FaultReport {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// The fault buffer, newest situation first, read so that all of it belongs together.
     ///
     /// # Errors
     /// When the drive cannot be reached, has no fault buffer, or the buffer keeps changing.
-    pub fn faults(&mut self, drive: &mut Drive) -> Result<Vec<FaultEntry>, Error> {
-        let shape = self.fault_shape(drive)?;
-        Ok(self.fault_buffer(drive, shape)?.1)
+    pub async fn faults(&mut self, drive: &mut Drive) -> Result<Vec<FaultEntry>, Error> {
+        let shape = self.fault_shape(drive).await?;
+        Ok(self.fault_buffer(drive, shape).await?.1)
     }
 
     /// Fault buffer and warnings.
     ///
     /// # Errors
     /// When the drive cannot be reached, has no fault buffer, or the buffer keeps changing.
-    pub fn fault_report(&mut self, drive: &mut Drive) -> Result<FaultReport, Error> {
-        let shape = self.fault_shape(drive)?;
-        let (counter, faults) = self.fault_buffer(drive, shape)?;
-        let telegram = self.telegram_now(drive)?;
-        let told = self.ask(drive, &PARTS)?;
+    pub async fn fault_report(&mut self, drive: &mut Drive) -> Result<FaultReport, Error> {
+        let shape = self.fault_shape(drive).await?;
+        let (counter, faults) = self.fault_buffer(drive, shape).await?;
+        let telegram = self.telegram_now(drive).await?;
+        let told = self.ask(drive, &PARTS).await?;
         let mut faults = faults;
         // a drive may tell a fault by its bit before the buffer has it
         for (number, _) in by_bits(drive, &told, false) {
@@ -185,26 +185,28 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn warnings(&mut self, drive: &Drive) -> Result<Option<Vec<WarningEntry>>, Error> {
+    pub async fn warnings(&mut self, drive: &Drive) -> Result<Option<Vec<WarningEntry>>, Error> {
         let mut drive = drive.clone();
-        let told = self.ask(&mut drive, &[Part::Warning, Part::WarningWord])?;
+        let told = self.ask(&mut drive, &[Part::Warning, Part::WarningWord]).await?;
         Ok(warnings(&drive, &told))
     }
 
     /// How the buffer is divided: as the tables say, else as the drive says if that fits its elements, else eight by
     /// eight, or as many situations of one fault.
-    fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
+    async fn fault_shape(&mut self, drive: &mut Drive) -> Result<Shape, Error> {
         let elements = self
-            .extents(drive, &[pnu::FAULT_NUMBERS])?
+            .extents(drive, &[pnu::FAULT_NUMBERS])
+            .await?
             .first()
             .copied()
             .unwrap_or(0);
         if drive.model.learned_or_none().is_none() {
             return Ok(shape_of(elements));
         }
-        let division = self.whole(drive, &[pnu::FAULT_DIVISION])?;
+        let division = self.whole(drive, &[pnu::FAULT_DIVISION]).await?;
         let values: Vec<u16> = self
-            .read(drive, &division)?
+            .read(drive, &division)
+            .await?
             .into_iter()
             .flatten()
             .filter_map(|reading| u16::try_from(reading.raw()?).ok())
@@ -213,11 +215,17 @@ impl<M: Wire> Session<M> {
         Ok(told.unwrap_or_else(|| shape_of(elements)))
     }
 
-    fn fault_buffer(&mut self, drive: &mut Drive, shape: Shape) -> Result<(u16, Vec<FaultEntry>), Error> {
+    async fn fault_buffer(
+        &mut self,
+        drive: &mut Drive,
+        shape: Shape,
+    ) -> Result<(u16, Vec<FaultEntry>), Error> {
         let counter = drive
             .parameters
             .select(&ParameterReference::number(pnu::FAULT_COUNTER))?;
-        let whole = self.whole(drive, &[pnu::FAULT_NUMBERS, pnu::FAULT_TIMES, pnu::FAULT_VALUES])?;
+        let whole = self
+            .whole(drive, &[pnu::FAULT_NUMBERS, pnu::FAULT_TIMES, pnu::FAULT_VALUES])
+            .await?;
         let part = |number| whole.iter().find(|selection| selection.pnu == number).copied();
         // a drive without fault numbers says so itself
         let numbers =
@@ -229,20 +237,20 @@ impl<M: Wire> Session<M> {
         loop {
             match order.next() {
                 Next::Counter => {
-                    let reading = self.read_one(drive, &counter)?;
+                    let reading = self.read_one(drive, &counter).await?;
                     count = reading.raw().and_then(|raw| u16::try_from(raw).ok()).unwrap_or(0);
                     order.counter(count);
                 }
                 Next::Buffer => {
                     for (buffer, selection) in buffers.iter_mut().zip(parts) {
                         *buffer = match selection {
-                            Some(selection) => self.read(drive, &[selection])?,
+                            Some(selection) => self.read(drive, &[selection]).await?,
                             None => Vec::new(),
                         };
                     }
                     // a counter of situations says nothing of an acknowledge between two parts of the buffer
                     let one_answer = parts.iter().flatten().count() == 1;
-                    if one_answer || self.read(drive, &[numbers])? == buffers[0] {
+                    if one_answer || self.read(drive, &[numbers]).await? == buffers[0] {
                         order.buffer();
                     } else {
                         order.torn();

@@ -6,7 +6,7 @@ use profinet::controller::{DcpId, DcpReply, Filter, IdentifyOptions, Misuse, Sta
 use profinet::{Instant, IpSuite, MacAddress};
 
 use super::Session;
-use crate::{Client, Drive, DriveAddress, Error, Wire};
+use crate::{Client, Drive, DriveAddress, Error};
 
 /// Longer than any DCP request may take with its repetitions.
 const DCP_LIMIT: Duration = Duration::from_secs(30);
@@ -15,12 +15,12 @@ const MAPPER_LIMIT: Duration = Duration::from_secs(10);
 /// How long a second station of the same name may take to answer: ten times the response delay asked for.
 const SECOND_ANSWER: Duration = Duration::from_millis(100);
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Everybody who answers within `time`, by name and address.
     ///
     /// # Errors
     /// When the medium fails or the caller wants to stop.
-    pub fn scan(&mut self, time: Duration) -> Result<Vec<Station>, Error> {
+    pub async fn scan(&mut self, time: Duration) -> Result<Vec<Station>, Error> {
         let factor = u16::try_from(time.as_millis() / 20)
             .unwrap_or(u16::MAX)
             .clamp(1, 6400);
@@ -33,35 +33,39 @@ impl<M: Wire> Session<M> {
                 sends: 2,
             },
         )
+        .await
     }
 
-    fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
+    async fn identify(&mut self, filter: Filter, options: IdentifyOptions) -> Result<Vec<Station>, Error> {
         let now = self.now();
-        let id = self.client.controller().identify_with(now, filter, options)?;
+        let id = self.client().controller().identify_with(now, filter, options)?;
         let limit = Duration::from_millis(10) * u32::from(options.delay_factor) + options.margin + DCP_LIMIT;
         let mut stations = self
-            .wait(limit, |client| client.take_stations(id))?
+            .wait(limit, |client| client.take_stations(id))
+            .await?
             .unwrap_or_default();
         stations.sort_by(|a, b| (&a.name, a.ip.address, a.mac).cmp(&(&b.name, b.ip.address, b.mac)));
         Ok(stations)
     }
 
     /// Who answers to a filter that fits one station: soon after the first answer nobody else is to be expected.
-    fn identify_one(&mut self, filter: Filter) -> Result<Vec<Station>, Error> {
+    async fn identify_one(&mut self, filter: Filter) -> Result<Vec<Station>, Error> {
         let now = self.now();
         let id = self
-            .client
+            .client()
             .controller()
             .identify_with(now, filter, IdentifyOptions::ONE)?;
-        let mut stations = self.wait(DCP_LIMIT, |client| {
-            (client.stations_so_far(id) > 0)
-                .then(Vec::new)
-                .or_else(|| client.take_stations(id))
-        })?;
-        if self.client.stations_so_far(id) > 0 {
-            self.pass(SECOND_ANSWER)?;
-            self.client.controller().cancel_dcp(id);
-            stations = Some(self.client.take_stations_so_far(id));
+        let mut stations = self
+            .wait(DCP_LIMIT, |client| {
+                (client.stations_so_far(id) > 0)
+                    .then(Vec::new)
+                    .or_else(|| client.take_stations(id))
+            })
+            .await?;
+        if self.client().stations_so_far(id) > 0 {
+            self.pass(SECOND_ANSWER).await?;
+            self.client().controller().cancel_dcp(id);
+            stations = Some(self.client().take_stations_so_far(id));
         }
         Ok(stations.unwrap_or_default())
     }
@@ -70,13 +74,13 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// [`Error::NotFound`] with who was heard instead, [`Error::Ambiguous`] with all MAC addresses.
-    pub fn find(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
+    pub async fn find(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
         match (drive, self.is_on_line()) {
-            (DriveAddress::Line(at), true) => return self.find_on_line(at),
+            (DriveAddress::Line(at), true) => return self.find_on_line(at).await,
             (DriveAddress::Line(_), false) | (_, true) => {
                 return Err(Error::OtherWire { drive: drive.clone() });
             }
-            _ if !self.discovery => return self.find_by_trust(drive),
+            _ if !self.engine.discovers() => return self.find_by_trust(drive).await,
             _ => {}
         }
         let filter = match drive {
@@ -84,8 +88,8 @@ impl<M: Wire> Session<M> {
             _ => Filter::all(),
         };
         let answers = match drive {
-            DriveAddress::Name(_) => self.identify_one(filter)?,
-            _ => self.identify(filter, IdentifyOptions::MANY)?,
+            DriveAddress::Name(_) => self.identify_one(filter).await?,
+            _ => self.identify(filter, IdentifyOptions::MANY).await?,
         };
         let fits = |station: &&Station| match drive {
             DriveAddress::Name(name) => station.name == *name,
@@ -96,7 +100,7 @@ impl<M: Wire> Session<M> {
         let heard = match drive {
             // one that answers too late to its name may be among all
             DriveAddress::Name(_) if !answers.iter().any(|station| fits(&station)) => {
-                self.identify(Filter::all(), IdentifyOptions::MANY)?
+                self.identify(Filter::all(), IdentifyOptions::MANY).await?
             }
             _ => answers,
         };
@@ -115,11 +119,11 @@ impl<M: Wire> Session<M> {
     }
 
     /// Everybody who has the IP address of a drive; nobody where discovery does not tell.
-    pub(super) fn holders(&mut self, drive: &Drive) -> Result<Vec<MacAddress>, Error> {
-        if !self.discovery {
+    pub(super) async fn holders(&mut self, drive: &Drive) -> Result<Vec<MacAddress>, Error> {
+        if !self.engine.discovers() {
             return Ok(Vec::new());
         }
-        let answers = self.identify(Filter::all(), IdentifyOptions::MANY)?;
+        let answers = self.identify(Filter::all(), IdentifyOptions::MANY).await?;
         let same = answers
             .iter()
             .filter(|station| station.ip.address == drive.station.ip.address);
@@ -127,13 +131,13 @@ impl<M: Wire> Session<M> {
     }
 
     /// Without discovery only an address leads anywhere; who is there is learned from the endpoint mapper.
-    fn find_by_trust(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
+    async fn find_by_trust(&mut self, drive: &DriveAddress) -> Result<Drive, Error> {
         let DriveAddress::Ip(address) = drive else {
             return Err(Error::NeedsDiscovery { drive: drive.clone() });
         };
         let now = self.now();
-        self.client.ask_mapper(now, *address);
-        let Some(Some(found)) = self.wait(MAPPER_LIMIT, Client::take_registered)? else {
+        self.client().ask_mapper(now, *address);
+        let Some(Some(found)) = self.wait(MAPPER_LIMIT, Client::take_registered).await? else {
             return Err(Error::NotFound {
                 drive: drive.clone(),
                 heard: Vec::new(),
@@ -156,30 +160,33 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// A name against the rules, or what the station answers.
-    pub fn set_name(&mut self, drive: &Drive, name: &str, permanent: bool) -> Result<(), Error> {
+    pub async fn set_name(&mut self, drive: &Drive, name: &str, permanent: bool) -> Result<(), Error> {
         self.set(drive, "setting the name", |client, now, mac| {
             client.controller().dcp_set_name(now, mac, name, permanent)
         })
+        .await
     }
 
     /// Gives a station its address.
     ///
     /// # Errors
     /// An address against the rules, or what the station answers.
-    pub fn set_ip(&mut self, drive: &Drive, ip: IpSuite, permanent: bool) -> Result<(), Error> {
+    pub async fn set_ip(&mut self, drive: &Drive, ip: IpSuite, permanent: bool) -> Result<(), Error> {
         self.set(drive, "setting the IP address", |client, now, mac| {
             client.controller().dcp_set_ip(now, mac, ip, permanent)
         })
+        .await
     }
 
     /// Lets a station blink once, for about three seconds.
     ///
     /// # Errors
     /// What the station answers.
-    pub fn blink(&mut self, drive: &Drive) -> Result<(), Error> {
+    pub async fn blink(&mut self, drive: &Drive) -> Result<(), Error> {
         self.set(drive, "blinking", |client, now, mac| {
             client.controller().dcp_signal(now, mac)
         })
+        .await
     }
 
     /// Resets a station to factory values if it is not at work; `mode` as DCP ResetToFactory: 1 application,
@@ -187,23 +194,24 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// [`Error::AtWork`] as [`check_idle`](Self::check_idle), and what the station answers.
-    pub fn reset(&mut self, drive: &mut Drive, mode: u8) -> Result<(), Error> {
-        self.check_idle(drive, "reset")?;
-        self.reset_at_work(drive, mode)
+    pub async fn reset(&mut self, drive: &mut Drive, mode: u8) -> Result<(), Error> {
+        self.check_idle(drive, "reset").await?;
+        self.reset_at_work(drive, mode).await
     }
 
     /// Resets a station whatever it is doing: a motor that turns coasts, and its controller loses it.
     ///
     /// # Errors
     /// What the station answers.
-    pub fn reset_at_work(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
-        self.close()?;
+    pub async fn reset_at_work(&mut self, drive: &Drive, mode: u8) -> Result<(), Error> {
+        self.close().await?;
         self.set(drive, "resetting", |client, now, mac| {
             client.controller().dcp_reset(now, mac, mode)
         })
+        .await
     }
 
-    fn set(
+    async fn set(
         &mut self,
         drive: &Drive,
         what: &'static str,
@@ -214,11 +222,9 @@ impl<M: Wire> Session<M> {
             return Err(Error::NotOnLine { drive, what });
         }
         let now = self.now();
-        let id = start(&mut self.client, now, drive.station.mac)?;
-        let done = self.reaching(drive, |session| {
-            session.wait(DCP_LIMIT, |client| client.take_dcp(id))
-        });
-        match done? {
+        let id = start(&mut self.client(), now, drive.station.mac)?;
+        let done = self.wait(DCP_LIMIT, |client| client.take_dcp(id)).await;
+        match Self::reached(drive, done)? {
             Some(Ok(DcpReply::Done | DcpReply::Values(_))) => Ok(()),
             Some(Err(error)) => Err(Error::Dcp {
                 drive: drive.label(),

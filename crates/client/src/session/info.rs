@@ -11,7 +11,7 @@ use profinet::wire::{DecodeError, Reader, Uuid};
 use super::Session;
 use super::route::Route;
 use super::told::places;
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
 /// Subslot of the first port, in slot 0.
@@ -91,13 +91,13 @@ pub struct Info {
     pub readings: Vec<Reading>,
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads who a device is and in which state. A device that does not have something of it does not fail for that: one
     /// that is no drive, or whose parameters cannot be reached now, still has its identity and its modules.
     ///
     /// # Errors
     /// When the device cannot be reached.
-    pub fn info(&mut self, drive: &mut Drive) -> Result<Info, Error> {
+    pub async fn info(&mut self, drive: &mut Drive) -> Result<Info, Error> {
         let mut info = Info {
             identity: None,
             controller: None,
@@ -107,7 +107,7 @@ impl<M: Wire> Session<M> {
             refused: Vec::new(),
             readings: Vec::new(),
         };
-        match self.read_records(drive, &mut info) {
+        match self.read_records(drive, &mut info).await {
             Err(error @ Error::NoRoute { .. }) => info.refused.push(error.to_string()),
             other => other?,
         }
@@ -117,7 +117,7 @@ impl<M: Wire> Session<M> {
             info.refused.push(error.to_string());
             return Ok(info);
         }
-        let readings = match self.page(drive).and_then(|page| self.read(drive, &page)) {
+        let readings = match self.read_page(drive).await {
             Ok(readings) => readings,
             // a device without a parameter channel still has its identity
             Err(Error::Record { what, error, .. }) => {
@@ -145,7 +145,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// What stands in records, which need no parameters.
-    fn read_records(&mut self, drive: &Drive, info: &mut Info) -> Result<(), Error> {
+    async fn read_records(&mut self, drive: &Drive, info: &mut Info) -> Result<(), Error> {
         let records = if drive.is_on_line() { 0 } else { 4_u8 };
         for number in 0..records {
             let at = RecordAddress {
@@ -154,7 +154,7 @@ impl<M: Wire> Session<M> {
                 subslot: 1,
                 index: IM0 + u16::from(number),
             };
-            match self.read_record(drive, at) {
+            match self.read_record(drive, at).await {
                 Ok(data) => {
                     if let Err(error) = take_im(&mut info.identity, number, &data) {
                         info.refused.push(format!("I&M{number}: {error}"));
@@ -164,20 +164,25 @@ impl<M: Wire> Session<M> {
                 Err(error) => return Err(error),
             }
         }
-        info.controller = self.owner(drive)?;
-        info.peers = self.peers(drive)?;
-        info.modules = self.modules(drive)?;
+        info.controller = self.owner(drive).await?;
+        info.peers = self.peers(drive).await?;
+        info.modules = self.modules(drive).await?;
         Ok(())
     }
 
+    async fn read_page(&mut self, drive: &mut Drive) -> Result<Vec<Result<Reading, Refusal>>, Error> {
+        let page = self.page(drive).await?;
+        self.read(drive, &page).await
+    }
+
     /// What tells who and how a drive is: by its tables, else the numbers of the profile that it has.
-    fn page(&mut self, drive: &Drive) -> Result<Vec<Selection>, Error> {
+    async fn page(&mut self, drive: &Drive) -> Result<Vec<Selection>, Error> {
         let own: Vec<Selection> = places(drive, Part::Page)
             .into_iter()
             .map(|(_, place)| place)
             .collect();
         if own.is_empty() {
-            self.whole(drive, &PAGE)
+            self.whole(drive, &PAGE).await
         } else {
             Ok(own)
         }
@@ -187,7 +192,7 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn identity(&mut self, drive: &Drive) -> Result<Option<Identity>, Error> {
+    pub async fn identity(&mut self, drive: &Drive) -> Result<Option<Identity>, Error> {
         let at = RecordAddress {
             api: 0,
             slot: 0,
@@ -195,7 +200,7 @@ impl<M: Wire> Session<M> {
             index: IM0,
         };
         let mut identity = None;
-        match self.read_record(drive, at) {
+        match self.read_record(drive, at).await {
             // a record that cannot be understood tells nothing
             Ok(data) => Ok(take_im(&mut identity, 0, &data).ok().and(identity)),
             Err(Error::Record { .. } | Error::NotOnLine { .. }) => Ok(None),
@@ -208,14 +213,14 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn owner(&mut self, drive: &Drive) -> Result<Option<Option<String>>, Error> {
+    pub async fn owner(&mut self, drive: &Drive) -> Result<Option<Option<String>>, Error> {
         let at = RecordAddress {
             api: 0,
             slot: 0,
             subslot: 1,
             index: index::AR_DATA,
         };
-        match self.read_record(drive, at) {
+        match self.read_record(drive, at).await {
             Ok(data) => {
                 let own = self.record_relations(drive);
                 Ok(controller_of(&data, &own))
@@ -227,19 +232,19 @@ impl<M: Wire> Session<M> {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Who is at the other end of the first cable of a drive; empty when the device does not tell.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn peers(&mut self, drive: &Drive) -> Result<Vec<Peer>, Error> {
+    pub async fn peers(&mut self, drive: &Drive) -> Result<Vec<Peer>, Error> {
         let at = RecordAddress {
             api: 0,
             slot: 0,
             subslot: FIRST_PORT,
             index: index::PORT_REAL,
         };
-        match self.read_record(drive, at) {
+        match self.read_record(drive, at).await {
             Ok(data) => {
                 Ok(PortReal::decode(Reader::new(&data)).map_or_else(|_| Vec::new(), |port| peers(&port)))
             }

@@ -6,7 +6,7 @@ use profile::state::Profile;
 
 use super::Session;
 use crate::axis::{Jog, MotionFacts, Move, MovePlan};
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 use profile::value::{Reading, Selection};
 
 /// The setting that is the speed of a jog setpoint.
@@ -46,12 +46,12 @@ impl JogSpeed {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// The setting that is the speed of a jog setpoint of this drive, by its make and by whose control words it has now.
     ///
     /// # Errors
     /// When no such setting is known, or the drive cannot be reached.
-    pub fn jog_speed(&mut self, drive: &mut Drive, jog: Jog) -> Result<JogSpeed, Error> {
+    pub async fn jog_speed(&mut self, drive: &mut Drive, jog: Jog) -> Result<JogSpeed, Error> {
         let tables = drive.model.catalogue;
         let part = match jog {
             Jog::One => Part::Jog1,
@@ -59,7 +59,7 @@ impl<M: Wire> Session<M> {
         };
         let only = tables.and_then(|tables| tables.part(Part::JogOnly));
         let one = match only {
-            Some(_) => self.snapshot(drive, &[])?.profile == Profile::DanfossFc,
+            Some(_) => self.snapshot(drive, &[]).await?.profile == Profile::DanfossFc,
             None => false,
         };
         let found = only.filter(|_| one).or_else(|| tables?.part(part));
@@ -70,7 +70,7 @@ impl<M: Wire> Session<M> {
             device_id: drive.station.device_id,
         })?;
         let pole_pairs = match parameter.unit {
-            "Hz" => Some(self.ask(drive, &PARTS)?.pole_pairs()),
+            "Hz" => Some(self.ask(drive, &PARTS).await?.pole_pairs()),
             _ => None,
         };
         Ok(JogSpeed {
@@ -85,20 +85,20 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// [`Error::Objections`] when the speed is above `speed_limit`, above the limit of the drive in its direction, or
     /// more than MDI_VELOCITY carries; when the model is not known, or the drive cannot be reached.
-    pub fn check_jog(&mut self, drive: &mut Drive, rpm: f64, speed_limit: f64) -> Result<f64, Error> {
-        self.read_scaling(drive)?;
-        let plan = self.plan_jog(drive, rpm, [None; 2], speed_limit)?;
+    pub async fn check_jog(&mut self, drive: &mut Drive, rpm: f64, speed_limit: f64) -> Result<f64, Error> {
+        self.read_scaling(drive).await?;
+        let plan = self.plan_jog(drive, rpm, [None; 2], speed_limit).await?;
         Ok(plan.speed.copysign(rpm))
     }
 
-    pub(super) fn plan_jog(
+    pub(super) async fn plan_jog(
         &mut self,
         drive: &mut Drive,
         rpm: f64,
         [acceleration, deceleration]: [Option<f64>; 2],
         speed_limit: f64,
     ) -> Result<MovePlan, Error> {
-        let facts = self.motion_facts(drive)?;
+        let facts = self.motion_facts(drive).await?;
         let order = Move::by(Position::Counts(0.0), rpm.abs()).with_ramps(acceleration, deceleration);
         // a jog has a direction and no target: of the facts only the limit of that direction counts
         let facts = MotionFacts {

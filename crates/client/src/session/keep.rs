@@ -4,7 +4,7 @@ use profile::telegram::signal::kollmorgen;
 
 use super::Session;
 use crate::axis::Wiring;
-use crate::{Drive, Error, Wire, WriteMode};
+use crate::{Drive, Error, WriteMode};
 use profile::value::{Assignment, Reading};
 
 /// Setpoint signals of an AKD and the setting that each of them changes.
@@ -15,15 +15,15 @@ const CARRIED: [(u16, &str); 2] = [(kollmorgen::DRV_ACC, "DRV.ACC"), (kollmorgen
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Kept(Vec<(&'static str, f64)>);
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// The settings that a telegram is going to change, as they are.
-    pub(super) fn keep(&mut self, drive: &mut Drive, wiring: &Wiring) -> Result<Kept, Error> {
+    pub(super) async fn keep(&mut self, drive: &mut Drive, wiring: &Wiring) -> Result<Kept, Error> {
         let mut kept = Vec::new();
         for (signal, name) in CARRIED {
             if !wiring.commands(signal) {
                 continue;
             }
-            if let Some(value) = self.setting(drive, name)? {
+            if let Some(value) = self.setting(drive, name).await? {
                 kept.push((name, value));
             }
         }
@@ -31,13 +31,13 @@ impl<M: Wire> Session<M> {
     }
 
     /// Writes those that are not any more what they were.
-    pub(super) fn give_back(&mut self, drive: &mut Drive, kept: &Kept) -> Result<(), Error> {
+    pub(super) async fn give_back(&mut self, drive: &mut Drive, kept: &Kept) -> Result<(), Error> {
         for &(name, before) in &kept.0 {
-            if self.setting(drive, name)? == Some(before) {
+            if self.setting(drive, name).await? == Some(before) {
                 continue;
             }
             let assignment: Assignment = format!("{name}={before}").parse()?;
-            let outcomes = self.write(drive, &[assignment], WriteMode::Write)?;
+            let outcomes = self.write(drive, &[assignment], WriteMode::Write).await?;
             if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
                 return Err(Error::Refused {
                     drive: drive.label(),
@@ -48,11 +48,11 @@ impl<M: Wire> Session<M> {
         Ok(())
     }
 
-    fn setting(&mut self, drive: &mut Drive, name: &str) -> Result<Option<f64>, Error> {
+    async fn setting(&mut self, drive: &mut Drive, name: &str) -> Result<Option<f64>, Error> {
         let Ok(selection) = drive.select(name) else {
             return Ok(None);
         };
-        let readings = self.read(drive, &[selection])?;
+        let readings = self.read(drive, &[selection]).await?;
         Ok(readings
             .into_iter()
             .flatten()

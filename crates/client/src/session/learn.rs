@@ -10,7 +10,7 @@ use profinet::controller::ServiceError;
 use super::Session;
 use super::backup::LISTS;
 use crate::learn::{self, KindOfDrive};
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 use profile::model::Model;
 use profile::value::{Parameters, Reading, Selection};
 
@@ -32,7 +32,7 @@ const MAX_REQUEST: usize = 1024;
 /// Danfoss for a wrong axis.
 const OTHER_AXIS: ErrorNumber = ErrorNumber::DANFOSS_WRONG_AXIS;
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Learns a drive of which there are no tables from what it says itself: first how it wants to be asked, and of whose
     /// make it is: of a known maker PNU 964 tells the drive unit, whatever the device id is. Of a strange one then its
     /// parameters with names, units, limits and texts. Once for each kind of drive as long as the program lives. A drive
@@ -41,15 +41,15 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached, the caller wants to stop, or [too many kinds](Error::TooManyKinds) are known.
-    pub fn recognise(
+    pub async fn recognise(
         &mut self,
         drive: &mut Drive,
-        progress: &mut dyn FnMut(usize, usize),
+        progress: &mut (dyn FnMut(usize, usize) + Send),
     ) -> Result<(), Error> {
         if drive.model.catalogue.is_some() || drive.is_on_line() {
             return Ok(());
         }
-        let Some(kind) = self.kind(drive)? else {
+        let Some(kind) = self.kind(drive).await? else {
             return Ok(());
         };
         let unit_type = kind.unit_type.and_then(|raw| u16::try_from(raw).ok());
@@ -62,7 +62,7 @@ impl<M: Wire> Session<M> {
             adopt(drive, tables, dialect);
             return Ok(());
         }
-        let mut numbers = self.numbers(drive)?;
+        let mut numbers = self.numbers(drive).await?;
         // a list may leave itself out
         numbers.extend(LISTS);
         numbers.sort_unstable();
@@ -71,7 +71,7 @@ impl<M: Wire> Session<M> {
         let mut described: Vec<(u16, Description)> = Vec::new();
         for (at, part) in numbers.chunks(PART).enumerate() {
             progress(at * PART, numbers.len());
-            let answers = self.descriptions(drive, part)?;
+            let answers = self.descriptions(drive, part).await?;
             let pairs = part.iter().zip(answers);
             described.extend(pairs.filter_map(|(pnu, answer)| answer.map(|answer| (*pnu, answer))));
         }
@@ -89,7 +89,7 @@ impl<M: Wire> Session<M> {
         let mut parameters = Vec::new();
         for (pnu, description) in &described {
             let texts = if description.identifier.has(Identifier::TEXT) {
-                self.texts(drive, *pnu)?
+                self.texts(drive, *pnu).await?
             } else {
                 Vec::new()
             };
@@ -108,13 +108,13 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached, or the caller wants to stop.
-    pub fn find_channel(&mut self, drive: &mut Drive) -> Result<(), Error> {
+    pub async fn find_channel(&mut self, drive: &mut Drive) -> Result<(), Error> {
         if drive.model.catalogue.is_some() || drive.is_on_line() {
             return Ok(());
         }
-        self.kind(drive)?;
+        self.kind(drive).await?;
         // words of bits have a format of their own: it shows which of the two numberings the drive has
-        let words = self.read_numbers(drive, &WORDS)?;
+        let words = self.read_numbers(drive, &WORDS).await?;
         if words
             .iter()
             .any(|reading| learn::DECIMAL.contains(&reading.format))
@@ -125,7 +125,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// Finds out how a drive wants to be asked, and what kind it is; `None` when it answers nothing.
-    fn kind(&mut self, drive: &mut Drive) -> Result<Option<KindOfDrive>, Error> {
+    async fn kind(&mut self, drive: &mut Drive) -> Result<Option<KindOfDrive>, Error> {
         let own = drive.model;
         let mut ways = vec![(own.dialect, own.channel.index)];
         if *own.dialect == Dialect::STANDARD {
@@ -144,7 +144,7 @@ impl<M: Wire> Session<M> {
                 ..Selection::number(pnu::IDENTIFICATION, Notation::Name)
             });
             let elements: Vec<Selection> = elements.collect();
-            let answers = match self.read_strictly(drive, &elements) {
+            let answers = match self.read_strictly(drive, &elements).await {
                 Ok(answers) => answers,
                 // nothing came at all: asked in another way it would not answer either
                 Err(error) if is_silence(&error) && self.gives_up(&error) => break,
@@ -172,11 +172,11 @@ impl<M: Wire> Session<M> {
     }
 
     /// The texts of an enumeration (attribute 0x30) from value 0 on, until there are no more.
-    pub(super) fn texts(&mut self, drive: &Drive, pnu: u16) -> Result<Vec<(i32, String)>, Error> {
+    pub(super) async fn texts(&mut self, drive: &Drive, pnu: u16) -> Result<Vec<(i32, String)>, Error> {
         let mut texts = Vec::new();
         for first in (0..MOST_TEXTS).step_by(TEXTS.into()) {
             let values: Vec<u16> = (first..first + TEXTS).collect();
-            let found = self.texts_of(drive, pnu, &values)?;
+            let found = self.texts_of(drive, pnu, &values).await?;
             if found.is_empty() {
                 break;
             }
@@ -186,7 +186,12 @@ impl<M: Wire> Session<M> {
     }
 
     /// Each value asked for by itself: one that has no text does not disturb the others.
-    fn texts_of(&mut self, drive: &Drive, pnu: u16, values: &[u16]) -> Result<Vec<(i32, String)>, Error> {
+    async fn texts_of(
+        &mut self,
+        drive: &Drive,
+        pnu: u16,
+        values: &[u16],
+    ) -> Result<Vec<(i32, String)>, Error> {
         let dialect = drive.model.dialect;
         let address = |&subindex: &u16| ParameterAddress {
             attribute: Attribute::Text,
@@ -205,7 +210,7 @@ impl<M: Wire> Session<M> {
             let reference = self.next_reference();
             let length = encode_read(reference, dialect, &addresses, &mut buffer)
                 .map_err(|error| malformed(&error))?;
-            let answered = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+            let answered = self.job(drive, buffer.get(..length).unwrap_or_default()).await?;
             let response = Response::parse(&answered.octets, RequestId::Read, reference, &addresses, dialect)
                 .map_err(|error| malformed(&error))?;
             for (address, answer) in addresses.iter().zip(response.answers()) {

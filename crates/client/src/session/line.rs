@@ -10,7 +10,7 @@ use uss::{Protocol, SlaveId};
 
 use super::Session;
 use crate::line::{Answered, Bridge};
-use crate::{Client, Drive, DriveAddress, Error, LineAddress, Wire};
+use crate::{Client, Drive, DriveAddress, Error, LineAddress};
 use profile::model::Model;
 use profile::value::Selection;
 
@@ -23,28 +23,30 @@ const ADDRESS: usize = 6;
 /// Whose protocol FC is.
 const FC_MODEL: &str = "vlt";
 
-impl<M: Wire> Session<M> {
+impl Session {
     pub(super) fn is_on_line(&self) -> bool {
-        self.client.line_config().is_some()
+        self.client().line_config().is_some()
     }
 
     /// The drive at a place of the line, if it answers.
-    pub(super) fn find_on_line(&mut self, at: &LineAddress) -> Result<Drive, Error> {
+    pub(super) async fn find_on_line(&mut self, at: &LineAddress) -> Result<Drive, Error> {
         let address = || DriveAddress::Line(at.clone());
         let same = self
-            .client
+            .client()
             .line_config()
             .is_some_and(|line| line.protocol == at.protocol && line.baud == at.baud);
-        let slave = self.client.line().and_then(|line| line.slave(at.number));
+        let slave = self.client().line().and_then(|line| line.slave(at.number));
         let Some(slave) = slave.filter(|_| same) else {
             return Err(Error::OtherWire { drive: address() });
         };
-        if let Some(line) = self.client.line() {
+        if let Some(line) = self.client().line() {
             line.ask(slave);
         }
-        let answers = self.wait(ASK_LIMIT, |client| client.line()?.answers(slave))?;
+        let answers = self
+            .wait(ASK_LIMIT, |client| client.line()?.answers(slave))
+            .await?;
         if answers != Some(true) {
-            let heard = self.client.heard().copied().unwrap_or_default();
+            let heard = self.client().heard().copied().unwrap_or_default();
             return Err(Error::NoAnswer {
                 drive: address(),
                 telegrams: heard.telegrams,
@@ -69,7 +71,7 @@ impl<M: Wire> Session<M> {
         let dialects = self.dialects();
         for dialect in &dialects {
             self.speak(slave, *dialect);
-            let told = match self.read_strictly(&nobody, &[identification]) {
+            let told = match self.read_strictly(&nobody, &[identification]).await {
                 // nothing came at all: another dialect would not be answered either
                 Err(error @ Error::Timeout { .. }) if self.gives_up(&error) => break,
                 // it does not understand
@@ -109,7 +111,8 @@ impl<M: Wire> Session<M> {
 
     /// What a drive that is not known yet may speak, that of the protocol first.
     fn dialects(&self) -> Vec<PkwDialect> {
-        let Some(line) = self.client.line_config() else {
+        let line = self.client().line_config();
+        let Some(line) = line else {
             return Vec::new();
         };
         let mut dialects = vec![line.dialect(None)];
@@ -124,33 +127,35 @@ impl<M: Wire> Session<M> {
 
     /// Status word and actual value of a drive at the line, from a reply that comes now. `None` where it does not answer
     /// with them.
-    pub(super) fn line_words(&mut self, drive: &Drive, slave: SlaveId) -> Result<Option<[u16; 2]>, Error> {
-        let cyclic = self.client.line().is_some_and(|line| line.is_cyclic(slave));
+    pub(super) async fn line_words(
+        &mut self,
+        drive: &Drive,
+        slave: SlaveId,
+    ) -> Result<Option<[u16; 2]>, Error> {
+        let cyclic = self.client().line().is_some_and(|line| line.is_cyclic(slave));
         if !cyclic {
-            if let Some(line) = self.client.line() {
+            if let Some(line) = self.client().line() {
                 line.ask(slave);
             }
-            let answers = self.reaching(drive, |session| {
-                session.wait(ASK_LIMIT, |client| client.line()?.answers(slave))
-            });
-            if answers? != Some(true) {
+            let answers = self.wait(ASK_LIMIT, |client| client.line()?.answers(slave)).await;
+            if Self::reached(drive, answers)? != Some(true) {
                 return Err(Error::LineSilent {
                     drive: drive.label(),
                     reaction: None,
                 });
             }
         }
-        Ok(self.client.line().and_then(|line| line.latest(slave)))
+        Ok(self.client().line().and_then(|line| line.latest(slave)))
     }
 
     fn speak(&mut self, slave: SlaveId, dialect: PkwDialect) {
-        if let Some(line) = self.client.line() {
+        if let Some(line) = self.client().line() {
             line.speak(slave, dialect);
         }
     }
 
     /// One parameter job through the parameter channel of a drive at the line.
-    pub(super) fn line_job(
+    pub(super) async fn line_job(
         &mut self,
         drive: &Drive,
         slave: SlaveId,
@@ -162,25 +167,28 @@ impl<M: Wire> Session<M> {
             .catalogue
             .filter(|_| !drive.model.learned)
             .map(|tables| tables.device.vendor_id);
-        if let (Some(vendor), Some(line)) = (vendor, self.client.line_config()) {
+        let config = self.client().line_config();
+        if let (Some(vendor), Some(line)) = (vendor, config) {
             self.speak(slave, line.dialect(Some(vendor)));
         }
-        let spoken = self.client.line().and_then(|line| line.spoken(slave));
-        let names = spoken.map(|dialect| dialect.error_names);
+        let names = self
+            .client()
+            .line()
+            .and_then(|line| line.spoken(slave).map(|dialect| dialect.error_names));
         let bridge = Bridge::new(request, drive.model.dialect, names.unwrap_or_default(), |pnu| {
             drive.shape(pnu)
         });
         let limit = PARAMETER_LIMIT * u32::try_from(request.len() / ADDRESS + 1).unwrap_or(1);
         let now = self.now();
-        self.client
+        self.client()
             .line_job(now, slave, bridge)
             .map_err(|error| Error::Malformed {
                 drive: drive.label(),
                 reason: error.to_string(),
             })?;
-        let end = self.line_job_done(slave, limit);
+        let end = self.line_job_done(slave, limit).await;
         if !matches!(end, Ok(Some(_)))
-            && let Some(line) = self.client.line()
+            && let Some(line) = self.client().line()
         {
             line.drop_job(slave);
         }
@@ -203,7 +211,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// Waits until a job has ended, as long as the drive answers one exchange after the other.
-    fn line_job_done(
+    async fn line_job_done(
         &mut self,
         slave: SlaveId,
         limit: Duration,
@@ -212,11 +220,13 @@ impl<M: Wire> Session<M> {
         loop {
             let left = self.silence(end - self.now());
             let progress = |client: &mut Client| client.line()?.progress(slave);
-            let before = progress(&mut self.client);
-            let advanced = self.wait(left, |client| match client.take_line_job(slave) {
-                Some(done) => Some(Some(done)),
-                None => (progress(client) != before).then_some(None),
-            })?;
+            let before = progress(&mut self.client());
+            let advanced = self
+                .wait(left, |client| match client.take_line_job(slave) {
+                    Some(done) => Some(Some(done)),
+                    None => (progress(client) != before).then_some(None),
+                })
+                .await?;
             match advanced {
                 // it gets on
                 Some(None) => {}

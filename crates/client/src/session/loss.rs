@@ -7,7 +7,7 @@ use profile::catalogue::{Catalogue, Part};
 
 use super::Session;
 use super::told::Told;
-use crate::{Action, Drive, Error, Wire};
+use crate::{Action, Drive, Error};
 
 /// What an axis does when the controller of its drive is lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,7 +110,7 @@ const REACTIONS: [(Part, LossAction); 6] = [
 /// What has to be read.
 pub(super) const PARTS: [Part; 3] = [Part::LostController, Part::LossTime, Part::StopFunction];
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads what the drive does when its controller is lost. Reads only.
     ///
     /// Sources: `loss-` and `lost-controller` rows of the tables of each model (VLT 8-03 and 8-04, Vacon ID 733 and
@@ -118,11 +118,11 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn loss_reaction(&mut self, drive: &mut Drive) -> Result<LossReaction, Error> {
+    pub async fn loss_reaction(&mut self, drive: &mut Drive) -> Result<LossReaction, Error> {
         let Some(tables) = drive.model.catalogue else {
             return Ok(LossReaction::UNKNOWN);
         };
-        let told = match self.ask(drive, &PARTS) {
+        let told = match self.ask(drive, &PARTS).await {
             Ok(told) => told,
             Err(Error::Refused { .. } | Error::Record { .. } | Error::Channel { .. }) => {
                 return Ok(LossReaction::UNKNOWN);

@@ -1,4 +1,4 @@
-//! The blocking facade: one call per wish, over any medium.
+//! The calls: one for each wish, over any wire.
 
 mod access;
 mod at_work;
@@ -33,17 +33,24 @@ mod told;
 mod unread;
 mod warnings;
 
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use profinet::Instant;
-use profinet::controller::ControllerConfig;
+use uss::ReceiverStatistics;
 
-use crate::{Client, Drive, Error, LineConfig, Wire};
+use crate::axis::Goal;
+use crate::engine::Touched;
+use crate::{AxisView, Client, Connection, Drive, Engine, Error, Link};
+
+pub(crate) use access::Records;
 
 pub use at_work::AtWork;
 pub(crate) use authority::power_is_on;
 pub use authority::{Authority, LocalControl};
-pub use axis::{Axis, AxisPlan, AxisSettings, AxisStatus, Rest, WarningWatcher, Watcher};
+pub use axis::{
+    Axis, AxisPlan, AxisSettings, AxisStatus, Rest, Samples, StopHandle, WarningWatcher, Watcher,
+};
 pub use describe::{Described, DescribedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
@@ -59,12 +66,13 @@ pub use stop::{StopMeans, StopOutcome, StopWay};
 /// How often a caller's wish to stop is looked at while nothing happens.
 const GLANCE: Duration = Duration::from_millis(50);
 
-/// A client on a wire, with calls that wait for their result.
+/// Calls to the drives of a network, each a future: [`Wait::wait`](crate::Wait::wait) waits for one, and an async program
+/// awaits it. Clones are further callers on the same network, each with one call at a time.
 ///
 /// Reads only until told otherwise: nothing is written and nothing moves on construction, on finding or on reading.
 ///
 /// ```
-/// use profidrive_client::{DriveAddress, Error, Session};
+/// use profidrive_client::{DriveAddress, Error, Network, Wait};
 /// use profinet::controller::ControllerConfig;
 /// use profinet::{Endpoint, Instant, IpSuite, MacAddress, Medium};
 ///
@@ -86,32 +94,17 @@ const GLANCE: Duration = Duration::from_millis(50);
 ///
 /// let mac = MacAddress([2, 0x50, 0x4E, 0, 0, 0xC0]);
 /// let config = ControllerConfig::new(mac, IpSuite::NONE, "tool", 1);
-/// let mut session = Session::new(Silence(Instant::ZERO), config);
+/// let (mut network, _) = Network::on(Silence(Instant::ZERO), config);
 /// let drive: DriveAddress = "akd-1".parse()?;
-/// assert!(matches!(session.find(&drive), Err(Error::NotFound { .. })));
+/// assert!(matches!(network.find(&drive).wait(), Err(Error::NotFound { .. })));
 /// # Ok::<(), profidrive_client::DriveAddressError>(())
 /// ```
-///
-/// Leaving it by any way, an error or a wish to stop included, closes its connections at the drives.
-pub struct Session<M: Wire> {
-    client: Client,
-    medium: M,
-    /// Says that the caller wants to stop.
-    interrupted: Box<dyn FnMut() -> bool>,
-    /// Says that an axis is to be stopped quickly, and that it has said so.
-    hurry: Box<dyn FnMut() -> bool>,
-    hurried: bool,
+pub struct Session {
+    engine: Engine,
+    /// What the caller wants meanwhile.
+    wishes: Arc<Mutex<Wishes>>,
     /// True while a stop is carried out that must not be interrupted.
     stopping: bool,
-    access: Vec<access::Access>,
-    /// What turned out about the ways to drives.
-    routes: Vec<route::Routes>,
-    /// Follows the steps on these ways.
-    route_follower: RouteFollower,
-    reference: u8,
-    discovery: bool,
-    /// Drives can call their controller here.
-    calls: bool,
     /// When somebody who waits for an answer is to be told that there is none, and how.
     silence: Option<Silence>,
     /// The drive whose axis is under control, and what it does when it loses that.
@@ -122,63 +115,60 @@ pub struct Session<M: Wire> {
     bound: Option<Instant>,
 }
 
+/// What a caller wants while it waits.
+struct Wishes {
+    /// Says that the caller wants to stop.
+    interrupted: Box<dyn FnMut() -> bool + Send>,
+    /// Says that an axis is to be stopped quickly, and that it has said so.
+    hurry: Box<dyn FnMut() -> bool + Send>,
+    hurried: bool,
+    /// Follows the steps on the ways to records.
+    route_follower: RouteFollower,
+}
+
 /// Somebody who waits for an answer.
 struct Silence {
     due: Instant,
-    tell: Box<dyn FnMut()>,
+    tell: Box<dyn FnMut() + Send>,
 }
 
-/// Takes the name of a drive and a step on the way to its records.
-type RouteFollower = Box<dyn FnMut(&str, &RouteNotice)>;
-
-/// How long a session that is left may still wait for each drive.
+/// How long a network that is left may still wait for each drive.
 const FAREWELL: Duration = Duration::from_secs(1);
 
-impl<M: Wire> Drop for Session<M> {
-    fn drop(&mut self) {
-        // nobody is left to be told that the medium failed
-        let _ = self.close_within(FAREWELL);
-    }
-}
+/// Takes the name of a drive and a step on the way to its records.
+type RouteFollower = Box<dyn FnMut(&str, &RouteNotice) + Send>;
 
-impl<M: Wire> std::fmt::Debug for Session<M> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Session")
-            .field("client", &self.client)
-            .finish_non_exhaustive()
-    }
-}
-
-impl<M: Wire> Session<M> {
-    /// A session of a controller on a medium.
-    #[must_use]
-    pub fn new(medium: M, config: ControllerConfig) -> Self {
-        Self::of(medium, Client::new(config))
-    }
-
-    /// A session of the master of a serial line: its drives are named by [`LineAddress`](crate::LineAddress).
-    ///
-    /// Parameters travel one at a time, so that many take long. Until an axis is taken the process data sent along say
-    /// that nobody has control (bit 10 of the control word is 0): no drive acts on them.
-    #[must_use]
-    pub fn on_line(wire: M, config: LineConfig) -> Self {
-        Self::of(wire, Client::on_line(config))
-    }
-
-    fn of(medium: M, client: Client) -> Self {
+impl Clone for Session {
+    fn clone(&self) -> Self {
         Self {
-            client,
-            medium,
-            interrupted: Box::new(|| false),
-            hurry: Box::new(|| false),
-            hurried: false,
+            engine: self.engine.clone(),
+            wishes: self.wishes.clone(),
+            stopping: self.stopping,
+            silence: None,
+            under_control: self.under_control.clone(),
+            unread: self.unread.clone(),
+            bound: self.bound,
+        }
+    }
+}
+
+impl std::fmt::Debug for Session {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Session").finish_non_exhaustive()
+    }
+}
+
+impl Session {
+    pub(crate) fn new(engine: Engine) -> Self {
+        Self {
+            engine,
+            wishes: Arc::new(Mutex::new(Wishes {
+                interrupted: Box::new(|| false),
+                hurry: Box::new(|| false),
+                hurried: false,
+                route_follower: Box::new(|_, _| {}),
+            })),
             stopping: false,
-            access: Vec::new(),
-            routes: Vec::new(),
-            route_follower: Box::new(|_, _| {}),
-            reference: 0,
-            discovery: true,
-            calls: true,
             silence: None,
             under_control: None,
             unread: None,
@@ -186,93 +176,123 @@ impl<M: Wire> Session<M> {
         }
     }
 
-    /// The same on a medium that carries UDP only: drives go by IP address, nothing cyclic.
-    #[must_use]
-    pub fn without_discovery(mut self) -> Self {
-        self.discovery = false;
-        self
-    }
-
-    /// The same on a medium on which drives cannot call their controller, as another program has UDP port 34964: no
-    /// connection as IO controller can be made.
-    #[must_use]
-    pub fn without_calls(mut self) -> Self {
-        self.calls = false;
-        self
+    fn wishes(&self) -> MutexGuard<'_, Wishes> {
+        self.wishes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Asks `interrupted` now and then whether the caller wants to stop; calls then end with
     /// [`Error::Interrupted`]. An axis under control is stopped all the same.
-    pub fn interrupt_with(&mut self, interrupted: impl FnMut() -> bool + 'static) {
-        self.interrupted = Box::new(interrupted);
+    pub fn interrupt_with(&mut self, interrupted: impl FnMut() -> bool + Send + 'static) {
+        self.wishes().interrupted = Box::new(interrupted);
     }
 
     /// Asks `hurry` while an axis stops along its ramp, until it says yes: what remains is a quick stop (OFF3).
-    pub fn hurry_with(&mut self, hurry: impl FnMut() -> bool + 'static) {
-        self.hurry = Box::new(hurry);
+    pub fn hurry_with(&mut self, hurry: impl FnMut() -> bool + Send + 'static) {
+        self.wishes().hurry = Box::new(hurry);
+    }
+
+    /// Makes a ramp stop a quick one once the caller wants that.
+    fn hurry_on(&self, link: Link, view: &AxisView) {
+        let ramp = view.goal == Goal::Stop && !view.quick_stop && !view.at_rest;
+        if !ramp {
+            return;
+        }
+        let hurried = {
+            let mut wishes = self.wishes();
+            wishes.hurried = wishes.hurried || (wishes.hurry)();
+            wishes.hurried
+        };
+        if hurried {
+            let now = self.now();
+            self.client().hurry(now, link);
+        }
     }
 
     /// True once the caller wanted a stop to be a quick one.
-    fn hurries(&mut self) -> bool {
-        self.hurried = self.hurried || (self.hurry)();
-        self.hurried
+    fn has_hurried(&self) -> bool {
+        self.wishes().hurried
     }
 
-    /// The client inside.
+    /// Brings every axis to rest and closes every connection.
+    pub(crate) async fn leave(&mut self) -> Result<(), Error> {
+        self.stopping = true;
+        self.engine.begin_closing();
+        while self.engine.is_busy() {
+            // an axis that cannot be reached any more ends as well
+            if let Err(Error::Closed) = self.look_again().await {
+                return Err(Error::Closed);
+            }
+        }
+        self.close_within(FAREWELL).await
+    }
+
+    /// The engine that carries out the calls.
     #[must_use]
-    pub const fn client(&self) -> &Client {
-        &self.client
+    pub const fn engine(&self) -> &Engine {
+        &self.engine
     }
 
-    /// The medium.
+    /// What the serial line has brought, telegrams and noise; `None` on a network.
     #[must_use]
-    pub const fn medium(&self) -> &M {
-        &self.medium
+    pub fn heard(&self) -> Option<ReceiverStatistics> {
+        self.client().heard().copied()
     }
 
-    /// The medium, to change it: cables and taps of a simulated segment.
-    pub fn medium_mut(&mut self) -> &mut M {
-        &mut self.medium
+    fn client(&self) -> Touched<'_> {
+        self.engine.client()
     }
 
-    /// The present time of the medium.
+    /// What became of a connection.
+    fn connection(&self, link: impl Into<Link>) -> Connection {
+        self.client().connection(link)
+    }
+
+    /// The present time.
     #[must_use]
     pub fn now(&self) -> Instant {
-        self.medium.now()
+        self.engine.now()
+    }
+
+    /// Stops every axis that this program has in operation, along its ramp (OFF1) or by its quick stop (OFF3). Nothing that
+    /// waits for a drive holds that up; it does not wait for the end.
+    pub fn stop_all(&self, quick: bool) {
+        let now = self.now();
+        self.client().stop_now(now, None, quick);
+        self.engine.stir();
     }
 
     /// Lets time pass; connections and axes go on.
     ///
     /// # Errors
     /// When the medium fails or the caller wants to stop.
-    pub fn pass(&mut self, time: Duration) -> Result<(), Error> {
+    pub async fn pass(&mut self, time: Duration) -> Result<(), Error> {
         let end = self.now() + time;
         while self.now() < end {
-            self.step(end)?;
+            self.step(end).await?;
         }
         Ok(())
     }
 
     /// Does something that a caller's wish to stop must not interrupt: putting back what was changed.
-    pub fn uninterrupted<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+    pub async fn uninterrupted<T>(&mut self, work: impl AsyncFnOnce(&mut Self) -> T) -> T {
         let stopping = std::mem::replace(&mut self.stopping, true);
-        let result = work(self);
+        let result = work(self).await;
         self.stopping = stopping;
         result
     }
 
     /// Carries out `work`, and says once with `tell` when it takes longer than `limit`: somebody does not answer. The
     /// work goes on, as a drive may still be there.
-    pub fn telling_silence<T>(
+    pub async fn telling_silence<T>(
         &mut self,
         limit: Duration,
-        work: impl FnOnce(&mut Self) -> T,
-        tell: impl FnMut() + 'static,
+        work: impl AsyncFnOnce(&mut Self) -> T,
+        tell: impl FnMut() + Send + 'static,
     ) -> T {
         let due = self.now() + limit;
         let tell = Box::new(tell);
         let before = self.silence.replace(Silence { due, tell });
-        let result = work(self);
+        let result = work(self).await;
         self.silence = before;
         result
     }
@@ -289,40 +309,35 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When the caller wants to stop ([`interrupt_with`](Self::interrupt_with)).
     pub fn glance(&mut self) -> Result<(), Error> {
-        if !self.stopping && (self.interrupted)() {
+        if !self.stopping && (self.wishes().interrupted)() {
             return Err(Error::Interrupted);
         }
         Ok(())
     }
 
     /// Lets one thing happen, at most until `until`.
-    fn step(&mut self, until: Instant) -> Result<(), Error> {
+    async fn step(&mut self, until: Instant) -> Result<(), Error> {
         self.glance()?;
         let now = self.now();
         if let Some(mut silence) = self.silence.take_if(|silence| silence.due <= now) {
             (silence.tell)();
         }
         let until = until.min(now + GLANCE);
-        self.medium
-            .step(&mut self.client, until)
-            .map_err(|error| match &self.under_control {
-                // the drive hears nothing any more, wherever the way ends
-                Some((drive, reaction)) => Error::CarrierLost {
-                    drive: drive.clone(),
-                    error: Box::new(error),
-                    reaction: Some(reaction.clone()),
-                },
-                None => Error::Medium(Box::new(error)),
-            })
+        let turn = self.engine.next_turn(until).await;
+        turn.map_err(|error| match (error, &self.under_control) {
+            // the drive hears nothing any more, wherever the way ends
+            (Error::Medium(error), Some((drive, reaction))) => Error::CarrierLost {
+                drive: drive.clone(),
+                error,
+                reaction: Some(reaction.clone()),
+            },
+            (error, _) => error,
+        })
     }
 
     /// Names the drive that is out of reach when the medium fails meanwhile.
-    fn reaching<T>(
-        &mut self,
-        drive: &Drive,
-        work: impl FnOnce(&mut Self) -> Result<T, Error>,
-    ) -> Result<T, Error> {
-        work(self).map_err(|error| match error {
+    fn reached<T>(drive: &Drive, result: Result<T, Error>) -> Result<T, Error> {
+        result.map_err(|error| match error {
             Error::Medium(error) => Error::CarrierLost {
                 drive: drive.label(),
                 error,
@@ -332,21 +347,27 @@ impl<M: Wire> Session<M> {
         })
     }
 
+    /// Waits for the next thing to happen, or not for long.
+    async fn look_again(&mut self) -> Result<(), Error> {
+        self.step(self.now() + GLANCE).await
+    }
+
     /// Lets things happen until `done` gives something, at most for `limit`; `None` when the time is over.
-    fn wait<T>(
+    async fn wait<T>(
         &mut self,
         limit: Duration,
         mut done: impl FnMut(&mut Client) -> Option<T>,
     ) -> Result<Option<T>, Error> {
         let end = self.end_of(limit);
         loop {
-            if let Some(result) = done(&mut self.client) {
-                return Ok(Some(result));
+            let result = done(&mut self.engine.quietly());
+            if result.is_some() {
+                return Ok(result);
             }
             if self.now() >= end {
                 return Ok(None);
             }
-            self.step(end)?;
+            self.step(end).await?;
         }
     }
 }

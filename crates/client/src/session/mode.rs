@@ -6,7 +6,7 @@ use profile::state::Mode;
 use super::Session;
 use crate::axis::ReportedTelegram;
 use crate::error::mode_words;
-use crate::{Drive, Error, Wire, WriteMode};
+use crate::{Drive, Error, WriteMode};
 use profile::value::Assignment;
 
 /// What a drive had before it was put into a mode for one piece of work: see [`Session::enter_mode`].
@@ -30,14 +30,14 @@ pub struct PutBack {
     pub result: Result<(), Error>,
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// The mode that a drive is in (PNU 930): `None` for one that is neither speed control nor positioning, or that
     /// does not tell.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn operating_mode(&mut self, drive: &mut Drive) -> Result<Option<Mode>, Error> {
-        let readings = self.read_numbers(drive, &[pnu::OPERATING_MODE])?;
+    pub async fn operating_mode(&mut self, drive: &mut Drive) -> Result<Option<Mode>, Error> {
+        let readings = self.read_numbers(drive, &[pnu::OPERATING_MODE]).await?;
         Ok(readings
             .first()
             .and_then(|reading| reading.raw())
@@ -48,9 +48,9 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When it is in another one, or cannot be reached.
-    pub fn check_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<(), Error> {
+    pub async fn check_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<(), Error> {
         drive.check_able(Some(needed))?;
-        match self.operating_mode(drive)? {
+        match self.operating_mode(drive).await? {
             Some(present) if present != needed => Err(Error::WrongMode {
                 drive: drive.label(),
                 needed,
@@ -64,9 +64,9 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive refuses, which it does while it is in operation, or cannot be reached.
-    pub fn set_operating_mode(&mut self, drive: &mut Drive, mode: Mode) -> Result<(), Error> {
+    pub async fn set_operating_mode(&mut self, drive: &mut Drive, mode: Mode) -> Result<(), Error> {
         let assignment = assignment(pnu::OPERATING_MODE, mode_number(mode));
-        let outcomes = self.write(drive, &[assignment?], WriteMode::Write)?;
+        let outcomes = self.write(drive, &[assignment?], WriteMode::Write).await?;
         for outcome in outcomes {
             if let Some(Err(refusal)) = outcome.written {
                 let drive = drive.label();
@@ -89,13 +89,13 @@ impl<M: Wire> Session<M> {
     /// # Errors
     /// When somebody at the drive itself commands it, as [`set_operating_mode`](Self::set_operating_mode), and when it
     /// cannot be reached.
-    pub fn enter_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<ModeBefore, Error> {
-        self.check_control(drive)?;
-        let (number, telegram) = self.mode_and_telegram(drive)?;
+    pub async fn enter_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<ModeBefore, Error> {
+        self.check_control(drive).await?;
+        let (number, telegram) = self.mode_and_telegram(drive).await?;
         let mode = number.and_then(|number| mode_of(number.into()));
         let changed = mode != Some(needed);
         if changed {
-            self.set_operating_mode(drive, needed)?;
+            self.set_operating_mode(drive, needed).await?;
         }
         Ok(ModeBefore {
             mode,
@@ -110,40 +110,56 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When what the drive has now cannot be read; a value that is refused is reported in the list.
-    pub fn leave_mode(&mut self, drive: &mut Drive, before: &ModeBefore) -> Result<Vec<PutBack>, Error> {
-        self.uninterrupted(|session| {
-            let mut done = Vec::new();
-            if let Some(mode) = before.mode.filter(|_| before.changed) {
-                done.push(PutBack {
-                    number: pnu::OPERATING_MODE,
-                    value: mode_number(mode),
-                    result: session.set_operating_mode(drive, mode),
-                });
-            }
-            let (_, now) = session.mode_and_telegram(drive)?;
-            let Some(number) = before.telegram.number else {
-                return Ok(done);
-            };
-            if now.number == Some(number) {
-                return Ok(done);
-            }
-            let mut result = session.set_back(drive, &[assignment(pnu::TELEGRAM, number)?]);
-            let (_, now) = session.mode_and_telegram(drive)?;
-            if result.is_ok()
-                && (now.setpoint != before.telegram.setpoint || now.actual != before.telegram.actual)
-            {
-                result = session.put_back_mapping(drive, &before.telegram);
-            }
-            done.push(PutBack {
-                number: pnu::TELEGRAM,
-                value: number,
-                result,
-            });
-            Ok(done)
-        })
+    pub async fn leave_mode(
+        &mut self,
+        drive: &mut Drive,
+        before: &ModeBefore,
+    ) -> Result<Vec<PutBack>, Error> {
+        let stopping = std::mem::replace(&mut self.stopping, true);
+        let left = match self.ended(drive).await {
+            Ok(()) => self.put_back_mode(drive, before).await,
+            Err(error) => Err(error),
+        };
+        self.stopping = stopping;
+        left
     }
 
-    fn put_back_mapping(&mut self, drive: &mut Drive, telegram: &ReportedTelegram) -> Result<(), Error> {
+    async fn put_back_mode(&mut self, drive: &mut Drive, before: &ModeBefore) -> Result<Vec<PutBack>, Error> {
+        let mut done = Vec::new();
+        if let Some(mode) = before.mode.filter(|_| before.changed) {
+            done.push(PutBack {
+                number: pnu::OPERATING_MODE,
+                value: mode_number(mode),
+                result: self.set_operating_mode(drive, mode).await,
+            });
+        }
+        let (_, now) = self.mode_and_telegram(drive).await?;
+        let Some(number) = before.telegram.number else {
+            return Ok(done);
+        };
+        if now.number == Some(number) {
+            return Ok(done);
+        }
+        let mut result = self.set_back(drive, &[assignment(pnu::TELEGRAM, number)?]).await;
+        let (_, now) = self.mode_and_telegram(drive).await?;
+        if result.is_ok()
+            && (now.setpoint != before.telegram.setpoint || now.actual != before.telegram.actual)
+        {
+            result = self.put_back_mapping(drive, &before.telegram).await;
+        }
+        done.push(PutBack {
+            number: pnu::TELEGRAM,
+            value: number,
+            result,
+        });
+        Ok(done)
+    }
+
+    async fn put_back_mapping(
+        &mut self,
+        drive: &mut Drive,
+        telegram: &ReportedTelegram,
+    ) -> Result<(), Error> {
         let words = |number: u16, words: &[u16]| -> Result<Vec<Assignment>, Error> {
             let each = words.iter().enumerate();
             each.map(|(index, word)| Ok(format!("{number}[{index}]={word}").parse()?))
@@ -151,11 +167,11 @@ impl<M: Wire> Session<M> {
         };
         let mut all = words(pnu::SETPOINT_SIGNALS, &telegram.setpoint)?;
         all.extend(words(pnu::ACTUAL_SIGNALS, &telegram.actual)?);
-        self.set_back(drive, &all)
+        self.set_back(drive, &all).await
     }
 
-    fn set_back(&mut self, drive: &mut Drive, assignments: &[Assignment]) -> Result<(), Error> {
-        let outcomes = self.write(drive, assignments, WriteMode::Write)?;
+    async fn set_back(&mut self, drive: &mut Drive, assignments: &[Assignment]) -> Result<(), Error> {
+        let outcomes = self.write(drive, assignments, WriteMode::Write).await?;
         match outcomes.into_iter().find_map(|outcome| outcome.written?.err()) {
             Some(refusal) => Err(Error::Refused {
                 drive: drive.label(),
@@ -166,19 +182,21 @@ impl<M: Wire> Session<M> {
     }
 
     /// The number in PNU 930 and what the drive reports about its telegram.
-    pub(super) fn mode_and_telegram(
+    pub(super) async fn mode_and_telegram(
         &mut self,
         drive: &mut Drive,
     ) -> Result<(Option<u16>, ReportedTelegram), Error> {
-        let readings = self.read_numbers(
-            drive,
-            &[
-                pnu::TELEGRAM,
-                pnu::OPERATING_MODE,
-                pnu::SETPOINT_SIGNALS,
-                pnu::ACTUAL_SIGNALS,
-            ],
-        )?;
+        let readings = self
+            .read_numbers(
+                drive,
+                &[
+                    pnu::TELEGRAM,
+                    pnu::OPERATING_MODE,
+                    pnu::SETPOINT_SIGNALS,
+                    pnu::ACTUAL_SIGNALS,
+                ],
+            )
+            .await?;
         let words = |pnu| -> Vec<u16> {
             let own = readings.iter().filter(|reading| reading.pnu == pnu);
             let raw = own.filter_map(|reading| reading.raw());

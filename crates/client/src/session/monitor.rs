@@ -5,7 +5,7 @@ use profile::parameter::pnu;
 use profile::state::{Mode, Profile};
 
 use super::Session;
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
 const PARTS: [Part; 7] = [
@@ -41,14 +41,16 @@ pub struct Snapshot {
     pub readings: Vec<Result<Reading, Refusal>>,
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// State words, speeds and `more`, read in as few jobs as possible.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn snapshot(&mut self, drive: &mut Drive, more: &[Selection]) -> Result<Snapshot, Error> {
-        let told = self.ask(drive, &PARTS)?;
-        let numbers = self.read_numbers(drive, &[pnu::FAULT_COUNTER, pnu::TELEGRAM, pnu::OPERATING_MODE])?;
+    pub async fn snapshot(&mut self, drive: &mut Drive, more: &[Selection]) -> Result<Snapshot, Error> {
+        let told = self.ask(drive, &PARTS).await?;
+        let numbers = self
+            .read_numbers(drive, &[pnu::FAULT_COUNTER, pnu::TELEGRAM, pnu::OPERATING_MODE])
+            .await?;
         let word = |pnu| {
             let found = numbers.iter().find(|reading| reading.pnu == pnu);
             let raw = found.and_then(Reading::raw);
@@ -67,7 +69,7 @@ impl<M: Wire> Session<M> {
             speed_actual: told.speed(Part::SpeedActual).or_else(|| told.speed(Part::Speed)),
             position: position.cloned(),
             fault_counter: word(pnu::FAULT_COUNTER),
-            readings: self.read(drive, more)?,
+            readings: self.read(drive, more).await?,
         })
     }
 }

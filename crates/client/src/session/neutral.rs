@@ -23,7 +23,7 @@ use super::route::{Route, RouteNotice, wants_data};
 use crate::axis::Cycle;
 use crate::learn::device_of;
 use crate::modules::PLACE;
-use crate::{Connection, Drive, Error, Wire};
+use crate::{Connection, Drive, Error};
 use profile::model::PROFIDRIVE_API;
 
 /// How long a device may take to become ready.
@@ -33,23 +33,23 @@ const START_UP_JOB: Duration = Duration::from_secs(2);
 /// Largest request of one parameter.
 const ONE_PARAMETER: usize = 32;
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Opens a connection as IO controller for the records of a drive.
-    pub(super) fn as_controller(&mut self, drive: &Drive) -> Result<ArId, Error> {
+    pub(super) async fn as_controller(&mut self, drive: &Drive) -> Result<ArId, Error> {
         if self.is_closed(drive, Route::Controller) {
             return Err(self.no_route(drive));
         }
         // an owner keeps others out however they come: that is told before what else stands in the way
-        let owner = self.glance_record(drive, 0, (0, 1), index::AR_DATA)?;
+        let owner = self.glance_record(drive, 0, (0, 1), index::AR_DATA).await?;
         if let Some(Some(controller)) = owner.and_then(|data| controller_of(&data, &[])) {
             return Err(self.owned(drive, Some(controller)));
         }
-        if !self.calls {
+        if !self.engine.hears_calls() {
             let reason = "UDP port 34964, on which the device calls, is in use by another program".into();
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));
         }
-        let apis = self.glance_record(drive, 0, (0, 1), index::API_DATA)?;
+        let apis = self.glance_record(drive, 0, (0, 1), index::API_DATA).await?;
         let apis = apis.and_then(|data| decode_apis(Reader::new(&data)).ok());
         if apis.is_some_and(|apis| !apis.contains(&drive.model.channel.api)) {
             return Err(Error::NotADrive { drive: drive.label() });
@@ -58,7 +58,9 @@ impl<M: Wire> Session<M> {
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
         let mut modules = Vec::new();
         for (api, place) in [(0, (0, 1)), (PROFIDRIVE_API, PLACE)] {
-            let data = self.glance_record(drive, api, place, index::REAL_IDENTIFICATION_API)?;
+            let data = self
+                .glance_record(drive, api, place, index::REAL_IDENTIFICATION_API)
+                .await?;
             modules.push(data.map_or_else(Vec::new, |data| modules_in(&data, api)));
         }
         let profile = modules.pop().unwrap_or_default();
@@ -85,17 +87,17 @@ impl<M: Wire> Session<M> {
             ..ConnectConfig::for_records(modules, cycle.timing)
         };
         let now = self.now();
-        let ar = self.client.controller().connect(now, target(drive), config)?;
+        let ar = self.client().controller().connect(now, target(drive), config)?;
         let route = Route::Controller;
         let access = self.remember(drive, ar, route);
-        let ar = match self.opened(drive, access) {
+        let ar = match self.opened(drive, access).await {
             Ok(Some(ar)) => ar,
             Ok(None) => return Err(self.no_route(drive)),
             Err(Error::OwnedByController { controller, .. }) => return Err(self.owned(drive, controller)),
             Err(error) => return Err(error),
         };
         self.tell_route(drive, &RouteNotice::Taken { route, details });
-        self.try_start_up(drive, ar)?;
+        self.try_start_up(drive, ar).await?;
         Ok(ar)
     }
 
@@ -103,12 +105,12 @@ impl<M: Wire> Session<M> {
         Error::ParametersOwned {
             drive: drive.label(),
             controller,
-            closed: self.closed_routes(drive).to_vec(),
+            closed: self.closed_routes(drive),
         }
     }
 
     /// Reads a record without a connection; `None` where the device does not answer that.
-    fn glance_record(
+    async fn glance_record(
         &mut self,
         drive: &Drive,
         api: u32,
@@ -124,11 +126,11 @@ impl<M: Wire> Session<M> {
             subslot,
             index,
         };
-        Ok(self.read_implicitly(drive, at)?.ok())
+        Ok(self.read_implicitly(drive, at).await?.ok())
     }
 
     /// Reads one parameter: a device that takes no jobs in the start-up gets data exchange.
-    fn try_start_up(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
+    async fn try_start_up(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
         let mut request = [0; ONE_PARAMETER];
         let reference = self.next_reference();
         let address = [ParameterAddress::value(pnu::IDENTIFICATION, 0)];
@@ -137,32 +139,37 @@ impl<M: Wire> Session<M> {
         };
         let request = request.get(..length).unwrap_or_default();
         let now = self.now();
-        let call =
-            self.client
-                .controller()
-                .parameter_job_within(now, ar, channel(drive), request, START_UP_JOB)?;
+        let call = self.client().controller().parameter_job_within(
+            now,
+            ar,
+            channel(drive),
+            request,
+            START_UP_JOB,
+        )?;
         let limit = START_UP_JOB + READY_LIMIT;
-        match self.wait(limit, |client| client.take_record(call))? {
-            Some(Err(error)) if wants_data(&error) => self.exchange_data(drive, ar),
+        match self.wait(limit, |client| client.take_record(call)).await? {
+            Some(Err(error)) if wants_data(&error) => self.exchange_data(drive, ar).await,
             // whatever else is wrong shows with the job that is wanted
             _ => Ok(()),
         }
     }
 
-    fn exchange_data(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
-        if !self.discovery {
-            self.release(ar.into())?;
+    async fn exchange_data(&mut self, drive: &Drive, ar: ArId) -> Result<(), Error> {
+        if !self.engine.discovers() {
+            self.release(ar.into()).await?;
             let reason = "the device wants cyclic data, which takes raw frames and not UDP alone".into();
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));
         }
         self.tell_route(drive, &RouteNotice::StartUpEnded);
         let now = self.now();
-        self.client.controller().end_start_up(now, ar)?;
-        let end = self.wait(READY_LIMIT * 2, |client| match client.connection(ar) {
-            Connection::Opening | Connection::Open => None,
-            other => Some(other),
-        })?;
+        self.client().controller().end_start_up(now, ar)?;
+        let end = self
+            .wait(READY_LIMIT * 2, |client| match client.connection(ar) {
+                Connection::Opening | Connection::Open => None,
+                other => Some(other),
+            })
+            .await?;
         match end {
             Some(Connection::Running) => Ok(()),
             Some(Connection::Lost(cause)) => {
@@ -171,7 +178,7 @@ impl<M: Wire> Session<M> {
                 Err(self.no_route(drive))
             }
             _ => {
-                self.release(ar.into())?;
+                self.release(ar.into()).await?;
                 self.close_route(drive, Route::Controller, "no cyclic data came".into());
                 Err(self.no_route(drive))
             }

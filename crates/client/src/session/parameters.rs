@@ -12,7 +12,7 @@ use profile::parameter::{
 use super::Session;
 use crate::line::Answered;
 use crate::wide::{join, split};
-use crate::{ChannelCause, ChannelRefusal, Drive, Error, Refusal, Wire};
+use crate::{ChannelCause, ChannelRefusal, Drive, Error, Refusal};
 use profile::value::{Interpretation, Reading, Selection};
 
 pub use write::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
@@ -31,27 +31,27 @@ struct Item {
     octets: Option<usize>,
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads every element of every selection, in order, in as few requests as the drive's limits allow. A refused
     /// parameter does not disturb the others.
     ///
     /// # Errors
     /// When the drive cannot be reached, or its answer makes no sense.
-    pub fn read(
+    pub async fn read(
         &mut self,
         drive: &mut Drive,
         selections: &[Selection],
     ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
         if selections.iter().any(needs_scaling) {
-            self.read_scaling(drive)?;
+            self.read_scaling(drive).await?;
         }
-        let readings = self.read_plain(drive, &split(selections))?;
+        let readings = self.read_plain(drive, &split(selections)).await?;
         Ok(join(&drive.parameters, selections, readings))
     }
 
     /// The same without looking at the values that scale others first. What is [tolerated](Self::tolerate_unread) gives
     /// no reading.
-    pub(super) fn read_plain(
+    pub(super) async fn read_plain(
         &mut self,
         drive: &Drive,
         selections: &[Selection],
@@ -59,22 +59,25 @@ impl<M: Wire> Session<M> {
         if self.unread().is_some() {
             return Ok(Vec::new());
         }
-        match self.read_strictly(drive, selections) {
+        match self.read_strictly(drive, selections).await {
             Err(error) if self.gives_up(&error) => Ok(Vec::new()),
             other => other,
         }
     }
 
     /// The same where each error counts.
-    pub(super) fn read_strictly(
+    pub(super) async fn read_strictly(
         &mut self,
         drive: &Drive,
         selections: &[Selection],
     ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
-        self.in_time(drive, |session| session.read_all(drive, selections))
+        let begin = self.begin_in_time(drive);
+        let read = self.read_all(drive, selections).await;
+        self.end_in_time(begin);
+        read
     }
 
-    fn read_all(
+    async fn read_all(
         &mut self,
         drive: &Drive,
         selections: &[Selection],
@@ -87,12 +90,13 @@ impl<M: Wire> Session<M> {
         let planned: Vec<_> = items.iter().map(|item| (item.address, item.octets)).collect();
         let mut results = Vec::new();
         for group in plan_reads(&planned, drive.model.dialect) {
-            self.read_group(drive, selections, &items, group, &mut results)?;
+            self.read_group(drive, selections, &items, group, &mut results)
+                .await?;
         }
         Ok(results)
     }
 
-    fn read_group(
+    async fn read_group(
         &mut self,
         drive: &Drive,
         selections: &[Selection],
@@ -103,7 +107,7 @@ impl<M: Wire> Session<M> {
         let part = items.get(group).unwrap_or_default();
         let addresses: Vec<ParameterAddress> = part.iter().map(|item| item.address).collect();
         let dialect = drive.model.dialect;
-        let (reference, answered) = self.request(drive, &addresses)?;
+        let (reference, answered) = self.request(drive, &addresses).await?;
         let response = Response::parse(&answered.octets, RequestId::Read, reference, &addresses, dialect)
             .map_err(|error| malformed(drive, &error))?;
         for ((at, item), answer) in part.iter().enumerate().zip(response.answers()) {
@@ -139,7 +143,7 @@ impl<M: Wire> Session<M> {
                 // sizes nobody knew made the answer too long: this one again, alone
                 Answer::Error(error) if error.number == ErrorNumber(0x15) && part.len() > 1 => {
                     let alone = [*item];
-                    self.read_group(drive, selections, &alone, 0..1, results)?;
+                    Box::pin(self.read_group(drive, selections, &alone, 0..1, results)).await?;
                 }
                 Answer::Error(error) => {
                     let channel = self.channel_refusal(answered.cause(at));
@@ -159,18 +163,22 @@ impl<M: Wire> Session<M> {
     }
 
     /// One request for these addresses: the reference it had, and what came back.
-    fn request(&mut self, drive: &Drive, addresses: &[ParameterAddress]) -> Result<(u8, Answered), Error> {
+    async fn request(
+        &mut self,
+        drive: &Drive,
+        addresses: &[ParameterAddress],
+    ) -> Result<(u8, Answered), Error> {
         let mut buffer = [0; MAX_REQUEST];
         let reference = self.next_reference();
         let length = encode_read(reference, drive.model.dialect, addresses, &mut buffer)
             .map_err(|error| malformed(drive, &error))?;
-        let answered = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        let answered = self.job(drive, buffer.get(..length).unwrap_or_default()).await?;
         Ok((reference, answered))
     }
 
     /// What happened in the parameter channel of the line.
     fn channel_refusal(&self, cause: Option<ChannelCause>) -> Option<ChannelRefusal> {
-        let protocol = self.client.line_config()?.protocol;
+        let protocol = self.client().line_config()?.protocol;
         Some(ChannelRefusal {
             protocol,
             cause: cause?,
@@ -181,9 +189,10 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached or refuses.
-    pub fn read_one(&mut self, drive: &mut Drive, selection: &Selection) -> Result<Reading, Error> {
+    pub async fn read_one(&mut self, drive: &mut Drive, selection: &Selection) -> Result<Reading, Error> {
         let first = self
-            .read(drive, std::slice::from_ref(selection))?
+            .read(drive, std::slice::from_ref(selection))
+            .await?
             .into_iter()
             .next();
         match first {
@@ -200,7 +209,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// Descriptions of parameters (attribute 0x20), `None` where the drive has none.
-    pub(super) fn descriptions(
+    pub(super) async fn descriptions(
         &mut self,
         drive: &Drive,
         pnus: &[u16],
@@ -214,7 +223,7 @@ impl<M: Wire> Session<M> {
         for group in plan_reads(&planned, dialect) {
             let part = planned.get(group).unwrap_or_default();
             let addresses: Vec<ParameterAddress> = part.iter().map(|(address, _)| *address).collect();
-            let (reference, answered) = self.request(drive, &addresses)?;
+            let (reference, answered) = self.request(drive, &addresses).await?;
             let response = Response::parse(&answered.octets, RequestId::Read, reference, &addresses, dialect)
                 .map_err(|error| malformed(drive, &error))?;
             descriptions.extend(response.answers().map(|answer| match answer {
@@ -227,8 +236,9 @@ impl<M: Wire> Session<M> {
 
     /// References run from 1 to 255: 0 is reserved.
     pub(super) fn next_reference(&mut self) -> u8 {
-        self.reference = after(self.reference);
-        self.reference
+        let mut records = self.engine.records();
+        records.reference = after(records.reference);
+        records.reference
     }
 }
 

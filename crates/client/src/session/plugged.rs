@@ -8,7 +8,7 @@ use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodu
 
 use super::Session;
 use crate::modules::{MakerModule, PLACE, UNKNOWN, modules_of, place_of};
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 use profile::model::PROFIDRIVE_API;
 
 /// Application processes of a device whose modules are read.
@@ -31,18 +31,21 @@ pub(super) struct Layout {
     pub place: (u16, u16),
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads what is plugged. A device that does not tell has nothing to be known.
-    pub(super) fn plugged(&mut self, drive: &Drive) -> Result<Plugged, Error> {
-        let own = self.modules_of(drive, 0, (0, 1))?;
-        Ok(Plugged::new(own, self.modules_of(drive, PROFIDRIVE_API, PLACE)?))
+    pub(super) async fn plugged(&mut self, drive: &Drive) -> Result<Plugged, Error> {
+        let own = self.modules_of(drive, 0, (0, 1)).await?;
+        Ok(Plugged::new(
+            own,
+            self.modules_of(drive, PROFIDRIVE_API, PLACE).await?,
+        ))
     }
 
     /// Returns the modules that are plugged, of all application processes; empty when the device does not report them.
     ///
     /// # Errors
     /// When the device cannot be reached.
-    pub fn modules(&mut self, drive: &Drive) -> Result<Vec<IdentifiedModule>, Error> {
+    pub async fn modules(&mut self, drive: &Drive) -> Result<Vec<IdentifiedModule>, Error> {
         if drive.is_on_line() {
             return Ok(Vec::new());
         }
@@ -52,7 +55,7 @@ impl<M: Wire> Session<M> {
             subslot: 1,
             index: index::API_DATA,
         };
-        let apis = match self.read_record(drive, at) {
+        let apis = match self.read_record(drive, at).await {
             Ok(data) => decode_apis(Reader::new(&data)).unwrap_or_default(),
             Err(Error::Record { .. }) => Vec::new(),
             Err(error) => return Err(error),
@@ -65,13 +68,13 @@ impl<M: Wire> Session<M> {
         let mut modules = Vec::new();
         for api in apis.into_iter().take(MOST_APIS) {
             let place = if api == 0 { (0, 1) } else { PLACE };
-            modules.extend(self.modules_of(drive, api, place)?);
+            modules.extend(self.modules_of(drive, api, place).await?);
         }
         modules.sort_by_key(|module| (module.slot, module.api));
         Ok(modules)
     }
 
-    fn modules_of(
+    async fn modules_of(
         &mut self,
         drive: &Drive,
         api: u32,
@@ -83,7 +86,7 @@ impl<M: Wire> Session<M> {
             subslot,
             index: index::REAL_IDENTIFICATION_API,
         };
-        match self.read_record(drive, at) {
+        match self.read_record(drive, at).await {
             Ok(data) => Ok(modules_in(&data, api)),
             Err(Error::Record { .. }) => Ok(Vec::new()),
             Err(error) => Err(error),

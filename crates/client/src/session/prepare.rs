@@ -16,7 +16,7 @@ use crate::axis::{
 };
 use crate::drive::has_jog;
 use crate::error::mode_words;
-use crate::{Action, Drive, Error, Wire};
+use crate::{Action, Drive, Error};
 use profile::value::{Reading, Selection};
 
 /// What matters for a move, and what a converter's ramps follow from.
@@ -100,19 +100,19 @@ fn check_jog(drive: &Drive, purpose: Purpose, profile: Profile) -> Result<(), Er
     Ok(())
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// What a move of an axis would be, and everything that speaks against it.
     ///
     /// # Errors
     /// When the model is not known, or the drive cannot be reached.
-    pub fn plan_move(
+    pub async fn plan_move(
         &mut self,
         drive: &mut Drive,
         order: &Move,
         speed_limit: f64,
     ) -> Result<MovePlan, Error> {
-        self.read_scaling(drive)?;
-        let facts = self.motion_facts(drive)?;
+        self.read_scaling(drive).await?;
+        let facts = self.motion_facts(drive).await?;
         self.plan_with(drive, order, &facts, speed_limit)
     }
 
@@ -142,10 +142,10 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn motion_facts(&mut self, drive: &mut Drive) -> Result<MotionFacts, Error> {
-        let told = self.ask(drive, &MOTION)?;
+    pub async fn motion_facts(&mut self, drive: &mut Drive) -> Result<MotionFacts, Error> {
+        let told = self.ask(drive, &MOTION).await?;
         let (number, raw) = (|part| told.number(part), |part| told.raw(part));
-        let telegram = self.telegram_now(drive)?;
+        let telegram = self.telegram_now(drive).await?;
         let zsw1 = zsw1_of(drive, &told, telegram);
         let on = raw(Part::SoftwareLimitsOn).unwrap_or(0);
         // the signal wraps at 32 bits and has a sign, the table of the manual calls it unsigned
@@ -182,29 +182,38 @@ impl<M: Wire> Session<M> {
     }
 
     /// Values of some numbers, those that the drive refuses left out.
-    pub(super) fn read_numbers(&mut self, drive: &mut Drive, numbers: &[u16]) -> Result<Vec<Reading>, Error> {
+    pub(super) async fn read_numbers(
+        &mut self,
+        drive: &mut Drive,
+        numbers: &[u16],
+    ) -> Result<Vec<Reading>, Error> {
         let selections: Vec<Selection> = numbers
             .iter()
             .filter_map(|&pnu| drive.parameters.select(&ParameterReference::number(pnu)).ok())
             .collect();
-        Ok(self.read(drive, &selections)?.into_iter().flatten().collect())
+        Ok(self
+            .read(drive, &selections)
+            .await?
+            .into_iter()
+            .flatten()
+            .collect())
     }
 
     /// The mode of the drive, the telegram for a purpose and the modules to connect with, which a serial line has none
     /// of; in the telegram everything in it that no command carries preset to
     /// what the drive has now.
-    pub(super) fn prepare(
+    pub(super) async fn prepare(
         &mut self,
         drive: &mut Drive,
         device: &Device,
         settings: &AxisSettings,
     ) -> Result<Prepared, Error> {
         let purpose = settings.purpose;
-        let (told_mode, reported) = self.mode_and_telegram(drive)?;
-        let told = self.ask(drive, &CONTROL)?;
+        let (told_mode, reported) = self.mode_and_telegram(drive).await?;
+        let told = self.ask(drive, &CONTROL).await?;
         let telegram = drive.telegram_in_use(reported.number);
         let word = zsw1_of(drive, &told, telegram);
-        self.free(drive, word, purpose)?;
+        self.free(drive, word, purpose).await?;
         let kept = takeover::is_kept(word);
         let mode = self.mode_for(drive, told_mode, purpose)?;
         if drive.is_on_line() {
@@ -233,14 +242,14 @@ impl<M: Wire> Session<M> {
                 deceleration: ramps[1],
             });
         }
-        let plugged = self.plugged(drive)?;
+        let plugged = self.plugged(drive).await?;
         let reported = ReportedTelegram {
             number: reported.number.or_else(|| plugged.telegram(device)),
             ..reported
         };
         let (mut choice, layout) = self.telegram_for(drive, device, settings, mode, (&plugged, &reported))?;
         let alone: Vec<u16> = choice.wiring.left_alone().collect();
-        for reading in self.read_numbers(drive, &alone)? {
+        for reading in self.read_numbers(drive, &alone).await? {
             if let Some(raw) = reading.raw() {
                 // a number that does not fit its signal stays 0
                 let _ = choice.wiring.preset(reading.pnu, raw);
@@ -314,9 +323,13 @@ impl<M: Wire> Session<M> {
 
     /// Puts what the drive has now into the words of the telegram whose parameter settings choose: they are written
     /// with the first frame, and are to keep their values. To be asked with the telegram in place.
-    pub(super) fn preset_chosen(&mut self, drive: &mut Drive, wiring: &mut Wiring) -> Result<(), Error> {
+    pub(super) async fn preset_chosen(
+        &mut self,
+        drive: &mut Drive,
+        wiring: &mut Wiring,
+    ) -> Result<(), Error> {
         let indices: Vec<u16> = wiring.chosen_words().collect();
-        let told = self.ask(drive, &[Part::ChosenSetpoints])?;
+        let told = self.ask(drive, &[Part::ChosenSetpoints]).await?;
         let number = |index: u16| -> Option<u16> {
             let mut all = told.all(Part::ChosenSetpoints);
             let reading = all.find(|reading| reading.index == Some(index))?;
@@ -326,7 +339,7 @@ impl<M: Wire> Session<M> {
                 .filter(|number| *number != 0)
         };
         let numbers: Vec<u16> = indices.iter().filter_map(|index| number(*index)).collect();
-        let readings = self.read_numbers(drive, &numbers)?;
+        let readings = self.read_numbers(drive, &numbers).await?;
         for &index in &indices {
             let Some(chosen) = number(index) else { continue };
             let first = |reading: &&Reading| reading.pnu == chosen && reading.index.unwrap_or(0) == 0;
@@ -350,14 +363,14 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// [`Error::LocalOperation`], [`Error::Ownerless`], and when the drive cannot be reached.
-    pub fn check_control(&mut self, drive: &mut Drive) -> Result<(), Error> {
-        let authority = self.authority(drive)?;
+    pub async fn check_control(&mut self, drive: &mut Drive) -> Result<(), Error> {
+        let authority = self.authority(drive).await?;
         permitted(drive, authority)
     }
 
     /// The telegram of a drive's process data: what PNU 922 says, or that of its line.
-    pub(super) fn telegram_now(&mut self, drive: &mut Drive) -> Result<Option<u16>, Error> {
-        let readings = self.read_numbers(drive, &[pnu::TELEGRAM])?;
+    pub(super) async fn telegram_now(&mut self, drive: &mut Drive) -> Result<Option<u16>, Error> {
+        let readings = self.read_numbers(drive, &[pnu::TELEGRAM]).await?;
         let raw = readings.first().and_then(Reading::raw);
         let reported = raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
         Ok(drive.telegram_in_use(reported))
@@ -365,8 +378,8 @@ impl<M: Wire> Session<M> {
 
     /// Checks that control can be taken for a purpose. Control alone can be taken of a drive that is in operation without
     /// a controller; a motion is never begun on one.
-    fn free(&mut self, drive: &mut Drive, word: Option<Zsw1>, purpose: Purpose) -> Result<(), Error> {
-        match self.authority_by(drive, word)? {
+    async fn free(&mut self, drive: &mut Drive, word: Option<Zsw1>, purpose: Purpose) -> Result<(), Error> {
+        match self.authority_by(drive, word).await? {
             Authority::Ownerless if purpose == Purpose::Control => Ok(()),
             authority => permitted(drive, authority),
         }

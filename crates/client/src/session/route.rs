@@ -9,7 +9,7 @@ use profinet::wire::PnioStatus;
 use profinet::wire::status::{DECODE_RECORD, record};
 
 use super::Session;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 
 /// A way to the records of a drive. The ways are tried in this order; the choice holds for the session.
 ///
@@ -114,42 +114,41 @@ impl Routes {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reports each step on the way to the records of a drive to `follow`: the drive's name and what happened.
-    pub fn follow_routes(&mut self, follow: impl FnMut(&str, &RouteNotice) + 'static) {
-        self.route_follower = Box::new(follow);
+    pub fn follow_routes(&mut self, follow: impl FnMut(&str, &RouteNotice) + Send + 'static) {
+        self.wishes().route_follower = Box::new(follow);
     }
 
     /// Returns the way on which records of a drive are read, once one was taken.
     #[must_use]
     pub fn route(&self, drive: &Drive) -> Option<Route> {
-        let open = self.access.iter().find(|access| access.is_to(drive));
+        let open = self.access_to(drive, |_| true);
         let implicit = || self.reads_implicitly(drive).then_some(Route::Implicit);
         open.map(|access| access.route).or_else(implicit)
     }
 
     /// Returns the ways to a drive that turned out to be closed, in the order in which they were tried.
     #[must_use]
-    pub fn closed_routes(&self, drive: &Drive) -> &[ClosedRoute] {
-        self.routes_to(drive).map_or(&[], |routes| &routes.closed)
+    pub fn closed_routes(&self, drive: &Drive) -> Vec<ClosedRoute> {
+        self.routes_to(drive, |routes| routes.closed.clone())
     }
 
-    fn routes_to(&self, drive: &Drive) -> Option<&Routes> {
-        self.routes.iter().find(|routes| routes.is_to(drive))
-    }
-
-    fn routes_mut(&mut self, drive: &Drive) -> &mut Routes {
-        let known = self.routes.iter().position(|routes| routes.is_to(drive));
+    /// What is known about the ways to a drive, to read and to note.
+    fn routes_to<T>(&self, drive: &Drive, with: impl FnOnce(&mut Routes) -> T) -> T {
+        let mut records = self.engine.records();
+        let routes = &mut records.routes;
+        let known = routes.iter().position(|routes| routes.is_to(drive));
         let at = known.unwrap_or_else(|| {
-            self.routes.push(Routes {
+            routes.push(Routes {
                 mac: drive.station.mac,
                 ip: drive.station.ip.address,
                 closed: Vec::new(),
                 implicit: false,
             });
-            self.routes.len() - 1
+            routes.len() - 1
         });
-        &mut self.routes[at]
+        with(&mut routes[at])
     }
 
     pub(super) fn is_closed(&self, drive: &Drive, route: Route) -> bool {
@@ -162,32 +161,32 @@ impl<M: Wire> Session<M> {
     pub(super) fn close_route(&mut self, drive: &Drive, route: Route, reason: String) {
         let closed = ClosedRoute { route, reason };
         self.tell_route(drive, &RouteNotice::Closed(closed.clone()));
-        self.routes_mut(drive).closed.push(closed);
+        self.routes_to(drive, |routes| routes.closed.push(closed));
     }
 
     /// Implicit reads worked before.
     pub(super) fn reads_implicitly(&self, drive: &Drive) -> bool {
-        self.routes_to(drive).is_some_and(|routes| routes.implicit)
+        self.routes_to(drive, |routes| routes.implicit)
     }
 
     /// Notes that implicit reads work.
     pub(super) fn take_implicit(&mut self, drive: &Drive) {
-        let routes = self.routes_mut(drive);
-        if !std::mem::replace(&mut routes.implicit, true) {
+        let known = self.routes_to(drive, |routes| std::mem::replace(&mut routes.implicit, true));
+        if !known {
             let (route, details) = (Route::Implicit, String::new());
             self.tell_route(drive, &RouteNotice::Taken { route, details });
         }
     }
 
     pub(super) fn tell_route(&mut self, drive: &Drive, notice: &RouteNotice) {
-        (self.route_follower)(&drive.label(), notice);
+        (self.wishes().route_follower)(&drive.label(), notice);
     }
 
     /// Every way is closed.
     pub(super) fn no_route(&self, drive: &Drive) -> Error {
         Error::NoRoute {
             drive: drive.label(),
-            closed: self.closed_routes(drive).to_vec(),
+            closed: self.closed_routes(drive),
         }
     }
 }

@@ -3,20 +3,21 @@
 use profile::value::{SCALING, take_scale};
 
 use super::Session;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads the values of the drive that scale other values, once.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn read_scaling(&mut self, drive: &mut Drive) -> Result<(), Error> {
+    pub async fn read_scaling(&mut self, drive: &mut Drive) -> Result<(), Error> {
         let Some(tables) = drive.model.catalogue.filter(|_| !drive.scaled) else {
             return Ok(());
         };
         // what is read here scales nothing itself: asked again, nothing would be read
         drive.scaled = true;
-        let told = match self.ask(drive, &SCALING) {
+        // reading looks at the scaling first: the two call each other
+        let told = match Box::pin(self.ask(drive, &SCALING)).await {
             Ok(told) => told,
             Err(error) => {
                 drive.scaled = false;

@@ -8,7 +8,7 @@ use profile::telegram::{Telegram, signal};
 use super::{Session, loss};
 use crate::axis::Wiring;
 use crate::status::DriveStatus;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 use profile::value::Reading;
 
 /// What every drive is asked by number.
@@ -43,16 +43,16 @@ const PARTS: [Part; 21] = [
     Part::BrakeReleased,
 ];
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads how a drive is; [`diagnose`](crate::status::diagnose) says what it comes down to. What the drive refuses
     /// to tell is left out.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn status(&mut self, drive: &mut Drive) -> Result<DriveStatus, Error> {
-        let controller = self.owner(drive)?;
-        let readings = self.read_numbers(drive, &PROFILE)?;
-        let told = self.ask(drive, &[&PARTS[..], &loss::PARTS[..]].concat())?;
+    pub async fn status(&mut self, drive: &mut Drive) -> Result<DriveStatus, Error> {
+        let controller = self.owner(drive).await?;
+        let readings = self.read_numbers(drive, &PROFILE).await?;
+        let told = self.ask(drive, &[&PARTS[..], &loss::PARTS[..]].concat()).await?;
         let word = |pnu| {
             let found = readings.iter().find(|reading| reading.pnu == pnu);
             let raw = found.and_then(Reading::raw);
@@ -66,7 +66,7 @@ impl<M: Wire> Session<M> {
         let controller = controller.or(drive.is_on_line().then_some(None));
         let runs = zsw1.is_some_and(|zsw1| zsw1.has(Zsw1::READY_TO_OPERATE));
         let state = if runs { State::S4 } else { State::S2 };
-        let (faults, warnings) = match self.fault_report(drive) {
+        let (faults, warnings) = match self.fault_report(drive).await {
             Ok(report) => (
                 report.present().cloned().collect(),
                 report.warnings.unwrap_or_default(),
@@ -75,7 +75,7 @@ impl<M: Wire> Session<M> {
             Err(error) => return Err(error),
         };
         let local = match zsw1.filter(|word| !word.has(Zsw1::CONTROL_REQUESTED)) {
-            Some(word) => Some(self.local_control(drive, word)?),
+            Some(word) => Some(self.local_control(drive, word).await?),
             None => None,
         };
         let wiring = wiring(drive, &readings);

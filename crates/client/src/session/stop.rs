@@ -7,7 +7,7 @@ use profile::catalogue::{Parameter, Part};
 use super::unread::SILENCE;
 use super::{Authority, AxisSettings, AxisStatus, LocalControl, Session};
 use crate::axis::{Purpose, Seen};
-use crate::{Drive, Error, Wire, WriteMode};
+use crate::{Drive, Error, WriteMode};
 use profile::value::Assignment;
 
 /// Speed below which an axis counts as standing, rpm.
@@ -97,16 +97,16 @@ impl StopOutcome {
     }
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Finds the means to bring a drive to rest: its parameter, its control word if nobody has it, or none. Reads only.
     ///
     /// # Errors
     /// When the drive cannot be reached.
-    pub fn stop_means(&mut self, drive: &mut Drive, way: StopWay) -> Result<StopMeans, Error> {
+    pub async fn stop_means(&mut self, drive: &mut Drive, way: StopWay) -> Result<StopMeans, Error> {
         if let Some(parameter) = way.parameter(drive) {
             return Ok(StopMeans::Parameter(parameter));
         }
-        Ok(match self.authority(drive)? {
+        Ok(match self.authority(drive).await? {
             Authority::Local(by) => StopMeans::Local(by),
             Authority::Controller(name) => StopMeans::Owned(name),
             // a device that does not report its connections refuses when another controller has it
@@ -128,7 +128,7 @@ impl<M: Wire> Session<M> {
     /// [`Error::StopUnanswered`] when the drive does not answer its parameter and a controller has its control word,
     /// [`Error::NoStopBeside`] when the drive has no such parameter and a controller has its control word,
     /// [`Error::LocalOperation`] when somebody at the drive commands it, and when it refuses or cannot be reached.
-    pub fn stop_drive(
+    pub async fn stop_drive(
         &mut self,
         drive: &mut Drive,
         way: StopWay,
@@ -136,7 +136,7 @@ impl<M: Wire> Session<M> {
     ) -> Result<StopOutcome, Error> {
         let tolerant = self.unread.is_some();
         self.tolerate_unread();
-        let stopped = self.stop_by_means(drive, way, limit);
+        let stopped = self.stop_by_means(drive, way, limit).await;
         let unread = self.unread().map(str::to_owned);
         if !tolerant {
             self.unread = None;
@@ -144,14 +144,14 @@ impl<M: Wire> Session<M> {
         Ok(StopOutcome { unread, ..stopped? })
     }
 
-    fn stop_by_means(
+    async fn stop_by_means(
         &mut self,
         drive: &mut Drive,
         way: StopWay,
         limit: Duration,
     ) -> Result<StopOutcome, Error> {
         let mut last = None;
-        let stopped = self.stop_and_look(drive, way, limit, &mut last);
+        let stopped = self.stop_and_look(drive, way, limit, &mut last).await;
         stopped.map_err(|error| match error {
             Error::Interrupted => Error::StopInterrupted {
                 drive: drive.label(),
@@ -162,7 +162,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// The same; `last` is how the drive was seen last.
-    fn stop_and_look(
+    async fn stop_and_look(
         &mut self,
         drive: &mut Drive,
         way: StopWay,
@@ -172,7 +172,7 @@ impl<M: Wire> Session<M> {
         // a stop by the control word always ends with the power stage off
         let by_word = way.parameter(drive).is_none();
         let way = if by_word { StopWay::Disable } else { way };
-        let before = self.look_at(drive, way, false)?;
+        let before = self.look_at(drive, way, false).await?;
         if before.at_rest && before.enabled == Some(false) {
             return Ok(before);
         }
@@ -180,10 +180,10 @@ impl<M: Wire> Session<M> {
         *last = Some(before.clone());
         let mut off = false;
         if sent {
-            match self.stop_means(drive, way)? {
-                StopMeans::Parameter(command) => off = self.stop_by_parameter(drive, command, limit)?,
+            match self.stop_means(drive, way).await? {
+                StopMeans::Parameter(command) => off = self.stop_by_parameter(drive, command, limit).await?,
                 StopMeans::TakeOver => {
-                    self.take_over_and_stop(drive, limit)?;
+                    self.take_over_and_stop(drive, limit).await?;
                     off = true;
                 }
                 StopMeans::Owned(controller) => {
@@ -204,7 +204,7 @@ impl<M: Wire> Session<M> {
         let way = if off { StopWay::Disable } else { way };
         let end = self.now() + limit;
         loop {
-            let seen = self.look_at(drive, way, off)?;
+            let seen = self.look_at(drive, way, off).await?;
             *last = Some(StopOutcome { sent, ..seen.clone() });
             if seen.at_rest || self.now() >= end {
                 return Ok(StopOutcome {
@@ -215,54 +215,52 @@ impl<M: Wire> Session<M> {
                     ..seen
                 });
             }
-            self.pass(LOOK)?;
+            self.pass(LOOK).await?;
         }
     }
 
     /// Takes the control word over as it is, ramps down by OFF1 and gives it back.
-    fn take_over_and_stop(&mut self, drive: &mut Drive, limit: Duration) -> Result<(), Error> {
+    async fn take_over_and_stop(&mut self, drive: &mut Drive, limit: Duration) -> Result<(), Error> {
         // a service channel may have it: with silent parameters only its telegram says so
         let by_parameter = StopWay::Stop.parameter(drive).is_some();
         let settings = AxisSettings {
             stop: limit,
             ..AxisSettings::for_purpose(Purpose::Control)
         };
-        let mut axis = self.take_axis(drive, settings)?;
-        if by_parameter && !axis.hold_until(ASKS, asks_for_control)? {
+        let mut axis = self.take_axis(drive, settings).await?;
+        if by_parameter && !axis.hold_until(ASKS, asks_for_control).await? {
             let word = axis.status().and_then(|status| status.view.seen);
             // there is nothing to wait for
-            axis.settings.stop = LAST_TRY;
-            let _ = axis.release();
-            let by = self.local_control(drive, word.unwrap_or_default().zsw1)?;
+            axis.ending.allow(LAST_TRY);
+            let _ = axis.release().await;
+            let by = self.local_control(drive, word.unwrap_or_default().zsw1).await?;
             return Err(Error::LocalOperation {
                 drive: drive.label(),
                 by,
             });
         }
-        let stopped = axis.come_to_rest();
-        let released = axis.release();
-        stopped.and(released)
+        axis.stop_and_release().await
     }
 
     /// Stops a drive by its parameter. Where that is not answered, it is stopped by the control word, unless a controller
     /// has that or somebody at the drive; true when it was.
-    fn stop_by_parameter(
+    async fn stop_by_parameter(
         &mut self,
         drive: &mut Drive,
         command: &'static Parameter,
         limit: Duration,
     ) -> Result<bool, Error> {
         let silent = self.unread().is_some();
-        if !silent && self.command_within(drive, command, SILENCE)? {
+        if !silent && self.command_within(drive, command, SILENCE).await? {
             return Ok(false);
         }
-        match self.authority(drive)? {
+        match self.authority(drive).await? {
             Authority::Local(by) => Err(Error::LocalOperation {
                 drive: drive.label(),
                 by,
             }),
             Authority::Controller(controller) => {
-                if silent && self.command_within(drive, command, LAST_TRY)? {
+                if silent && self.command_within(drive, command, LAST_TRY).await? {
                     return Ok(false);
                 }
                 Err(Error::StopUnanswered {
@@ -273,29 +271,32 @@ impl<M: Wire> Session<M> {
                 })
             }
             Authority::Ownerless | Authority::Nobody | Authority::Unknown => {
-                self.take_over_and_stop(drive, limit)?;
+                self.take_over_and_stop(drive, limit).await?;
                 Ok(true)
             }
         }
     }
 
     /// Sends the command of a vendor; false when the drive has not answered it within `limit`, or not properly.
-    fn command_within(
+    async fn command_within(
         &mut self,
         drive: &mut Drive,
         command: &Parameter,
         limit: Duration,
     ) -> Result<bool, Error> {
         let end = self.now() + limit;
-        match self.until(end, |session| session.command_stop(drive, command)) {
+        let before = self.bind(end);
+        let sent = self.command_stop(drive, command).await;
+        self.bound = before;
+        match sent {
             Err(error) if !matches!(error, Error::Refused { .. }) && self.gives_up(&error) => Ok(false),
             sent => sent.map(|()| true),
         }
     }
 
-    fn command_stop(&mut self, drive: &mut Drive, command: &Parameter) -> Result<(), Error> {
+    async fn command_stop(&mut self, drive: &mut Drive, command: &Parameter) -> Result<(), Error> {
         let assignment = Assignment::of(command, 1);
-        let outcomes = self.write(drive, &[assignment], WriteMode::Write)?;
+        let outcomes = self.write(drive, &[assignment], WriteMode::Write).await?;
         if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
             return Err(Error::Refused {
                 drive: drive.label(),
@@ -306,9 +307,9 @@ impl<M: Wire> Session<M> {
     }
 
     /// How the axis is; `off` when its telegram has said that the power stage is off, for a drive without a status word.
-    fn look_at(&mut self, drive: &mut Drive, way: StopWay, off: bool) -> Result<StopOutcome, Error> {
-        let enabled = self.is_enabled(drive)?.or(off.then_some(false));
-        let told = self.ask(drive, &[Part::Speed, Part::SpeedActual])?;
+    async fn look_at(&mut self, drive: &mut Drive, way: StopWay, off: bool) -> Result<StopOutcome, Error> {
+        let enabled = self.is_enabled(drive).await?.or(off.then_some(false));
+        let told = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
         let speed = told.rpm(Part::Speed);
         let percent = told.percent(Part::SpeedActual).filter(|_| speed.is_none());
         // of a drive that reports no speed the power stage is all there is to know

@@ -5,7 +5,7 @@ use profile::state::{State, Stw1, Zsw1};
 
 use super::Session;
 use crate::axis::{Command, SpeedScale, SpeedUnit, Wiring};
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 
 /// What an ownerless drive does now, so that control of it can be taken without a jump.
 const PRESENT: [Part; 5] = [
@@ -16,17 +16,17 @@ const PRESENT: [Part; 5] = [
     Part::Speed,
 ];
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads the command that an ownerless drive obeys, as it is to be sent in its telegram; bits of the control word that
     /// only the vendor has go into `wiring`. `before` is the telegram in use until now.
-    pub(super) fn present_command(
+    pub(super) async fn present_command(
         &mut self,
         drive: &mut Drive,
         wiring: &mut Wiring,
         before: Option<u16>,
         scale: &SpeedScale,
     ) -> Result<Command, Error> {
-        let told = self.ask(drive, &PRESENT)?;
+        let told = self.ask(drive, &PRESENT).await?;
         let same_words = told.profile(drive, before) == wiring.words();
         let obeyed = told
             .word(Part::ControlWord)

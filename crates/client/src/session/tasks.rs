@@ -8,7 +8,7 @@ use super::Session;
 use super::parameters::Outgoing;
 use crate::axis::Objection;
 use crate::backup::{Backup, Journal, Step, Task, TaskChange, TasksTold, Window};
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
 /// Motion tasks written between two times that the journal is kept.
@@ -23,11 +23,11 @@ enum Look {
     Not(String),
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads motion tasks into a backup, or has it say why not. Each is loaded into the edit window of the drive (MT.NUM,
     /// MT.LOAD), which gets back what it had. That moves nothing, but somebody may be at work with this window: so only
     /// while the power stage is off and no controller is connected.
-    pub(super) fn read_tasks(
+    pub(super) async fn read_tasks(
         &mut self,
         drive: &mut Drive,
         backup: &mut Backup,
@@ -36,7 +36,7 @@ impl<M: Wire> Session<M> {
         let Some(window) = drive.model.catalogue.and_then(Window::of) else {
             return Ok(());
         };
-        let result = self.tasks(drive, &window, numbers)?;
+        let result = self.tasks(drive, &window, numbers).await?;
         match result {
             Ok(tasks) => {
                 backup.header.tasks = if window.rows().eq(numbers.iter().copied()) {
@@ -59,15 +59,17 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// [`Error::Objections`] with everything that speaks against it, and when the drive cannot be reached.
-    pub fn check_task(&mut self, drive: &mut Drive, number: u16) -> Result<(), Error> {
-        let facts = self.motion_facts(drive)?;
+    pub async fn check_task(&mut self, drive: &mut Drive, number: u16) -> Result<(), Error> {
+        let facts = self.motion_facts(drive).await?;
         let mut objections = Vec::new();
         if facts.homed == Some(false) {
             objections.push(Objection::NotHomed);
         }
         let window = drive.model.catalogue.and_then(Window::of);
         let row = match window {
-            Some(window) if window.rows().contains(&number) => self.tasks(drive, &window, &[number])?.ok(),
+            Some(window) if window.rows().contains(&number) => {
+                self.tasks(drive, &window, &[number]).await?.ok()
+            }
             Some(_) => Some(vec![Task::Empty]),
             None => None,
         };
@@ -83,7 +85,7 @@ impl<M: Wire> Session<M> {
         })
     }
 
-    fn tasks(
+    async fn tasks(
         &mut self,
         drive: &mut Drive,
         window: &Window,
@@ -92,7 +94,7 @@ impl<M: Wire> Session<M> {
         if numbers.is_empty() {
             return Ok(Ok(Vec::new()));
         }
-        match self.is_enabled(drive)? {
+        match self.is_enabled(drive).await? {
             Some(false) => {}
             Some(true) => return Ok(Err("the power stage is on".to_owned())),
             None => {
@@ -101,16 +103,16 @@ impl<M: Wire> Session<M> {
                 ));
             }
         }
-        if let Some(Some(name)) = self.owner(drive)? {
+        if let Some(Some(name)) = self.owner(drive).await? {
             return Ok(Err(format!("controller \"{name}\" is connected")));
         }
-        let Some(before) = self.window(drive, window)? else {
+        let Some(before) = self.window(drive, window).await? else {
             return Ok(Err("the drive does not tell what it has in MT.*".to_owned()));
         };
         let mut tasks = Vec::with_capacity(numbers.len());
         let mut ended = None;
         for &number in numbers {
-            match self.look(drive, window, number) {
+            match self.look(drive, window, number).await {
                 Ok(Look::Task(task)) => tasks.push(task),
                 Ok(Look::Not(why)) => {
                     ended = Some(why);
@@ -118,14 +120,16 @@ impl<M: Wire> Session<M> {
                 }
                 Err(error) => {
                     if is_there(&error) {
-                        let _ = self.put_back(drive, window, &before, None);
+                        let _ = self.put_back(drive, window, &before, None).await;
                     }
                     return Err(error);
                 }
             }
         }
         let empty = numbers.iter().zip(&tasks).find(|(_, task)| **task == Task::Empty);
-        let back = self.put_back(drive, window, &before, empty.map(|(number, _)| *number))?;
+        let back = self
+            .put_back(drive, window, &before, empty.map(|(number, _)| *number))
+            .await?;
         Ok(match (ended, back) {
             (Some(why), _) => Err(why),
             (None, false) => {
@@ -136,22 +140,23 @@ impl<M: Wire> Session<M> {
     }
 
     /// What the window shows: its number, then its fields.
-    fn window(&mut self, drive: &mut Drive, window: &Window) -> Result<Option<Vec<Reading>>, Error> {
+    async fn window(&mut self, drive: &mut Drive, window: &Window) -> Result<Option<Vec<Reading>>, Error> {
         let selections: Vec<Selection> = parameters(window).map(shown).collect();
         Ok(self
-            .read(drive, &selections)?
+            .read(drive, &selections)
+            .await?
             .into_iter()
             .collect::<Result<_, _>>()
             .ok())
     }
 
     /// Loads a row of the table into the window and reads it.
-    fn look(&mut self, drive: &mut Drive, window: &Window, number: u16) -> Result<Look, Error> {
+    async fn look(&mut self, drive: &mut Drive, window: &Window, number: u16) -> Result<Look, Error> {
         let orders = [
             outgoing(window.number, i64::from(number)),
             outgoing(window.load, 1),
         ];
-        for answer in self.change(drive, &orders)? {
+        for answer in self.change(drive, &orders).await? {
             if let Err(refusal) = answer {
                 return Ok(Look::Not(format!(
                     "the drive refused to show task {number}: {}",
@@ -164,7 +169,7 @@ impl<M: Wire> Session<M> {
             .catalogue
             .and_then(|tables| tables.with_role(Role::Active));
         let selections: Vec<Selection> = parameters(window).chain(active).map(shown).collect();
-        let shown: Result<Vec<Reading>, _> = self.read(drive, &selections)?.into_iter().collect();
+        let shown: Result<Vec<Reading>, _> = self.read(drive, &selections).await?.into_iter().collect();
         let Ok(mut shown) = shown else {
             return Ok(Look::Not(format!("the drive does not tell task {number}")));
         };
@@ -180,7 +185,7 @@ impl<M: Wire> Session<M> {
 
     /// Gives the window what it had. A 0 where none can be written is that of an empty task, which has to be loaded first.
     /// False when the window is not as it was. A person who wants to stop waits for this.
-    fn put_back(
+    async fn put_back(
         &mut self,
         drive: &mut Drive,
         window: &Window,
@@ -188,12 +193,12 @@ impl<M: Wire> Session<M> {
         empty: Option<u16>,
     ) -> Result<bool, Error> {
         let stopping = std::mem::replace(&mut self.stopping, true);
-        let result = self.try_put_back(drive, window, before, empty);
+        let result = self.try_put_back(drive, window, before, empty).await;
         self.stopping = stopping;
         result
     }
 
-    fn try_put_back(
+    async fn try_put_back(
         &mut self,
         drive: &mut Drive,
         window: &Window,
@@ -209,7 +214,7 @@ impl<M: Wire> Session<M> {
             })
         };
         if before.iter().any(|value| !writable(&value)) {
-            self.look(drive, window, empty.unwrap_or(ZERO))?;
+            self.look(drive, window, empty.unwrap_or(ZERO)).await?;
         }
         // the number last: nobody takes the window for another row meanwhile
         let order = before.iter().skip(1).chain(before.first()).filter(writable);
@@ -219,19 +224,23 @@ impl<M: Wire> Session<M> {
                 Some(outgoing(parameter, value.raw()?))
             })
             .collect();
-        self.change_in_groups(drive, &values)?;
-        let after = self.window(drive, window)?;
+        self.change_in_groups(drive, &values).await?;
+        let after = self.window(drive, window).await?;
         Ok(after.is_some_and(|after| {
             after.len() == before.len() && after.iter().zip(before).all(|(a, b)| a.octets == b.octets)
         }))
     }
 
     /// Writes in as few requests as it takes; the first refusal.
-    fn change_in_groups(&mut self, drive: &Drive, values: &[Outgoing]) -> Result<Option<Refusal>, Error> {
+    async fn change_in_groups(
+        &mut self,
+        drive: &Drive,
+        values: &[Outgoing],
+    ) -> Result<Option<Refusal>, Error> {
         let sizes: Vec<usize> = values.iter().map(|value| value.octets.len().max(4)).collect();
         let mut refused = None;
         for group in plan_changes(&sizes, drive.model.dialect) {
-            let answers = self.change(drive, values.get(group).unwrap_or_default())?;
+            let answers = self.change(drive, values.get(group).unwrap_or_default()).await?;
             let refusal = answers.into_iter().find_map(Result::err);
             refused = refused.or(refusal);
         }
@@ -239,7 +248,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// Writes the motion tasks of a plan and reads each back.
-    pub(super) fn restore_tasks(
+    pub(super) async fn restore_tasks(
         &mut self,
         drive: &mut Drive,
         journal: &mut Journal,
@@ -250,10 +259,12 @@ impl<M: Wire> Session<M> {
         let (Some(window), false) = (window, tasks.is_empty()) else {
             return Ok(());
         };
-        let before = self.window(drive, &window)?;
+        let before = self.window(drive, &window).await?;
         let mut result = Ok(());
         for (batch, changes) in tasks.chunks(BATCH).enumerate() {
-            result = self.restore_batch(drive, &window, journal, (batch * BATCH, changes), keep);
+            result = self
+                .restore_batch(drive, &window, journal, (batch * BATCH, changes), keep)
+                .await;
             if result.is_err() {
                 break;
             }
@@ -263,11 +274,13 @@ impl<M: Wire> Session<M> {
             return result;
         };
         let empty = tasks.iter().find(|change| change.new == Task::Empty);
-        let back = self.put_back(drive, &window, &before, empty.map(|change| change.number));
+        let back = self
+            .put_back(drive, &window, &before, empty.map(|change| change.number))
+            .await;
         result.and(back.map(|_| ()))
     }
 
-    fn restore_batch(
+    async fn restore_batch(
         &mut self,
         drive: &mut Drive,
         window: &Window,
@@ -276,15 +289,15 @@ impl<M: Wire> Session<M> {
         keep: &mut super::backup::Keep<'_>,
     ) -> Result<(), Error> {
         self.glance()?;
-        self.at_rest(drive)?;
+        self.at_rest(drive).await?;
         for at in 0..changes.len() {
             journal.set_task(first + at, Step::InDoubt);
         }
         super::backup::kept(drive, journal, keep)?;
         for (at, change) in changes.iter().enumerate() {
-            let step = match self.write_task(drive, window, change)? {
+            let step = match self.write_task(drive, window, change).await? {
                 Some(refusal) => Step::Refused(refusal),
-                None => match self.look(drive, window, change.number)? {
+                None => match self.look(drive, window, change.number).await? {
                     Look::Task(task) if task.is_as(&change.new) => Step::ReadBack,
                     Look::Task(_) => Step::Differs,
                     Look::Not(_) => Step::Written,
@@ -296,7 +309,7 @@ impl<M: Wire> Session<M> {
     }
 
     /// The table takes a row only when the window has taken all of it.
-    fn write_task(
+    async fn write_task(
         &mut self,
         drive: &Drive,
         window: &Window,
@@ -304,7 +317,11 @@ impl<M: Wire> Session<M> {
     ) -> Result<Option<Refusal>, Error> {
         let number = i64::from(change.number);
         let values = match &change.new {
-            Task::Empty => return self.change_in_groups(drive, &[outgoing(window.clear, number)]),
+            Task::Empty => {
+                return self
+                    .change_in_groups(drive, &[outgoing(window.clear, number)])
+                    .await;
+            }
             Task::Values(values) => values,
         };
         let values = values.iter().zip(window.fields);
@@ -313,8 +330,8 @@ impl<M: Wire> Session<M> {
             .into_iter()
             .chain(values)
             .collect();
-        match self.change_in_groups(drive, &all)? {
-            None => self.change_in_groups(drive, &[outgoing(window.set, 1)]),
+        match self.change_in_groups(drive, &all).await? {
+            None => self.change_in_groups(drive, &[outgoing(window.set, 1)]).await,
             refused => Ok(refused),
         }
     }

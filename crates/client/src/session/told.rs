@@ -7,7 +7,7 @@ use profile::state::Profile;
 use profile::telegram::{Telegram, signal};
 
 use super::Session;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 use profile::value::{Content, Reading, Selection};
 
 /// Where a drive without tables may have a part; the first number that it has counts.
@@ -41,14 +41,14 @@ pub(super) struct Told {
     full: Option<u16>,
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Reads the parameters with these parts in as few jobs as possible; what the make has not or the drive refuses is
     /// left out.
-    pub(super) fn ask(&mut self, drive: &mut Drive, parts: &[Part]) -> Result<Told, Error> {
+    pub(super) async fn ask(&mut self, drive: &mut Drive, parts: &[Part]) -> Result<Told, Error> {
         let wanted: Vec<(Part, Selection)> = parts.iter().flat_map(|&part| places(drive, part)).collect();
         let selections: Vec<Selection> = wanted.iter().map(|(_, selection)| *selection).collect();
         let mut rows = Vec::new();
-        for reading in self.read(drive, &selections)?.into_iter().flatten() {
+        for reading in self.read(drive, &selections).await?.into_iter().flatten() {
             let is = |selection: &Selection| {
                 let first = selection.first;
                 let own = first..first.saturating_add(selection.count);
@@ -60,7 +60,7 @@ impl<M: Wire> Session<M> {
         let found = |part: Part| rows.iter().any(|(of, _)| *of == part);
         let lacks = |part: &Part| parts.contains(part) && !found(*part);
         let line = match drive.slave.filter(|_| IN_EVERY_REPLY.iter().any(lacks)) {
-            Some(slave) => self.line_words(drive, slave)?,
+            Some(slave) => self.line_words(drive, slave).await?,
             None => None,
         };
         Ok(Told {

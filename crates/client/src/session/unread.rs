@@ -5,7 +5,7 @@ use std::time::Duration;
 use profinet::Instant;
 
 use super::Session;
-use crate::{Drive, Error, Wire};
+use crate::{Drive, Error};
 
 /// How long one parameter request of a stop may remain without an answer.
 pub(super) const SILENCE: Duration = Duration::from_secs(2);
@@ -15,7 +15,7 @@ const TOGETHER: Duration = Duration::from_secs(4);
 const LEAST: Duration = Duration::from_millis(100);
 
 /// What became of the parameter requests of a stop.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Unread {
     /// Time that the requests took so far.
     spent: Duration,
@@ -25,7 +25,7 @@ pub(super) struct Unread {
     cause: Option<String>,
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// From now on a parameter that the drive does not answer, or not properly, counts as unknown and ends no call. After
     /// the first one none is requested any more. [`stop_drive`](Self::stop_drive) does this by itself; before
     /// [`find`](Self::find) it bounds what is read there too.
@@ -39,25 +39,24 @@ impl<M: Wire> Session<M> {
         self.unread.as_ref()?.cause.as_deref()
     }
 
-    /// Carries out a parameter request in the time that it has; all the time of the world outside of a stop.
-    pub(super) fn in_time<T>(
-        &mut self,
-        drive: &Drive,
-        request: impl FnOnce(&mut Self) -> Result<T, Error>,
-    ) -> Result<T, Error> {
+    /// Begins a parameter request that has only so much time; all the time of the world outside of a stop.
+    pub(super) fn begin_in_time(&mut self, drive: &Drive) -> Instant {
         let begin = self.now();
         if let Some(unread) = &mut self.unread {
             let left = TOGETHER.saturating_sub(unread.spent);
             // a line carries one parameter at a time, and waits for each
             unread.due = (!drive.is_on_line()).then(|| begin + left.min(SILENCE));
         }
-        let result = request(self);
+        begin
+    }
+
+    /// Ends the request that began then.
+    pub(super) fn end_in_time(&mut self, begin: Instant) {
         let took = self.now() - begin;
         if let Some(unread) = &mut self.unread {
             unread.due = None;
             unread.spent += took;
         }
-        result
     }
 
     /// Whether this error of a parameter request is tolerated; then no more are sent.
@@ -69,16 +68,8 @@ impl<M: Wire> Session<M> {
         true
     }
 
-    /// Carries out parameter requests that are given up at `end`, or when those around them are: a motion does not wait
-    /// for them.
-    pub(super) fn until<T>(&mut self, end: Instant, work: impl FnOnce(&mut Self) -> T) -> T {
-        let before = self.bind(end);
-        let result = work(self);
-        self.bound = before;
-        result
-    }
-
-    /// The same from now on; returns what is to be put back.
+    /// From now on parameter requests are given up at `end`, or when those around them are: a motion does not wait for
+    /// them. Returns what is to be put back.
     pub(super) fn bind(&mut self, end: Instant) -> Option<Instant> {
         let before = self.bound;
         self.bound = Some(before.map_or(end, |before| before.min(end)));

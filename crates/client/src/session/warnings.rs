@@ -6,15 +6,15 @@ use profinet::Instant;
 
 use super::axis::{Axis, AxisStatus, WarningWatcher};
 use super::evidence::BESIDE;
-use crate::{Connection, Error, Wire};
+use crate::{Connection, Error};
 
 /// How often a drive that has a warning is asked which ones it has.
 const AGAIN: Duration = Duration::from_secs(1);
 
 /// Who wants to know, and what was told.
 #[derive(Default)]
-pub(super) struct Warnings<'s> {
-    watcher: Option<WarningWatcher<'s>>,
+pub(super) struct Warnings {
+    watcher: Option<WarningWatcher>,
     told: Told,
 }
 
@@ -30,16 +30,16 @@ enum Told {
     TheBit,
 }
 
-impl<'s> Warnings<'s> {
-    pub(super) fn watch(&mut self, watcher: WarningWatcher<'s>) {
+impl Warnings {
+    pub(super) fn watch(&mut self, watcher: WarningWatcher) {
         self.watcher = Some(watcher);
         self.told = Told::Nothing;
     }
 }
 
-impl<M: Wire> Axis<'_, M> {
+impl Axis {
     /// Tells of warnings that are new. What the drive does not answer holds nothing up: it is asked once.
-    pub(super) fn look_for_warnings(&mut self, status: &AxisStatus) {
+    pub(super) async fn look_for_warnings(&mut self, status: &AxisStatus) {
         if self.warnings.watcher.is_none() || self.connection() != Connection::Running {
             return;
         }
@@ -56,9 +56,9 @@ impl<M: Wire> Axis<'_, M> {
             Told::Nothing => {}
         }
         let drive = &self.drive;
-        let asked = self
-            .session
-            .until(now + BESIDE, |session| session.warnings(drive));
+        let before_this = self.session.bind(now + BESIDE);
+        let asked = self.session.warnings(drive).await;
+        self.session.bound = before_this;
         let present = match asked {
             Err(Error::Interrupted) => return,
             other => other.ok().flatten().filter(|present| !present.is_empty()),

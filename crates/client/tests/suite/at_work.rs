@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::bench::{Bench, bench, bench_of, find, other_controller, select, station, with_drive};
-use profidrive_client::{AtWork, Drive, Error, WriteMode};
+use profidrive_client::{AtWork, Drive, Error, Wait, WriteMode};
 
 /// ResetToFactory of the application data.
 const APPLICATION: u8 = 1;
@@ -15,6 +15,7 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
         .collect();
     let outcomes = session
         .write(drive, &assignments, WriteMode::Write)
+        .wait()
         .expect("reached");
     assert!(
         outcomes
@@ -26,12 +27,12 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
 
 fn acceleration(session: &mut Bench, drive: &mut Drive) -> Option<f64> {
     let selection = select(drive, "DRV.ACC");
-    session.read_one(drive, &selection).expect("read").number()
+    session.read_one(drive, &selection).wait().expect("read").number()
 }
 
 /// What keeps it from being reset; its parameters are as they were.
 fn refused(session: &mut Bench, drive: &mut Drive) -> AtWork {
-    let error = session.reset(drive, APPLICATION).expect_err("at work");
+    let error = session.reset(drive, APPLICATION).wait().expect_err("at work");
     assert_eq!(acceleration(session, drive), Some(7000.0), "{error}");
     let works = match error {
         Error::AtWork { works, .. } => Some(works),
@@ -48,14 +49,20 @@ fn a_drive_that_is_on_or_turns_is_not_reset() {
     assert_eq!(refused(&mut session, &mut drive), AtWork::Enabled);
     // off, with a load that pulls at it
     write(&mut session, &mut drive, "DRV.DIS=1");
-    with_drive(&mut session, ids[0], |drive| {
+    with_drive(&session, ids[0], |drive| {
         drive.inject("load=0.5Nm".parse().expect("a load"));
     });
-    session.pass(Duration::from_millis(200)).expect("time passes");
+    session
+        .pass(Duration::from_millis(200))
+        .wait()
+        .expect("time passes");
     assert!(matches!(refused(&mut session, &mut drive), AtWork::Turns(_)));
     // a name does not touch the axis
-    session.check_unowned(&drive, "renamed").expect("nobody has it");
-    session.reset_at_work(&drive, APPLICATION).expect("forced");
+    session
+        .check_unowned(&drive, "renamed")
+        .wait()
+        .expect("nobody has it");
+    session.reset_at_work(&drive, APPLICATION).wait().expect("forced");
     assert_eq!(acceleration(&mut session, &mut drive), Some(3000.0));
 }
 
@@ -65,14 +72,20 @@ fn a_drive_with_a_controller_is_neither_reset_nor_renamed() {
     let (mut session, _) = bench_of(vec![station("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, "DRV.ACC=7000");
-    session.check_idle(&mut drive, "reset").expect("nobody has it");
-    session.medium_mut().segment_mut().attach(plc);
-    session.pass(Duration::from_secs(3)).expect("it connects");
+    session
+        .check_idle(&mut drive, "reset")
+        .wait()
+        .expect("nobody has it");
+    session.medium().segment_mut().attach(plc);
+    session.pass(Duration::from_secs(3)).wait().expect("it connects");
     assert_eq!(
         refused(&mut session, &mut drive),
         AtWork::Controller("plc".into())
     );
-    let error = session.check_unowned(&drive, "renamed").expect_err("in use");
+    let error = session
+        .check_unowned(&drive, "renamed")
+        .wait()
+        .expect_err("in use");
     assert_eq!(
         error.to_string(),
         "akd-1 is not renamed: controller \"plc\" is running it"
@@ -86,5 +99,5 @@ fn a_drive_that_cannot_be_asked_is_reset() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, "DRV.ACC=7000");
     drive.station.ip = profinet::IpSuite::NONE;
-    session.reset(&mut drive, APPLICATION).expect("reset");
+    session.reset(&mut drive, APPLICATION).wait().expect("reset");
 }

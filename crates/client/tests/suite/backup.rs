@@ -5,7 +5,7 @@
 
 mod tasks;
 
-use std::rc::Rc;
+use profidrive_client::Wait;
 use std::time::Duration;
 
 use crate::bench::watched::{Bench, Claims, Wire, bench};
@@ -51,7 +51,7 @@ fn other() -> Backup {
 /// Restores `wanted` while `meddle` happens; checks every claim at every moment; then undoes it with what was kept.
 fn meddled(
     wanted: &Backup,
-    mut meddle: impl FnMut(usize, &mut Wire<'_>) + 'static,
+    mut meddle: impl FnMut(usize, &mut Wire<'_>) + Send + 'static,
     interrupt: Option<usize>,
 ) -> (Result<(), Error>, usize) {
     let mut bench = bench();
@@ -63,29 +63,32 @@ fn meddled(
         meddle(step, wire);
         seen.check(wire);
     });
-    let steps = Rc::clone(&bench.steps);
+    let steps = bench.steps.clone();
     bench
         .session
         .interrupt_with(move || interrupt.is_some_and(|at| steps.get() >= at));
-    let kept = Rc::clone(&claims.kept);
+    let kept = claims.kept.clone();
     let result = bench
         .session
         .restore(&mut bench.drive, &mut journal, true, &mut |journal| {
             *kept.borrow_mut() = journal.to_string();
             Ok(())
-        });
+        })
+        .wait();
     // what is still on its way may arrive now
     bench.session.interrupt_with(|| false);
     let took = bench.steps.get();
-    let _ = bench.session.close();
+    let _ = bench.session.close().wait();
     claims.check(&mut bench.wire());
     assert_eq!(result.is_ok(), journal.is_complete());
 
     // the cable is back, the drive is in order: the way back brings everything back
     bench.on_each_step(|_, _| {});
-    let wire = bench.wire();
-    wire.segment.uncut(wire.id);
+    let mut wire = bench.wire();
+    let id = wire.id;
+    wire.segment.uncut(id);
     wire.segment.set_all_conditions(Conditions::default());
+    drop(wire);
     bench.wire().station().set_answer_fault(AnswerFault::None);
     let text = claims.kept.borrow().clone();
     if !text.is_empty() {
@@ -258,9 +261,12 @@ fn nothing_is_written_while_the_power_stage_is_on() {
     bench.set(2113, 0); // DRV.CMDSOURCE: the service channel commands
     bench.set(2127, 1); // DRV.EN
     let now = bench.session.now();
-    bench.session.pass(Duration::from_millis(100)).unwrap();
+    bench.session.pass(Duration::from_millis(100)).wait().unwrap();
     assert!(bench.wire().station().drive().is_enabled(), "since {now:?}");
-    assert_eq!(bench.session.is_enabled(&mut bench.drive).unwrap(), Some(true));
+    assert_eq!(
+        bench.session.is_enabled(&mut bench.drive).wait().unwrap(),
+        Some(true)
+    );
     let (result, kept) = bench.restore(&mut journal, true);
     assert!(matches!(result, Err(Error::NotAtRest { .. })), "{result:?}");
     assert_eq!(journal.count(|step| *step == Step::NotWritten), CHANGES);
@@ -354,7 +360,7 @@ fn without_a_way_back_nothing_is_written() {
         let mut bench = bench();
         let mut journal = bench.journal(&wanted, &Choice::default());
         let claims = Claims::watch(&mut bench, &journal);
-        let (mut calls, kept) = (0, Rc::clone(&claims.kept));
+        let (mut calls, kept) = (0, claims.kept.clone());
         let result = bench
             .session
             .restore(&mut bench.drive, &mut journal, false, &mut |journal| {
@@ -364,7 +370,8 @@ fn without_a_way_back_nothing_is_written() {
                 }
                 *kept.borrow_mut() = journal.to_string();
                 Ok(())
-            });
+            })
+            .wait();
         let error = result.unwrap_err();
         assert!(matches!(error, Error::Journal { .. }), "{error}");
         // what was kept last holds all the same
@@ -394,7 +401,11 @@ fn a_drive_without_tables() {
         only: vec!["1004".parse().unwrap(), "922".parse().unwrap()],
         ..Choice::default()
     };
-    let plan = bench.session.plan(&mut bench.drive, &wanted, &choice).unwrap();
+    let plan = bench
+        .session
+        .plan(&mut bench.drive, &wanted, &choice)
+        .wait()
+        .unwrap();
     assert_eq!((plan.changes.len(), plan.skipped.len()), (1, 1));
     let mut journal = Journal::new(&plan);
     // no number is known that tells whether it is switched on
@@ -452,11 +463,11 @@ fn faults_situation_by_situation_of_one_moment() {
     let mut bench = bench();
     let raise = |bench: &mut Bench, number| bench.wire().station().drive_mut().inject_fault(number, false);
     raise(&mut bench, 439);
-    bench.session.pass(Duration::from_millis(50)).unwrap();
+    bench.session.pass(Duration::from_millis(50)).wait().unwrap();
     bench.set(2111, 1); // DRV.CLRFAULTS
     raise(&mut bench, 702);
     raise(&mut bench, 302);
-    let report = bench.session.fault_report(&mut bench.drive).unwrap();
+    let report = bench.session.fault_report(&mut bench.drive).wait().unwrap();
     let seen: Vec<(u8, u8, u16)> = report
         .faults
         .iter()
@@ -484,6 +495,6 @@ fn faults_situation_by_situation_of_one_moment() {
         drive.tick(now, None, &mut []);
         drive.write(2111, 0, 1, Keep::Volatile).unwrap();
     });
-    let error = bench.session.fault_report(&mut bench.drive).unwrap_err();
+    let error = bench.session.fault_report(&mut bench.drive).wait().unwrap_err();
     assert!(matches!(error, Error::Changing { attempts: 3, .. }), "{error}");
 }

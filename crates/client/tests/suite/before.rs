@@ -4,13 +4,14 @@ use std::time::Duration;
 
 use crate::bench::{Bench, bench, find, with_drive};
 use profidrive_client::axis::{Jog, Objection, Purpose};
-use profidrive_client::{AxisSettings, Drive, Error, WriteMode};
+use profidrive_client::{AxisSettings, Drive, Error, Wait, WriteMode};
 
 fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
     for text in text.split(' ') {
         let assignment = text.parse().expect("an assignment");
         let outcomes = session
             .write(drive, &[assignment], WriteMode::Write)
+            .wait()
             .expect("reached");
         assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
     }
@@ -28,11 +29,12 @@ fn objections(result: Result<(), Error>) -> Vec<Objection> {
 fn home(session: &mut Bench, drive: &mut Drive) {
     let mut axis = session
         .take_axis(drive, AxisSettings::for_purpose(Purpose::Home))
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.home(Some(Duration::from_secs(5))).expect("homed");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.home(Some(Duration::from_secs(5))).wait().expect("homed");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }
 
 /// An axis that is not homed, a task that is not there: known from status word and table, without a connection.
@@ -43,19 +45,22 @@ fn a_task_is_checked_before_the_axis_is_taken() {
     write(&mut session, &mut drive, "930=2");
     let (not_homed, empty) = (Objection::NotHomed, |number| Objection::NoTask { number });
     assert_eq!(
-        objections(session.check_task(&mut drive, 3)),
+        objections(session.check_task(&mut drive, 3).wait()),
         [not_homed, empty(3)]
     );
     home(&mut session, &mut drive);
-    assert_eq!(objections(session.check_task(&mut drive, 3)), [empty(3)]);
-    assert_eq!(objections(session.check_task(&mut drive, 200)), [empty(200)]);
+    assert_eq!(objections(session.check_task(&mut drive, 3).wait()), [empty(3)]);
+    assert_eq!(
+        objections(session.check_task(&mut drive, 200).wait()),
+        [empty(200)]
+    );
     write(
         &mut session,
         &mut drive,
         "MT.NUM=3 MT.P=65536 MT.V=60 MT.ACC=3000 MT.DEC=3000 MT.CNTL=0 MT.SET=1",
     );
-    session.check_task(&mut drive, 3).expect("there is one");
-    assert_eq!(objections(session.check_task(&mut drive, 4)), [empty(4)]);
+    session.check_task(&mut drive, 3).wait().expect("there is one");
+    assert_eq!(objections(session.check_task(&mut drive, 4).wait()), [empty(4)]);
 }
 
 /// Whatever telegram the drive has: a jog turns the axis, in both modes.
@@ -71,13 +76,15 @@ fn a_jog_turns_with_every_telegram_the_drive_had() {
             write(&mut session, &mut drive, &format!("{mode} 922={telegram}"));
             let mut axis = session
                 .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Jog))
+                .wait()
                 .expect("connected");
             let used = axis.telegram();
-            let mut enabled = axis.enable().expect("enabled");
+            let mut enabled = axis.enable().wait().expect("enabled");
             enabled
                 .jog(Jog::One)
+                .wait()
                 .unwrap_or_else(|error| panic!("{mode} {telegram}: {error}"));
-            enabled.hold(Duration::from_secs(1)).expect("goes on");
+            enabled.hold(Duration::from_secs(1)).wait().expect("goes on");
             let turns = enabled.status().is_some_and(|status| status.view.turns);
             assert!(
                 turns,
@@ -85,6 +92,7 @@ fn a_jog_turns_with_every_telegram_the_drive_had() {
             );
             drop(enabled);
             axis.release()
+                .wait()
                 .unwrap_or_else(|error| panic!("{mode} {telegram}: {error}"));
         }
     }
@@ -95,9 +103,9 @@ fn a_jog_turns_with_every_telegram_the_drive_had() {
 fn a_limit_switch_in_the_way_is_known() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    with_drive(&mut session, ids[0], |drive| {
+    with_drive(&session, ids[0], |drive| {
         drive.inject("limit+=on".parse().expect("a switch"));
     });
-    let facts = session.motion_facts(&mut drive).expect("read");
+    let facts = session.motion_facts(&mut drive).wait().expect("read");
     assert!(facts.is_at_switch(60.0) && !facts.is_at_switch(-60.0));
 }

@@ -1,13 +1,14 @@
 //! The cyclic connection of a command on an ordinary PC: calm where nothing else is asked for, and measured before
 //! anything is enabled. In virtual time.
 
+use crate::bench::shared::On;
 use std::time::Duration;
 
 use crate::bench::{bench_of, find, ip, parts_of};
 use network::host::Host;
 use network::segment::SegmentMedium;
 use profidrive_client::axis::Purpose;
-use profidrive_client::{AxisSettings, Client, DriveAddress, Session, Wire};
+use profidrive_client::{AxisSettings, DriveAddress, Engine, Network, Wait, Wire};
 use profinet::cyclic::Timing;
 use profinet::device::Stored;
 use profinet::{Instant, MacAddress, Medium};
@@ -31,7 +32,7 @@ impl Wire for Busy {
         Medium::now(&self.medium)
     }
 
-    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Self::Error> {
+    fn step(&mut self, client: &mut Engine, until: Instant) -> Result<(), Self::Error> {
         let end = until + self.late;
         while Wire::now(self) < end {
             Medium::step(&mut self.medium, client, end)?;
@@ -61,18 +62,18 @@ fn a_default_connection_outlives_a_busy_pc() {
         let mut drive = find(&mut session, &format!("drive-{number}")).expect("there");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
         assert_eq!(axis.cycle(), MS * 16);
-        let mut enabled = axis.enable().expect("enabled");
-        enabled.reach_speed(300.0, None).expect("turns");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        enabled.reach_speed(300.0, None).wait().expect("turns");
         for _ in 0..3 {
-            let (session, _) = enabled.session();
             let end = session.now() + MS * 90;
-            session.medium_mut().segment_mut().run_until(end);
-            enabled.hold(MS * 500).expect("still connected");
+            session.medium().segment_mut().run_until(end);
+            enabled.hold(MS * 500).wait().expect("still connected");
         }
         drop(enabled);
-        axis.release().expect("released");
+        axis.release().wait().expect("released");
     }
 }
 
@@ -81,19 +82,22 @@ fn a_default_connection_outlives_a_busy_pc() {
 fn a_cycle_that_the_pc_does_not_hold_is_known_before_anything_is_enabled() {
     let strained = |late, cycle, watchdog, purpose| {
         let (medium, config, ids) = parts_of(stations());
-        let mut session = Session::new(Busy { medium, late }, config);
+        let mut session = On::new(Network::on(Busy { medium, late }, config));
         let address: DriveAddress = VLT.parse().expect("an address");
-        let mut drive = session.find(&address).expect("there");
+        let mut drive = session.find(&address).wait().expect("there");
         let settings = AxisSettings {
             cycle,
             watchdog,
             ..AxisSettings::for_purpose(purpose)
         };
-        let mut axis = session.take_axis(&mut drive, settings).expect("connected");
+        let axis = session.take_axis(&mut drive, settings).wait().expect("connected");
         let strained = axis.strained();
-        let (session, _) = axis.session();
-        let segment = session.medium().medium.segment();
-        let host = segment.station::<Host<Station>>(ids[1]).expect("the drive");
+        let medium = session.medium();
+        let host = medium
+            .medium
+            .segment()
+            .station::<Host<Station>>(ids[1])
+            .expect("the drive");
         assert!(!host.endpoint().drive().is_enabled());
         strained.map(|strained| strained.to_string())
     };
@@ -126,9 +130,10 @@ fn update_times_are_those_of_the_device_description() {
         drive.maker_timings = allowed;
         let axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
         assert_eq!(axis.cycle(), cycle);
-        axis.release().expect("released");
+        axis.release().wait().expect("released");
     }
     let asked = AxisSettings {
         cycle: Some(MS * 4),
@@ -136,6 +141,7 @@ fn update_times_are_those_of_the_device_description() {
     };
     let error = session
         .take_axis(&mut drive, asked)
+        .wait()
         .expect_err("not in the description");
     assert!(error.to_string().contains("update time"), "{error}");
 }

@@ -6,12 +6,13 @@
 // helpers of tests fail by panicking, like the tests themselves
 #![allow(clippy::panic, clippy::unwrap_used)]
 
+use crate::bench::shared::On;
 use std::time::Duration;
 
 use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::{Jog, Move, Purpose};
 use profidrive_client::status::{Cause, Diagnosis, diagnose};
-use profidrive_client::{Action, Advice, AxisSettings, Drive, Error, Session, StopWay, WriteMode};
+use profidrive_client::{Action, Advice, AxisSettings, Drive, Error, StopWay, Wait, WriteMode};
 use profile::notation::Position;
 use profile::parameter::{Keep, ParameterAccess};
 use virtual_drive::model::{self, Model as Virtual};
@@ -130,10 +131,10 @@ fn prepare(world: &World, settings: &[(u16, u64)]) {
     });
 }
 
-fn found(world: &World, subject: &Subject, transport: Transport, seed: u64) -> (Session<World>, Drive) {
+fn found(world: &World, subject: &Subject, transport: Transport, seed: u64) -> (On<World>, Drive) {
     let (mut session, mut drive) = world.client(subject.name, transport, seed).expect("found");
     if subject.name == "standard" {
-        session.find_channel(&mut drive).expect("it has one");
+        session.find_channel(&mut drive).wait().expect("it has one");
     }
     (session, drive)
 }
@@ -148,32 +149,32 @@ fn settings_for(drive: &Drive, purpose: Purpose) -> AxisSettings {
 }
 
 /// The motion that something happens to. How it ends does not matter here.
-fn motion(session: &mut Session<World>, drive: &mut Drive, motion: Motion) -> Result<(), Error> {
+fn motion(session: &mut On<World>, drive: &mut Drive, motion: Motion) -> Result<(), Error> {
     let purpose = match motion {
         Run => Purpose::Speed,
         Jogging => Purpose::Jog,
         Moving => Purpose::Move,
         Home => Purpose::Home,
     };
-    let mut axis = session.take_axis(drive, settings_for(drive, purpose))?;
-    let mut enabled = axis.enable()?;
+    let mut axis = session.take_axis(drive, settings_for(drive, purpose)).wait()?;
+    let mut enabled = axis.enable().wait()?;
     match motion {
         Run => {
-            enabled.reach_speed(600.0, None)?;
-            enabled.keep_speed(600.0, SECOND * 20)?;
+            enabled.reach_speed(600.0, None).wait()?;
+            enabled.keep_speed(600.0, SECOND * 20).wait()?;
         }
         Jogging => {
-            enabled.jog(Jog::One)?;
-            enabled.hold(SECOND * 20)?;
+            enabled.jog(Jog::One).wait()?;
+            enabled.hold(SECOND * 20).wait()?;
         }
         Moving => {
-            enabled.home(None)?;
-            enabled.move_to(&Move::to(Position::Turns(40.0), 300.0))?;
+            enabled.home(None).wait()?;
+            enabled.move_to(&Move::to(Position::Turns(40.0), 300.0)).wait()?;
         }
-        Home => enabled.home(None)?,
+        Home => enabled.home(None).wait()?,
     }
-    enabled.disable()?;
-    axis.release()
+    enabled.disable().wait()?;
+    axis.release().wait()
 }
 
 /// What the report of a status recommends.
@@ -184,9 +185,9 @@ fn recommended(diagnosis: &Diagnosis) -> Vec<Action> {
     diagnosis.actions.iter().chain(in_text).cloned().collect()
 }
 
-fn carry_out(session: &mut Session<World>, drive: &mut Drive, action: &Action) -> Result<(), Error> {
+fn carry_out(session: &mut On<World>, drive: &mut Drive, action: &Action) -> Result<(), Error> {
     let mut stop = |way| -> Result<(), Error> {
-        let outcome = session.stop_drive(drive, way, SECOND * 15)?;
+        let outcome = session.stop_drive(drive, way, SECOND * 15).wait()?;
         assert!(outcome.at_rest, "{action}: {outcome:?}");
         Ok(())
     };
@@ -195,15 +196,15 @@ fn carry_out(session: &mut Session<World>, drive: &mut Drive, action: &Action) -
         Action::Disable => stop(StopWay::Disable),
         Action::Acknowledge => {
             let settings = AxisSettings::for_purpose(Purpose::Control);
-            let mut axis = session.take_axis(drive, settings)?;
-            axis.ready_or_fault()?;
-            axis.acknowledge()?;
-            axis.release()
+            let mut axis = session.take_axis(drive, settings).wait()?;
+            axis.ready_or_fault().wait()?;
+            axis.acknowledge().wait()?;
+            axis.release().wait()
         }
         Action::Write { parameter, value, .. } => {
             let assignment = format!("{parameter}={value}");
             let assignment = assignment.parse().expect("an assignment");
-            let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
+            let outcomes = session.write(drive, &[assignment], WriteMode::Write).wait()?;
             assert!(
                 matches!(outcomes[0].written, Some(Ok(()))),
                 "{action}: {outcomes:?}"
@@ -213,25 +214,29 @@ fn carry_out(session: &mut Session<World>, drive: &mut Drive, action: &Action) -
         Action::Read { parameters } => {
             for name in parameters {
                 let selection = drive.select(name)?;
-                session.read(drive, &[selection])?;
+                session.read(drive, &[selection]).wait()?;
             }
             Ok(())
         }
         // what begins a motion is not begun here, but everything that it needs is there
         Action::Run => session
             .plan_axis(drive, &settings_for(drive, Purpose::Speed))
+            .wait()
             .map(drop),
         Action::Move => session
             .plan_axis(drive, &settings_for(drive, Purpose::Move))
+            .wait()
             .map(drop),
         Action::Jog => {
-            session.jog_speed(drive, Jog::One)?;
+            session.jog_speed(drive, Jog::One).wait()?;
             session
                 .plan_axis(drive, &settings_for(drive, Purpose::Jog))
+                .wait()
                 .map(drop)
         }
         Action::Home => session
             .plan_axis(drive, &settings_for(drive, Purpose::Home))
+            .wait()
             .map(drop),
         Action::Status | Action::Info | Action::Faults | Action::Find { .. } => Ok(()),
         other => panic!("{other}: not carried out by this test yet"),
@@ -281,6 +286,7 @@ fn try_out(case: &Case<'_>, at: &str) -> f64 {
         let powered = world.look(|drive| drive.is_enabled());
         let status = session
             .status(&mut drive)
+            .wait()
             .unwrap_or_else(|error| panic!("{at}: status: {error}"));
         let diagnosis = diagnose(&status);
         last = format!("{diagnosis:?}");
@@ -312,7 +318,7 @@ fn try_out(case: &Case<'_>, at: &str) -> f64 {
         speed.abs() < 1.0 && !enabled,
         "{at}: {speed} rpm, enabled {enabled}: {last}"
     );
-    session.close().expect("closed");
+    session.close().wait().expect("closed");
     fastest
 }
 
@@ -324,7 +330,7 @@ fn a_vacon_at_a_line_neither_jogs_nor_is_told_to() {
         let (mut session, mut drive) = world.client("vacon", transport, 1).expect("found");
         let error = motion(&mut session, &mut drive, Jogging).expect_err("it has no jog");
         assert!(matches!(error, Error::NoJog { .. }), "{error}");
-        let diagnosis = diagnose(&session.status(&mut drive).expect("a status"));
+        let diagnosis = diagnose(&session.status(&mut drive).wait().expect("a status"));
         assert_eq!(diagnosis.cause, Cause::NoController);
         assert_eq!(recommended(&diagnosis), [Action::Run]);
     }

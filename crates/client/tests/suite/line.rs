@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use crate::bench::line::{Line, Shared, bench, bench_of, find};
+use crate::bench::line::{AtLine, Bench, Line, bench, bench_of, find};
 use profidrive_client::axis::Purpose;
-use profidrive_client::{AxisSettings, Drive, Error, Session, StopWay, WriteMode};
+use profidrive_client::{AxisSettings, Drive, Error, StopWay, Wait, WriteMode};
 use profile::model::Model;
 use profile::notation::ParameterReference;
 use profile::pkw::PkwErrorNumber;
@@ -44,7 +44,7 @@ fn every_kind_of_value_comes_as_over_a_network() {
         .iter()
         .filter_map(|text| drive.parameters.select(&text.parse().unwrap()).ok())
         .collect();
-        let readings = session.read(&mut drive, &wanted).unwrap();
+        let readings = session.read(&mut drive, &wanted).wait().unwrap();
         let numbers: Vec<Option<f64>> = readings.iter().map(|one| one.as_ref().ok()?.number()).collect();
         assert!(numbers.iter().all(Option::is_some), "{protocol:?} {readings:?}");
         assert_eq!(numbers[0], Some(1.0));
@@ -68,6 +68,7 @@ fn a_write_arrives_and_is_read_back_and_refusals_are_told() {
             &["DRV.ACC=5000".parse().unwrap(), "930=9".parse().unwrap()],
             WriteMode::Write,
         )
+        .wait()
         .unwrap();
     assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
     assert!(!outcomes[0].differs(), "{outcomes:?}");
@@ -96,14 +97,14 @@ fn an_axis_runs_and_is_brought_to_rest() {
         let (mut session, bus) = bench(protocol, &[1], Line::default());
         let mut drive = find(&mut session, name).unwrap();
         let settings = AxisSettings::for_purpose(Purpose::Speed);
-        let mut axis = session.take_axis(&mut drive, settings).unwrap();
-        let mut enabled = axis.enable().unwrap();
-        enabled.run(150.0).unwrap();
-        enabled.hold(SECOND).unwrap();
+        let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
+        let mut enabled = axis.enable().wait().unwrap();
+        enabled.run(150.0).wait().unwrap();
+        enabled.hold(SECOND).wait().unwrap();
         let speed = bus.0.borrow().drives[0].drive().axis().speed();
         assert!((145.0..155.0).contains(&speed), "{speed}");
         drop(enabled);
-        axis.release().unwrap();
+        axis.release().wait().unwrap();
         let bus = bus.0.borrow();
         assert_eq!(bus.drives[0].drive().state(), State::S2);
         assert_eq!(
@@ -120,9 +121,11 @@ fn telegrams_for_moves_are_not_on_a_line() {
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     session
         .write(&mut drive, &["930=2".parse().unwrap()], WriteMode::Write)
+        .wait()
         .unwrap();
     let error = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .wait()
         .unwrap_err();
     assert!(matches!(error, Error::Telegram { .. }), "{error}");
 }
@@ -152,24 +155,29 @@ fn noise_halves_and_echo_change_no_value() {
     .collect();
     let clean = {
         let before = std::mem::take(&mut bus.0.borrow_mut().line);
-        let clean = session.read(&mut drive, &wanted).unwrap();
+        let clean = session.read(&mut drive, &wanted).wait().unwrap();
         bus.0.borrow_mut().line = before;
         clean
     };
     for turn in 0..40 {
-        assert_eq!(session.read(&mut drive, &wanted).unwrap(), clean, "turn {turn}");
+        assert_eq!(
+            session.read(&mut drive, &wanted).wait().unwrap(),
+            clean,
+            "turn {turn}"
+        );
     }
-    let heard = *session.client().heard().unwrap();
+    let heard = session.heard().unwrap();
     assert!(heard.checksums + heard.broken + heard.noise > 10, "{heard:?}");
     // and an axis stays under control
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .wait()
         .unwrap();
-    let mut enabled = axis.enable().unwrap();
-    enabled.run(100.0).unwrap();
-    enabled.hold(SECOND * 5).unwrap();
+    let mut enabled = axis.enable().wait().unwrap();
+    enabled.run(100.0).wait().unwrap();
+    enabled.hold(SECOND * 5).wait().unwrap();
     drop(enabled);
-    axis.release().unwrap();
+    axis.release().wait().unwrap();
     assert!(bus.0.borrow().drives[0].drive().axis().is_at_rest());
 }
 
@@ -179,20 +187,22 @@ fn a_line_that_is_cut_is_told_soon_and_the_drive_stops() {
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .wait()
         .unwrap();
-    let mut enabled = axis.enable().unwrap();
-    enabled.run(100.0).unwrap();
+    let mut enabled = axis.enable().wait().unwrap();
+    enabled.run(100.0).wait().unwrap();
     bus.0.borrow_mut().line.cut = true;
     let before = bus.0.borrow().now;
-    let error = enabled.hold(SECOND * 60).unwrap_err();
+    let error = enabled.hold(SECOND * 60).wait().unwrap_err();
     assert!(matches!(error, Error::LineSilent { .. }), "{error}");
     assert!(bus.0.borrow().now - before < SECOND);
     drop(enabled);
     drop(axis);
+    session.settle();
     assert!(bus.0.borrow().now - before < SECOND * 6);
     assert!(!bus.0.borrow().drives[0].drive().is_enabled());
     let selection = select(&drive, "930");
-    let error = session.read(&mut drive, &[selection]).unwrap_err();
+    let error = session.read(&mut drive, &[selection]).wait().unwrap_err();
     assert!(
         matches!(error, Error::LineSilent { .. } | Error::Channel { .. }),
         "{error}"
@@ -200,7 +210,7 @@ fn a_line_that_is_cut_is_told_soon_and_the_drive_stops() {
     // and it is reached again as soon as the line is whole
     bus.0.borrow_mut().line.cut = false;
     assert_eq!(
-        session.read(&mut drive, &[selection]).unwrap()[0]
+        session.read(&mut drive, &[selection]).wait().unwrap()[0]
             .as_ref()
             .unwrap()
             .raw(),
@@ -221,14 +231,16 @@ fn a_drive_that_does_not_hear_for_a_moment_is_told_to_stop_when_it_does() {
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .wait()
         .unwrap();
-    let mut enabled = axis.enable().unwrap();
-    enabled.run(100.0).unwrap();
+    let mut enabled = axis.enable().wait().unwrap();
+    enabled.run(100.0).wait().unwrap();
     bus.0.borrow_mut().line.cut = true;
-    assert!(enabled.hold(SECOND * 60).is_err());
+    assert!(enabled.hold(SECOND * 60).wait().is_err());
     bus.0.borrow_mut().line.cut = false;
     drop(enabled);
     drop(axis);
+    session.settle();
     let bus = bus.0.borrow();
     assert!(!bus.drives[0].drive().is_enabled() && bus.drives[0].drive().axis().is_at_rest());
 }
@@ -242,15 +254,15 @@ fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
         .iter()
         .map(|text| select(&drive, text))
         .collect();
-    let readings = session.read(&mut drive, &wanted).unwrap();
+    let readings = session.read(&mut drive, &wanted).wait().unwrap();
     let told: Vec<String> = readings
         .iter()
         .map(|reading| format!("{:?}", reading.as_ref().unwrap().content))
         .collect();
     assert!(told[3].starts_with("Text("), "{told:?}");
-    let number = |text: &str, session: &mut Session<Shared>, drive: &mut Drive| {
+    let number = |text: &str, session: &mut Bench, drive: &mut Drive| {
         let selection = select(drive, text);
-        session.read(drive, &[selection]).unwrap()[0]
+        session.read(drive, &[selection]).wait().unwrap()[0]
             .as_ref()
             .unwrap()
             .number()
@@ -262,6 +274,7 @@ fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
             &["3-41=5s".parse().unwrap(), "16-03=1".parse().unwrap()],
             WriteMode::DryRun,
         )
+        .wait()
         .map(|_| ())
         .unwrap_err();
     assert!(
@@ -270,6 +283,7 @@ fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
     );
     let outcomes = session
         .write(&mut drive, &["3-41=5s".parse().unwrap()], WriteMode::Write)
+        .wait()
         .unwrap();
     assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
     assert_eq!(number("3-41", &mut session, &mut drive), 5.0);
@@ -289,6 +303,7 @@ fn strings_travel_over_fc_with_tables_and_without() {
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     let outcomes = session
         .write(&mut drive, &["0-37=HELLO".parse().unwrap()], WriteMode::Save)
+        .wait()
         .unwrap();
     assert!(
         matches!(outcomes[0].written, Some(Ok(()))) && !outcomes[0].differs(),
@@ -303,12 +318,12 @@ fn strings_travel_over_fc_with_tables_and_without() {
     drive.parameters.catalogue = None;
     for (number, expected) in [("37", "Text(\"HELLO\")"), ("1540", "Text(\"FC-302\")")] {
         let selection = select(&drive, number);
-        let reading = session.read_one(&mut drive, &selection).unwrap();
+        let reading = session.read_one(&mut drive, &selection).wait().unwrap();
         assert_eq!(format!("{:?}", reading.content), expected);
     }
     let selection = select(&drive, "1");
     assert_eq!(
-        session.read_one(&mut drive, &selection).unwrap().number(),
+        session.read_one(&mut drive, &selection).wait().unwrap().number(),
         Some(0.0)
     );
 }
@@ -319,16 +334,19 @@ fn a_vlt_runs_by_the_words_that_8_10_chooses() {
         let (mut session, bus) = bench_of(&model::VLT, Protocol::Fc, &[1], Line::default());
         let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
         let chosen = format!("8-10={choice}").parse().unwrap();
-        session.write(&mut drive, &[chosen], WriteMode::Write).unwrap();
+        session
+            .write(&mut drive, &[chosen], WriteMode::Write)
+            .wait()
+            .unwrap();
         let settings = AxisSettings::for_purpose(Purpose::Speed);
-        let mut axis = session.take_axis(&mut drive, settings).unwrap();
-        let mut enabled = axis.enable().unwrap();
-        enabled.run(300.0).unwrap();
-        enabled.hold(SECOND * 6).unwrap();
+        let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
+        let mut enabled = axis.enable().wait().unwrap();
+        enabled.run(300.0).wait().unwrap();
+        enabled.hold(SECOND * 6).wait().unwrap();
         let speed = bus.0.borrow().drives[0].drive().axis().speed();
         assert!((270.0..315.0).contains(&speed), "8-10 = {choice}: {speed}");
         drop(enabled);
-        axis.release().unwrap();
+        axis.release().wait().unwrap();
         let bus = bus.0.borrow();
         assert!(bus.drives[0].drive().axis().is_at_rest());
         let words: Vec<u16> = bus
@@ -356,15 +374,16 @@ fn converters_at_a_line_are_stopped_and_acknowledged_by_control_word() {
         let found = find(&mut session, name).unwrap();
         let mut drive = found.taken_for(Model::by_name(model.catalogue.model).unwrap());
         let settings = AxisSettings::for_purpose(Purpose::Speed);
-        let mut axis = session.take_axis(&mut drive, settings).unwrap();
-        let mut enabled = axis.enable().unwrap();
-        enabled.run(300.0).unwrap();
-        enabled.hold(SECOND * 6).unwrap();
+        let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
+        let mut enabled = axis.enable().wait().unwrap();
+        enabled.run(300.0).wait().unwrap();
+        enabled.hold(SECOND * 6).wait().unwrap();
         std::mem::forget(enabled);
         std::mem::forget(axis);
         assert!(bus.0.borrow().drives[0].drive().is_enabled(), "{name}");
         let outcome = session
             .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+            .wait()
             .unwrap();
         assert!(outcome.sent && outcome.at_rest, "{name}: {outcome:?}");
         assert!(
@@ -374,29 +393,32 @@ fn converters_at_a_line_are_stopped_and_acknowledged_by_control_word() {
         assert_eq!(StopWay::Stop.command(&drive), "OFF1 (control word)");
         assert!(bus.0.borrow().drives[0].drive().axis().is_at_rest(), "{name}");
         // nothing is sent to one that stands
-        let outcome = session.stop_drive(&mut drive, StopWay::Stop, SECOND).unwrap();
+        let outcome = session
+            .stop_drive(&mut drive, StopWay::Stop, SECOND)
+            .wait()
+            .unwrap();
         assert!(!outcome.sent && outcome.at_rest, "{name}: {outcome:?}");
 
         let number = 9;
         bus.0.borrow_mut().drives[0]
             .drive_mut()
             .inject_fault(number, false);
-        let present = |session: &mut Session<Shared>, drive: &mut Drive| -> Vec<u16> {
-            let report = session.fault_report(drive).unwrap();
+        let present = |session: &mut Bench, drive: &mut Drive| -> Vec<u16> {
+            let report = session.fault_report(drive).wait().unwrap();
             report.present().map(|fault| fault.number).collect()
         };
         assert_eq!(present(&mut session, &mut drive), [number], "{name}");
         let settings = AxisSettings::for_purpose(Purpose::Control);
-        let mut axis = session.take_axis(&mut drive, settings).unwrap();
-        axis.ready_or_fault().unwrap();
-        axis.acknowledge().unwrap();
-        axis.release().unwrap();
+        let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
+        axis.ready_or_fault().wait().unwrap();
+        axis.acknowledge().wait().unwrap();
+        axis.release().wait().unwrap();
         assert!(present(&mut session, &mut drive).is_empty(), "{name}");
     }
 }
 
 /// Refuses every request of the first drive with this number of the channel, or none any more.
-fn refuse(bus: &Shared, number: Option<u16>) {
+fn refuse(bus: &AtLine, number: Option<u16>) {
     let number = number.map(PkwErrorNumber);
     bus.0.borrow_mut().drives[0].refuse_all(number);
 }
@@ -410,14 +432,14 @@ fn numbers_of_the_channel_come_as_received() {
         let (mut session, bus) = bench_of(&model::VLT, protocol, &[1], Line::default());
         let mut drive = find(&mut session, name).unwrap();
         let ramp = select(&drive, "3-41");
-        let change = |session: &mut Session<Shared>, drive: &mut Drive| {
+        let change = |session: &mut Bench, drive: &mut Drive| {
             let new = ["3-41=5s".parse().unwrap()];
-            let outcomes = session.write(drive, &new, WriteMode::Write).unwrap();
+            let outcomes = session.write(drive, &new, WriteMode::Write).wait().unwrap();
             outcomes[0].written.unwrap().unwrap_err()
         };
         // the factory set-up is edited: the drive itself says 131
         let edit = ["0-11=0".parse().unwrap()];
-        session.write(&mut drive, &edit, WriteMode::Write).unwrap();
+        session.write(&mut drive, &edit, WriteMode::Write).wait().unwrap();
         let refusal = change(&mut session, &mut drive);
         let factory = "writing Ramp 1 Ramp up Time (3-41) refused: 131 change not possible, the factory setup is selected";
         assert_eq!(refusal.to_string(), factory, "{name}");
@@ -432,7 +454,9 @@ fn numbers_of_the_channel_come_as_received() {
             (999, "999 (the maker's own number)"),
         ] {
             refuse(&bus, Some(number));
-            let read = session.read(&mut drive, &[ramp]).unwrap()[0].clone().unwrap_err();
+            let read = session.read(&mut drive, &[ramp]).wait().unwrap()[0]
+                .clone()
+                .unwrap_err();
             refuse(&bus, Some(number));
             for refusal in [read, change(&mut session, &mut drive)] {
                 assert_eq!((refusal.received(), refusal.is_unsent()), (Some(number), false));
@@ -440,7 +464,10 @@ fn numbers_of_the_channel_come_as_received() {
                 assert!(shown.ends_with(&format!("refused: {words}")), "{name}: {shown}");
             }
             refuse(&bus, None);
-            assert!(session.read(&mut drive, &[ramp]).unwrap()[0].is_ok(), "{name}");
+            assert!(
+                session.read(&mut drive, &[ramp]).wait().unwrap()[0].is_ok(),
+                "{name}"
+            );
         }
     }
 }
@@ -479,9 +506,9 @@ fn what_the_channel_cannot_carry_is_not_called_refused() {
         let found = find(&mut session, name).unwrap();
         let mut drive = found.taken_for(Model::by_name(model.catalogue.model).unwrap());
         let selection = select(&drive, parameter);
-        let sent = |bus: &Shared| bus.0.borrow().drives[0].counters().replies;
+        let sent = |bus: &AtLine| bus.0.borrow().drives[0].counters().replies;
         let before = sent(&bus);
-        let readings = session.read(&mut drive, &[selection]).unwrap();
+        let readings = session.read(&mut drive, &[selection]).wait().unwrap();
         assert_eq!(sent(&bus), before, "{name}: nothing was sent");
         let refusal = readings[0].clone().unwrap_err();
         assert!(refusal.is_unsent() && refusal.received().is_none(), "{refusal:?}");

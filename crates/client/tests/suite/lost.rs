@@ -1,12 +1,11 @@
 //! A connection that is lost while an axis stops, in virtual time.
 
-use std::cell::Cell;
-use std::rc::Rc;
+use crate::bench::shared::Shared;
 use std::time::Duration;
 
 use crate::bench::watched::bench;
 use crate::bench::world::{Accident, Transport, World};
-use profidrive_client::{Action, AxisSettings, Error, WriteMode};
+use profidrive_client::{Action, AxisSettings, Error, Wait, WriteMode};
 use profile::value::Assignment;
 use virtual_drive::model;
 
@@ -21,9 +20,10 @@ fn a_connection_lost_on_the_ramp_is_no_success() {
     bench
         .session
         .write(&mut bench.drive, &[slow], WriteMode::Write)
+        .wait()
         .expect("taken");
-    let stops = Rc::new(Cell::new(None));
-    let since = Rc::clone(&stops);
+    let stops = Shared::new(None);
+    let since = stops.clone();
     bench.on_each_step(move |step, wire| {
         if since.get().is_some_and(|begin| step == begin + STEPS) {
             wire.segment.cut(wire.id);
@@ -32,20 +32,23 @@ fn a_connection_lost_on_the_ramp_is_no_success() {
     let mut axis = bench
         .session
         .take_axis(&mut bench.drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(600.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(600.0, None).wait().expect("runs");
     enabled
         .keep_speed(600.0, Duration::from_millis(100))
+        .wait()
         .expect("keeps it");
     stops.set(Some(bench.steps.get()));
     drop(enabled);
+    axis.stopped().wait().expect("told with the release");
     let last = axis.status().expect("a status");
     assert!(
         last.lost && last.speed_actual.is_some_and(|speed| speed > 100.0),
         "on the ramp: {last:?}"
     );
-    let error = axis.release().expect_err("nobody saw it stand");
+    let error = axis.release().wait().expect_err("nobody saw it stand");
     assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
 }
 
@@ -62,7 +65,7 @@ fn a_medium_that_fails_before_cyclic_data_names_the_drive() {
                 reference_speed: Some(1500.0),
                 ..AxisSettings::default()
             };
-            let Err(error) = session.take_axis(&mut drive, settings).map(|_| ()) else {
+            let Err(error) = session.take_axis(&mut drive, settings).wait().map(|_| ()) else {
                 continue;
             };
             failed += 1;

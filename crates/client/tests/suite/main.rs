@@ -11,6 +11,7 @@ mod campaign;
 mod line;
 mod lost;
 mod makes;
+mod many;
 mod motion;
 mod ownerless;
 mod positioning;

@@ -12,7 +12,7 @@ use network::host::Host;
 use profidrive_client::axis::{Jog, Purpose, SpeedUnit};
 use profidrive_client::backup::{Backup, Choice, Journal, compare};
 use profidrive_client::status::diagnose;
-use profidrive_client::{AxisSettings, Described, DescribedLimits, Drive, Error, StopWay, WriteMode};
+use profidrive_client::{AxisSettings, Described, DescribedLimits, Drive, Error, StopWay, Wait, WriteMode};
 use profile::catalogue::{Catalogue, Part};
 use profile::model::Model;
 use profile::notation::Notation;
@@ -56,7 +56,7 @@ fn assign(text: &str) -> Assignment {
 }
 
 fn write(session: &mut Bench, drive: &mut Drive, text: &str, mode: WriteMode) -> Result<(), Error> {
-    for outcome in session.write(drive, &[assign(text)], mode)? {
+    for outcome in session.write(drive, &[assign(text)], mode).wait()? {
         if let Some(Err(refusal)) = outcome.written {
             let drive = drive.label();
             return Err(Error::Refused { drive, refusal });
@@ -68,22 +68,22 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str, mode: WriteMode) ->
 
 fn number(session: &mut Bench, drive: &mut Drive, text: &str) -> f64 {
     let selection = select(drive, text);
-    let reading = session.read_one(drive, &selection).expect("a value");
+    let reading = session.read_one(drive, &selection).wait().expect("a value");
     reading.number().expect("a number")
 }
 
 /// Runs a drive and gives the speed it says it has, what it really has in rpm, and the telegram.
 fn turned(session: &mut Bench, name: &str, settings: AxisSettings, speed: f64) -> Result<(f64, u16), Error> {
     let mut drive = find(session, name).expect("there");
-    session.recognise(&mut drive, &mut |_, _| {})?;
-    let mut axis = session.take_axis(&mut drive, settings)?;
-    let mut enabled = axis.enable()?;
-    enabled.reach_speed(speed, None)?;
-    enabled.keep_speed(speed, Duration::from_millis(500))?;
+    session.recognise(&mut drive, &mut |_, _| {}).wait()?;
+    let mut axis = session.take_axis(&mut drive, settings).wait()?;
+    let mut enabled = axis.enable().wait()?;
+    enabled.reach_speed(speed, None).wait()?;
+    enabled.keep_speed(speed, Duration::from_millis(500)).wait()?;
     let actual = enabled.status().and_then(|status| status.speed_actual);
-    enabled.disable()?;
+    enabled.disable().wait()?;
     let telegram = axis.telegram();
-    axis.release()?;
+    axis.release().wait()?;
     Ok((actual.expect("a speed"), telegram))
 }
 
@@ -138,7 +138,7 @@ fn the_same_calls_read_and_write_every_make() {
         let text = format!("{}=7.5", way.ramp);
         write(&mut session, &mut drive, &text, WriteMode::Write).expect("taken");
         let selection = select(&drive, way.same);
-        let reading = session.read_one(&mut drive, &selection).expect("a value");
+        let reading = session.read_one(&mut drive, &selection).wait().expect("a value");
         assert_eq!((reading.number(), reading.unit), (Some(7.5), way.unit), "{name}");
         assert_eq!(reading.shown().to_string(), way.shown);
         let mut refused = |text: &str| {
@@ -172,7 +172,7 @@ fn a_string_of_a_vlt_is_written_and_reads_back() {
     ] {
         write(&mut session, &mut drive, text, WriteMode::Save).expect(text);
         let selection = select(&drive, "0-37");
-        let reading = session.read_one(&mut drive, &selection).expect("a string");
+        let reading = session.read_one(&mut drive, &selection).wait().expect("a string");
         assert_eq!(reading.content, Content::Text(expected.into()));
     }
     for (text, words) in [
@@ -190,7 +190,7 @@ fn texts_and_selections_are_told_in_words() {
     let mut session = makes();
     let mut drive = find(&mut session, "vlt-1").expect("there");
     let selections = ["15-40", "15-43", "8-10"].map(|text| select(&drive, text));
-    let readings: Vec<_> = session.read(&mut drive, &selections).expect("read");
+    let readings: Vec<_> = session.read(&mut drive, &selections).wait().expect("read");
     let told: Vec<_> = readings.into_iter().map(|one| one.expect("told")).collect();
     assert_eq!(told[0].content, Content::Text("FC-302".into()));
     assert_eq!(told[1].content, Content::Text("07.51".into()));
@@ -208,7 +208,7 @@ fn texts_and_selections_are_told_in_words() {
             .iter()
             .map(|parameter| profile::value::Selection::of(parameter, tables.notation))
             .collect();
-        let answers = session.read(&mut drive, &all).expect("read");
+        let answers = session.read(&mut drive, &all).wait().expect("read");
         assert!(answers.iter().filter(|answer| answer.is_ok()).count() >= tables.parameters.len());
     }
 }
@@ -220,7 +220,7 @@ fn selections_are_written_by_their_texts_also_where_the_drive_told_them() {
     for (text, number) in [("8-10=profidrive", 1.0), ("8-10='FC profile'", 0.0)] {
         write(&mut session, &mut vlt, text, WriteMode::Write).expect("taken");
         let selection = select(&vlt, "8-10");
-        let reading = session.read_one(&mut vlt, &selection).expect("told");
+        let reading = session.read_one(&mut vlt, &selection).wait().expect("told");
         assert_eq!(reading.number(), Some(number), "{text}");
         assert!(reading.choice.is_some(), "{reading:?}");
     }
@@ -235,7 +235,10 @@ fn selections_are_written_by_their_texts_also_where_the_drive_told_them() {
     let strange = station_of(&model::VLT, "strange", 1, Some((0x1234, 70)));
     let (mut session, _) = bench_of(vec![strange]);
     let mut drive = find(&mut session, "strange").expect("there");
-    session.recognise(&mut drive, &mut |_, _| {}).expect("learned");
+    session
+        .recognise(&mut drive, &mut |_, _| {})
+        .wait()
+        .expect("learned");
     write(
         &mut session,
         &mut drive,

@@ -1,13 +1,14 @@
 //! Moving an axis: the client against virtual drives on an in-memory segment, in virtual time.
 
-use std::cell::{Cell, RefCell};
-use std::rc::Rc;
+use crate::bench::shared::Shared;
 use std::time::Duration;
 
-use crate::bench::{Bench, bench, drive_at, find, is_at_rest, other_controller, with_drive};
+use crate::bench::{bench, drive_at, find, is_at_rest, other_controller, with_drive};
 use profidrive_client::axis::{Move, Objection, Purpose, Trouble};
 use profidrive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
-use profidrive_client::{Action, AxisSettings, Drive, Error, LocalControl, MakerModule, StopWay, WriteMode};
+use profidrive_client::{
+    Action, AxisSettings, Drive, Error, LocalControl, MakerModule, Session, StopWay, Wait, WriteMode,
+};
 use profile::notation::Position;
 use profile::parameter::{Keep, ParameterAccess};
 use profile::state::{Mode, State};
@@ -15,21 +16,22 @@ use profile::value::Assignment;
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 use virtual_drive::description::TelegramModule;
 
-fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
+fn write(session: &mut Session, drive: &mut Drive, assignments: &[&str]) {
     let assignments: Vec<Assignment> = assignments
         .iter()
         .map(|text| text.parse().expect("an assignment"))
         .collect();
     let outcomes = session
         .write(drive, &assignments, WriteMode::Write)
+        .wait()
         .expect("reached");
     for outcome in outcomes {
         assert!(matches!(outcome.written, Some(Ok(()))), "{outcome:?}");
     }
 }
 
-fn cause(session: &mut Bench, drive: &mut Drive) -> (Cause, Verdict) {
-    let status = session.status(drive).expect("a status");
+fn cause(session: &mut Session, drive: &mut Drive) -> (Cause, Verdict) {
+    let status = session.status(drive).wait().expect("a status");
     let found = diagnose(&status);
     (found.cause, found.verdict)
 }
@@ -41,6 +43,7 @@ fn a_drive_in_another_mode_is_left_alone() {
     for purpose in [Purpose::Move, Purpose::Task, Purpose::Home] {
         let error = session
             .take_axis(&mut drive, AxisSettings::for_purpose(purpose))
+            .wait()
             .map(|_| ())
             .expect_err("velocity mode");
         let Error::WrongMode { needed, .. } = &error else {
@@ -58,18 +61,20 @@ fn a_drive_in_another_mode_is_left_alone() {
         );
     }
     assert_eq!(
-        session.operating_mode(&mut drive).expect("told"),
+        session.operating_mode(&mut drive).wait().expect("told"),
         Some(Mode::Velocity)
     );
     session
         .set_operating_mode(&mut drive, Mode::Position)
+        .wait()
         .expect("changed");
     assert_eq!(
-        session.operating_mode(&mut drive).expect("told"),
+        session.operating_mode(&mut drive).wait().expect("told"),
         Some(Mode::Position)
     );
     let error = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .map(|_| ())
         .expect_err("position mode");
     assert!(
@@ -85,8 +90,9 @@ fn a_drive_in_another_mode_is_left_alone() {
     // PNU 930 does not matter for what only switches
     let axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Control))
+        .wait()
         .expect("connected");
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }
 
@@ -98,11 +104,15 @@ fn the_telegram_that_the_drive_reports_is_used_where_it_does() {
         write(&mut session, &mut drive, &[&format!("922={reported}")]);
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
         assert_eq!(axis.telegram(), chosen, "{reported}");
-        let mut enabled = axis.enable().expect("enabled");
-        enabled.run(100.0).expect("runs");
-        enabled.hold(Duration::from_secs(1)).expect("keeps running");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        enabled.run(100.0).wait().expect("runs");
+        enabled
+            .hold(Duration::from_secs(1))
+            .wait()
+            .expect("keeps running");
         let status = enabled.status().expect("a status");
         assert!(
             status
@@ -111,8 +121,8 @@ fn the_telegram_that_the_drive_reports_is_used_where_it_does() {
         );
         assert_eq!(status.position.is_some(), chosen == 351);
         drop(enabled);
-        axis.release().expect("released");
-        session.close().expect("closed");
+        axis.release().wait().expect("released");
+        session.close().wait().expect("closed");
     }
 }
 
@@ -127,11 +137,15 @@ fn a_free_telegram_runs_by_its_mapping() {
     );
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     assert_eq!(axis.telegram(), 400);
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(-60.0).expect("runs");
-    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(-60.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_secs(1))
+        .wait()
+        .expect("keeps running");
     let status = enabled.status().expect("a status");
     assert!(
         status
@@ -140,7 +154,7 @@ fn a_free_telegram_runs_by_its_mapping() {
     );
     assert!(status.position.is_some_and(|turns| turns < -0.5), "{status:?}");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }
 
 #[test]
@@ -154,16 +168,20 @@ fn signals_that_nobody_commands_keep_the_values_of_the_drive() {
     );
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     assert_eq!(axis.telegram(), 354);
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(100.0).expect("runs");
-    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(100.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_secs(1))
+        .wait()
+        .expect("keeps running");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     for (name, value) in [("DRV.ACC", 763.0), ("DRV.DEC", 7630.0)] {
         let selection = drive.select(name).expect("known");
-        let reading = session.read_one(&mut drive, &selection).expect("read");
+        let reading = session.read_one(&mut drive, &selection).wait().expect("read");
         assert_eq!(reading.number(), Some(value), "{name}");
     }
     assert!(is_at_rest(&session, ids[0]));
@@ -177,26 +195,30 @@ fn why_it_does_not_run_from_first_contact_to_operation() {
         cause(&mut session, &mut drive),
         (Cause::NoController, Verdict::Waits)
     );
-    session.close().expect("closed");
+    session.close().wait().expect("closed");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let seen = |axis: &mut profidrive_client::Axis<'_, _>| {
+    let seen = |axis: &mut profidrive_client::Axis| {
         let (session, drive) = axis.session();
         cause(session, drive).0
     };
     assert_eq!(seen(&mut axis), Cause::NoControl);
-    axis.ready().expect("ready");
+    axis.ready().wait().expect("ready");
     assert_eq!(seen(&mut axis), Cause::Off);
-    let mut enabled = axis.enable().expect("enabled");
+    let mut enabled = axis.enable().wait().expect("enabled");
     assert_eq!(seen(&mut enabled), Cause::ZeroSetpoint);
-    enabled.run(60.0).expect("runs");
-    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    enabled.run(60.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_secs(1))
+        .wait()
+        .expect("keeps running");
     assert_eq!(seen(&mut enabled), Cause::Moves);
     drop(enabled);
-    axis.release().expect("released");
-    crate::bench::drive_mut(&mut session, ids[0]).inject_fault(439, false);
-    let status = session.status(&mut drive).expect("a status");
+    axis.release().wait().expect("released");
+    crate::bench::drive_mut(&session, ids[0]).inject_fault(439, false);
+    let status = session.status(&mut drive).wait().expect("a status");
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::Fault);
     assert!(
@@ -210,33 +232,36 @@ fn why_it_does_not_run_from_first_contact_to_operation() {
 fn stop_beside_another_controller_stops_and_says_whose_it_is() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let (host, ar) = other_controller();
-    let plc = (session.medium_mut().segment_mut().attach(host), ar);
-    session.pass(Duration::from_secs(3)).expect("time passes");
-    crate::bench::command(&mut session, plc, &[0x04, 0x7E, 0, 0]);
-    session.pass(Duration::from_secs(1)).expect("time passes");
-    crate::bench::command(&mut session, plc, &[0x04, 0x7F, 0x01, 0x11]);
-    session.pass(Duration::from_secs(2)).expect("time passes");
+    let plc = (session.medium().segment_mut().attach(host), ar);
+    session.pass(Duration::from_secs(3)).wait().expect("time passes");
+    crate::bench::command(&session, plc, &[0x04, 0x7E, 0, 0]);
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
+    crate::bench::command(&session, plc, &[0x04, 0x7F, 0x01, 0x11]);
+    session.pass(Duration::from_secs(2)).wait().expect("time passes");
     assert!(drive_at(&session, ids[0]).drive().axis().speed() > 90.0);
     let mut drive = find(&mut session, "akd-1").expect("there");
     assert_eq!(cause(&mut session, &mut drive), (Cause::Moves, Verdict::Runs));
     let outcome = session
         .stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(5))
+        .wait()
         .expect("sent");
     assert!(outcome.sent && outcome.at_rest, "{outcome:?}");
     assert_eq!(outcome.enabled, Some(true));
     assert!(outcome.speed_before.is_some_and(|speed| speed > 90.0));
     assert_eq!(
-        session.owner(&drive).expect("told"),
+        session.owner(&drive).wait().expect("told"),
         Some(Some("plc".into())),
         "the controller was not disturbed"
     );
     let outcome = session
         .stop_drive(&mut drive, StopWay::Disable, Duration::from_secs(5))
+        .wait()
         .expect("sent");
     assert!(outcome.sent && outcome.at_rest && outcome.enabled == Some(false));
     assert_eq!(cause(&mut session, &mut drive).0, Cause::Inhibited);
     let outcome = session
         .stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(5))
+        .wait()
         .expect("nothing to do");
     assert!(!outcome.sent);
 }
@@ -251,7 +276,10 @@ fn a_move_is_planned_with_what_the_drive_says_and_reads_only() {
         &["DRV.ACC=1526", "DRV.DEC=3052", "VL.LIMITN=-500"],
     );
     let order = Move::to(Position::Turns(-10.0), 600.0);
-    let plan = session.plan_move(&mut drive, &order, 3000.0).expect("a plan");
+    let plan = session
+        .plan_move(&mut drive, &order, 3000.0)
+        .wait()
+        .expect("a plan");
     assert_eq!((plan.acceleration, plan.deceleration), (1526.0, 3052.0));
     assert_eq!(plan.traverse.target, -655_360);
     let expected = Objection::DriveLimit {
@@ -292,25 +320,31 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     assert_eq!(axis.telegram(), 1);
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(100.0).expect("runs");
-    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(100.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_secs(1))
+        .wait()
+        .expect("keeps running");
     let speed = enabled.status().and_then(|status| status.speed_actual);
     assert!(
         speed.is_some_and(|speed| (speed - 100.0).abs() < 3.0),
         "{speed:?}"
     );
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
     // the ident number of another module stands nowhere
     session
         .set_operating_mode(&mut drive, Mode::Position)
+        .wait()
         .expect("changed");
     let error = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .wait()
         .map(|_| ())
         .expect_err("telegram 9 is not plugged");
     let expected = (Some(1), 9);
@@ -333,12 +367,13 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
         .collect();
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Home))
+        .wait()
         .expect("connected with the module of the file");
     assert_eq!(axis.telegram(), 9);
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.home(Some(Duration::from_secs(5))).expect("homed");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.home(Some(Duration::from_secs(5))).wait().expect("homed");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }
 
 /// A load that pulls, no brake: when the power stage is off the axis turns, and nobody says it rests.
@@ -350,13 +385,17 @@ fn an_axis_that_turns_without_power_is_not_called_at_rest() {
         let load = format!("load={torque}Nm").parse().expect("a load");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
-        let mut enabled = axis.enable().expect("enabled");
-        with_drive(enabled.session().0, ids[0], |drive| drive.inject(load));
-        enabled.run(60.0).expect("runs");
-        enabled.hold(Duration::from_secs(1)).expect("keeps running");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        with_drive(&session, ids[0], |drive| drive.inject(load));
+        enabled.run(60.0).wait().expect("runs");
+        enabled
+            .hold(Duration::from_secs(1))
+            .wait()
+            .expect("keeps running");
         drop(enabled);
-        let released = axis.release();
+        let released = axis.release().wait();
         match released {
             Ok(()) => assert!(rests, "it turns"),
             Err(Error::Axis {
@@ -376,22 +415,28 @@ fn an_axis_that_another_program_disables_is_told_by_what() {
         let mut drive = find(&mut session, "akd-1").expect("there");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
-        let mut enabled = axis.enable().expect("enabled");
-        enabled.reach_speed(60.0, None).expect("runs");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        enabled.reach_speed(60.0, None).wait().expect("runs");
         {
-            let (session, drive) = enabled.session();
+            let (inner, drive) = enabled.session();
             if by_parameter {
-                let outcome = session.stop_drive(drive, StopWay::Disable, Duration::from_secs(2));
+                let outcome = inner
+                    .stop_drive(drive, StopWay::Disable, Duration::from_secs(2))
+                    .wait();
                 assert!(outcome.expect("sent").sent);
             }
-            with_drive(session, ids[0], |drive| {
+            with_drive(&session, ids[0], |drive| {
                 if torque_off {
                     drive.inject("sto=on".parse().expect("an injection"));
                 }
             });
         }
-        let error = enabled.hold(Duration::from_secs(2)).expect_err("it is off");
+        let error = enabled
+            .hold(Duration::from_secs(2))
+            .wait()
+            .expect_err("it is off");
         assert!(
             matches!(
                 error,
@@ -403,8 +448,8 @@ fn an_axis_that_another_program_disables_is_told_by_what() {
             "{error}"
         );
         drop(enabled);
-        let _ = axis.release();
-        let status = session.status(&mut drive).expect("a status");
+        let _ = axis.release().wait();
+        let status = session.status(&mut drive).wait().expect("a status");
         let note = switched_off_beside(&status);
         assert_eq!(note.is_some(), by_parameter, "{note:?}");
         if let Some(note) = note {
@@ -422,10 +467,13 @@ fn an_axis_that_another_program_disables_is_told_by_what() {
 fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    with_drive(&mut session, ids[0], |drive| {
+    with_drive(&session, ids[0], |drive| {
         drive.inject("load=0.3Nm".parse().expect("a load"));
     });
-    session.pass(Duration::from_millis(100)).expect("time passes");
+    session
+        .pass(Duration::from_millis(100))
+        .wait()
+        .expect("time passes");
     assert_eq!(
         cause(&mut session, &mut drive),
         (Cause::MovedFromOutside, Verdict::Held)
@@ -433,12 +481,13 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     for way in [StopWay::Stop, StopWay::Disable] {
         let outcome = session
             .stop_drive(&mut drive, way, Duration::from_millis(50))
+            .wait()
             .expect("looked at");
         assert!(!outcome.sent && !outcome.at_rest, "{outcome:?}");
     }
     // too fast by now: the fault stays, and the reason is told beside it
-    session.pass(Duration::from_secs(2)).expect("time passes");
-    let status = session.status(&mut drive).expect("a status");
+    session.pass(Duration::from_secs(2)).wait().expect("time passes");
+    let status = session.status(&mut drive).wait().expect("a status");
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::Fault);
     assert!(
@@ -457,14 +506,18 @@ fn a_quick_stop_in_place_of_the_ramp_is_told() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(600.0).expect("runs");
-    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(600.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_secs(1))
+        .wait()
+        .expect("keeps running");
     let (inner, drive) = enabled.session();
     write(inner, drive, &["DRV.DEC=10rpm/s"]);
     drop(enabled);
-    let error = axis.release().expect_err("not as asked");
+    let error = axis.release().wait().expect_err("not as asked");
     assert!(error.to_string().contains("quick stop (OFF3)"), "{error}");
 }
 
@@ -476,13 +529,15 @@ fn a_slow_ramp_is_waited_for() {
     write(&mut session, &mut drive, &["DRV.DEC=20rpm/s"]);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(600.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(600.0, None).wait().expect("runs");
     let begin = enabled.status().expect("a status").time;
     drop(enabled);
+    axis.stopped().wait().expect("along its ramp");
     let took = axis.status().expect("a status").time - begin;
-    axis.release().expect("along its ramp");
+    axis.release().wait().expect("along its ramp");
     assert!(took > Duration::from_secs(25), "{took:?}");
     assert!(is_at_rest(&session, ids[0]));
 }
@@ -493,23 +548,27 @@ fn a_hurry_turns_the_ramp_into_a_quick_stop() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, &["DRV.DEC=10rpm/s"]);
-    let asked = Rc::new(Cell::new(0));
-    let count = Rc::clone(&asked);
+    let asked = Shared::new(0);
+    let count = asked.clone();
     session.hurry_with(move || {
         count.set(count.get() + 1);
         count.get() > 20
     });
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(600.0).expect("runs");
-    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(600.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_secs(1))
+        .wait()
+        .expect("keeps running");
     assert_eq!(asked.get(), 0, "only while it stops");
     let begin = enabled.status().expect("a status").time;
     drop(enabled);
     let took = axis.status().expect("a status").time - begin;
-    axis.release().expect("as asked");
+    axis.release().wait().expect("as asked");
     assert!(took < Duration::from_secs(5), "{took:?}");
     assert_eq!(asked.get(), 21, "not asked again");
     assert!(is_at_rest(&session, ids[0]));
@@ -523,17 +582,19 @@ fn a_speed_counts_from_when_it_is_reached_and_is_not_claimed() {
     write(&mut session, &mut drive, &["DRV.ACC=100rpm/s"]);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(600.0, None).expect("after some 6 s");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(600.0, None).wait().expect("after some 6 s");
     let status = enabled.status().expect("a status");
     assert!(
         status.speed_actual.is_some_and(|speed| speed > 580.0),
         "{status:?}"
     );
-    enabled.reach_speed(0.0, None).expect("stands");
+    enabled.reach_speed(0.0, None).wait().expect("stands");
     let error = enabled
         .reach_speed(-600.0, Some(Duration::from_secs(2)))
+        .wait()
         .expect_err("too short");
     let text = error.to_string();
     assert!(
@@ -542,7 +603,7 @@ fn a_speed_counts_from_when_it_is_reached_and_is_not_claimed() {
         "{text}"
     );
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }
 
 /// Local operation: refused before anything is sent, whatever the axis is wanted for.
@@ -562,6 +623,7 @@ fn local_operation_is_refused_before_control_is_taken() {
     ] {
         let error = session
             .take_axis(&mut drive, AxisSettings::for_purpose(purpose))
+            .wait()
             .map(|_| ())
             .expect_err("local operation");
         assert!(
@@ -575,15 +637,18 @@ fn local_operation_is_refused_before_control_is_taken() {
             "{purpose:?}: {error}"
         );
     }
-    let station = drive_at(&session, ids[0]);
-    assert!(station.drive().is_enabled() && !station.drive().has_fault());
+    {
+        let station = drive_at(&session, ids[0]);
+        assert!(station.drive().is_enabled() && !station.drive().has_fault());
+    }
     // the service channel commands nothing any more: the telegram decides
     write(&mut session, &mut drive, &["DRV.DIS=1"]);
-    session.pass(Duration::from_secs(1)).expect("time passes");
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
     let axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }
 
 /// A telegram that carries ramps in coarse steps: the drive has its own again afterwards.
@@ -598,24 +663,28 @@ fn ramps_that_a_telegram_rounds_are_put_back() {
     );
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     assert_eq!((axis.telegram(), axis.telegram_before()), (354, None));
     axis.enable()
+        .wait()
         .expect("enabled")
         .reach_speed(100.0, None)
+        .wait()
         .expect("runs");
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     for (name, value) in [("DRV.ACC", 3000.0), ("DRV.DEC", 2500.0)] {
         let selection = drive.select(name).expect("known");
-        let reading = session.read_one(&mut drive, &selection).expect("read");
+        let reading = session.read_one(&mut drive, &selection).wait().expect("read");
         assert_eq!(reading.number(), Some(value), "{name}");
     }
     write(&mut session, &mut drive, &["922=9"]);
     let axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     assert_eq!((axis.telegram(), axis.telegram_before()), (1, Some(9)));
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }
 
 /// The cable is cut: the state shown is what the drive said last, not what it was sent.
@@ -623,18 +692,18 @@ fn ramps_that_a_telegram_rounds_are_put_back() {
 fn a_state_is_what_the_drive_said() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let shown = Rc::new(RefCell::new(Vec::new()));
-    let list = Rc::clone(&shown);
+    let shown = Shared::new(Vec::new());
+    let list = shown.clone();
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     axis.watch(move |status| list.borrow_mut().push((status.view.state(), status.lost)));
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(100.0, None).expect("runs");
-    let (inner, _) = enabled.session();
-    inner.medium_mut().segment_mut().cut(ids[0]);
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(100.0, None).wait().expect("runs");
+    session.medium().segment_mut().cut(ids[0]);
     // the wish to stop reaches nobody
-    let error = enabled.disable().expect_err("cut");
+    let error = enabled.disable().wait().expect_err("cut");
     assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
     drop(axis);
     let last = shown.borrow().last().copied();
@@ -649,25 +718,29 @@ fn a_scale_is_not_written_while_the_power_stage_is_on() {
     write(&mut session, &mut drive, &["PN.VELSCALING=200"]);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(300.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(300.0, None).wait().expect("runs");
     let (inner, running) = enabled.session();
     for text in ["PN.VELSCALING=1638", "1009=1638", "UNIT.PROTARY=3"] {
         let assignment: Assignment = text.parse().expect("an assignment");
         let error = inner
             .write(running, std::slice::from_ref(&assignment), WriteMode::Write)
+            .wait()
             .expect_err("refused");
         assert!(matches!(error, Error::NotAtRest { .. }), "{text}: {error}");
         inner
             .write(running, &[assignment], WriteMode::DryRun)
+            .wait()
             .expect("only looks");
     }
     enabled
         .keep_speed(300.0, Duration::from_secs(3))
+        .wait()
         .expect("nothing has changed");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
     write(&mut session, &mut drive, &["PN.VELSCALING=1638"]);
 }
@@ -680,16 +753,17 @@ fn a_scale_changed_under_a_running_axis_stops_it() {
     write(&mut session, &mut drive, &["PN.VELSCALING=200"]);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(300.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(300.0, None).wait().expect("runs");
     let begin = enabled.status().expect("a status").time;
-    let (inner, _) = enabled.session();
-    with_drive(inner, ids[0], |drive| {
+    with_drive(&session, ids[0], |drive| {
         ParameterAccess::write(drive, 3064, 0, 1638, Keep::Volatile).expect("taken");
     });
     let error = enabled
         .keep_speed(300.0, Duration::from_secs(30))
+        .wait()
         .expect_err("another speed");
     let expected = (200, 1638);
     assert!(
@@ -699,7 +773,7 @@ fn a_scale_changed_under_a_running_axis_stops_it() {
     assert!(enabled.status().expect("a status").time - begin < Duration::from_secs(1));
     drop(enabled);
     // the speed of a standstill is scaled as before
-    let _ = axis.release();
+    let _ = axis.release().wait();
     assert!(is_at_rest(&session, ids[0]));
 }
 
@@ -710,24 +784,27 @@ fn a_speed_that_is_lost_is_told() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    assert!(matches!(enabled.run(0.001), Err(Error::SpeedStep { .. })));
-    enabled.reach_speed(60.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    assert!(matches!(enabled.run(0.001).wait(), Err(Error::SpeedStep { .. })));
+    enabled.reach_speed(60.0, None).wait().expect("runs");
     enabled
         .keep_speed(60.0, Duration::from_secs(5))
+        .wait()
         .expect("keeps it");
     let begin = enabled.status().expect("a status").time;
     let (inner, running) = enabled.session();
     write(inner, running, &["VL.LIMITP_32=10rpm"]);
     let error = enabled
         .keep_speed(60.0, Duration::from_secs(30))
+        .wait()
         .expect_err("10 rpm only");
     let text = error.to_string();
     assert!(text.contains("60 rpm was reached and is not kept: "), "{text}");
     assert!(enabled.status().expect("a status").time - begin < Duration::from_secs(3));
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }
 
@@ -736,20 +813,22 @@ fn a_speed_that_is_lost_is_told() {
 fn local_operation_during_a_run_is_named() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let shown = Rc::new(RefCell::new(Vec::new()));
-    let list = Rc::clone(&shown);
+    let shown = Shared::new(Vec::new());
+    let list = shown.clone();
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     axis.watch(move |status| list.borrow_mut().push(status.view.state()));
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(600.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(600.0, None).wait().expect("runs");
     shown.borrow_mut().clear();
-    with_drive(enabled.session().0, ids[0], |drive| {
+    with_drive(&session, ids[0], |drive| {
         drive.inject("local=on".parse().expect("an injection"));
     });
     let error = enabled
         .keep_speed(600.0, Duration::from_secs(3))
+        .wait()
         .expect_err("the panel stops it");
     assert!(
         matches!(
@@ -762,11 +841,11 @@ fn local_operation_during_a_run_is_named() {
         "{error}"
     );
     drop(enabled);
-    let _ = axis.release();
+    let _ = axis.release().wait();
     let states = shown.borrow();
     assert!(!states.contains(&Some(State::S3)), "{states:?}");
     assert!(states.contains(&Some(State::S5Ramp)), "{states:?}");
-    let status = session.status(&mut drive).expect("a status");
+    let status = session.status(&mut drive).wait().expect("a status");
     assert_eq!(switched_off_beside(&status), None);
     assert_eq!(diagnose(&status).cause, Cause::LocalOperation);
 }
@@ -775,11 +854,12 @@ fn local_operation_during_a_run_is_named() {
 #[test]
 fn a_refusal_names_the_controller_that_has_the_drive() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
-    session.medium_mut().segment_mut().attach(other_controller().0);
-    session.pass(Duration::from_secs(3)).expect("time passes");
+    session.medium().segment_mut().attach(other_controller().0);
+    session.pass(Duration::from_secs(3)).wait().expect("time passes");
     let mut drive = find(&mut session, "akd-1").expect("there");
     let error = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Control))
+        .wait()
         .map(|_| ())
         .expect_err("refused");
     let told = error.to_string();
@@ -793,15 +873,16 @@ fn the_step_that_a_speed_becomes_is_known() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     let rounded = axis.rounded_speed(61.7).expect("another speed");
     assert!((rounded - 61.87).abs() < 0.01, "{rounded}");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(61.7).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(61.7).wait().expect("runs");
     let status = enabled.status().expect("a status");
     assert_eq!(status.speed_set, Some(rounded));
     assert_eq!(enabled.rounded_speed(rounded), None, "a step itself");
     assert_eq!(enabled.rounded_speed(1e9), None, "refused instead");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }

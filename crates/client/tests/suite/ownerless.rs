@@ -1,13 +1,13 @@
 //! Drives that are in operation though nobody commands them any more, in virtual time: who may stop them, and how.
 
+use crate::bench::shared::On;
 use std::time::Duration;
 
 use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::{Purpose, SpeedUnit};
 use profidrive_client::status::{Cause, diagnose};
 use profidrive_client::{
-    Action, AxisSettings, Drive, Error, LocalControl, LossAction, Rest, Session, StopMeans, StopWay,
-    WriteMode,
+    Action, AxisSettings, Drive, Error, LocalControl, LossAction, Rest, StopMeans, StopWay, Wait, WriteMode,
 };
 use profile::parameter::{Keep, ParameterAccess};
 use virtual_drive::drive::Injection;
@@ -46,11 +46,11 @@ fn set(world: &World, text: &str) {
 fn desert(world: &World, model: &str, transport: Transport, speed: f64) {
     let (mut session, mut drive) = world.client(model, transport, 1).expect("found");
     let wanted = settings(&drive, Purpose::Speed);
-    let mut axis = session.take_axis(&mut drive, wanted).expect("free");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(speed, None).expect("runs");
+    let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(speed, None).wait().expect("runs");
     world.plan(Duration::ZERO, Accident::Killed);
-    enabled.hold(SECOND).expect_err("killed");
+    enabled.hold(SECOND).wait().expect_err("killed");
 }
 
 fn transports(model: &str) -> &'static [Transport] {
@@ -73,12 +73,13 @@ fn stop_takes_over_an_ownerless_drive_without_a_jump() {
                 let at = format!("{name} {transport:?} {speed}: {before}");
                 assert!(before > speed * 0.9, "{at}");
                 let (mut session, mut drive) = world.client(name, transport, 2).expect("found");
-                let means = session.stop_means(&mut drive, way).expect("read");
+                let means = session.stop_means(&mut drive, way).wait().expect("read");
                 assert!(matches!(means, StopMeans::TakeOver), "{at}: {means:?}");
                 world.fastest();
                 let begin = session.now();
                 let outcome = session
                     .stop_drive(&mut drive, way, SECOND * 10)
+                    .wait()
                     .unwrap_or_else(|error| panic!("{at}: {error}"));
                 assert!(outcome.sent && outcome.at_rest, "{at}: {outcome:?}");
                 assert_eq!(outcome.enabled, Some(false), "{at}");
@@ -89,7 +90,7 @@ fn stop_takes_over_an_ownerless_drive_without_a_jump() {
                     world.speed().abs() < 1.0 && world.look(|drive| !drive.is_enabled()),
                     "{at}"
                 );
-                let status = session.status(&mut drive).expect("read");
+                let status = session.status(&mut drive).wait().expect("read");
                 assert_eq!(diagnose(&status).cause, Cause::NoController, "{at}");
             }
         }
@@ -112,12 +113,15 @@ fn a_drive_that_turns_backwards_by_a_bit_of_its_vendor_is_not_reversed() {
         let (mut session, mut drive) = world.client("vlt", Transport::Fc, 2).expect("found");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Control))
+            .wait()
             .expect("taken over");
-        axis.hold(SECOND * 2).expect("goes on as it was, or ramps down");
+        axis.hold(SECOND * 2)
+            .wait()
+            .expect("goes on as it was, or ramps down");
         let after = world.speed();
         assert!(after < 1.0, "{before} -> {after}: reversed");
         assert!(!kept || (after - before).abs() < 60.0, "{before} -> {after}");
-        axis.release().expect("at rest");
+        axis.release().wait().expect("at rest");
         assert!(world.speed().abs() < 1.0);
         world.pass(SECOND * 3);
     }
@@ -137,6 +141,7 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
                 let wanted = settings(&drive, purpose);
                 let error = session
                     .take_axis(&mut drive, wanted)
+                    .wait()
                     .map(|_| ())
                     .expect_err("turns");
                 assert!(
@@ -149,13 +154,13 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
                     "{error}"
                 );
             }
-            let error = session.check_control(&mut drive).expect_err("turns");
+            let error = session.check_control(&mut drive).wait().expect_err("turns");
             assert!(matches!(error, Error::Ownerless { .. }), "{error}");
             assert!(
                 (world.speed() - before).abs() < 5.0,
                 "{name} {transport:?}: left alone"
             );
-            let status = session.status(&mut drive).expect("read");
+            let status = session.status(&mut drive).wait().expect("read");
             let found = diagnose(&status);
             let turns = [Cause::TurnsAlone, Cause::EnabledAlone];
             assert!(turns.contains(&found.cause), "{name} {transport:?}: {found:?}");
@@ -182,7 +187,7 @@ fn what_a_drive_does_by_itself_is_told_and_not_begun_upon() {
             world.pass(SECOND * 3);
             let at = format!("{transport:?} {setting}: {} rpm", world.speed());
             let (mut session, mut drive) = world.client("vlt", transport, 2).expect("found");
-            let status = session.status(&mut drive).expect("read");
+            let status = session.status(&mut drive).wait().expect("read");
             let found = diagnose(&status);
             assert_eq!(found.cause, Cause::TurnsAlone, "{at}: {found:?}");
             assert!(
@@ -195,10 +200,15 @@ fn what_a_drive_does_by_itself_is_told_and_not_begun_upon() {
                 "{at}: {}",
                 found.sentence
             );
-            assert_eq!(session.is_enabled(&mut drive).expect("read"), Some(true), "{at}");
+            assert_eq!(
+                session.is_enabled(&mut drive).wait().expect("read"),
+                Some(true),
+                "{at}"
+            );
             let wanted = settings(&drive, Purpose::Speed);
             let error = session
                 .take_axis(&mut drive, wanted)
+                .wait()
                 .map(|_| ())
                 .expect_err("it turns");
             assert!(matches!(error, Error::Ownerless { .. }), "{at}: {error}");
@@ -214,7 +224,7 @@ fn local_operation_is_told_in_the_words_of_the_drive() {
     world.look(|drive| drive.inject("local=on".parse().expect("an injection")));
     world.pass(SECOND);
     let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
-    let status = session.status(&mut drive).expect("read");
+    let status = session.status(&mut drive).wait().expect("read");
     assert_eq!(status.local, Some(LocalControl::Elsewhere));
     let found = diagnose(&status);
     assert_eq!(found.cause, Cause::LocalOperation);
@@ -231,11 +241,11 @@ fn a_drive_with_an_owner_is_not_taken_over() {
     let world = World::new(&model::VLT, Transport::Profinet, 7);
     let (mut session, mut drive) = world.client("vlt", Transport::Profinet, 1).expect("found");
     let wanted = settings(&drive, Purpose::Speed);
-    let mut axis = session.take_axis(&mut drive, wanted).expect("free");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(600.0, None).expect("runs");
+    let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(600.0, None).wait().expect("runs");
     let (inner, own) = enabled.session();
-    let means = inner.stop_means(own, StopWay::Stop).expect("read");
+    let means = inner.stop_means(own, StopWay::Stop).wait().expect("read");
     assert!(matches!(means, StopMeans::Owned(name) if name == "client"));
 }
 
@@ -261,6 +271,7 @@ fn local_control_is_refused_with_who_has_it() {
         let (mut session, mut drive) = world.client(name, Transport::Profinet, 1).expect("found");
         let error = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .map(|_| ())
             .expect_err("local");
         assert!(matches!(error, Error::LocalOperation { .. }), "{name}: {error}");
@@ -269,6 +280,7 @@ fn local_control_is_refused_with_who_has_it() {
         if before.abs() > 1.0 {
             let error = session
                 .stop_drive(&mut drive, StopWay::Stop, SECOND)
+                .wait()
                 .expect_err("the panel has it");
             assert!(
                 matches!(
@@ -289,7 +301,7 @@ fn local_control_is_refused_with_who_has_it() {
             assert_eq!(error.action(), None, "no command of ours stops it");
             assert!((world.speed() - before).abs() < 5.0, "left alone");
         }
-        let status = session.status(&mut drive).expect("read");
+        let status = session.status(&mut drive).wait().expect("read");
         let found = diagnose(&status);
         assert_eq!(found.cause, Cause::LocalOperation, "{name}");
         assert!(found.sentence.contains(words), "{name}: {found:?}");
@@ -304,10 +316,11 @@ fn an_ownerless_drive_without_tables_is_stopped() {
     desert(&world, "vacon", Transport::Profinet, 600.0);
     world.pass(SECOND * 2);
     let (mut session, mut drive) = world.client("standard", Transport::Profinet, 2).expect("found");
-    session.find_channel(&mut drive).expect("it has one");
+    session.find_channel(&mut drive).wait().expect("it has one");
     world.fastest();
     let outcome = session
         .stop_drive(&mut drive, StopWay::Stop, SECOND * 15)
+        .wait()
         .expect("stopped");
     assert!(outcome.sent && outcome.at_rest, "{outcome:?}");
     assert!(
@@ -419,12 +432,13 @@ fn the_message_of_a_loss_says_what_this_drive_does() {
         let (mut session, mut drive) = world.client(name, Transport::Profinet, 1).expect("found");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("free");
         assert_eq!(axis.loss_reaction().action, action, "{setting}");
-        let mut enabled = axis.enable().expect("enabled");
-        enabled.reach_speed(300.0, None).expect("runs");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        enabled.reach_speed(300.0, None).wait().expect("runs");
         world.plan(Duration::ZERO, Accident::CableOut(SECOND * 3));
-        let error = enabled.hold(SECOND).expect_err("lost");
+        let error = enabled.hold(SECOND).wait().expect_err("lost");
         let Error::ConnectionLost { reaction, .. } = &error else {
             panic!("{setting}: {error}");
         };
@@ -452,7 +466,7 @@ fn the_message_of_a_loss_says_what_this_drive_does() {
     for (virtual_model, name) in [(&model::AKD, "akd"), (&model::VACON, "vacon")] {
         let world = World::new(virtual_model, Transport::Fc, 7);
         let (mut session, mut drive) = world.client(name, Transport::Fc, 1).expect("found");
-        let reaction = session.loss_reaction(&mut drive).expect("read");
+        let reaction = session.loss_reaction(&mut drive).wait().expect("read");
         assert_eq!(reaction.action, LossAction::Unknown, "{name}");
     }
 }
@@ -464,9 +478,10 @@ fn a_lost_connection_is_never_a_mistake_of_the_caller() {
     let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("free");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(300.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(300.0, None).wait().expect("runs");
     let lost = |error: Error| {
         let text = error.to_string();
         assert!(matches!(error, Error::ConnectionLost { .. }), "{text}");
@@ -476,16 +491,16 @@ fn a_lost_connection_is_never_a_mistake_of_the_caller() {
     // a read goes through the connection of the axis, and is the first to hear of its end
     let (inner, own) = enabled.session();
     let reading = own.select("DRV.ACC").expect("known");
-    lost(inner.read(own, &[reading]).expect_err("gone"));
-    lost(enabled.run(100.0).expect_err("gone"));
-    lost(enabled.keep_speed(100.0, SECOND).expect_err("gone"));
-    lost(enabled.halt().expect_err("gone"));
-    assert!(enabled.held_back().is_none());
+    lost(inner.read(own, &[reading]).wait().expect_err("gone"));
+    lost(enabled.run(100.0).wait().expect_err("gone"));
+    lost(enabled.keep_speed(100.0, SECOND).wait().expect_err("gone"));
+    lost(enabled.halt().wait().expect_err("gone"));
+    assert!(enabled.held_back().wait().is_none());
     drop(enabled);
-    lost(axis.stop().expect_err("gone"));
-    lost(axis.enable().map(|_| ()).expect_err("gone"));
-    lost(axis.hold(SECOND).expect_err("gone"));
-    lost(axis.release().expect_err("gone"));
+    lost(axis.stop().wait().expect_err("gone"));
+    lost(axis.enable().wait().map(|_| ()).expect_err("gone"));
+    lost(axis.hold(SECOND).wait().expect_err("gone"));
+    lost(axis.release().wait().expect_err("gone"));
 }
 
 /// The own interface, or the serial port, fails while an axis is under control: the drive has lost its controller, and a
@@ -515,7 +530,7 @@ fn a_carrier_that_fails_is_a_lost_connection_of_the_axis() {
             let (mut session, mut drive) = world.client(name, transport, 1).expect("found");
             let label = drive.label();
             let wanted = settings(&drive, Purpose::Speed);
-            let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+            let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
             let lost = |error: Error| {
                 let text = error.to_string();
                 assert!(matches!(error, Error::CarrierLost { .. }), "{at}: {error:?}");
@@ -529,17 +544,17 @@ fn a_carrier_that_fails_is_a_lost_connection_of_the_axis() {
                 };
                 assert_eq!(error.action(), Some(advice), "{at}");
             };
-            let mut enabled = axis.enable().expect("enabled");
-            enabled.reach_speed(300.0, None).expect("runs");
+            let mut enabled = axis.enable().wait().expect("enabled");
+            enabled.reach_speed(300.0, None).wait().expect("runs");
             // the medium of this client fails with every step from here on
             world.plan(Duration::ZERO, Accident::Killed);
-            lost(enabled.hold(SECOND).expect_err("gone"));
+            lost(enabled.hold(SECOND).wait().expect_err("gone"));
             let (inner, own) = enabled.session();
-            lost(inner.fault_report(own).expect_err("gone"));
+            lost(inner.fault_report(own).wait().expect_err("gone"));
             drop(enabled);
-            lost(axis.release().expect_err("nobody saw it stand"));
+            lost(axis.release().wait().expect_err("nobody saw it stand"));
             // nothing is under control any more: what fails now is the medium
-            let error = session.pass(SECOND).expect_err("gone");
+            let error = session.pass(SECOND).wait().expect_err("gone");
             assert!(matches!(error, Error::Medium(_)), "{at}: {error:?}");
         }
     }
@@ -555,11 +570,12 @@ fn a_drive_that_is_to_be_taken_over_needs_raw_frames() {
     let (session, _) = world.client("vlt", Transport::Profinet, 2).expect("found");
     let mut session = session.without_discovery();
     let address = "10.0.0.1".parse().expect("an address");
-    let mut drive = session.find(&address).expect("by its address");
+    let mut drive = session.find(&address).wait().expect("by its address");
     assert_eq!(drive.model.name, "VLT");
     let begin = session.now();
     let error = session
         .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+        .wait()
         .expect_err("not by UDP");
     assert!(matches!(error, Error::NeedsRawFrames { .. }), "{error}");
     let text = format!("{error}; {}", error.advice().unwrap_or_default());
@@ -572,7 +588,9 @@ fn a_drive_that_is_to_be_taken_over_needs_raw_frames() {
         assert!(text.contains(words), "{text}");
     }
     assert!(session.now() - begin < SECOND * 2, "no connection was tried");
-    let plan = session.plan_axis(&mut drive, &AxisSettings::for_purpose(Purpose::Control));
+    let plan = session
+        .plan_axis(&mut drive, &AxisSettings::for_purpose(Purpose::Control))
+        .wait();
     assert!(matches!(plan, Err(Error::NeedsRawFrames { .. })), "{plan:?}");
     assert!(world.speed() > 500.0, "{}", world.speed());
 }
@@ -590,27 +608,27 @@ fn a_fault_is_acknowledged_while_the_axis_still_coasts() {
         }
         let (mut session, mut drive) = world.client("vlt", transport, 2).expect("found");
         let wanted = settings(&drive, Purpose::Control);
-        let mut axis = session.take_axis(&mut drive, wanted).expect("free");
-        axis.ready_or_fault().expect("a fault");
+        let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+        axis.ready_or_fault().wait().expect("a fault");
         let seen = axis.status().and_then(|status| status.view.seen);
         assert!(seen.is_some_and(|seen| seen.fault()), "{transport:?}: {seen:?}");
-        axis.acknowledge().expect("acknowledged");
+        axis.acknowledge().wait().expect("acknowledged");
         assert!(
             world.speed().abs() > 100.0 && axis.coasts(),
             "{transport:?}: {}",
             world.speed()
         );
-        axis.release().expect("nobody here made it turn");
-        let report = session.fault_report(&mut drive);
+        axis.release().wait().expect("nobody here made it turn");
+        let report = session.fault_report(&mut drive).wait();
         let present = report.map(|report| report.present().count());
         assert!(!matches!(present, Ok(1..)), "{transport:?}: {present:?}");
         // and one that stands is said to coast no more
-        session.pass(SECOND * 60).expect("time passes");
+        session.pass(SECOND * 60).wait().expect("time passes");
         let wanted = settings(&drive, Purpose::Control);
-        let mut axis = session.take_axis(&mut drive, wanted).expect("free");
-        axis.ready().expect("no fault");
+        let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+        axis.ready().wait().expect("no fault");
         assert!(!axis.coasts(), "{transport:?}");
-        axis.release().expect("released");
+        axis.release().wait().expect("released");
     }
 }
 
@@ -627,15 +645,16 @@ fn a_ramp_that_ends_in_coasting_is_no_rest() {
         }
         let (mut session, mut drive) = world.client("vlt", Transport::Profinet, 2).expect("found");
         let wanted = settings(&drive, Purpose::Control);
-        let mut axis = session.take_axis(&mut drive, wanted).expect("free");
+        let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
         axis.hold_until(SECOND, |status| status.view.seen.is_some())
+            .wait()
             .expect("data");
         assert!(world.look(|drive| drive.is_enabled()), "it ramps");
         if stage_goes {
             world.look(|drive| drive.inject("sto=on".parse().expect("an injection")));
         }
-        axis.ready_or_fault().expect("reached or not");
-        let rest = axis.release_and_look().expect("given back");
+        axis.ready_or_fault().wait().expect("reached or not");
+        let rest = axis.release_and_look().wait().expect("given back");
         let wanted = if stage_goes { Rest::Coasts } else { Rest::Stands };
         assert_eq!(rest, wanted, "{} rpm", world.speed());
         assert_eq!(world.speed().abs() > 100.0, stage_goes, "{} rpm", world.speed());
@@ -648,15 +667,15 @@ fn a_vacon_at_a_line_is_seen_by_its_replies() {
     for transport in [Transport::Fc, Transport::Uss] {
         let world = World::new(&model::VACON, transport, 7);
         let (mut session, mut drive) = world.client("vacon", transport, 1).expect("found");
-        let snapshot = session.snapshot(&mut drive, &[]).expect("read");
+        let snapshot = session.snapshot(&mut drive, &[]).wait().expect("read");
         assert_eq!(snapshot.zsw1.map(|word| word & 0x0004), Some(0), "{snapshot:?}");
         set(&world, "ID733=0");
         desert(&world, "vacon", transport, 600.0);
         world.pass(SECOND * 2);
         let (mut session, mut drive) = world.client("vacon", transport, 2).expect("found");
-        let snapshot = session.snapshot(&mut drive, &[]).expect("read");
+        let snapshot = session.snapshot(&mut drive, &[]).wait().expect("read");
         assert_eq!(snapshot.zsw1.map(|word| word & 0x0007), Some(7), "{snapshot:?}");
-        let status = session.status(&mut drive).expect("read");
+        let status = session.status(&mut drive).wait().expect("read");
         assert_eq!(status.state(), Some(profile::state::State::S4));
         // 600 of 1500 rpm; the reference is not among what the line carries
         let near = |percent: Option<f64>| percent.is_some_and(|percent| (39.0..41.0).contains(&percent));
@@ -672,6 +691,7 @@ fn a_vacon_at_a_line_is_seen_by_its_replies() {
         let begin = session.now();
         let outcome = session
             .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+            .wait()
             .expect("stopped");
         assert!(outcome.sent && outcome.at_rest, "{outcome:?}");
         assert!(session.now() - begin > SECOND, "it waits for the ramp");
@@ -679,6 +699,7 @@ fn a_vacon_at_a_line_is_seen_by_its_replies() {
         // nothing is sent to one that stands
         let again = session
             .stop_drive(&mut drive, StopWay::Stop, SECOND)
+            .wait()
             .expect("looked at");
         assert!(!again.sent && again.at_rest, "{again:?}");
     }
@@ -694,9 +715,14 @@ fn percent_is_enough() {
         speed_limit: 100.0,
         ..AxisSettings::for_purpose(Purpose::Speed)
     };
-    let mut axis = session.take_axis(&mut drive, wanted).expect("free");
-    axis.enable().expect("enabled").run(40.0).expect("runs");
-    axis.release().expect("at rest");
+    let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+    axis.enable()
+        .wait()
+        .expect("enabled")
+        .run(40.0)
+        .wait()
+        .expect("runs");
+    axis.release().wait().expect("at rest");
 }
 
 /// The loss reaction is a setting: written, it is read back as what it does.
@@ -706,12 +732,12 @@ fn the_remedy_of_a_drive_that_keeps_turning_works() {
         let world = World::new(virtual_model, Transport::Profinet, 7);
         set(&world, setting);
         let (mut session, mut drive) = world.client(name, Transport::Profinet, 1).expect("found");
-        let remedy = session.loss_reaction(&mut drive).expect("read").remedy;
+        let remedy = session.loss_reaction(&mut drive).wait().expect("read").remedy;
         let Some(Action::Write { parameter, value, .. }) = remedy else {
             panic!("{name}: {remedy:?}");
         };
         write(&mut session, &mut drive, &format!("{parameter}={value}"));
-        let after = session.loss_reaction(&mut drive).expect("read");
+        let after = session.loss_reaction(&mut drive).wait().expect("read");
         assert!(
             after.action.stops() && after.remedy.is_none(),
             "{name}: {after:?}"
@@ -719,9 +745,10 @@ fn the_remedy_of_a_drive_that_keeps_turning_works() {
     }
 }
 
-fn write(session: &mut Session<World>, drive: &mut Drive, text: &str) {
+fn write(session: &mut On<World>, drive: &mut Drive, text: &str) {
     let outcomes = session
         .write(drive, &[text.parse().expect("an assignment")], WriteMode::Write)
+        .wait()
         .expect("written");
     assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
 }

@@ -1,21 +1,21 @@
 //! Positioning: the client against the virtual drive in position mode, in virtual time, and every way out of a motion.
 
-use std::cell::Cell;
+use crate::bench::shared::Shared;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::rc::Rc;
 use std::time::Duration;
 
 use crate::bench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
-use network::host::StationId;
+use network::host::{Host, StationId};
 use network::segment::SegmentMedium;
 use profidrive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
 use profidrive_client::status::{Cause, diagnose};
-use profidrive_client::{Action, AxisSettings, Drive, Enabled, Error, WriteMode};
+use profidrive_client::{Action, AxisSettings, Drive, Enabled, Error, Wait, World, WriteMode};
 use profile::notation::Position;
 use profile::state::Mode;
 use profile::value::Assignment;
 use proptest::prelude::*;
-use virtual_drive::drive::Injection;
+use virtual_drive::drive::{Drive as VirtualDrive, Injection};
+use virtual_drive::station::Station;
 
 const LONG: Option<Duration> = Some(Duration::from_secs(60));
 
@@ -24,6 +24,7 @@ fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
         let assignment: Assignment = text.parse().expect("an assignment");
         let outcomes = session
             .write(drive, &[assignment], WriteMode::Write)
+            .wait()
             .expect("reached");
         for outcome in outcomes {
             assert!(matches!(outcome.written, Some(Ok(()))), "{text}: {outcome:?}");
@@ -37,6 +38,7 @@ fn positioning() -> (Bench, StationId, Drive) {
     let mut drive = find(&mut session, "akd-1").expect("there");
     session
         .set_operating_mode(&mut drive, Mode::Position)
+        .wait()
         .expect("position mode");
     (session, ids[0], drive)
 }
@@ -47,16 +49,32 @@ fn homed() -> (Bench, StationId, Drive) {
     write(&mut session, &mut drive, &["HOME.MODE=0", "HOME.P=0"]);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Home))
+        .wait()
         .expect("connected");
-    axis.enable().expect("enabled").home(LONG).expect("homed");
-    axis.release().expect("released");
+    axis.enable()
+        .wait()
+        .expect("enabled")
+        .home(LONG)
+        .wait()
+        .expect("homed");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, id));
     (session, id, drive)
 }
 
 /// Turns of the motor.
+/// Increments of the virtual axis in one turn.
+const TURN: f64 = 4_294_967_296.0;
+
+/// Looks at the drive while somebody else has the session.
+fn beside<T>(world: &World<SegmentMedium>, id: StationId, look: impl FnOnce(&mut VirtualDrive) -> T) -> T {
+    let mut medium = world.wire();
+    let host = medium.segment_mut().station_mut::<Host<Station>>(id);
+    look(host.expect("the drive").endpoint_mut().drive_mut())
+}
+
 fn turns(session: &Bench, id: StationId) -> f64 {
-    drive_at(session, id).drive().axis().position() as f64 / 4_294_967_296.0
+    drive_at(session, id).drive().axis().position() as f64 / TURN
 }
 
 fn near(found: f64, wanted: f64) -> bool {
@@ -71,15 +89,17 @@ fn to(target: f64) -> Move {
 fn with_axis<T>(
     (session, id, drive): &mut (Bench, StationId, Drive),
     purpose: Purpose,
-    work: impl FnOnce(&mut Enabled<'_, '_, SegmentMedium>) -> T,
+    work: impl FnOnce(&mut Enabled<'_>) -> T,
 ) -> T {
     let result = {
         let mut axis = session
             .take_axis(drive, AxisSettings::for_purpose(purpose))
+            .wait()
             .expect("connected");
-        let mut enabled = axis.enable().expect("enabled");
+        let mut enabled = axis.enable().wait().expect("enabled");
         work(&mut enabled)
     };
+    session.settle();
     assert!(is_at_rest(session, *id));
     result
 }
@@ -90,14 +110,14 @@ fn homed_then_to_a_position_and_back_by_a_distance() {
     let zero = turns(&bench.0, bench.1);
     with_axis(&mut bench, Purpose::Move, |axis| {
         assert_eq!(axis.telegram(), 9);
-        axis.move_to(&to(10.0)).expect("moved");
+        axis.move_to(&to(10.0)).wait().expect("moved");
         let status = axis.status().expect("a status");
         assert!(status.position.is_some_and(|at| near(at, 10.0)), "{status:?}");
     });
     assert!(near(turns(&bench.0, bench.1), zero + 10.0));
     with_axis(&mut bench, Purpose::Move, |axis| {
         let back = Move::by(Position::Counts(-655_360.0), 600.0).with_ramps(Some(7630.0), Some(7630.0));
-        axis.move_to(&back).expect("moved");
+        axis.move_to(&back).wait().expect("moved");
     });
     assert!(near(turns(&bench.0, bench.1), zero));
 }
@@ -112,7 +132,7 @@ fn a_modulo_axis_is_planned_inside_its_range_whichever_end_comes_first() {
         write(&mut bench.0, &mut bench.2, &ends);
         write(&mut bench.0, &mut bench.2, &["PL.MODPEN=1"]);
         let (session, _, drive) = &mut bench;
-        let outside = session.plan_move(drive, &to(4.0), 3000.0).expect("a plan");
+        let outside = session.plan_move(drive, &to(4.0), 3000.0).wait().expect("a plan");
         let range = Objection::ModuloRange {
             target: 4.0,
             low: 0.0,
@@ -120,15 +140,15 @@ fn a_modulo_axis_is_planned_inside_its_range_whichever_end_comes_first() {
         };
         assert_eq!(outside.objections, [range]);
         with_axis(&mut bench, Purpose::Move, |axis| {
-            axis.move_to(&to(2.0)).expect("inside the range");
+            axis.move_to(&to(2.0)).wait().expect("inside the range");
             let by = Move::by(Position::Turns(2.0), 300.0).with_ramps(Some(3052.0), Some(3052.0));
-            let plan = axis.plan(&by).expect("a plan");
+            let plan = axis.plan(&by).wait().expect("a plan");
             let end = plan.target.expect("a target");
             assert!(near(end, 1.0), "over the end: {end}");
-            axis.move_to(&by).expect("over the end");
+            axis.move_to(&by).wait().expect("over the end");
             let status = axis.status().expect("a status");
             assert!(status.position.is_some_and(|at| near(at, end)), "{status:?}");
-            let error = axis.move_to(&to(4.0)).expect_err("outside");
+            let error = axis.move_to(&to(4.0)).wait().expect_err("outside");
             assert!(matches!(error, Error::Objections { .. }), "{error}");
         });
     }
@@ -138,13 +158,17 @@ fn a_modulo_axis_is_planned_inside_its_range_whichever_end_comes_first() {
 fn an_axis_that_is_not_homed_is_not_moved() {
     let (mut session, id, mut drive) = positioning();
     let before = turns(&session, id);
-    let plan = session.plan_move(&mut drive, &to(10.0), 3000.0).expect("a plan");
+    let plan = session
+        .plan_move(&mut drive, &to(10.0), 3000.0)
+        .wait()
+        .expect("a plan");
     assert_eq!(plan.objections, [Objection::NotHomed]);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    let error = enabled.move_to(&to(10.0)).expect_err("not homed");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    let error = enabled.move_to(&to(10.0)).wait().expect_err("not homed");
     assert!(matches!(error, Error::Objections { .. }), "{error}");
     assert_eq!(
         enabled.status().map(|status| status.view.goal),
@@ -153,17 +177,17 @@ fn an_axis_that_is_not_homed_is_not_moved() {
     // somebody who does not listen is told by the drive
     let mut deaf = plan.clone();
     deaf.objections.clear();
-    let error = enabled.start(&deaf).expect_err("not accepted");
+    let error = enabled.start(&deaf).wait().expect_err("not accepted");
     let trouble = Trouble::NotAccepted { homed: false };
     assert!(
         matches!(&error, Error::Axis { trouble: found, .. } if *found == trouble),
         "{error}"
     );
     let (inner, drive) = enabled.session();
-    let status = inner.status(drive).expect("a status");
+    let status = inner.status(drive).wait().expect("a status");
     assert!(status.faults.is_empty());
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, id) && near(turns(&session, id), before));
 }
 
@@ -172,40 +196,40 @@ fn change_on_the_fly_pause_resume_and_halt() {
     let mut bench = homed();
     let id = bench.1;
     with_axis(&mut bench, Purpose::Move, |axis| {
-        let plan = axis.plan(&to(100.0)).expect("a plan");
-        axis.start(&plan).expect("accepted");
-        axis.hold(Duration::from_secs(1)).expect("goes");
-        let plan = axis.plan(&to(20.0)).expect("a plan");
-        axis.start(&plan).expect("accepted while it moves");
-        axis.hold(Duration::from_millis(500)).expect("goes");
-        axis.pause().expect("stands");
+        let plan = axis.plan(&to(100.0)).wait().expect("a plan");
+        axis.start(&plan).wait().expect("accepted");
+        axis.hold(Duration::from_secs(1)).wait().expect("goes");
+        let plan = axis.plan(&to(20.0)).wait().expect("a plan");
+        axis.start(&plan).wait().expect("accepted while it moves");
+        axis.hold(Duration::from_millis(500)).wait().expect("goes");
+        axis.pause().wait().expect("stands");
         let held = axis
             .status()
             .and_then(|status| status.position)
             .expect("a position");
         assert!(held > 1.0 && held < 19.0, "{held}");
-        axis.hold(Duration::from_secs(1)).expect("stays");
+        axis.hold(Duration::from_secs(1)).wait().expect("stays");
         let after = axis
             .status()
             .and_then(|status| status.position)
             .expect("a position");
         assert!(near(held, after));
-        axis.resume().expect("goes on");
-        axis.wait(LONG).expect("there");
+        axis.resume().wait().expect("goes on");
+        axis.reach_target(LONG).wait().expect("there");
         let at = axis
             .status()
             .and_then(|status| status.position)
             .expect("a position");
         assert!(near(at, 20.0), "{at}");
-        let plan = axis.plan(&to(0.0)).expect("a plan");
-        axis.start(&plan).expect("accepted");
-        axis.hold(Duration::from_millis(500)).expect("goes");
-        axis.halt().expect("stands");
+        let plan = axis.plan(&to(0.0)).wait().expect("a plan");
+        axis.start(&plan).wait().expect("accepted");
+        axis.hold(Duration::from_millis(500)).wait().expect("goes");
+        axis.halt().wait().expect("stands");
         let held = axis
             .status()
             .and_then(|status| status.position)
             .expect("a position");
-        axis.hold(Duration::from_secs(1)).expect("stays");
+        axis.hold(Duration::from_secs(1)).wait().expect("stays");
         let after = axis
             .status()
             .and_then(|status| status.position)
@@ -225,7 +249,7 @@ fn software_limits_are_told_before_anything_is_sent() {
         &["SWLS.LIMIT0=-65536", "SWLS.LIMIT1=327680", "SWLS.EN=3"],
     );
     let before = turns(session, *id);
-    let plan = session.plan_move(drive, &to(5.1), 3000.0).expect("a plan");
+    let plan = session.plan_move(drive, &to(5.1), 3000.0).wait().expect("a plan");
     let expected = Objection::SoftwareLimit {
         target: plan.target.expect("a target"),
         limit: 5.0,
@@ -233,7 +257,7 @@ fn software_limits_are_told_before_anything_is_sent() {
     };
     assert_eq!(plan.objections, [expected]);
     let back = Move::by(Position::Turns(-1.5), 300.0);
-    let plan = session.plan_move(drive, &back, 3000.0).expect("a plan");
+    let plan = session.plan_move(drive, &back, 3000.0).wait().expect("a plan");
     assert!(matches!(
         plan.objections[..],
         [Objection::SoftwareLimit {
@@ -242,11 +266,11 @@ fn software_limits_are_told_before_anything_is_sent() {
             ..
         }]
     ));
-    let plan = session.plan_move(drive, &to(4.9), 3000.0).expect("a plan");
+    let plan = session.plan_move(drive, &to(4.9), 3000.0).wait().expect("a plan");
     assert_eq!(plan.objections, []);
     assert!(near(turns(session, *id), before));
     with_axis(&mut bench, Purpose::Move, |axis| {
-        axis.move_to(&to(4.9)).expect("inside")
+        axis.move_to(&to(4.9)).wait().expect("inside")
     });
 }
 
@@ -257,6 +281,7 @@ fn a_command_with_an_argument_that_reads_back_something_else_is_no_difference() 
         let assignment: Assignment = text.parse().expect("an assignment");
         let mut outcomes = session
             .write(&mut drive, &[assignment], WriteMode::Write)
+            .wait()
             .expect("reached");
         outcomes.remove(0)
     };
@@ -287,9 +312,9 @@ fn tasks_of_the_drive() {
     with_axis(&mut bench, Purpose::Task, |axis| {
         // the one that homing has chosen before does as well
         assert_eq!(axis.telegram(), 9);
-        axis.start_task(3).expect("accepted");
-        axis.wait(LONG).expect("there");
-        let error = axis.start_task(77).expect_err("an empty task");
+        axis.start_task(3).wait().expect("accepted");
+        axis.reach_target(LONG).wait().expect("there");
+        let error = axis.start_task(77).wait().expect_err("an empty task");
         assert!(
             matches!(
                 error,
@@ -302,7 +327,7 @@ fn tasks_of_the_drive() {
         );
     });
     let selection = bench.2.select("PL.FB").expect("known");
-    let reading = bench.0.read_one(&mut bench.2, &selection).expect("read");
+    let reading = bench.0.read_one(&mut bench.2, &selection).wait().expect("read");
     assert!(
         reading.number().is_some_and(|at| (at - 131_072.0).abs() < 1000.0),
         "{reading:?}"
@@ -324,13 +349,14 @@ fn homing_to_a_switch_and_homing_that_is_broken_off() {
     });
     let error = with_axis(&mut bench, Purpose::Home, |axis| {
         axis.home(Some(Duration::from_secs(2)))
+            .wait()
             .expect_err("no switch so far")
     });
     assert!(
         matches!(error, Error::NotInTime { what: "homing", .. }),
         "{error}"
     );
-    let facts = bench.0.motion_facts(&mut bench.2).expect("told");
+    let facts = bench.0.motion_facts(&mut bench.2).wait().expect("told");
     assert_eq!(
         facts.homed,
         Some(false),
@@ -346,13 +372,17 @@ fn homing_with_telegram_7() {
     write(session, drive, &["922=7"]);
     let mut axis = session
         .take_axis(drive, AxisSettings::for_purpose(Purpose::Home))
+        .wait()
         .expect("connected");
     assert_eq!((axis.telegram(), axis.telegram_before()), (7, None));
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.home(Some(Duration::from_secs(5))).expect("homed");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.home(Some(Duration::from_secs(5))).wait().expect("homed");
     drop(enabled);
-    axis.release().expect("at rest");
-    assert_eq!(session.motion_facts(drive).expect("told").homed, Some(true));
+    axis.release().wait().expect("at rest");
+    assert_eq!(
+        session.motion_facts(drive).wait().expect("told").homed,
+        Some(true)
+    );
 }
 
 #[test]
@@ -362,9 +392,9 @@ fn jog_in_position_mode() {
     write(&mut bench.0, &mut bench.2, &["1004=120rpm"]);
     let before = turns(&bench.0, id);
     with_axis(&mut bench, Purpose::Jog, |axis| {
-        axis.jog(Jog::One).expect("jogs");
-        axis.hold(Duration::from_secs(2)).expect("keeps jogging");
-        axis.halt().expect("stands");
+        axis.jog(Jog::One).wait().expect("jogs");
+        axis.hold(Duration::from_secs(2)).wait().expect("keeps jogging");
+        axis.halt().wait().expect("stands");
     });
     let way = turns(&bench.0, id) - before;
     assert!(way > 2.0 && way < 5.5, "{way}");
@@ -376,25 +406,28 @@ fn real_time_jogging_takes_its_speed_from_here_and_changes_on_the_fly() {
     write(&mut bench.0, &mut bench.2, &["1004=12rpm"]);
     let id = bench.1;
     let before = turns(&bench.0, id);
+    let world = bench.0.world();
     with_axis(&mut bench, Purpose::RealTimeJog, |axis| {
         assert_eq!(axis.telegram(), 9);
-        axis.jog_at(120.0).expect("jogs");
-        axis.hold(Duration::from_secs(2)).expect("keeps jogging");
+        axis.jog_at(120.0).wait().expect("jogs");
+        axis.hold(Duration::from_secs(2)).wait().expect("keeps jogging");
         let command = axis.status().expect("a status").view.command.stw1;
         assert_eq!(command.0, 0x143F);
-        let forth = turns(axis.session().0, id) - before;
+        let forth = beside(&world, id, |drive| drive.axis().position() as f64 / TURN) - before;
         assert!(forth > 3.5 && forth < 4.5, "{forth}");
         // the other way, through standstill on the ramps
-        axis.jog_at(-240.0).expect("jogs back");
+        axis.jog_at(-240.0).wait().expect("jogs back");
         assert_eq!(axis.status().expect("a status").view.command.stw1.0, 0x343F);
-        axis.hold(Duration::from_secs(3)).expect("keeps jogging");
-        let back = turns(axis.session().0, id) - before;
+        axis.hold(Duration::from_secs(3)).wait().expect("keeps jogging");
+        let back = beside(&world, id, |drive| drive.axis().position() as f64 / TURN) - before;
         assert!(back < -5.0, "{back}");
-        let error = axis.jog_at(4000.0).expect_err("above the limit");
+        let error = axis.jog_at(4000.0).wait().expect_err("above the limit");
         assert!(matches!(error, Error::SpeedLimit { .. }), "{error}");
-        axis.halt().expect("stands");
-        axis.jog(Jog::One).expect("the setpoint of the drive after it");
-        axis.hold(Duration::from_secs(1)).expect("keeps jogging");
+        axis.halt().wait().expect("stands");
+        axis.jog(Jog::One)
+            .wait()
+            .expect("the setpoint of the drive after it");
+        axis.hold(Duration::from_secs(1)).wait().expect("keeps jogging");
     });
     assert!(!drive_at(&bench.0, id).drive().has_fault());
 }
@@ -413,12 +446,18 @@ fn real_time_jogging_respects_the_limits_of_the_drive_and_of_its_setpoint() {
         other => panic!("{other}"),
     };
     let (session, drive) = (&mut bench.0, &mut bench.2);
-    let within = session.check_jog(drive, -250.0, 3000.0).expect("VL.LIMITN");
+    let within = session
+        .check_jog(drive, -250.0, 3000.0)
+        .wait()
+        .expect("VL.LIMITN");
     assert!((within + 250.0).abs() < 0.001, "{within}");
     let above = |speed, limit| vec![Objection::DriveLimit { speed, limit }];
-    let refused = session.check_jog(drive, 250.0, 3000.0);
+    let refused = session.check_jog(drive, 250.0, 3000.0).wait();
     assert_eq!(objection(refused.expect_err("VL.LIMITP")), above(250.0, 200.0));
-    let refused = session.check_jog(drive, 13_000.0, 14_000.0).expect_err("2^32");
+    let refused = session
+        .check_jog(drive, 13_000.0, 14_000.0)
+        .wait()
+        .expect_err("2^32");
     let [
         ..,
         Objection::DriveLimit { .. },
@@ -429,13 +468,16 @@ fn real_time_jogging_respects_the_limits_of_the_drive_and_of_its_setpoint() {
     };
     assert_eq!([speed, highest], [13_000.0, 12_000.0]);
     let id = bench.1;
+    let world = bench.0.world();
     with_axis(&mut bench, Purpose::RealTimeJog, |axis| {
-        let error = axis.jog_at(-301.0).expect_err("VL.LIMITN");
+        let error = axis.jog_at(-301.0).wait().expect_err("VL.LIMITN");
         assert_eq!(objection(error), above(301.0, 300.0));
-        axis.hold(Duration::from_millis(500)).expect("nothing sent");
-        assert!(drive_at(axis.session().0, id).drive().axis().is_at_rest());
-        axis.jog_at(-250.0).expect("within");
-        axis.halt().expect("stands");
+        axis.hold(Duration::from_millis(500))
+            .wait()
+            .expect("nothing sent");
+        assert!(beside(&world, id, |drive| drive.axis().is_at_rest()));
+        axis.jog_at(-250.0).wait().expect("within");
+        axis.halt().wait().expect("stands");
     });
 }
 
@@ -453,11 +495,15 @@ fn a_jog_that_ends_at_a_software_limit_names_it() {
         ],
     );
     with_axis(&mut bench, Purpose::Jog, |axis| {
-        axis.jog(Jog::One).expect("jogs");
-        axis.hold(Duration::from_millis(200)).expect("keeps jogging");
-        assert_eq!(axis.held_back(), None, "it moves");
-        axis.hold(Duration::from_secs(3)).expect("stays in operation");
-        let evidence = axis.held_back().expect("it stands");
+        axis.jog(Jog::One).wait().expect("jogs");
+        axis.hold(Duration::from_millis(200))
+            .wait()
+            .expect("keeps jogging");
+        assert_eq!(axis.held_back().wait(), None, "it moves");
+        axis.hold(Duration::from_secs(3))
+            .wait()
+            .expect("stays in operation");
+        let evidence = axis.held_back().wait().expect("it stands");
         assert_eq!(evidence.cause(), Some("a software limit is reached"));
     });
 }
@@ -488,15 +534,16 @@ fn every_door_ends_at_rest() {
         Door::Link,
     ] {
         let (mut session, id, mut drive) = homed();
-        let flag = Rc::new(Cell::new(false));
-        let asked = Rc::clone(&flag);
+        let flag = Shared::new(false);
+        let asked = flag.clone();
         session.interrupt_with(move || asked.get());
         let result = catch_unwind(AssertUnwindSafe(|| {
             leave(&mut session, id, &mut drive, door, &flag)
         }));
         flag.set(false);
-        session.medium_mut().segment_mut().uncut(id);
-        session.pass(Duration::from_secs(1)).expect("time passes");
+        session.medium().segment_mut().uncut(id);
+        session.settle();
+        session.pass(Duration::from_secs(1)).wait().expect("time passes");
         assert_eq!(result.is_err(), matches!(door, Door::Panic), "{door:?}");
         assert!(is_at_rest(&session, id), "{door:?}");
         assert!(
@@ -511,40 +558,46 @@ fn every_door_ends_at_rest() {
             _ => assert_eq!(fault, 0, "{door:?}"),
         }
         if let Door::Link | Door::Fault = door {
-            let status = session.status(&mut drive).expect("a status");
+            let status = session.status(&mut drive).wait().expect("a status");
             assert_eq!(diagnose(&status).cause, Cause::Fault);
         }
     }
 }
 
-fn leave(session: &mut Bench, id: StationId, drive: &mut Drive, door: Door, flag: &Rc<Cell<bool>>) {
+fn leave(session: &mut Bench, id: StationId, drive: &mut Drive, door: Door, flag: &Shared<bool>) {
     let mut axis = session
         .take_axis(drive, AxisSettings::for_purpose(Purpose::Move))
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    let plan = enabled.plan(&to(1000.0)).expect("a plan");
-    enabled.start(&plan).expect("accepted");
-    enabled.hold(Duration::from_secs(2)).expect("goes");
-    let (inner, _) = enabled.session();
-    assert!(drive_at(inner, id).drive().axis().speed() > 290.0);
+    let mut enabled = axis.enable().wait().expect("enabled");
+    let plan = enabled.plan(&to(1000.0)).wait().expect("a plan");
+    enabled.start(&plan).wait().expect("accepted");
+    enabled.hold(Duration::from_secs(2)).wait().expect("goes");
+    assert!(drive_at(session, id).drive().axis().speed() > 290.0);
     match door {
         Door::Scope => {}
-        Door::Disable => enabled.disable().expect("stopped"),
+        Door::Disable => enabled.disable().wait().expect("stopped"),
         Door::Interrupt => {
             flag.set(true);
-            assert!(matches!(enabled.wait(LONG), Err(Error::Interrupted)));
+            assert!(matches!(
+                enabled.reach_target(LONG).wait(),
+                Err(Error::Interrupted)
+            ));
         }
         Door::Panic => {
             enabled.watch(|status| assert!(status.position.is_none(), "the terminal is gone"));
-            let _ = enabled.wait(LONG);
+            let _ = enabled.reach_target(LONG).wait();
         }
         Door::Timeout => {
-            let error = enabled.wait(Some(Duration::from_secs(1))).expect_err("too long");
+            let error = enabled
+                .reach_target(Some(Duration::from_secs(1)))
+                .wait()
+                .expect_err("too long");
             assert!(matches!(error, Error::NotInTime { .. }), "{error}");
         }
         Door::Fault => {
-            drive_mut(inner, id).inject_fault(439, false);
-            let error = enabled.wait(LONG).expect_err("a fault");
+            drive_mut(session, id).inject_fault(439, false);
+            let error = enabled.reach_target(LONG).wait().expect_err("a fault");
             assert!(
                 matches!(
                     error,
@@ -555,20 +608,20 @@ fn leave(session: &mut Bench, id: StationId, drive: &mut Drive, door: Door, flag
                 ),
                 "{error}"
             );
-            let error = enabled.start(&plan).expect_err("this operation is over");
+            let error = enabled.start(&plan).wait().expect_err("this operation is over");
             assert!(
                 matches!(error, Error::Axis { .. } | Error::NotEnabled { .. }),
                 "{error}"
             );
         }
         Door::Sto => {
-            drive_mut(inner, id).inject(Injection::Sto(true));
-            let error = enabled.wait(LONG).expect_err("no torque");
+            drive_mut(session, id).inject(Injection::Sto(true));
+            let error = enabled.reach_target(LONG).wait().expect_err("no torque");
             assert!(matches!(error, Error::Axis { .. }), "{error}");
         }
         Door::Link => {
-            inner.medium_mut().segment_mut().cut(id);
-            let error = enabled.wait(LONG).expect_err("cut");
+            session.medium().segment_mut().cut(id);
+            let error = enabled.reach_target(LONG).wait().expect_err("cut");
             assert!(matches!(error, Error::ConnectionLost { .. }), "{error}");
         }
     }
@@ -578,14 +631,16 @@ fn leave(session: &mut Bench, id: StationId, drive: &mut Drive, door: Door, flag
 fn a_blocked_axis_is_told() {
     let mut bench = homed();
     let id = bench.1;
+    let world = bench.0.world();
     // near enough to the target that the following error raises no fault
     let error = with_axis(&mut bench, Purpose::Move, |axis| {
-        let plan = axis.plan(&to(5.5)).expect("a plan");
-        axis.start(&plan).expect("accepted");
-        axis.hold(Duration::from_secs(1)).expect("goes");
-        let (session, _) = axis.session();
-        drive_mut(session, id).inject(Injection::Block(true));
-        axis.wait(Some(Duration::from_secs(20))).expect_err("blocked")
+        let plan = axis.plan(&to(5.5)).wait().expect("a plan");
+        axis.start(&plan).wait().expect("accepted");
+        axis.hold(Duration::from_secs(1)).wait().expect("goes");
+        beside(&world, id, |drive| drive.inject(Injection::Block(true)));
+        axis.reach_target(Some(Duration::from_secs(20)))
+            .wait()
+            .expect_err("blocked")
     });
     let Error::Held { evidence, .. } = &error else {
         panic!("{error}")
@@ -635,15 +690,15 @@ proptest! {
             let mut under_way = None;
             for wish in &wishes {
                 let result = match *wish {
-                    Wish::Start(turns) => axis.plan(&to(turns.into())).and_then(|plan| axis.start(&plan)),
-                    Wish::Pause => axis.pause(),
+                    Wish::Start(turns) => axis.plan(&to(turns.into())).wait().and_then(|plan| axis.start(&plan).wait()),
+                    Wish::Pause => axis.pause().wait(),
                     Wish::Resume => axis
                         .resume()
-                        .and_then(|()| axis.hold(Duration::from_secs(3))),
-                    Wish::Halt => axis.halt(),
-                    Wish::Home => axis.home(LONG),
-                    Wish::Jog => axis.jog(Jog::One),
-                    Wish::Pass(millis) => axis.hold(Duration::from_millis(millis.into())),
+                        .wait().and_then(|()| axis.hold(Duration::from_secs(3)).wait()),
+                    Wish::Halt => axis.halt().wait(),
+                    Wish::Home => axis.home(LONG).wait(),
+                    Wish::Jog => axis.jog(Jog::One).wait(),
+                    Wish::Pass(millis) => axis.hold(Duration::from_millis(millis.into())).wait(),
                 };
                 match (wish, result) {
                     // only where a task is held
@@ -657,7 +712,7 @@ proptest! {
                 };
             }
             if let Some(turns) = under_way {
-                axis.wait(LONG).expect("the target");
+                axis.reach_target(LONG).wait().expect("the target");
                 let at = axis.status().and_then(|status| status.position).expect("a position");
                 assert!(near(at, turns.into()), "{at} instead of {turns}");
             }
@@ -669,7 +724,7 @@ proptest! {
 #[test]
 fn an_axis_without_a_home_position_is_recommended_to_home_and_not_to_move() {
     let recommended = |(session, _, drive): &mut (Bench, StationId, Drive)| -> Vec<Action> {
-        let found = diagnose(&session.status(drive).expect("a status"));
+        let found = diagnose(&session.status(drive).wait().expect("a status"));
         assert_eq!(found.cause.id(), "no-controller", "{found:?}");
         found.next.expect("advice").actions().cloned().collect()
     };

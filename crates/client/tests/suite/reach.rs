@@ -1,8 +1,7 @@
 //! The ways to the records of a drive: device access, implicit reads, a connection as IO controller; on devices that refuse
 //! some of them, in virtual time.
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use crate::bench::shared::{On, Shared};
 use std::time::Duration;
 
 use crate::bench::{Bench, bench_of, command, drive_at, drive_mut, find, ip, other_controller, select};
@@ -10,7 +9,7 @@ use crate::remote_io::remote_io;
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive_client::{
-    AxisSettings, Client, Drive, Error, MakerModule, Route, RouteNotice, Session, StopWay, WriteMode,
+    AxisSettings, Client, Drive, Error, MakerModule, Network, Route, RouteNotice, StopWay, Wait, WriteMode,
     modules_of,
 };
 use profile::parameter::{Keep, ParameterAccess};
@@ -59,11 +58,11 @@ fn station(model: &'static Model, refusals: Refusals) -> Box<Host<Station>> {
     Box::new(Host::new(Station::new(config)))
 }
 
-type Notices = Rc<RefCell<Vec<RouteNotice>>>;
+type Notices = Shared<Vec<RouteNotice>>;
 
 fn follow(session: &mut Bench) -> Notices {
     let notices = Notices::default();
-    let follower = Rc::clone(&notices);
+    let follower = notices.clone();
     session.follow_routes(move |drive, notice| {
         assert_eq!(drive, "drive-1");
         follower.borrow_mut().push(notice.clone());
@@ -90,7 +89,7 @@ fn steps(notices: &Notices) -> Vec<(Route, bool)> {
 
 fn write(session: &mut Bench, drive: &mut Drive, name: &str, value: &str) -> Result<(), Error> {
     let assignment = format!("{name}={value}").parse().expect("an assignment");
-    let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
+    let outcomes = session.write(drive, &[assignment], WriteMode::Write).wait()?;
     for outcome in outcomes {
         assert!(matches!(outcome.written, Some(Ok(()))), "{outcome:?}");
     }
@@ -99,12 +98,13 @@ fn write(session: &mut Bench, drive: &mut Drive, name: &str, value: &str) -> Res
 
 fn read(session: &mut Bench, drive: &mut Drive, name: &str) -> Result<f64, Error> {
     let selection = select(drive, name);
-    let reading = session.read_one(drive, &selection)?;
+    let reading = session.read_one(drive, &selection).wait()?;
     Ok(reading.number().expect("a number"))
 }
 
 fn events(session: &mut Bench, id: StationId) -> Vec<StationEvent> {
-    let segment = session.medium_mut().segment_mut();
+    let mut medium = session.medium();
+    let segment = medium.segment_mut();
     let host = segment.station_mut::<Host<Station>>(id).expect("the drive");
     let station = host.endpoint_mut();
     std::iter::from_fn(|| station.poll_event()).collect()
@@ -144,12 +144,12 @@ fn look(session: &Bench, id: StationId) -> Seen {
 fn device_access_is_the_first_way_and_nothing_else_is_tried() {
     for (model, name, value) in MAKES {
         let (mut session, mut drive, id, notices) = reach(model, Refusals::default());
-        session.read_record(&drive, IM0).expect("I&M0");
+        session.read_record(&drive, IM0).wait().expect("I&M0");
         write(&mut session, &mut drive, name, value).expect("written");
         assert_eq!(steps(&notices), [(Route::DeviceAccess, true)]);
         assert_eq!(session.route(&drive), Some(Route::DeviceAccess));
         assert_eq!(relations(&session, id), 1);
-        session.close().expect("closed");
+        session.close().wait().expect("closed");
     }
 }
 
@@ -163,10 +163,10 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
                 ..Refusals::default()
             };
             let (mut session, mut drive, id, notices) = reach(model, refusals);
-            session.pass(Duration::from_secs(1)).expect("time passes");
+            session.pass(Duration::from_secs(1)).wait().expect("time passes");
             let before = look(&session, id);
-            session.read_record(&drive, IM0).expect("I&M0");
-            session.read_record(&drive, IM0).expect("again");
+            session.read_record(&drive, IM0).wait().expect("I&M0");
+            session.read_record(&drive, IM0).wait().expect("again");
             let implicit = [(Route::DeviceAccess, false), (Route::Implicit, true)];
             assert_eq!(steps(&notices), implicit, "the choice holds");
             assert_eq!(session.route(&drive), Some(Route::Implicit));
@@ -182,16 +182,19 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
             let all = [implicit.to_vec(), vec![(Route::Controller, true)]].concat();
             assert_eq!(steps(&notices), all);
             assert_eq!(relations(&session, id), 1);
-            let device = drive_at(&session, id).device();
-            assert!(device.send_interval() >= Some(Duration::from_millis(16)));
-            assert!(device.watchdog() >= Some(Duration::from_millis(100)));
+            {
+                let station = drive_at(&session, id);
+                let device = station.device();
+                assert!(device.send_interval() >= Some(Duration::from_millis(16)));
+                assert!(device.watchdog() >= Some(Duration::from_millis(100)));
+            }
             // idle for longer than any time-out of the connection
-            session.pass(Duration::from_secs(70)).expect("time passes");
+            session.pass(Duration::from_secs(70)).wait().expect("time passes");
             read(&mut session, &mut drive, name).expect("still open");
             assert_eq!(steps(&notices), all, "one connection for all of it");
             assert_eq!(look(&session, id), before);
-            session.close().expect("closed");
-            session.pass(Duration::from_secs(5)).expect("time passes");
+            session.close().wait().expect("closed");
+            session.pass(Duration::from_secs(5)).wait().expect("time passes");
             assert_eq!(relations(&session, id), 0, "released");
             assert_eq!(look(&session, id), before, "{}", model.catalogue.model);
             for event in events(&mut session, id) {
@@ -209,7 +212,7 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
 
 /// Turning without any controller: enabled at the drive itself.
 fn turn_locally(session: &mut Bench, id: StationId, model: &Model) {
-    let drive = drive_mut(session, id);
+    let mut drive = drive_mut(session, id);
     if std::ptr::eq(model, &raw const model::AKD) {
         let number = |name: &str| model.catalogue.by_name(name).expect("known").pnu;
         let mut set = |name: &str, value: u64| {
@@ -222,7 +225,8 @@ fn turn_locally(session: &mut Bench, id: StationId, model: &Model) {
     } else {
         drive.inject("local-speed=300rpm".parse().expect("an injection"));
     }
-    session.pass(Duration::from_secs(10)).expect("time passes");
+    drop(drive);
+    session.pass(Duration::from_secs(10)).wait().expect("time passes");
 }
 
 #[test]
@@ -239,8 +243,8 @@ fn a_drive_that_turns_by_its_panel_or_service_channel_goes_on_undisturbed() {
         write(&mut session, &mut drive, name, value).expect("written");
         read(&mut session, &mut drive, name).expect("read");
         assert_eq!(look(&session, id), before, "while connected");
-        session.close().expect("closed");
-        session.pass(Duration::from_secs(5)).expect("time passes");
+        session.close().wait().expect("closed");
+        session.pass(Duration::from_secs(5)).wait().expect("time passes");
         assert_eq!(look(&session, id), before, "{}", model.catalogue.model);
     }
 }
@@ -276,17 +280,19 @@ fn vlt_controller() -> (Box<Host<Client>>, ArId) {
 fn run_vlt(session: &mut Bench, plc: (StationId, ArId)) {
     let place = model::VLT.catalogue.device.layout.telegram;
     for (word, seconds) in [(0x047E_u16, 1), (0x047F, 10)] {
-        let host = session
-            .medium_mut()
-            .segment_mut()
-            .station_mut::<Host<Client>>(plc.0);
+        let mut medium = session.medium();
+        let host = medium.segment_mut().station_mut::<Host<Client>>(plc.0);
         let client = host.expect("the controller").endpoint_mut();
         let [high, low] = word.to_be_bytes();
         client
             .controller()
             .set_output(plc.1, 1, place, &[high, low, 0x20, 0])
             .expect("its telegram");
-        session.pass(Duration::from_secs(seconds)).expect("time passes");
+        drop(medium);
+        session
+            .pass(Duration::from_secs(seconds))
+            .wait()
+            .expect("time passes");
     }
 }
 
@@ -302,12 +308,12 @@ fn a_vlt_that_turns_on_without_its_controller_is_not_touched_by_a_read() {
     let plc = (segment.attach(plc), ar);
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    let mut session = Session::new(medium, config);
-    session.pass(Duration::from_secs(2)).expect("time passes");
+    let mut session = On::new(Network::on(medium, config));
+    session.pass(Duration::from_secs(2)).wait().expect("time passes");
     run_vlt(&mut session, plc);
     let mut drive = find(&mut session, "drive-1").expect("there");
     // with its controller: only what needs no connection
-    session.read_record(&drive, IM0).expect("I&M0");
+    session.read_record(&drive, IM0).wait().expect("I&M0");
     let error = read(&mut session, &mut drive, "3-41").expect_err("owned");
     let Error::ParametersOwned {
         controller, closed, ..
@@ -326,20 +332,20 @@ fn a_vlt_that_turns_on_without_its_controller_is_not_touched_by_a_read() {
         hint.contains("can be read beside the controller") && hint.contains("disconnect the controller"),
         "{hint}"
     );
-    let info = session.info(&mut drive).expect("identity");
+    let info = session.info(&mut drive).wait().expect("identity");
     assert!(info.identity.is_some() && info.modules.len() == 2);
     assert_eq!(info.controller, Some(Some("plc".into())));
     assert!(info.readings.is_empty() && info.refused.iter().any(|text| text.contains("plc")));
     assert_eq!(relations(&session, id), 1, "the controller's alone");
 
-    session.medium_mut().segment_mut().detach(plc.0);
-    session.pass(Duration::from_secs(5)).expect("time passes");
+    session.medium().segment_mut().detach(plc.0);
+    session.pass(Duration::from_secs(5)).wait().expect("time passes");
     let before = look(&session, id);
     assert!(before.enabled && before.speed != 0, "8-04 is off: {before:?}");
     assert!(read(&mut session, &mut drive, "3-41").is_ok());
     assert_eq!(look(&session, id), before);
-    session.close().expect("closed");
-    session.pass(Duration::from_secs(5)).expect("time passes");
+    session.close().wait().expect("closed");
+    session.pass(Duration::from_secs(5)).wait().expect("time passes");
     assert_eq!(look(&session, id), before, "turns on as before");
 }
 
@@ -362,11 +368,11 @@ fn a_device_that_takes_jobs_only_with_data_gets_invalid_outputs_that_move_nothin
             assert!(notices.borrow().contains(&RouteNotice::StartUpEnded));
             assert!(drive_at(&session, id).device().is_exchanging());
             assert!(!drive_at(&session, id).device().provider_running());
-            session.pass(Duration::from_secs(5)).expect("time passes");
+            session.pass(Duration::from_secs(5)).wait().expect("time passes");
             read(&mut session, &mut drive, name).expect("read");
             assert_eq!(look(&session, id), before, "{}", model.catalogue.model);
-            session.close().expect("closed");
-            session.pass(Duration::from_secs(5)).expect("time passes");
+            session.close().wait().expect("closed");
+            session.pass(Duration::from_secs(5)).wait().expect("time passes");
             if !turning {
                 assert_eq!(look(&session, id), before, "{}", model.catalogue.model);
             }
@@ -384,7 +390,7 @@ fn without_implicit_reads_everything_goes_over_the_controller_connection() {
     for (model, name, value) in MAKES {
         let (mut session, mut drive, id, notices) = reach(model, refusals);
         let before = look(&session, id);
-        session.read_record(&drive, IM0).expect("I&M0");
+        session.read_record(&drive, IM0).wait().expect("I&M0");
         write(&mut session, &mut drive, name, value).expect("written");
         assert_eq!(
             steps(&notices),
@@ -395,8 +401,12 @@ fn without_implicit_reads_everything_goes_over_the_controller_connection() {
             ]
         );
         assert_eq!(session.route(&drive), Some(Route::Controller));
-        assert_eq!(session.owner(&drive).expect("told"), Some(None), "not ourselves");
-        session.close().expect("closed");
+        assert_eq!(
+            session.owner(&drive).wait().expect("told"),
+            Some(None),
+            "not ourselves"
+        );
+        session.close().wait().expect("closed");
         assert_eq!(look(&session, id), before, "{}", model.catalogue.model);
     }
 }
@@ -416,7 +426,7 @@ fn a_device_that_refuses_everything_is_reported_with_every_answer() {
     };
     let routes: Vec<Route> = closed.iter().map(|closed| closed.route).collect();
     assert_eq!(routes, [Route::DeviceAccess, Route::Implicit, Route::Controller]);
-    let error = session.read_record(&drive, IM0).expect_err("no way");
+    let error = session.read_record(&drive, IM0).wait().expect_err("no way");
     let told = error.to_string();
     for part in [
         "no way to its records",
@@ -428,7 +438,7 @@ fn a_device_that_refuses_everything_is_reported_with_every_answer() {
     }
     assert!(error.advice().is_some());
     // what is known by discovery is still shown
-    let info = session.info(&mut drive).expect("no error");
+    let info = session.info(&mut drive).wait().expect("no error");
     assert!(info.identity.is_none() && info.refused.iter().any(|text| text.contains("no way")));
     assert_eq!(relations(&session, id), 0);
 }
@@ -437,7 +447,7 @@ fn a_device_that_refuses_everything_is_reported_with_every_answer() {
 fn a_device_description_that_declares_no_device_access_skips_the_try() {
     let (mut session, mut drive, id, notices) = reach(&model::AKD, Refusals::default());
     drive.device_access = Some(false);
-    session.read_record(&drive, IM0).expect("I&M0");
+    session.read_record(&drive, IM0).wait().expect("I&M0");
     assert_eq!(
         steps(&notices),
         [(Route::DeviceAccess, false), (Route::Implicit, true)]
@@ -500,7 +510,7 @@ fn the_device_description_completes_modules_that_are_not_in_the_tables() {
             matches!(notice, RouteNotice::Taken { route: Route::Controller, details } if details.contains("slot 1 "))
         });
         assert_eq!(expected, complete);
-        session.close().expect("closed");
+        session.close().wait().expect("closed");
         let station = drive_at(&session, ids[0]);
         assert_eq!(station.device().plugged(1), plugged, "nothing is plugged anew");
         assert!(!station.drive().has_fault());
@@ -518,19 +528,24 @@ fn an_axis_takes_the_place_of_the_connection_for_parameters() {
     read(&mut session, &mut drive, "DRV.ACC").expect("read");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(60.0).expect("runs");
-    enabled.hold(Duration::from_secs(1)).expect("keeps running");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(60.0).wait().expect("runs");
+    enabled
+        .hold(Duration::from_secs(1))
+        .wait()
+        .expect("keeps running");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert_eq!(read(&mut session, &mut drive, "DRV.ACC").expect("read"), 3000.0);
     let outcome = session
         .stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(1))
+        .wait()
         .expect("a look");
     assert!(outcome.at_rest);
-    session.close().expect("closed");
-    session.pass(Duration::from_secs(1)).expect("time passes");
+    session.close().wait().expect("closed");
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
     assert!(!drive_at(&session, id).drive().has_fault(), "no F702");
     assert_eq!(relations(&session, id), 0);
 }
@@ -548,8 +563,8 @@ fn a_controller_is_named_before_a_port_that_is_in_use() {
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
     // the program that is the controller has it: on the same computer
-    let mut session = Session::new(medium, config).without_calls();
-    session.pass(Duration::from_secs(2)).expect("time passes");
+    let mut session = On::new(Network::on(medium, config)).without_calls();
+    session.pass(Duration::from_secs(2)).wait().expect("time passes");
     let mut drive = find(&mut session, "drive-1").expect("there");
     for _ in 0..2 {
         let error = read(&mut session, &mut drive, "3-41").expect_err("owned");
@@ -558,8 +573,8 @@ fn a_controller_is_named_before_a_port_that_is_in_use() {
         };
         assert_eq!(controller.as_deref(), Some("plc"), "{error}");
     }
-    session.medium_mut().segment_mut().detach(plc);
-    session.pass(Duration::from_secs(5)).expect("time passes");
+    session.medium().segment_mut().detach(plc);
+    session.pass(Duration::from_secs(5)).wait().expect("time passes");
     let error = read(&mut session, &mut drive, "3-41").expect_err("no calls");
     assert!(error.to_string().contains("UDP port 34964"), "{error}");
 }
@@ -584,14 +599,14 @@ fn beside_a_controller_that_the_device_does_not_report_the_refusal_is_an_owner()
     let plc = (segment.attach(plc), ar);
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    let mut session = Session::new(medium, config);
-    session.pass(Duration::from_secs(2)).expect("time passes");
-    command(&mut session, plc, &[0x04, 0x7E, 0, 0]);
-    session.pass(Duration::from_secs(1)).expect("time passes");
+    let mut session = On::new(Network::on(medium, config));
+    session.pass(Duration::from_secs(2)).wait().expect("time passes");
+    command(&session, plc, &[0x04, 0x7E, 0, 0]);
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
     let mut drive = find(&mut session, "akd-1").expect("there");
     let error = read(&mut session, &mut drive, "DRV.ACC").expect_err("owned");
     assert!(matches!(error, Error::ParametersOwned { .. }), "{error}");
-    session.pass(Duration::from_secs(1)).expect("time passes");
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
     assert!(drive_at(&session, id).device().is_exchanging(), "it runs on");
 }
 
@@ -613,7 +628,7 @@ fn every_way_stands_lost_frames() {
         segment.set_conditions(id, conditions);
         let medium = SegmentMedium::new(segment, Pace::Virtual);
         let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", seed);
-        let mut session = Session::new(medium, config);
+        let mut session = On::new(Network::on(medium, config));
         let mut drive = find(&mut session, "drive-1").unwrap_or_else(|error| panic!("{seed}: {error}"));
         for _ in 0..5 {
             if let Err(error) = read(&mut session, &mut drive, "ID103") {
@@ -623,8 +638,11 @@ fn every_way_stands_lost_frames() {
                 );
             }
         }
-        session.close().unwrap_or_else(|error| panic!("{seed}: {error}"));
-        session.pass(Duration::from_secs(60)).expect("time passes");
+        session
+            .close()
+            .wait()
+            .unwrap_or_else(|error| panic!("{seed}: {error}"));
+        session.pass(Duration::from_secs(60)).wait().expect("time passes");
         assert_eq!(relations(&session, id), 0, "{seed}");
         assert!(!drive_at(&session, id).drive().is_enabled(), "{seed}");
     }
@@ -642,13 +660,14 @@ fn a_device_that_is_no_drive_shows_identity_and_modules_and_is_not_connected_to(
     let id = segment.attach(Box::new(Host::new(device)));
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    let mut session = Session::new(medium, config);
+    let mut session = On::new(Network::on(medium, config));
     let mut device = find(&mut session, "rio-1").expect("there");
     let error = session
         .recognise(&mut device, &mut |_, _| {})
+        .wait()
         .expect_err("no parameters");
     assert!(matches!(error, Error::NotADrive { .. }), "{error}");
-    let info = session.info(&mut device).expect("identity");
+    let info = session.info(&mut device).wait().expect("identity");
     assert!(!info.is_drive(&device));
     assert_eq!(info.route, Some(Route::Implicit));
     let identity = info.identity.as_ref().expect("I&M0");
@@ -667,7 +686,8 @@ fn a_device_that_is_no_drive_shows_identity_and_modules_and_is_not_connected_to(
         "{:?}",
         info.refused
     );
-    let segment = session.medium_mut().segment_mut();
+    let mut medium = session.medium();
+    let segment = medium.segment_mut();
     let host = segment.station_mut::<Host<Device>>(id).expect("the device");
     let device = host.endpoint_mut();
     let mut events = std::iter::from_fn(|| device.poll_event());

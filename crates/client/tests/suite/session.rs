@@ -1,16 +1,17 @@
 //! The client against virtual drives on an in-memory segment, in virtual time.
 
-use std::cell::{Cell, RefCell};
+use crate::bench::shared::{On, Shared};
 use std::net::SocketAddrV4;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::rc::Rc;
 use std::time::Duration;
 
 use crate::bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controller, select, station};
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive_client::axis::{Goal, Trouble};
-use profidrive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Session, WriteMode};
+use profidrive_client::{
+    AxisSettings, Client, Drive, DriveAddress, Error, Network, Session, Wait, WriteMode,
+};
 use profile::catalogue::AKD;
 use profile::value::{Assignment, Selection};
 use profinet::controller::ControllerConfig;
@@ -47,7 +48,7 @@ fn a_station_that_answers_late_is_found() {
     };
     let (mut session, ids) = bench(&[("akd-1", 1), ("akd-2", 2), ("akd-2", 3)]);
     for id in ids {
-        session.medium_mut().segment_mut().set_conditions(id, slow);
+        session.medium().segment_mut().set_conditions(id, slow);
     }
     let drive = find(&mut session, "akd-1").expect("it answered, only late");
     assert_eq!(drive.station.mac, MacAddress([2, 0, 0, 0, 0, 1]));
@@ -73,7 +74,11 @@ fn without_discovery_the_endpoint_mapper_tells_who_it_is() {
     );
     let selection = select(&drive, "DRV.ACC");
     assert_eq!(
-        session.read_one(&mut drive, &selection).expect("read").number(),
+        session
+            .read_one(&mut drive, &selection)
+            .wait()
+            .expect("read")
+            .number(),
         Some(3000.0)
     );
     assert!(matches!(
@@ -96,13 +101,14 @@ fn a_parameter_written_twice_is_a_mistake() {
         .collect();
     let error = session
         .write(&mut drive, &twice, WriteMode::Write)
+        .wait()
         .expect_err("refused");
     assert_eq!(
         error.to_string(),
         "DRV.ACC (p2108) is written twice; give it one value"
     );
     let selection = select(&drive, "DRV.ACC");
-    let reading = session.read_one(&mut drive, &selection).expect("read");
+    let reading = session.read_one(&mut drive, &selection).wait().expect("read");
     assert_eq!(reading.number(), Some(3000.0), "nothing was written");
 }
 
@@ -117,6 +123,7 @@ fn what_the_present_state_forbids_is_told_for_each_parameter() {
         let assignment: Assignment = text.parse().expect("an assignment");
         let outcomes = session
             .write(&mut drive, &[assignment], WriteMode::Write)
+            .wait()
             .expect("an answer");
         let Some(Err(refusal)) = &outcomes[0].written else {
             panic!("{text} was written")
@@ -135,9 +142,10 @@ fn mt_feedrate_is_signal_101_in_percent() {
     let assignment: Assignment = "MT.FEEDRATE=50%".parse().expect("an assignment");
     session
         .write(&mut drive, &[assignment], WriteMode::Write)
+        .wait()
         .expect("written");
     let selection = select(&drive, "101");
-    let reading = session.read_one(&mut drive, &selection).expect("read");
+    let reading = session.read_one(&mut drive, &selection).wait().expect("read");
     assert_eq!((reading.number(), reading.unit), (Some(50.0), "%"));
 }
 
@@ -149,6 +157,7 @@ fn reboot_is_executed_and_not_read_back() {
     let assignment: Assignment = "DRV.REBOOT=1".parse().expect("an assignment");
     let outcomes = session
         .write(&mut drive, &[assignment], WriteMode::Write)
+        .wait()
         .expect("an answer");
     let reboot = &outcomes[0];
     assert!(matches!(reboot.written, Some(Ok(()))), "{reboot:?}");
@@ -159,24 +168,28 @@ fn reboot_is_executed_and_not_read_back() {
 fn a_silent_drive_is_told_while_it_is_waited_for() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let told = Rc::new(Cell::new(0));
+    let told = Shared::new(0);
     let look = |session: &mut Bench, drive: &mut Drive| {
-        let told = Rc::clone(&told);
-        session.telling_silence(
-            Duration::from_secs(1),
-            |session| session.snapshot(drive, &[]).map(|snapshot| snapshot.zsw1),
-            move || told.set(told.get() + 1),
-        )
+        let told = told.clone();
+        session
+            .telling_silence(
+                Duration::from_secs(1),
+                async |session: &mut Session| {
+                    session.snapshot(drive, &[]).await.map(|snapshot| snapshot.zsw1)
+                },
+                move || told.set(told.get() + 1),
+            )
+            .wait()
     };
     assert_eq!(look(&mut session, &mut drive).expect("answers"), Some(0x0240));
-    session.pass(Duration::from_secs(5)).expect("time passes");
+    session.pass(Duration::from_secs(5)).wait().expect("time passes");
     assert_eq!(told.get(), 0, "a drive that answers is not called silent");
-    session.medium_mut().segment_mut().detach(ids[0]);
+    session.medium().segment_mut().detach(ids[0]);
     look(&mut session, &mut drive).expect_err("gone");
     assert_eq!(told.get(), 1, "once");
     let begin = session.now();
     session.forget(&drive);
-    session.close().expect("nobody to say farewell to");
+    session.close().wait().expect("nobody to say farewell to");
     assert_eq!(session.now(), begin);
 }
 
@@ -184,13 +197,13 @@ fn a_silent_drive_is_told_while_it_is_waited_for() {
 fn naming_and_addressing() {
     let (mut session, _) = bench(&[("", 1)]);
     let drive = find(&mut session, "02:00:00:00:00:01").expect("by MAC");
-    session.set_name(&drive, "press-7", true).expect("a name");
-    session.set_ip(&drive, ip(77), true).expect("an address");
-    session.blink(&drive).expect("blinks");
+    session.set_name(&drive, "press-7", true).wait().expect("a name");
+    session.set_ip(&drive, ip(77), true).wait().expect("an address");
+    session.blink(&drive).wait().expect("blinks");
     let drive = find(&mut session, "press-7").expect("by its new name");
     assert_eq!(drive.station.ip.address, ip(77).address);
     assert!(matches!(
-        session.set_name(&drive, "Bad_Name", true),
+        session.set_name(&drive, "Bad_Name", true).wait(),
         Err(Error::Misuse(_))
     ));
 }
@@ -205,13 +218,13 @@ fn all_parameters_in_few_requests() {
         .map(|row| select(&drive, &row.pnu.to_string()))
         .collect();
     let frames = session.medium().segment().statistics().sent;
-    let readings = session.read(&mut drive, &all).expect("read");
+    let readings = session.read(&mut drive, &all).wait().expect("read");
     let frames = session.medium().segment().statistics().sent - frames;
     assert!(readings.len() > AKD.parameters.len());
     assert_eq!(readings.iter().filter(|reading| reading.is_err()).count(), 0);
     // a job is four datagrams; one parameter per job would be more than 3200
     assert!(frames < 400, "{frames} frames");
-    session.close().expect("closed");
+    session.close().wait().expect("closed");
 }
 
 #[test]
@@ -224,22 +237,32 @@ fn a_write_shows_old_and_new_and_reads_back() {
         .collect();
     let dry = session
         .write(&mut drive, &assignments, WriteMode::DryRun)
+        .wait()
         .expect("checked");
     assert!(dry.iter().all(|outcome| outcome.written.is_none()));
     let selection = select(&drive, "DRV.ACC");
     assert_eq!(
-        session.read_one(&mut drive, &selection).expect("read").number(),
+        session
+            .read_one(&mut drive, &selection)
+            .wait()
+            .expect("read")
+            .number(),
         Some(3000.0)
     );
     let done = session
         .write(&mut drive, &assignments, WriteMode::Write)
+        .wait()
         .expect("written");
     assert!(
         done.iter()
             .all(|outcome| matches!(outcome.written, Some(Ok(()))) && !outcome.differs())
     );
     assert_eq!(
-        session.read_one(&mut drive, &selection).expect("read").number(),
+        session
+            .read_one(&mut drive, &selection)
+            .wait()
+            .expect("read")
+            .number(),
         Some(5000.0)
     );
     // the scale of speeds changed with it, and is used at once
@@ -250,8 +273,9 @@ fn a_write_shows_old_and_new_and_reads_back() {
             &["5=10rpm".parse().expect("an assignment")],
             WriteMode::Write,
         )
+        .wait()
         .expect("written");
-    let reading = session.read_one(&mut drive, &setpoint).expect("read");
+    let reading = session.read_one(&mut drive, &setpoint).wait().expect("read");
     assert_eq!(
         (reading.raw(), drive.parameters.scaling.velocity),
         (Some(45), 1000)
@@ -261,9 +285,18 @@ fn a_write_shows_old_and_new_and_reads_back() {
         .iter()
         .map(|text| text.parse().expect("an assignment"))
         .collect();
-    assert!(session.write(&mut drive, &wrong, WriteMode::Write).is_err());
+    assert!(
+        session
+            .write(&mut drive, &wrong, WriteMode::Write)
+            .wait()
+            .is_err()
+    );
     assert_eq!(
-        session.read_one(&mut drive, &selection).expect("read").number(),
+        session
+            .read_one(&mut drive, &selection)
+            .wait()
+            .expect("read")
+            .number(),
         Some(5000.0)
     );
 }
@@ -275,16 +308,18 @@ fn leaving_the_scope_stops_and_releases() {
     {
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
-        let mut axis = axis.enable().expect("enabled");
-        axis.run(100.0).expect("runs");
-        axis.hold(Duration::from_secs(1)).expect("keeps running");
+        let mut axis = axis.enable().wait().expect("enabled");
+        axis.run(100.0).wait().expect("runs");
+        axis.hold(Duration::from_secs(1)).wait().expect("keeps running");
         assert!(
             axis.status()
                 .and_then(|status| status.speed_actual)
                 .is_some_and(|speed| (speed - 100.0).abs() < 3.0)
         );
     }
+    session.settle();
     assert!(is_at_rest(&session, ids[0]));
     assert!(!drive_at(&session, ids[0]).drive().has_fault());
 }
@@ -293,54 +328,63 @@ fn leaving_the_scope_stops_and_releases() {
 fn an_interrupt_stops_and_releases() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let flag = Rc::new(Cell::new(false));
-    let seen = Rc::clone(&flag);
+    let flag = Shared::new(false);
+    let seen = flag.clone();
     session.interrupt_with(move || seen.get());
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(100.0).expect("runs");
-    let pulled = Rc::clone(&flag);
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(100.0).wait().expect("runs");
+    let pulled = flag.clone();
     enabled.watch(move |status| pulled.set(status.time > Duration::from_secs(2)));
     assert!(matches!(
-        enabled.hold(Duration::from_secs(60)),
+        enabled.hold(Duration::from_secs(60)).wait(),
         Err(Error::Interrupted)
     ));
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
     assert!(!drive_at(&session, ids[0]).drive().has_fault());
 }
 
 /// Opens the way to the records of a drive and is interrupted before the drive has answered.
-fn interrupted_connect() -> (Bench, StationId, Drive, Rc<Cell<bool>>) {
+fn interrupted_connect() -> (Bench, StationId, Drive, Shared<bool>) {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let drive = find(&mut session, "akd-1").expect("there");
-    let flag = Rc::new(Cell::new(false));
-    let seen = Rc::clone(&flag);
-    // the connect request leaves in the first step, its answer comes later
+    let flag = Shared::new(false);
+    let seen = flag.clone();
+    // the connect request leaves in the first step, its answer comes later than the second look
+    let slow = Conditions {
+        delay: Duration::from_millis(200),
+        ..Conditions::default()
+    };
+    session.medium().segment_mut().set_conditions(ids[0], slow);
     let mut steps = 0;
     session.interrupt_with(move || {
         steps += 1;
         seen.get() && steps > 1
     });
     flag.set(true);
-    assert!(matches!(session.open(&drive), Err(Error::Interrupted)));
+    assert!(matches!(session.open(&drive).wait(), Err(Error::Interrupted)));
     flag.set(false);
+    let mut medium = session.medium();
+    medium.segment_mut().set_conditions(ids[0], Conditions::default());
+    drop(medium);
     (session, ids[0], drive, flag)
 }
 
 #[test]
 fn an_interrupted_connect_is_taken_up_again() {
     let (mut session, _, mut drive, _) = interrupted_connect();
-    session.open(&drive).expect("opens after all");
+    session.open(&drive).wait().expect("opens after all");
     let acceleration = select(&drive, "DRV.ACC");
-    assert!(session.read(&mut drive, &[acceleration]).expect("read")[0].is_ok());
+    assert!(session.read(&mut drive, &[acceleration]).wait().expect("read")[0].is_ok());
 }
 
 /// A medium that somebody else keeps, so that it outlives the session.
-struct Kept(Rc<RefCell<SegmentMedium>>);
+struct Kept(Shared<SegmentMedium>);
 
 impl Medium for Kept {
     type Error = <SegmentMedium as Medium>::Error;
@@ -358,13 +402,14 @@ impl Medium for Kept {
 fn a_session_that_is_left_closes_its_connections() {
     let mut segment = Segment::new(7);
     let id = segment.attach(station("akd-1", 1));
-    let kept = Rc::new(RefCell::new(SegmentMedium::new(segment, Pace::Virtual)));
+    let kept = Shared::new(SegmentMedium::new(segment, Pace::Virtual));
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    let mut session = Session::new(Kept(Rc::clone(&kept)), config);
+    let mut session = On::new(Network::on(Kept(kept.clone()), config));
     let drive = session
         .find(&"akd-1".parse::<DriveAddress>().expect("an address"))
+        .wait()
         .expect("there");
-    session.open(&drive).expect("open");
+    session.open(&drive).wait().expect("open");
     let relations = || {
         let medium = kept.borrow();
         let host = medium.segment().station::<Host<Station>>(id).expect("the drive");
@@ -381,9 +426,9 @@ fn a_session_that_is_left_closes_its_connections() {
 fn an_interrupted_connect_leaves_nothing_at_the_drive() {
     let (mut session, id, _, flag) = interrupted_connect();
     flag.set(true);
-    session.close().expect("closed");
+    session.close().wait().expect("closed");
     flag.set(false);
-    session.pass(Duration::from_secs(1)).expect("passes");
+    session.pass(Duration::from_secs(1)).wait().expect("passes");
     assert_eq!(drive_at(&session, id).device().relations(), 0);
 }
 
@@ -394,13 +439,15 @@ fn a_watcher_that_panics_does_not_keep_the_axis_from_stopping() {
     let result = catch_unwind(AssertUnwindSafe(|| {
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
-        let mut axis = axis.enable().expect("enabled");
-        axis.run(100.0).expect("runs");
+        let mut axis = axis.enable().wait().expect("enabled");
+        axis.run(100.0).wait().expect("runs");
         axis.watch(|_| panic!("the terminal is gone"));
-        axis.hold(Duration::from_secs(1))
+        axis.hold(Duration::from_secs(1)).wait()
     }));
     assert!(result.is_err());
+    session.settle();
     assert!(is_at_rest(&session, ids[0]));
     assert!(!drive_at(&session, ids[0]).drive().has_fault());
 }
@@ -408,7 +455,7 @@ fn a_watcher_that_panics_does_not_keep_the_axis_from_stopping() {
 /// A drive whose telegram carries a bad IOPS while the flag is set.
 struct Muddled {
     station: Station,
-    bad: Rc<Cell<bool>>,
+    bad: Shared<bool>,
 }
 
 impl Endpoint for Muddled {
@@ -451,27 +498,28 @@ impl Endpoint for Muddled {
     }
 }
 
-fn muddled() -> (Bench, StationId, Rc<Cell<bool>>) {
+fn muddled() -> (Bench, StationId, Shared<bool>) {
     let mut config = StationConfig::new(&model::AKD, MacAddress([2, 0, 0, 0, 0, 1]));
     config.network = Stored {
         name: "akd-1".into(),
         ip: ip(1),
         ..Stored::default()
     };
-    let bad = Rc::new(Cell::new(false));
+    let bad = Shared::new(false);
     let station = Muddled {
         station: Station::new(config),
-        bad: Rc::clone(&bad),
+        bad: bad.clone(),
     };
     let mut segment = Segment::new(7);
     let id = segment.attach(Box::new(Host::new(station)));
     let medium = SegmentMedium::new(segment, Pace::Virtual);
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    (Session::new(medium, config), id, bad)
+    (On::new(Network::on(medium, config)), id, bad)
 }
 
 fn is_enabled(session: &Bench, id: StationId) -> bool {
-    let host = session.medium().segment().station::<Host<Muddled>>(id);
+    let medium = session.medium();
+    let host = medium.segment().station::<Host<Muddled>>(id);
     host.expect("the drive").endpoint().station.drive().is_enabled()
 }
 
@@ -492,9 +540,10 @@ fn inputs_that_are_never_valid_end_in_an_error() {
     bad.set(true);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    assert!(NO_INPUTS(&axis.ready()));
-    assert!(NO_INPUTS(&axis.enable().map(|_| ())));
+    assert!(NO_INPUTS(&axis.ready().wait()));
+    assert!(NO_INPUTS(&axis.enable().wait().map(|_| ())));
     drop(axis);
     assert!(!is_enabled(&session, id));
 }
@@ -505,27 +554,30 @@ fn inputs_that_become_bad_stop_the_axis() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(100.0).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(100.0).wait().expect("runs");
     bad.set(true);
-    assert!(NO_INPUTS(&enabled.hold(Duration::from_secs(1))));
-    assert!(NO_INPUTS(&enabled.run(50.0)), "this operation is over");
+    assert!(NO_INPUTS(&enabled.hold(Duration::from_secs(1)).wait()));
+    assert!(NO_INPUTS(&enabled.run(50.0).wait()), "this operation is over");
     drop(enabled);
     axis.session()
         .0
         .pass(Duration::from_secs(1))
+        .wait()
         .expect("time passes");
-    assert!(!is_enabled(axis.session().0, id));
+    assert!(!is_enabled(&session, id));
     bad.set(false);
     axis.session()
         .0
         .pass(Duration::from_secs(1))
+        .wait()
         .expect("time passes");
-    let mut enabled = axis.enable().expect("the caller knows and wants it again");
-    enabled.run(100.0).expect("runs");
+    let mut enabled = axis.enable().wait().expect("the caller knows and wants it again");
+    enabled.run(100.0).wait().expect("runs");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(!is_enabled(&session, id));
 }
 
@@ -535,22 +587,25 @@ fn an_axis_that_stopped_by_itself_is_not_started_again_before_the_caller_knows()
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut axis = axis.enable().expect("enabled");
-    axis.run(100.0).expect("runs");
+    let mut axis = axis.enable().wait().expect("enabled");
+    axis.run(100.0).wait().expect("runs");
     // while the caller is busy with something else
     bad.set(true);
     axis.session()
         .0
         .pass(Duration::from_secs(1))
+        .wait()
         .expect("time passes");
     bad.set(false);
     axis.session()
         .0
         .pass(Duration::from_secs(1))
+        .wait()
         .expect("time passes");
-    assert!(NO_INPUTS(&axis.run(200.0)));
-    assert!(!is_enabled(axis.session().0, id));
+    assert!(NO_INPUTS(&axis.run(200.0).wait()));
+    assert!(!is_enabled(&session, id));
 }
 
 #[test]
@@ -560,36 +615,38 @@ fn a_broken_link_ends_on_both_sides_and_both_recover() {
     {
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("connected");
-        let mut axis = axis.enable().expect("enabled");
-        axis.run(100.0).expect("runs");
-        axis.session().0.medium_mut().segment_mut().cut(ids[0]);
+        let mut axis = axis.enable().wait().expect("enabled");
+        axis.run(100.0).wait().expect("runs");
+        session.medium().segment_mut().cut(ids[0]);
         assert!(matches!(
-            axis.hold(Duration::from_secs(5)),
+            axis.hold(Duration::from_secs(5)).wait(),
             Err(Error::ConnectionLost { .. })
         ));
     }
-    session.pass(Duration::from_secs(1)).expect("time passes");
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
     assert!(is_at_rest(&session, ids[0]));
     assert_eq!(drive_at(&session, ids[0]).drive().fault_number(0), 702);
-    session.medium_mut().segment_mut().uncut(ids[0]);
+    session.medium().segment_mut().uncut(ids[0]);
     let mut drive = find(&mut session, "akd-1").expect("there again");
-    assert_eq!(session.faults(&mut drive).expect("faults")[0].number, 702);
+    assert_eq!(session.faults(&mut drive).wait().expect("faults")[0].number, 702);
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     assert!(matches!(
-        axis.enable(),
+        axis.enable().wait(),
         Err(Error::Axis {
             trouble: Trouble::Fault,
             ..
         })
     ));
-    axis.acknowledge().expect("acknowledged");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.run(100.0).expect("runs");
+    axis.acknowledge().wait().expect("acknowledged");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.run(100.0).wait().expect("runs");
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }
 
 #[test]
@@ -600,12 +657,12 @@ fn limits_are_kept_before_anything_moves() {
         speed_limit: 50.0,
         ..AxisSettings::default()
     };
-    let mut axis = session.take_axis(&mut drive, settings).expect("connected");
+    let mut axis = session.take_axis(&mut drive, settings).wait().expect("connected");
     assert_eq!(axis.status().map(|status| status.view.goal), Some(Goal::Released));
-    let mut enabled = axis.enable().expect("enabled");
+    let mut enabled = axis.enable().wait().expect("enabled");
     for wrong in [50.5, -50.5, f64::NAN, f64::INFINITY] {
         assert!(
-            matches!(enabled.run(wrong), Err(Error::SpeedLimit { .. })),
+            matches!(enabled.run(wrong).wait(), Err(Error::SpeedLimit { .. })),
             "{wrong}"
         );
     }
@@ -614,31 +671,33 @@ fn limits_are_kept_before_anything_moves() {
         Some(Goal::Enabled)
     );
     // told to stop, it is over: nothing moves on an old permission
-    enabled.stop().expect("stopped");
-    assert!(matches!(enabled.run(30.0), Err(Error::NotEnabled { .. })));
+    enabled.stop().wait().expect("stopped");
+    assert!(matches!(enabled.run(30.0).wait(), Err(Error::NotEnabled { .. })));
     drop(enabled);
     drop(axis);
+    session.settle();
     assert!(is_at_rest(&session, ids[0]));
 }
 
 #[test]
 fn beside_another_controller_reads_work_and_control_is_refused() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
-    session.medium_mut().segment_mut().attach(other_controller().0);
-    session.pass(Duration::from_secs(3)).expect("time passes");
+    session.medium().segment_mut().attach(other_controller().0);
+    session.pass(Duration::from_secs(3)).wait().expect("time passes");
     assert!(
         drive_at(&session, ids[0]).device().is_exchanging(),
         "the other controller runs"
     );
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let snapshot = session.snapshot(&mut drive, &[]).expect("a look");
+    let snapshot = session.snapshot(&mut drive, &[]).wait().expect("a look");
     assert!(snapshot.zsw1.is_some());
     let error = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .map(|_| ())
         .expect_err("refused");
     assert!(matches!(error, Error::OwnedByController { .. }), "{error}");
-    session.pass(Duration::from_secs(1)).expect("time passes");
+    session.pass(Duration::from_secs(1)).wait().expect("time passes");
     assert!(
         drive_at(&session, ids[0]).device().is_exchanging(),
         "the other controller was not disturbed"
@@ -653,12 +712,16 @@ fn parameters_over_a_bad_network() {
         duplicate: 0.01,
         ..Conditions::default()
     };
-    session.medium_mut().segment_mut().set_all_conditions(conditions);
+    session.medium().segment_mut().set_all_conditions(conditions);
     let mut drive = find(&mut session, "akd-1").expect("there");
     let selection = select(&drive, "DRV.ACC");
     for _ in 0..200 {
         assert_eq!(
-            session.read_one(&mut drive, &selection).expect("read").number(),
+            session
+                .read_one(&mut drive, &selection)
+                .wait()
+                .expect("read")
+                .number(),
             Some(3000.0)
         );
     }

@@ -1,13 +1,12 @@
 //! A mode for one piece of work: what that changes at the drive is put back, however the work ends. In virtual time.
 
-use std::cell::Cell;
-use std::rc::Rc;
+use crate::bench::shared::Shared;
 use std::time::Duration;
 
 use crate::bench::{Bench, bench, find, is_at_rest, select, with_drive};
 use network::host::StationId;
 use profidrive_client::axis::{Jog, Purpose};
-use profidrive_client::{AxisSettings, Drive, Error, WriteMode};
+use profidrive_client::{AxisSettings, Drive, Error, Wait, WriteMode};
 use profile::state::Mode;
 
 /// How the work ends.
@@ -23,7 +22,7 @@ enum End {
 fn settings_of(session: &mut Bench, drive: &mut Drive) -> Vec<i64> {
     let read = |text: &str| {
         let selection = select(drive, text);
-        session.read_one(drive, &selection).expect("read").raw()
+        session.read_one(drive, &selection).wait().expect("read").raw()
     };
     [
         "930",
@@ -50,6 +49,7 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
         let assignment = text.parse().expect("an assignment");
         let outcomes = session
             .write(drive, &[assignment], WriteMode::Write)
+            .wait()
             .expect("reached");
         assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
     }
@@ -59,17 +59,19 @@ fn home(session: &mut Bench, drive: &mut Drive, id: StationId, end: End) -> Resu
     if end == End::Refused {
         return Err(Error::Interrupted);
     }
-    let mut axis = session.take_axis(drive, AxisSettings::for_purpose(Purpose::Home))?;
+    let mut axis = session
+        .take_axis(drive, AxisSettings::for_purpose(Purpose::Home))
+        .wait()?;
     assert_eq!(axis.telegram(), 9);
-    let result = axis.enable().and_then(|mut enabled| {
+    let result = axis.enable().wait().and_then(|mut enabled| {
         if end == End::Fault {
-            with_drive(enabled.session().0, id, |drive| {
+            with_drive(session, id, |drive| {
                 drive.inject_fault(439, false);
             });
         }
-        enabled.home(Some(Duration::from_secs(5)))
+        enabled.home(Some(Duration::from_secs(5))).wait()
     });
-    let released = axis.release();
+    let released = axis.release().wait();
     result.and(released)
 }
 
@@ -79,13 +81,16 @@ fn mode_telegram_and_mapping_are_put_back_however_the_work_ends() {
     for before in ["922=1", "922=350", free] {
         for end in [End::Well, End::Fault, End::CtrlC, End::Refused] {
             let (mut session, ids) = bench(&[("akd-1", 1)]);
-            let stop = Rc::new(Cell::new(false));
+            let stop = Shared::new(false);
             let mut drive = find(&mut session, "akd-1").expect("there");
             write(&mut session, &mut drive, before);
             let settings = settings_of(&mut session, &mut drive);
-            let entered = session.enter_mode(&mut drive, Mode::Position).expect("its mode");
+            let entered = session
+                .enter_mode(&mut drive, Mode::Position)
+                .wait()
+                .expect("its mode");
             assert!(entered.changed && entered.mode == Some(Mode::Velocity));
-            let (interrupted, enabled) = (Rc::clone(&stop), Rc::new(Cell::new(0)));
+            let (interrupted, enabled) = (stop.clone(), Shared::new(0));
             session.interrupt_with(move || {
                 enabled.set(enabled.get() + 1);
                 end == End::CtrlC && enabled.get() > 40 || interrupted.get()
@@ -94,7 +99,7 @@ fn mode_telegram_and_mapping_are_put_back_however_the_work_ends() {
             assert_eq!(result.is_ok(), end == End::Well, "{before} {end:?}: {result:?}");
             // the wish to stop is still there
             stop.set(true);
-            let done = session.leave_mode(&mut drive, &entered).expect("put back");
+            let done = session.leave_mode(&mut drive, &entered).wait().expect("put back");
             stop.set(false);
             session.interrupt_with(|| false);
             assert!(
@@ -117,16 +122,19 @@ fn the_telegram_is_put_back_where_the_mode_was_right_already() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, "930=2 922=7");
-    let entered = session.enter_mode(&mut drive, Mode::Position).expect("its mode");
+    let entered = session
+        .enter_mode(&mut drive, Mode::Position)
+        .wait()
+        .expect("its mode");
     assert!(!entered.changed);
     let settings = AxisSettings {
         telegram: Some(9),
         ..AxisSettings::for_purpose(Purpose::Move)
     };
-    let axis = session.take_axis(&mut drive, settings).expect("connected");
-    axis.release().expect("released");
+    let axis = session.take_axis(&mut drive, settings).wait().expect("connected");
+    axis.release().wait().expect("released");
     assert_eq!(telegram(&mut session, &mut drive), 9);
-    let done = session.leave_mode(&mut drive, &entered).expect("put back");
+    let done = session.leave_mode(&mut drive, &entered).wait().expect("put back");
     assert_eq!(
         done.iter().map(|one| (one.number, one.value)).collect::<Vec<_>>(),
         [(922, 7)]
@@ -139,15 +147,19 @@ fn the_telegram_is_put_back_where_the_mode_was_right_already() {
 fn a_drive_that_was_homed_for_once_jogs_afterwards() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let entered = session.enter_mode(&mut drive, Mode::Position).expect("its mode");
+    let entered = session
+        .enter_mode(&mut drive, Mode::Position)
+        .wait()
+        .expect("its mode");
     home(&mut session, &mut drive, ids[0], End::Well).expect("homed");
-    session.leave_mode(&mut drive, &entered).expect("put back");
+    session.leave_mode(&mut drive, &entered).wait().expect("put back");
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Jog))
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.jog(Jog::One).expect("jogs");
-    enabled.hold(Duration::from_secs(1)).expect("goes on");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.jog(Jog::One).wait().expect("jogs");
+    enabled.hold(Duration::from_secs(1)).wait().expect("goes on");
     assert!(
         enabled
             .status()
@@ -155,5 +167,5 @@ fn a_drive_that_was_homed_for_once_jogs_afterwards() {
             .is_some_and(|speed| speed > 50.0)
     );
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::bench::{Bench, bench_of, drive_mut, find, ip, select};
 use network::host::{Host, StationId};
 use profidrive_client::backup::{Backup, Choice, Journal, compare};
-use profidrive_client::{AxisSettings, Drive, WriteMode};
+use profidrive_client::{AxisSettings, Drive, Wait, WriteMode};
 use profile::catalogue::VACON;
 use profinet::MacAddress;
 use profinet::device::Stored;
@@ -27,14 +27,17 @@ fn vacon_as(vendor_id: u16, device_id: u16) -> (Bench, StationId, Drive) {
     let (mut session, ids) = bench_of(vec![Box::new(Host::new(Station::new(config)))]);
     let mut drive = find(&mut session, "foo-1").expect("there");
     assert!(drive.model.catalogue.is_none(), "not known by its device id");
-    session.recognise(&mut drive, &mut |_, _| {}).expect("learned");
+    session
+        .recognise(&mut drive, &mut |_, _| {})
+        .wait()
+        .expect("learned");
     (session, ids[0], drive)
 }
 
 /// The element of a parameter, as it is.
 fn raw(session: &mut Bench, drive: &mut Drive, text: &str) -> i64 {
     let selection = select(drive, text);
-    let reading = session.read_one(drive, &selection).expect("a value");
+    let reading = session.read_one(drive, &selection).wait().expect("a value");
     reading.raw().expect("a number")
 }
 
@@ -42,6 +45,7 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
     let assignment = text.parse().expect("an assignment");
     let outcomes = session
         .write(drive, &[assignment], WriteMode::Write)
+        .wait()
         .expect("written");
     assert!(
         outcomes.iter().all(|one| !matches!(one.written, Some(Err(_)))),
@@ -51,34 +55,41 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
 
 /// What every drive can do, whoever made it: its page, its faults, its settings there and back.
 fn serves(session: &mut Bench, id: StationId, drive: &mut Drive, change: Option<&str>) {
-    let info = session.info(drive).expect("a page");
+    let info = session.info(drive).wait().expect("a page");
     assert!(info.refused.is_empty(), "{:?}", info.refused);
     let elements = |pnu| info.readings.iter().filter(|reading| reading.pnu == pnu).count();
     assert_eq!((elements(964), elements(975)), (6, 8));
 
-    assert!(session.faults(drive).expect("told").is_empty());
+    assert!(session.faults(drive).wait().expect("told").is_empty());
     drive_mut(session, id).inject("fault=1".parse::<Injection>().expect("a fault"));
-    session.pass(Duration::from_millis(100)).expect("time passes");
-    let report = session.fault_report(drive).expect("a report");
+    session
+        .pass(Duration::from_millis(100))
+        .wait()
+        .expect("time passes");
+    let report = session.fault_report(drive).wait().expect("a report");
     let present: Vec<_> = report.present().map(|fault| fault.number).collect();
     assert_eq!((present, report.shape.elements()), (vec![1], 8));
-    let status = session.status(drive).expect("a status");
+    let status = session.status(drive).wait().expect("a status");
     assert_eq!(status.faults.len(), 1, "{status:?}");
     drive_mut(session, id).inject("fault=1".parse::<Injection>().expect("a fault"));
 
-    let first = session.backup(drive, &mut |_, _| {}).expect("saved");
+    let first = session.backup(drive, &mut |_, _| {}).wait().expect("saved");
     let read = Backup::parse(&first.to_string()).expect("read back");
     assert!(compare(&first, &read).is_empty());
     assert!(read.readings().len() >= 32, "{read:?}");
     let Some(change) = change else { return };
     write(session, drive, change);
-    let second = session.backup(drive, &mut |_, _| {}).expect("saved");
+    let second = session.backup(drive, &mut |_, _| {}).wait().expect("saved");
     assert_eq!(compare(&first, &second).len(), 1);
-    let plan = session.plan(drive, &read, &Choice::default()).expect("a plan");
+    let plan = session
+        .plan(drive, &read, &Choice::default())
+        .wait()
+        .expect("a plan");
     assert_eq!(plan.changes.len(), 1, "{plan:?}");
     let mut journal = Journal::new(&plan);
     session
         .restore(drive, &mut journal, false, &mut |_| Ok(()))
+        .wait()
         .expect("restored");
     assert!(journal.is_done(), "{journal}");
 }
@@ -91,13 +102,14 @@ fn a_vacon_under_another_device_id_is_a_vacon() {
     serves(&mut session, id, &mut drive, Some("ID 103=7.5s"));
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    axis.ready_or_fault().expect("there");
-    axis.acknowledge().expect("acknowledged");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(600.0, None).expect("turns");
+    axis.ready_or_fault().wait().expect("there");
+    axis.acknowledge().wait().expect("acknowledged");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(600.0, None).wait().expect("turns");
     drop(enabled);
-    axis.release().expect("at rest");
+    axis.release().wait().expect("at rest");
 }
 
 #[test]

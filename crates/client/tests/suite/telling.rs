@@ -1,12 +1,11 @@
 //! What an axis under control tells, and what it is not told: virtual drives on a segment, in virtual time.
 
-use std::cell::RefCell;
-use std::rc::Rc;
+use crate::bench::shared::Shared;
 use std::time::Duration;
 
 use crate::bench::{bench, find, is_at_rest, with_drive};
 use profidrive_client::axis::{Move, Objection, Purpose};
-use profidrive_client::{AxisSettings, Error, WriteMode};
+use profidrive_client::{AxisSettings, Error, Wait, WriteMode};
 use profile::notation::Position;
 use profile::value::{Assignment, ParameterProblem};
 use virtual_drive::drive::Injection;
@@ -16,28 +15,30 @@ use virtual_drive::drive::Injection;
 fn warnings_are_told_when_they_come() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    with_drive(&mut session, ids[0], |drive| {
+    with_drive(&session, ids[0], |drive| {
         drive.inject(Injection::Warning { number: 107 });
     });
-    let told = Rc::new(RefCell::new(Vec::new()));
+    let told = Shared::new(Vec::new());
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let teller = Rc::clone(&told);
+    let teller = told.clone();
     axis.watch_warnings(move |status, warnings| {
         let numbers: Vec<u32> = warnings.iter().map(|warning| warning.number).collect();
         let words = warnings.iter().all(|warning| warning.meaning.is_some());
         assert!(words, "{warnings:?}");
         teller.borrow_mut().push((status.time.as_secs(), numbers));
     });
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(60.0, None).expect("runs");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(60.0, None).wait().expect("runs");
     enabled
         .keep_speed(60.0, Duration::from_secs(5))
+        .wait()
         .expect("keeps it");
     assert_eq!(*told.borrow(), [(0, vec![107])]);
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert_eq!(told.borrow().len(), 1, "not again: {told:?}");
     assert!(is_at_rest(&session, ids[0]));
 }
@@ -50,31 +51,35 @@ fn taking_an_axis_can_be_planned() {
     let assignment: Assignment = "922=9".parse().expect("an assignment");
     session
         .write(&mut drive, &[assignment], WriteMode::Write)
+        .wait()
         .expect("telegram 9");
     let plan = session
         .plan_axis(&mut drive, &AxisSettings::default())
+        .wait()
         .expect("possible");
     assert_eq!((plan.telegram, plan.telegram_before), (1, Some(9)));
     let told = plan.speed_told(&drive, 61.7).expect("near enough");
     assert!((told - 61.88).abs() < 0.01, "{told}");
-    let again = session.plan_axis(&mut drive, &AxisSettings::default());
+    let again = session.plan_axis(&mut drive, &AxisSettings::default()).wait();
     let before = again.expect("still possible").telegram_before;
     assert_eq!(before, Some(9), "as it was");
     let error = session
         .plan_axis(&mut drive, &AxisSettings::for_purpose(Purpose::Move))
+        .wait()
         .expect_err("velocity mode");
     assert!(matches!(error, Error::WrongMode { .. }), "{error}");
     let long = AxisSettings {
         watchdog: Some(255),
         ..AxisSettings::default()
     };
-    let error = session.plan_axis(&mut drive, &long).expect_err("4 s");
+    let error = session.plan_axis(&mut drive, &long).wait().expect_err("4 s");
     assert!(error.to_string().contains("outside 1 to 120"), "{error}");
     let axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
     assert_eq!(axis.rounded_speed(61.7), Some(told));
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }
 
@@ -84,7 +89,10 @@ fn speeds_that_cannot_be_told_are_refused() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (rpm, below, above) in [(0.001, 0.0, 0.366), (-0.1, -0.366, 0.0), (0.5, 0.366, 0.732)] {
-        let error = session.check_speed(&mut drive, rpm).expect_err("no such speed");
+        let error = session
+            .check_speed(&mut drive, rpm)
+            .wait()
+            .expect_err("no such speed");
         let Error::SpeedStep { nearest, .. } = &error else {
             panic!("{error}")
         };
@@ -94,15 +102,16 @@ fn speeds_that_cannot_be_told_are_refused() {
         );
     }
     for rpm in [0.0, 0.366, 99.0, -60.0] {
-        session.check_speed(&mut drive, rpm).expect("near enough");
+        session.check_speed(&mut drive, rpm).wait().expect("near enough");
     }
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
+        .wait()
         .expect("connected");
-    let mut enabled = axis.enable().expect("enabled");
-    assert!(matches!(enabled.run(0.5), Err(Error::SpeedStep { .. })));
+    let mut enabled = axis.enable().wait().expect("enabled");
+    assert!(matches!(enabled.run(0.5).wait(), Err(Error::SpeedStep { .. })));
     drop(enabled);
-    axis.release().expect("released");
+    axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }
 
@@ -111,7 +120,10 @@ fn distances_that_are_none_are_refused() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     let order = Move::by(Position::Turns(1e-6), 300.0);
-    let plan = session.plan_move(&mut drive, &order, 3000.0).expect("a plan");
+    let plan = session
+        .plan_move(&mut drive, &order, 3000.0)
+        .wait()
+        .expect("a plan");
     assert!(
         plan.objections
             .iter()
@@ -132,6 +144,7 @@ fn values_that_cannot_be_held_are_refused_before_anything_is_sent() {
     };
     let error = session
         .write(&mut drive, &write("DRV.ACC=5000 1004=0.001rpm"), WriteMode::Write)
+        .wait()
         .expect_err("too small");
     assert!(
         matches!(error, Error::Parameter(ParameterProblem::Coarse { .. })),
@@ -141,10 +154,11 @@ fn values_that_cannot_be_held_are_refused_before_anything_is_sent() {
         .parameters
         .select(&"DRV.ACC".parse().expect("a name"))
         .expect("known");
-    let kept = session.read_one(&mut drive, &selection).expect("read");
+    let kept = session.read_one(&mut drive, &selection).wait().expect("read");
     assert_eq!(kept.number(), Some(3000.0));
     let outcomes = session
         .write(&mut drive, &write("1004=99rpm"), WriteMode::Write)
+        .wait()
         .expect("written");
     assert!(outcomes[0].change.value.number().unwrap().is_rounded() && !outcomes[0].differs());
 }

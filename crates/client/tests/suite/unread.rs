@@ -1,10 +1,11 @@
 //! Stopping a drive whose parameters cannot be read, in virtual time: control word and status word are enough.
 
+use crate::bench::shared::On;
 use std::time::Duration;
 
 use crate::bench::world::{Accident, Transport, World};
 use profidrive_client::axis::Purpose;
-use profidrive_client::{AxisSettings, Drive, Error, LocalControl, Session, StopOutcome, StopWay};
+use profidrive_client::{AxisSettings, Drive, Error, LocalControl, StopOutcome, StopWay, Wait};
 use profile::parameter::{Keep, ParameterAccess};
 use virtual_drive::model::{self, Model as Virtual};
 use virtual_drive::station::AnswerFault;
@@ -47,11 +48,11 @@ fn left_running(
         telegram,
         ..AxisSettings::for_purpose(Purpose::Speed)
     };
-    let mut axis = session.take_axis(&mut drive, wanted).expect("free");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(900.0, None).expect("runs");
+    let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(900.0, None).wait().expect("runs");
     world.plan(Duration::ZERO, Accident::Killed);
-    enabled.hold(SECOND).expect_err("killed");
+    enabled.hold(SECOND).wait().expect_err("killed");
     drop(enabled);
     drop(axis);
     drop(session);
@@ -60,10 +61,10 @@ fn left_running(
     world
 }
 
-fn found(world: &World, transport: Transport) -> (Session<World>, Drive) {
+fn found(world: &World, transport: Transport) -> (On<World>, Drive) {
     let (mut session, address) = world.session(transport, 2);
     session.tolerate_unread();
-    let drive = session.find(&address).expect("it answers");
+    let drive = session.find(&address).wait().expect("it answers");
     (session, drive)
 }
 
@@ -73,6 +74,7 @@ fn stopped(world: &World, transport: Transport, at: &str) -> (StopOutcome, Durat
     let begin = session.now();
     let outcome = session
         .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+        .wait()
         .expect(at);
     assert!(outcome.sent && outcome.at_rest, "{at}: {outcome:?}");
     assert_eq!(outcome.enabled, Some(false), "{at}");
@@ -148,7 +150,7 @@ fn a_ramp_longer_than_the_limit_is_waited_for_where_the_drive_reports_it() {
         world.answer(fault);
         let (mut session, mut drive) = found(&world, Transport::Profinet);
         let begin = session.now();
-        let stopped = session.stop_drive(&mut drive, StopWay::Stop, SECOND);
+        let stopped = session.stop_drive(&mut drive, StopWay::Stop, SECOND).wait();
         assert_eq!(stopped.is_err(), quick, "{fault:?}: {stopped:?}");
         let took = session.now() - begin;
         assert_eq!(took < SECOND * 6, quick, "{fault:?}: {took:?}");
@@ -176,13 +178,16 @@ fn a_drive_with_an_owner_is_not_taken_over_without_its_parameters() {
     let world = World::new(&model::VLT, Transport::Profinet, 7);
     let (mut session, mut drive) = world.client("vlt", Transport::Profinet, 1).expect("found");
     let wanted = AxisSettings::for_purpose(Purpose::Speed);
-    let mut axis = session.take_axis(&mut drive, wanted).expect("free");
-    let mut enabled = axis.enable().expect("enabled");
-    enabled.reach_speed(600.0, None).expect("runs");
+    let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
+    let mut enabled = axis.enable().wait().expect("enabled");
+    enabled.reach_speed(600.0, None).wait().expect("runs");
     world.answer(AnswerFault::Silent);
     let (inner, own) = enabled.session();
     let begin = inner.now();
-    let error = inner.stop_drive(own, StopWay::Stop, SECOND).expect_err("owned");
+    let error = inner
+        .stop_drive(own, StopWay::Stop, SECOND)
+        .wait()
+        .expect_err("owned");
     assert!(
         matches!(&error, Error::NoStopBeside { controller, .. } if controller == "client"),
         "{error}"
@@ -191,7 +196,7 @@ fn a_drive_with_an_owner_is_not_taken_over_without_its_parameters() {
     assert!(inner.unread().is_none(), "for a stop only");
     let selection = own.select("8-04").expect("known");
     assert!(
-        inner.read(own, &[selection]).is_err(),
+        inner.read(own, &[selection]).wait().is_err(),
         "a read beside it is one again"
     );
 }
@@ -209,17 +214,21 @@ fn a_motion_does_not_wait_for_parameters() {
         let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+            .wait()
             .expect("free");
-        let mut enabled = axis.enable().expect("enabled");
-        enabled.reach_speed(300.0, None).expect("runs");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        enabled.reach_speed(300.0, None).wait().expect("runs");
         world.answer(fault);
         let begin = profidrive_client::Wire::now(&world);
-        enabled.keep_speed(300.0, SECOND * 3).expect("keeps it");
+        enabled.keep_speed(300.0, SECOND * 3).wait().expect("keeps it");
         let took = profidrive_client::Wire::now(&world) - begin;
         assert!(took < SECOND * 3 + SECOND / 10, "{fault:?}: {took:?}");
         set(&world, 2439, 10_000);
         let begin = profidrive_client::Wire::now(&world);
-        let error = enabled.keep_speed(300.0, SECOND * 30).expect_err("10 rpm only");
+        let error = enabled
+            .keep_speed(300.0, SECOND * 30)
+            .wait()
+            .expect_err("10 rpm only");
         assert!(matches!(error, Error::SpeedLost { .. }), "{fault:?}: {error}");
         let took = profidrive_client::Wire::now(&world) - begin;
         assert!(took < SECOND * 5 / 2, "{fault:?}: {took:?}");
@@ -236,6 +245,7 @@ fn a_stop_by_parameter_that_is_not_answered_is_one_by_the_control_word() {
         let begin = session.now();
         let outcome = session
             .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+            .wait()
             .expect("nobody has it");
         // one value alone is not cut: the drive said that its power stage is off
         let silent = fault == AnswerFault::Silent;
@@ -249,14 +259,16 @@ fn a_stop_by_parameter_that_is_not_answered_is_one_by_the_control_word() {
         let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+            .wait()
             .expect("free");
-        let mut enabled = axis.enable().expect("enabled");
-        enabled.reach_speed(300.0, None).expect("runs");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        enabled.reach_speed(300.0, None).wait().expect("runs");
         world.answer(fault);
         let (inner, own) = enabled.session();
         let begin = inner.now();
         let error = inner
             .stop_drive(own, StopWay::Stop, SECOND * 10)
+            .wait()
             .expect_err("it has an owner");
         assert!(
             matches!(&error, Error::StopUnanswered { controller, command: "DRV.STOP", .. } if controller == "client"),
@@ -286,6 +298,7 @@ fn a_drive_enabled_by_its_service_channel_is_not_called_stopped() {
     let begin = session.now();
     let error = session
         .stop_drive(&mut drive, StopWay::Stop, SECOND * 10)
+        .wait()
         .expect_err("it is local");
     assert!(
         matches!(
@@ -331,7 +344,7 @@ fn an_interrupted_stop_says_how_the_drive_was_seen_last() {
         let (mut session, mut drive) = found(&world, Transport::Profinet);
         let (clock, due) = (world.clone(), session.now() + after);
         session.interrupt_with(move || profidrive_client::Wire::now(&clock) >= due);
-        match session.stop_drive(&mut drive, StopWay::Stop, SECOND * 10) {
+        match session.stop_drive(&mut drive, StopWay::Stop, SECOND * 10).wait() {
             Ok(outcome) => assert!(outcome.at_rest, "{after:?}: {outcome:?}"),
             Err(error @ Error::StopInterrupted { .. }) => {
                 let text = error.to_string();

@@ -56,6 +56,11 @@ impl PacketMedium {
         match self.0 {}
     }
 
+    /// Lets this bell end a step early.
+    pub fn set_bell(&mut self, _bell: Bell) {
+        match self.0 {}
+    }
+
     /// Lets `tap` see every PROFINET frame.
     pub fn add_tap(&mut self, _tap: Box<dyn Tap>) {
         match self.0 {}

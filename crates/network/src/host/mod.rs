@@ -37,7 +37,7 @@ pub const ETHERTYPE_LLDP: u16 = 0x88CC;
 /// runner run any number of `Box<dyn Station>`; the owner gets its own type back by its index.
 ///
 /// Frames are without FCS, at most [`MAX_FRAME`](profinet::MAX_FRAME) octets, the 802.1Q tag present or absent.
-pub trait Station: Any {
+pub trait Station: Any + Send {
     /// Own Ethernet address, by which unicast frames are dispatched. Does not change.
     fn mac(&self) -> MacAddress;
 
@@ -132,7 +132,7 @@ impl<E: Endpoint> Host<E> {
     }
 }
 
-impl<E: Endpoint + 'static> Station for Host<E> {
+impl<E: Endpoint + Send + 'static> Station for Host<E> {
     fn mac(&self) -> MacAddress {
         self.stack.mac()
     }

@@ -144,7 +144,7 @@ fn pad(body: &mut Vec<u8>) {
     body.resize(body.len().next_multiple_of(4), 0);
 }
 
-impl<W: Write> Tap for Writer<W> {
+impl<W: Write + Send> Tap for Writer<W> {
     fn frame(&mut self, at: Instant, frame: &[u8]) {
         if self.failure.is_none() {
             self.failure = self.write(at, frame).err();

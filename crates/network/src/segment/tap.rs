@@ -1,15 +1,14 @@
 //! Whoever listens to the whole segment.
 
-use std::cell::RefCell;
 use std::io;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use profinet::Instant;
 
 /// A monitor port: sees every frame once, when it reaches the switch.
 ///
-/// [`pcap::Writer`](crate::pcap::Writer) is one. To keep a hand on it, add an `Rc<RefCell<_>>` of it.
-pub trait Tap {
+/// [`pcap::Writer`](crate::pcap::Writer) is one. To keep a hand on it, add an `Arc<Mutex<_>>` of it.
+pub trait Tap: Send {
     /// One frame, with the virtual time at which it was sent.
     fn frame(&mut self, at: Instant, frame: &[u8]);
 
@@ -31,13 +30,15 @@ pub(crate) fn finish_all(taps: &mut Vec<Box<dyn Tap>>) -> io::Result<()> {
     result
 }
 
-impl<T: Tap> Tap for Rc<RefCell<T>> {
+impl<T: Tap> Tap for Arc<Mutex<T>> {
     fn frame(&mut self, at: Instant, frame: &[u8]) {
-        self.borrow_mut().frame(at, frame);
+        let mut tap = self.lock().unwrap_or_else(PoisonError::into_inner);
+        tap.frame(at, frame);
     }
 
     fn finish(&mut self) -> io::Result<()> {
-        self.borrow_mut().finish()
+        let mut tap = self.lock().unwrap_or_else(PoisonError::into_inner);
+        tap.finish()
     }
 }
 

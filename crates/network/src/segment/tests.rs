@@ -1,8 +1,7 @@
 //! Dispatch, faults, determinism.
 
-use std::cell::RefCell;
 use std::net::{Ipv4Addr, SocketAddrV4};
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 
 use profinet::{IpSuite, Medium, RPC_PORT, Transmit};
 
@@ -273,12 +272,13 @@ fn the_tap_sees_each_frame_once_with_its_time() {
             ..Conditions::default()
         },
     );
-    let seen = Rc::new(RefCell::new(Vec::new()));
-    segment.add_tap(Box::new(Rc::clone(&seen)));
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    segment.add_tap(Box::new(Arc::clone(&seen)));
     segment.cut(a);
     segment.run_until(ms(32));
     let cyclic: Vec<_> = seen
-        .borrow()
+        .lock()
+        .unwrap()
         .iter()
         .filter(|(_, f)| f[12] == 0x88)
         .map(|(at, _)| at.as_millis())

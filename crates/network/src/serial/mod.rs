@@ -18,7 +18,7 @@ pub use port::{Parity, Port, Settings};
 use opening::opening;
 use profinet::Instant;
 
-use crate::system::{Stop, now};
+use crate::system::{Bell, Calls, Stop, now};
 
 /// Octets read at once.
 const CHUNK: usize = 512;
@@ -89,19 +89,27 @@ pub trait Talker {
 #[derive(Debug)]
 pub struct Line {
     port: Port,
-    stop: Option<Stop>,
+    calls: Calls,
 }
 
 impl Line {
     /// A line at an open port.
     #[must_use]
-    pub const fn new(port: Port) -> Self {
-        Self { port, stop: None }
+    pub fn new(port: Port) -> Self {
+        Self {
+            port,
+            calls: Calls::default(),
+        }
     }
 
     /// Lets this flag end a step early.
     pub fn set_stop(&mut self, stop: Stop) {
-        self.stop = Some(stop);
+        self.calls.stop = Some(stop);
+    }
+
+    /// Lets this bell end a step early whenever it rings.
+    pub fn set_bell(&mut self, bell: Bell) {
+        self.calls.bell = Some(bell);
     }
 
     /// The port.
@@ -122,7 +130,9 @@ impl Line {
         for _ in 0..MOST_CHUNKS {
             // what waits already is taken before anything is called late
             let wait = if heard { Instant::ZERO } else { due };
-            self.port.wait(wait, self.stop.as_ref())?;
+            self.port.wait(wait, &self.calls)?;
+            // this step ends soon: what the bell has rung for comes with the next one
+            self.calls.heard();
             let mut buffer = [0; CHUNK];
             match self.port.read(&mut buffer)? {
                 0 => break,

@@ -12,7 +12,7 @@ use serialport::{DataBits, FlowControl, SerialPort, StopBits};
 
 use super::Error;
 use super::opening;
-use crate::system::{Stop, now, wait_for_octets, wait_for_room};
+use crate::system::{Calls, now, wait_for_octets, wait_for_room};
 
 /// How long the port may take no octets at all.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -125,12 +125,12 @@ impl Port {
         &self.name
     }
 
-    /// Sleeps until octets wait, the flag is set, or `until`.
+    /// Sleeps until octets wait, somebody calls, or `until`.
     ///
     /// # Errors
     /// When the port is gone.
-    pub(super) fn wait(&self, until: Instant, stop: Option<&Stop>) -> Result<(), Error> {
-        wait_for_octets(&self.tty, until, stop).map_err(|error| self.failed(error))
+    pub(super) fn wait(&self, until: Instant, calls: &Calls) -> Result<(), Error> {
+        wait_for_octets(&self.tty, until, calls).map_err(|error| self.failed(error))
     }
 
     /// Takes octets that wait; 0 when there are none.
@@ -224,7 +224,7 @@ mod tests {
             let mut came = Vec::new();
             let mut buffer = [0; 300];
             while came.len() < all.len() {
-                to.wait(now() + SOON, None).unwrap();
+                to.wait(now() + SOON, &Calls::default()).unwrap();
                 let length = to.read(&mut buffer).unwrap();
                 assert!(length > 0, "{} octets came", came.len());
                 came.extend_from_slice(&buffer[..length]);
@@ -240,7 +240,7 @@ mod tests {
         let mut far = Port::open(&name, Settings::new(9600)).unwrap();
         let began = now();
         drop(near);
-        let waited = far.wait(now() + Duration::from_secs(60), None);
+        let waited = far.wait(now() + Duration::from_secs(60), &Calls::default());
         let error = waited.err().or_else(|| far.read(&mut [0; 8]).err()).unwrap();
         assert!(matches!(error, Error::Gone { .. }), "{error:?}");
         assert!(far.write(b"x").is_err());
@@ -282,14 +282,18 @@ mod tests {
     }
 
     #[test]
-    fn a_flag_wakes_whoever_waits() {
+    fn a_bell_wakes_whoever_waits() {
         let (near, name) = Port::pair().unwrap();
         let _far = Port::open(&name, Settings::new(9600)).unwrap();
-        let stop = Stop::new().unwrap();
-        let other = stop.clone();
+        let bell = crate::system::Bell::new().unwrap();
+        let other = bell.clone();
         let began = now();
-        let thread = std::thread::spawn(move || other.stop());
-        near.wait(now() + Duration::from_secs(60), Some(&stop)).unwrap();
+        let thread = std::thread::spawn(move || other.ring());
+        let calls = Calls {
+            bell: Some(bell),
+            ..Calls::default()
+        };
+        near.wait(now() + Duration::from_secs(60), &calls).unwrap();
         thread.join().unwrap();
         assert!(now() - began < Duration::from_secs(30));
     }

@@ -12,7 +12,7 @@ use serialport::SerialPort;
 
 use super::stop::SAME_SIGNAL;
 use super::udp::Ports;
-use super::{Error, InterfaceInfo, Stop};
+use super::{Calls, Error, InterfaceInfo, Stop};
 
 /// How long to sleep between two looks.
 const NAP: Duration = Duration::from_millis(1);
@@ -109,22 +109,21 @@ impl Event {
 /// What a medium waits for, again and again.
 #[derive(Debug, Default)]
 pub struct Waiting {
-    stopped: bool,
+    called: bool,
 }
 
 impl Waiting {
-    /// Waits until a port may have something, the stop flag is set, or `until`.
-    pub fn wait(&mut self, _udp: Option<&Ports>, stop: Option<&Stop>, until: Instant) -> Result<(), Error> {
-        // A flag that is set already wakes no more: the owner may have things to bring to an end.
-        let stop = stop.filter(|stop| !stop.is_stopped());
+    /// Waits until a port may have something, somebody calls, or `until`.
+    pub fn wait(&mut self, _udp: Option<&Ports>, calls: &Calls, until: Instant) -> Result<(), Error> {
+        let stop = calls.stop();
         nap(until);
-        self.stopped = stop.is_some_and(Stop::is_stopped);
+        self.called = calls.heard() || stop.is_some_and(Stop::is_stopped);
         Ok(())
     }
 
-    /// The stop flag ended the wait.
-    pub fn stopped(&self) -> bool {
-        self.stopped
+    /// Somebody called.
+    pub fn called(&self, _calls: &Calls) -> bool {
+        self.called
     }
 
     /// The port at `index` may have something.
@@ -137,9 +136,11 @@ fn nap(until: Instant) {
     std::thread::sleep(until.saturating_since(now()).min(NAP));
 }
 
-/// Sleeps until `port` has octets, the flag is set, or `until`.
-pub fn wait_for_octets(port: &impl SerialPort, until: Instant, stop: Option<&Stop>) -> io::Result<()> {
-    while port.bytes_to_read()? == 0 && now() < until && !stop.is_some_and(Stop::is_stopped) {
+/// Sleeps until `port` has octets, somebody calls, or `until`.
+pub fn wait_for_octets(port: &impl SerialPort, until: Instant, calls: &Calls) -> io::Result<()> {
+    let stop = calls.stop();
+    let called = || calls.heard() || stop.is_some_and(Stop::is_stopped);
+    while port.bytes_to_read()? == 0 && now() < until && !called() {
         nap(until);
     }
     Ok(())
@@ -174,13 +175,17 @@ mod tests {
     #[test]
     fn a_flag_ends_a_wait_once_and_time_ends_it_too() {
         let stop = Stop::new().unwrap();
+        let calls = Calls {
+            stop: Some(stop.clone()),
+            ..Calls::default()
+        };
         let mut waiting = Waiting::default();
         let past = now();
-        waiting.wait(None, Some(&stop), past).unwrap();
-        assert!(!waiting.stopped());
+        waiting.wait(None, &calls, past).unwrap();
+        assert!(!waiting.called(&calls));
         stop.stop();
         // set already: the owner may have things to bring to an end
-        waiting.wait(None, Some(&stop), past).unwrap();
-        assert!(!waiting.stopped() && now() >= past);
+        waiting.wait(None, &calls, past).unwrap();
+        assert!(!waiting.called(&calls) && now() >= past);
     }
 }

@@ -6,7 +6,7 @@ use profinet::{Endpoint, Instant, IpSuite, MAX_FRAME, Medium, Transmit};
 
 use super::error::Error;
 use super::os::{Waiting, now};
-use super::stop::Stop;
+use super::stop::{Bell, Calls, Stop};
 use super::udp::Ports;
 
 /// Most outputs taken in one drain; what is left follows in the next step.
@@ -76,7 +76,12 @@ impl UdpMedium {
 
     /// Lets this flag end a step early, once.
     pub fn set_stop(&mut self, stop: Stop) {
-        self.common.stop = Some(stop);
+        self.common.calls.stop = Some(stop);
+    }
+
+    /// Lets this bell end a step early whenever it rings.
+    pub fn set_bell(&mut self, bell: Bell) {
+        self.common.calls.bell = Some(bell);
     }
 
     /// True while devices can call their controller here, on UDP port 34964.
@@ -124,9 +129,9 @@ impl Medium for UdpMedium {
                 return Ok(());
             }
             let wake = endpoint.poll_timeout().map_or(until, |due| due.min(until));
-            let Common { waiting, stop, .. } = &mut self.common;
-            waiting.wait(self.udp.as_ref(), stop.as_ref(), wake)?;
-            let mut worked = self.common.waiting.stopped();
+            let Common { waiting, calls, .. } = &mut self.common;
+            waiting.wait(self.udp.as_ref(), calls, wake)?;
+            let mut worked = self.common.waiting.called(&self.common.calls);
             for index in 0..self.udp.as_ref().map_or(0, Ports::len) {
                 if self.common.receive(self.udp.as_mut(), index, endpoint) {
                     worked = true;
@@ -146,7 +151,7 @@ pub(crate) struct Common {
     pub input: Box<[u8]>,
     pub output: Box<[u8]>,
     pub waiting: Waiting,
-    pub stop: Option<Stop>,
+    pub calls: Calls,
 }
 
 impl Common {
@@ -156,7 +161,7 @@ impl Common {
             input: buffer(),
             output: buffer(),
             waiting: Waiting::default(),
-            stop: None,
+            calls: Calls::default(),
         }
     }
 

@@ -86,9 +86,30 @@ impl Bell {
     }
 
     /// Raised once it has rung.
-    #[cfg(all(feature = "raw-ethernet", target_os = "linux"))]
+    #[cfg(target_os = "linux")]
     pub(crate) fn event(&self) -> &Event {
         &self.inner.event
+    }
+}
+
+/// Who may end a wait early.
+#[derive(Debug, Clone, Default)]
+pub struct Calls {
+    /// Once.
+    pub stop: Option<Stop>,
+    /// Whenever it rings.
+    pub bell: Option<Bell>,
+}
+
+impl Calls {
+    /// The flag, unless it is set already: then it wakes no more, as its owner may have things to bring to an end.
+    pub(super) fn stop(&self) -> Option<&Stop> {
+        self.stop.as_ref().filter(|stop| !stop.is_stopped())
+    }
+
+    /// True if the bell has rung since the last look.
+    pub(crate) fn heard(&self) -> bool {
+        self.bell.as_ref().is_some_and(Bell::heard)
     }
 }
 

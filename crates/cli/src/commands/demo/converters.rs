@@ -1,10 +1,11 @@
 //! The part of the demo with frequency converters: a VLT with a PPO type and its parameter channel, a Vacon with a
 //! telegram of its own. Jobs go through the client as everywhere; the cyclic data are put together here, frame by frame.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use client::{Drive, DriveAddress, Error, Session, WriteMode, describe, modules_of};
-use network::host::{Host, StationId};
+use client::{Drive, DriveAddress, Error, Session, Wait, World, WriteMode, describe, modules_of};
+use network::host::StationId;
 use network::segment::SegmentMedium;
 use profile::catalogue::Device;
 use profile::pkw::{Answer, Client, ClientTiming, Job, Memory, Outcome, PkwDialect, PkwValue};
@@ -13,7 +14,6 @@ use profile::telegram::{Telegram, signal};
 use profinet::controller::{ArId, ConnectConfig, Controller, ControllerConfig, Event, Target};
 use profinet::cyclic::Timing;
 use profinet::{IpSuite, MacAddress, Medium};
-use virtual_drive::station::Station;
 
 use super::{Show, page};
 use crate::render::{hex16, value};
@@ -69,13 +69,14 @@ const RAMP_UP: u16 = 341;
 const UNKNOWN: u16 = 2000;
 
 pub fn play(
-    session: &mut Session<SegmentMedium>,
+    session: &mut Session,
+    world: &Arc<World<SegmentMedium>>,
     [vlt, vacon]: [StationId; 2],
     show: &mut Show,
 ) -> Result<(), Error> {
     let mut drive = introduce(session, &VLT, show)?;
     settings(session, &mut drive, &VLT, &[], show)?;
-    let mut line = Line::connect(session, &drive, &VLT, show)?;
+    let mut line = Line::connect((session, world), &drive, &VLT, show)?;
     let result = line.by_pkw(show).and_then(|()| {
         line.run(&VLT, show)?;
         line.alarm(&VLT, vlt, show)
@@ -83,7 +84,7 @@ pub fn play(
     line.end(result)?;
     let mut drive = introduce(session, &VACON, show)?;
     settings(session, &mut drive, &VACON, &["ID103=1s"], show)?;
-    let mut line = Line::connect(session, &drive, &VACON, show)?;
+    let mut line = Line::connect((session, world), &drive, &VACON, show)?;
     let result = line
         .run(&VACON, show)
         .and_then(|()| line.alarm(&VACON, vacon, show));
@@ -91,9 +92,9 @@ pub fn play(
 }
 
 /// Found by name, known by its identity, read in its own numbers.
-fn introduce(session: &mut Session<SegmentMedium>, act: &Act, show: &mut Show) -> Result<Drive, Error> {
+fn introduce(session: &mut Session, act: &Act, show: &mut Show) -> Result<Drive, Error> {
     show.next();
-    let drive = session.find(&DriveAddress::Name(act.name.into()))?;
+    let drive = session.find(&DriveAddress::Name(act.name.into())).wait()?;
     show.done(format!(
         "{}, by its identity a {}",
         describe(&drive.station),
@@ -103,7 +104,7 @@ fn introduce(session: &mut Session<SegmentMedium>, act: &Act, show: &mut Show) -
 }
 
 fn settings(
-    session: &mut Session<SegmentMedium>,
+    session: &mut Session,
     drive: &mut Drive,
     act: &Act,
     more: &[&str],
@@ -111,7 +112,9 @@ fn settings(
 ) -> Result<(), Error> {
     page(session, drive, act.page, show)?;
     for setting in more.iter().chain([&act.setting]) {
-        let outcomes = session.write(drive, &[setting.parse()?], WriteMode::Write)?;
+        let outcomes = session
+            .write(drive, &[setting.parse()?], WriteMode::Write)
+            .wait()?;
         let new = outcomes.first().and_then(|outcome| outcome.new.as_ref());
         if let Some(Ok(reading)) = new {
             show.tell(&format!(
@@ -127,7 +130,8 @@ fn settings(
 
 /// A cyclic connection, one frame after the other.
 struct Line<'s> {
-    session: &'s mut Session<SegmentMedium>,
+    session: &'s mut Session,
+    world: Arc<World<SegmentMedium>>,
     controller: Controller,
     ar: ArId,
     device: &'static Device,
@@ -144,7 +148,7 @@ struct Line<'s> {
 
 impl<'s> Line<'s> {
     fn connect(
-        session: &'s mut Session<SegmentMedium>,
+        (session, world): (&'s mut Session, &Arc<World<SegmentMedium>>),
         drive: &Drive,
         act: &Act,
         show: &Show,
@@ -166,13 +170,14 @@ impl<'s> Line<'s> {
         // each is a program of its own: no identifier of one connection is that of another
         let seed = u64::from(act.telegram);
         let mut controller = Controller::new(ControllerConfig::new(MAC, ip, "demo-plc", seed));
-        let now = session.medium().now();
+        let now = world.wire().now();
         let target = Target::of(&drive.station);
         let ar = controller
             .connect(now, target, ConnectConfig::new(modules, timing))
             .map_err(|error| failed(error.to_string()))?;
         let mut line = Self {
             session,
+            world: Arc::clone(world),
             controller,
             ar,
             device,
@@ -246,14 +251,14 @@ impl<'s> Line<'s> {
         limit: Duration,
         mut done: impl FnMut(&mut Self, Option<Event>) -> bool,
     ) -> Result<(), Error> {
-        let end = self.session.medium().now() + limit;
+        let end = self.world.wire().now() + limit;
         loop {
             if !self.ending {
                 self.session.glance()?;
             }
-            let now = self.session.medium().now();
+            let now = self.world.wire().now();
             let next = end.min(now + CYCLE);
-            let stepped = self.session.medium_mut().step(&mut self.controller, next);
+            let stepped = self.world.wire().step(&mut self.controller, next);
             stepped.map_err(|error| malformed(self.name, error.to_string()))?;
             while let Some(event) = self.controller.poll_event() {
                 if let Event::Lost { cause, .. } = &event {
@@ -269,21 +274,21 @@ impl<'s> Line<'s> {
             if done(self, None) {
                 return Ok(());
             }
-            if self.session.medium().now() >= end {
+            if self.world.wire().now() >= end {
                 return Err(malformed(self.name, format!("not within {limit:?}: {what}")));
             }
         }
     }
 
     fn pass(&mut self, time: Duration) -> Result<(), Error> {
-        let end = self.session.medium().now() + time;
-        self.until("", time + CYCLE, |line, _| line.session.medium().now() >= end)
+        let end = self.world.wire().now() + time;
+        self.until("", time + CYCLE, |line, _| line.world.wire().now() >= end)
     }
 
     /// One job through the eight octets in front of the control word.
     fn exchange(&mut self, job: Job<'_>) -> Result<Outcome, Error> {
         let origin = profinet::Instant::ZERO;
-        let now = self.session.medium().now() - origin;
+        let now = self.world.wire().now() - origin;
         self.pkw
             .start(now, job)
             .map_err(|error| malformed(self.name, error.to_string()))?;
@@ -292,7 +297,7 @@ impl<'s> Line<'s> {
             "reply in the parameter channel",
             Duration::from_secs(5),
             |line, _| {
-                let now = line.session.medium().now() - origin;
+                let now = line.world.wire().now() - origin;
                 let reply = line.input().and_then(|data| data.first_chunk::<8>().copied());
                 outcome = reply.and_then(|reply| line.pkw.handle(now, &reply));
                 outcome = outcome.or_else(|| line.pkw.handle_timeout(now));
@@ -387,10 +392,7 @@ impl<'s> Line<'s> {
     /// An alarm comes while it runs, is told, and is reset; then it stands.
     fn alarm(&mut self, act: &Act, station: StationId, show: &mut Show) -> Result<(), Error> {
         show.next();
-        let segment = self.session.medium_mut().segment_mut();
-        if let Some(host) = segment.station_mut::<Host<Station>>(station) {
-            host.endpoint_mut().drive_mut().inject_fault(act.fault, false);
-        }
+        super::inject(&self.world, station, act.fault);
         let limit = Duration::from_secs(2);
         self.until("alarm", limit, |line, _| line.zsw1().has(Zsw1::FAULT))?;
         let told = self
@@ -437,7 +439,7 @@ impl<'s> Line<'s> {
     }
 
     fn release(mut self) -> Result<(), Error> {
-        let now = self.session.medium().now();
+        let now = self.world.wire().now();
         let released = self.controller.release(now, self.ar);
         released.map_err(|error| malformed(self.name, error.to_string()))?;
         self.until("released", Duration::from_secs(5), |_, event| {

@@ -2,15 +2,17 @@
 
 mod converters;
 
-use std::cell::{Cell, RefCell};
 use std::fs::File;
 use std::net::Ipv4Addr;
 use std::path::Path;
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::Duration;
 
 use client::axis::{Jog, Trouble};
-use client::{Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Session, WriteMode, describe};
+use client::{
+    Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Network, Session, Wait, World, WriteMode,
+    describe,
+};
 use network::files;
 use network::host::{Host, StationId};
 use network::pcap::Writer;
@@ -27,7 +29,7 @@ use virtual_drive::station::{Station, StationConfig};
 use crate::args::Demo;
 use crate::failure::{Exit, Failure};
 use crate::fields;
-use crate::output::{Colour, Output};
+use crate::output::{Colour, Output, Shared};
 use crate::render::live::{AxisView, LiveView};
 use crate::render::table::Table;
 use crate::render::{hex16, value, words};
@@ -54,7 +56,7 @@ const TOLERANCE: f64 = 3.0;
 /// Following error: a fault that every servo drive has.
 const FAULT: u16 = 439;
 
-type Demonstrated<'a, 's> = Enabled<'a, 's, SegmentMedium>;
+type Demonstrated<'a> = Enabled<'a>;
 
 /// One thing the demo promises.
 #[derive(Debug)]
@@ -89,35 +91,36 @@ const PROMISES: [&str; 20] = [
 
 struct Show {
     output: Output,
-    view: Rc<RefCell<LiveView>>,
-    position: Rc<Cell<Option<f64>>>,
+    view: Shared<LiveView>,
+    position: Shared<Option<f64>>,
     steps: Vec<Step>,
 }
 
 pub fn run(args: &Demo, output: &Output) -> Result<(), Failure> {
-    let (mut session, stations) = stage(args)?;
-    show(args, &mut session, stations, output)
+    let (mut network, world, stations) = stage(args)?;
+    show(args, (&mut network, &world), stations, output)
 }
 
 fn show(
     args: &Demo,
-    session: &mut Session<SegmentMedium>,
+    (session, world): (&mut Session, &Arc<World<SegmentMedium>>),
     [akd, vlt, vacon]: [StationId; 3],
     output: &Output,
 ) -> Result<(), Failure> {
     let view = LiveView::new(output.clone(), "demo");
     let mut show = Show {
         output: output.clone(),
-        view: Rc::new(RefCell::new(view)),
-        position: Rc::new(Cell::new(None)),
+        view: Shared::new(view),
+        position: Shared::new(None),
         steps: Vec::new(),
     };
     output.say("an in-memory Ethernet segment with a virtual AKD, a VLT, a Vacon and a controller");
-    let result =
-        play(session, akd, &mut show).and_then(|()| converters::play(session, [vlt, vacon], &mut show));
-    let closed = session.close();
+    let result = play(session, world, akd, &mut show)
+        .and_then(|()| converters::play(session, world, [vlt, vacon], &mut show));
+    let settled = session.uninterrupted(async |session: &mut Session| session.settled().await);
+    let closed = settled.wait().and(session.close().wait());
     let interrupted = matches!(result, Err(Error::Interrupted));
-    let taps = session.medium_mut().segment_mut().finish_taps();
+    let taps = world.wire().segment_mut().finish_taps();
     if let Err(error) = result.or(closed) {
         let what = PROMISES.get(show.steps.len()).copied().unwrap_or("close");
         show.steps.push(Step {
@@ -154,8 +157,11 @@ fn show(
     }
 }
 
+/// The network, its wire and the three drives.
+type Stage = (Network, Arc<World<SegmentMedium>>, [StationId; 3]);
+
 /// Drive and controller on a segment.
-fn stage(args: &Demo) -> Result<(Session<SegmentMedium>, [StationId; 3]), Failure> {
+fn stage(args: &Demo) -> Result<Stage, Failure> {
     let ip = |last| IpSuite {
         address: Ipv4Addr::new(10, 0, 0, last),
         mask: MASK,
@@ -184,11 +190,11 @@ fn stage(args: &Demo) -> Result<(Session<SegmentMedium>, [StationId; 3]), Failur
     let pace = if args.fast { Pace::Virtual } else { Pace::Wall };
     let medium = SegmentMedium::new(segment, pace);
     let config = ControllerConfig::new(CONTROLLER_MAC, ip(1), "demo-controller", 1);
-    let mut session = Session::new(medium, config);
+    let (mut network, world) = Network::on(medium, config);
     if let Ok(stop) = Stop::on_signals() {
-        session.interrupt_with(move || stop.is_stopped());
+        network.interrupt_with(move || stop.is_stopped());
     }
-    Ok((session, stations))
+    Ok((network, world, stations))
 }
 
 fn capture(path: &Path) -> Result<Writer<File>, Failure> {
@@ -199,51 +205,57 @@ fn capture(path: &Path) -> Result<Writer<File>, Failure> {
     Writer::starting_now(file, "demo").map_err(failed)
 }
 
-fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Show) -> Result<(), Error> {
+fn play(
+    session: &mut Session,
+    world: &World<SegmentMedium>,
+    station: StationId,
+    show: &mut Show,
+) -> Result<(), Error> {
     let mut drive = find(session, show)?;
     identity(session, &mut drive, show)?;
     page(session, &mut drive, &PAGE, show)?;
     show.next();
-    let mut axis = session.take_axis(&mut drive, AxisSettings::default())?;
+    let mut axis = session.take_axis(&mut drive, AxisSettings::default()).wait()?;
     show.done(format!(
         "update time {} ms, both directions",
         axis.cycle().as_millis()
     ));
-    let (view, position) = (Rc::clone(&show.view), Rc::clone(&show.position));
-    let seen_states = Rc::new(RefCell::new(Vec::<&'static str>::new()));
-    let states = Rc::clone(&seen_states);
+    let (view, position) = (show.view.clone(), show.position.clone());
+    let seen_states = Shared::new(Vec::<&'static str>::new());
+    let states = seen_states.clone();
     let live = show.output.live();
     axis.watch(move |status| {
         // a line tells no position that is older than itself; a picture keeps the one it has
         let picture = AxisView {
-            position: position.get().filter(|_| live),
+            position: position.lock().filter(|_| live),
             ..AxisView::of(status)
         };
         let state = picture.state_number().unwrap_or("--");
-        if state != "--" && states.borrow().last() != Some(&state) {
-            states.borrow_mut().push(state);
+        let mut states = states.lock();
+        if state != "--" && states.last() != Some(&state) {
+            states.push(state);
         }
-        view.borrow_mut().show_words(&picture);
+        view.lock().show_words(&picture);
     });
     show.next();
-    axis.ready()?;
-    let mut enabled = axis.enable()?;
-    show.done(seen_states.borrow().join(", "));
+    axis.ready().wait()?;
+    let mut enabled = axis.enable().wait()?;
+    show.done(seen_states.lock().join(", "));
     turn(&mut enabled, show)?;
     accelerate(&mut enabled, show)?;
     jog(&mut enabled, show)?;
-    fault(&mut enabled, station, show)?;
+    fault(&mut enabled, world, station, show)?;
     drop(enabled);
     stop(&mut axis, show)?;
     show.next();
-    axis.release()?;
-    let free = session
-        .medium()
-        .segment()
-        .station::<Host<Station>>(station)
-        .is_some_and(|host| {
+    axis.release().wait()?;
+    let free = {
+        let wire = world.wire();
+        let host = wire.segment().station::<Host<Station>>(station);
+        host.is_some_and(|host| {
             !host.endpoint().device().is_exchanging() && !host.endpoint().drive().is_enabled()
-        });
+        })
+    };
     show.check(
         free,
         "connection closed, the drive is without a controller".into(),
@@ -251,16 +263,16 @@ fn play(session: &mut Session<SegmentMedium>, station: StationId, show: &mut Sho
     )
 }
 
-fn find(session: &mut Session<SegmentMedium>, show: &mut Show) -> Result<Drive, Error> {
+fn find(session: &mut Session, show: &mut Show) -> Result<Drive, Error> {
     show.next();
-    let drive = session.find(&DriveAddress::Name(NAME.into()))?;
+    let drive = session.find(&DriveAddress::Name(NAME.into())).wait()?;
     show.done(describe(&drive.station));
     Ok(drive)
 }
 
-fn identity(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut Show) -> Result<(), Error> {
+fn identity(session: &mut Session, drive: &mut Drive, show: &mut Show) -> Result<(), Error> {
     show.next();
-    let info = session.info(drive)?;
+    let info = session.info(drive).wait()?;
     let word = |pnu| info.raw(pnu).and_then(|raw| u16::try_from(raw).ok());
     let state = word(2).map_or_else(|| "unknown".into(), |zsw1| words::state(zsw1, word(1)));
     let Some(identity) = info.identity.filter(|_| info.refused.is_empty()) else {
@@ -277,12 +289,7 @@ fn identity(session: &mut Session<SegmentMedium>, drive: &mut Drive, show: &mut 
     Ok(())
 }
 
-fn page(
-    session: &mut Session<SegmentMedium>,
-    drive: &mut Drive,
-    names: &[&str],
-    show: &mut Show,
-) -> Result<(), Error> {
+fn page(session: &mut Session, drive: &mut Drive, names: &[&str], show: &mut Show) -> Result<(), Error> {
     show.next();
     let mut selections: Vec<Selection> = Vec::new();
     for name in names {
@@ -292,7 +299,12 @@ fn page(
                 .select(&name.parse().map_err(profile::value::ParameterProblem::from)?)?,
         );
     }
-    let readings: Vec<Reading> = session.read(drive, &selections)?.into_iter().flatten().collect();
+    let readings: Vec<Reading> = session
+        .read(drive, &selections)
+        .wait()?
+        .into_iter()
+        .flatten()
+        .collect();
     let mut table = Table::new(&["name", "number", ">value", "unit", "meaning"]);
     for reading in &readings {
         table.row([
@@ -320,21 +332,21 @@ fn near(actual: f64, wanted: f64) -> bool {
 }
 
 /// Keeps the axis going for a while, with its position beside the speeds.
-fn hold(axis: &mut Demonstrated<'_, '_>, time: Duration, show: &Show) -> Result<f64, Error> {
+fn hold(axis: &mut Demonstrated<'_>, time: Duration, show: &Show) -> Result<f64, Error> {
     const PART: Duration = Duration::from_millis(250);
     let mut left = time;
     while !left.is_zero() {
         let part = left.min(PART);
-        axis.hold(part)?;
+        axis.hold(part).wait()?;
         left -= part;
         let (session, drive) = axis.session();
         let selection = drive
             .parameters
             .select(&"PL.FB".parse().map_err(profile::value::ParameterProblem::from)?)?;
-        show.position.set(session.read_one(drive, &selection)?.number());
+        *show.position.lock() = session.read_one(drive, &selection).wait()?.number();
         if let Some(status) = axis.status() {
-            show.view.borrow_mut().show(&AxisView {
-                position: show.position.get(),
+            show.view.lock().show(&AxisView {
+                position: *show.position.lock(),
                 ..AxisView::of(&status)
             });
         }
@@ -345,15 +357,15 @@ fn hold(axis: &mut Demonstrated<'_, '_>, time: Duration, show: &Show) -> Result<
         .unwrap_or(0.0))
 }
 
-fn turn(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
+fn turn(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
     show.next();
-    axis.run(RUN)?;
-    let before = show.position.get();
+    axis.run(RUN).wait()?;
+    let before = *show.position.lock();
     let speed = hold(axis, Duration::from_millis(2500), show)?;
-    let moved = show.position.get() != before;
+    let moved = *show.position.lock() != before;
     let text = format!(
         "{speed:.2} rpm, position {:.0}",
-        show.position.get().unwrap_or(0.0)
+        show.position.lock().unwrap_or(0.0)
     );
     show.check(
         near(speed, RUN) && moved,
@@ -362,11 +374,11 @@ fn turn(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
     )
 }
 
-fn accelerate(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
+fn accelerate(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
     show.next();
     let (session, drive) = axis.session();
     let assignment: Assignment = "DRV.ACC=1000rpm/s".parse()?;
-    let outcomes = session.write(drive, &[assignment], WriteMode::Write)?;
+    let outcomes = session.write(drive, &[assignment], WriteMode::Write).wait()?;
     let outcome = outcomes.first();
     let old = outcome
         .and_then(|outcome| outcome.old.as_ref()?.as_ref().ok())
@@ -375,7 +387,7 @@ fn accelerate(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Er
         .and_then(|outcome| outcome.new.as_ref()?.as_ref().ok())
         .map(value::full);
     let kept = outcome.is_some_and(|outcome| !outcome.differs());
-    axis.run(2.0 * RUN)?;
+    axis.run(2.0 * RUN).wait()?;
     let speed = hold(axis, Duration::from_millis(1250), show)?;
     let text = format!(
         "DRV.ACC {} -> {}, then {speed:.2} rpm",
@@ -389,12 +401,12 @@ fn accelerate(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Er
     )
 }
 
-fn jog(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
+fn jog(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error> {
     show.next();
     let (session, drive) = axis.session();
     let assignment: Assignment = format!("1004={JOG}rpm").parse()?;
-    session.write(drive, &[assignment], WriteMode::Write)?;
-    axis.jog(Jog::One)?;
+    session.write(drive, &[assignment], WriteMode::Write).wait()?;
+    axis.jog(Jog::One).wait()?;
     let speed = hold(axis, Duration::from_millis(1500), show)?;
     show.check(
         near(speed, JOG),
@@ -403,19 +415,17 @@ fn jog(axis: &mut Demonstrated<'_, '_>, show: &mut Show) -> Result<(), Error> {
     )
 }
 
-fn fault(axis: &mut Demonstrated<'_, '_>, station: StationId, show: &mut Show) -> Result<(), Error> {
+fn fault(
+    axis: &mut Demonstrated<'_>,
+    world: &World<SegmentMedium>,
+    station: StationId,
+    show: &mut Show,
+) -> Result<(), Error> {
     show.next();
-    axis.run(RUN)?;
+    axis.run(RUN).wait()?;
     hold(axis, Duration::from_millis(500), show)?;
-    let (session, _) = axis.session();
-    if let Some(host) = session
-        .medium_mut()
-        .segment_mut()
-        .station_mut::<Host<Station>>(station)
-    {
-        host.endpoint_mut().drive_mut().inject_fault(FAULT, false);
-    }
-    match axis.hold(Duration::from_secs(2)) {
+    inject(world, station, FAULT);
+    match axis.hold(Duration::from_secs(2)).wait() {
         Err(Error::Axis {
             trouble: Trouble::Fault,
             ..
@@ -424,18 +434,19 @@ fn fault(axis: &mut Demonstrated<'_, '_>, station: StationId, show: &mut Show) -
         Ok(()) => return show.check(false, String::new(), "the fault did not arrive"),
     }
     let (session, drive) = axis.session();
-    let faults = session.faults(drive)?;
+    let faults = session.faults(drive).wait()?;
     let present = faults.iter().find(|fault| fault.situation == 0);
     let told = present.map(|fault| format!("F{} {}", fault.number, fault.meaning.unwrap_or_default()));
     let right = present.is_some_and(|fault| fault.number == FAULT);
-    axis.acknowledge()?;
+    axis.acknowledge().wait()?;
     let zsw1 = axis
         .status()
         .and_then(|status| status.view.seen)
         .map_or(0, |seen| seen.zsw1.0);
     let (session, drive) = axis.session();
     let shifted = session
-        .faults(drive)?
+        .faults(drive)
+        .wait()?
         .iter()
         .any(|fault| fault.situation == 1 && fault.number == FAULT);
     let text = format!("{}; acknowledged, ZSW1 {}", told.unwrap_or_default(), hex16(zsw1));
@@ -446,12 +457,12 @@ fn fault(axis: &mut Demonstrated<'_, '_>, station: StationId, show: &mut Show) -
     )
 }
 
-fn stop(axis: &mut Axis<'_, SegmentMedium>, show: &mut Show) -> Result<(), Error> {
+fn stop(axis: &mut Axis, show: &mut Show) -> Result<(), Error> {
     show.next();
-    let mut enabled = axis.enable()?;
-    enabled.run(RUN)?;
+    let mut enabled = axis.enable().wait()?;
+    enabled.run(RUN).wait()?;
     hold(&mut enabled, Duration::from_millis(750), show)?;
-    enabled.disable()?;
+    enabled.disable().wait()?;
     let status = axis.status();
     let state = status
         .and_then(|status| status.view.state())
@@ -464,11 +475,19 @@ fn stop(axis: &mut Axis<'_, SegmentMedium>, show: &mut Show) -> Result<(), Error
     )
 }
 
+/// Lets a fault come at the drive itself.
+fn inject(world: &World<SegmentMedium>, station: StationId, fault: u16) {
+    let mut wire = world.wire();
+    if let Some(host) = wire.segment_mut().station_mut::<Host<Station>>(station) {
+        host.endpoint_mut().drive_mut().inject_fault(fault, false);
+    }
+}
+
 impl Show {
     /// Says what comes.
     fn next(&mut self) {
         let what = PROMISES.get(self.steps.len()).copied().unwrap_or_default();
-        self.view.borrow_mut().leave();
+        self.view.lock().leave();
         if !self.output.json() {
             self.output
                 .line(&self.output.paint(Colour::Strong, &format!("> {what}")));
@@ -504,7 +523,7 @@ impl Show {
     }
 
     fn summary(&self) {
-        self.view.borrow_mut().leave();
+        self.view.lock().leave();
         if self.output.json() {
             let steps: Vec<Value> = self
                 .steps
@@ -556,13 +575,13 @@ mod tests {
             fast: true,
         };
         for looks in (10..100_000).step_by(131) {
-            let (mut session, stations) = stage(&args).unwrap();
-            let left = Cell::new(looks);
-            session.interrupt_with(move || {
-                left.set(left.get() - 1);
-                left.get() < 0
+            let (mut network, world, stations) = stage(&args).unwrap();
+            let mut left = looks;
+            network.interrupt_with(move || {
+                left -= 1;
+                left < 0
             });
-            let Err(failure) = show(&args, &mut session, stations, &Output::new(true, true)) else {
+            let Err(failure) = show(&args, (&mut network, &world), stations, &Output::new(true, true)) else {
                 assert!(looks > 1000, "the demo looks up to {looks} times only");
                 return;
             };
@@ -571,7 +590,8 @@ mod tests {
                 "{looks}: {failure:?}"
             );
             for id in stations {
-                let host = session.medium().segment().station::<Host<Station>>(id).unwrap();
+                let wire = world.wire();
+                let host = wire.segment().station::<Host<Station>>(id).unwrap();
                 let station = host.endpoint();
                 let speed = station.drive().axis().measured_speed();
                 // a fault leaves the motor to its friction, and so does its reset

@@ -1,6 +1,6 @@
 //! `profidrive describe`
 
-use client::{Described, Drive, Refusal};
+use client::{Described, Drive, Refusal, Wait};
 use profile::catalogue::{Access, Parameter, Role, Scaling, Word};
 use profile::notation::{Notation, Shown};
 use profile::parameter::Saving;
@@ -32,10 +32,10 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
         }
         return in_no_table(&mut session, &drive, &selection, output);
     };
-    let told = session.described(&drive, &selection)?;
-    let mut readings = session.read(&mut drive, &[selection])?;
+    let told = session.described(&drive, &selection).wait()?;
+    let mut readings = session.read(&mut drive, &[selection]).wait()?;
     name_bits(&mut session, &mut drive, &mut readings)?;
-    session.close()?;
+    session.close().wait()?;
     if output.json() {
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
         fields.extend(parameter_json(tables, parameter, &drive.parameters));
@@ -67,8 +67,8 @@ fn in_no_table(
     selection: &Selection,
     output: &Output,
 ) -> Result<(), Failure> {
-    let told = session.described(drive, selection)?;
-    session.close()?;
+    let told = session.described(drive, selection).wait()?;
+    session.close().wait()?;
     let Some(told) = told else {
         let message = format!("{} is in no table of the {}", selection.label(), drive.model.name);
         return Err(Failure::new(Exit::Failed, message)

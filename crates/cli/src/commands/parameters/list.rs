@@ -1,5 +1,6 @@
 //! `profidrive list`
 
+use client::Wait;
 use profile::catalogue::{Catalogue, Parameter};
 use profile::notation::{Notation, ParameterReference, Shown, Target};
 use profile::value::{Parameters, Selection};
@@ -37,12 +38,12 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
         let bar = connect::bar(output, selections.len(), "reading");
         let mut readings = Vec::new();
         for part in selections.chunks(64) {
-            readings.extend(session.read(&mut drive, part)?);
+            readings.extend(session.read(&mut drive, part).wait()?);
             bar.inc(part.len() as u64);
         }
         bar.finish_and_clear();
         name_bits(&mut session, &mut drive, &mut readings)?;
-        session.close()?;
+        session.close().wait()?;
         print_readings("list", &drive.label(), &readings, args.raw, output);
         let refused = readings.iter().filter(|reading| reading.is_err()).count();
         if refused > 0 {
@@ -127,8 +128,8 @@ fn list_numbers(
     drive: &mut client::Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    let numbers = session.numbers(drive)?;
-    session.close()?;
+    let numbers = session.numbers(drive).wait()?;
+    session.close().wait()?;
     if output.json() {
         let list: Vec<Value> = numbers
             .iter()

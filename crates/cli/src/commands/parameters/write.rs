@@ -1,6 +1,6 @@
 //! `profidrive write`
 
-use client::{ChangeOutcome, Drive, PlannedValue, WriteMode};
+use client::{ChangeOutcome, Drive, PlannedValue, Wait, WriteMode};
 use profile::catalogue::Role;
 use profile::parameter::Saving;
 use profile::value::Assignment;
@@ -27,9 +27,9 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         (false, true) => WriteMode::Save,
         (false, false) => WriteMode::Write,
     };
-    let controller = session.owner(&drive)?.flatten();
+    let controller = session.owner(&drive).wait()?.flatten();
     let (outcomes, same) = write_new(&mut session, &mut drive, &assignments, mode)?;
-    session.close()?;
+    session.close().wait()?;
     if let Some(name) = &controller
         && outcomes.iter().any(is_written)
     {
@@ -115,11 +115,11 @@ fn write_new(
     mode: WriteMode,
 ) -> Result<(Vec<ChangeOutcome>, Vec<bool>), Failure> {
     if mode == WriteMode::Save {
-        let outcomes = session.write(drive, assignments, mode)?;
+        let outcomes = session.write(drive, assignments, mode).wait()?;
         let same = vec![false; outcomes.len()];
         return Ok((outcomes, same));
     }
-    let mut outcomes = session.write(drive, assignments, WriteMode::DryRun)?;
+    let mut outcomes = session.write(drive, assignments, WriteMode::DryRun).wait()?;
     let same = already_so(drive, &outcomes);
     let new: Vec<Assignment> = assignments
         .iter()
@@ -128,7 +128,7 @@ fn write_new(
         .map(|(assignment, _)| assignment.clone())
         .collect();
     if mode == WriteMode::Write && !new.is_empty() {
-        let mut written = session.write(drive, &new, mode)?.into_iter();
+        let mut written = session.write(drive, &new, mode).wait()?.into_iter();
         for (outcome, _) in outcomes.iter_mut().zip(&same).filter(|(_, same)| !**same) {
             if let Some(written) = written.next() {
                 *outcome = written;

@@ -4,14 +4,16 @@ use std::time::Duration;
 
 use profile::catalogue::Device;
 use profile::state::Zsw1;
-use profinet::controller::{ConnectConfig, Misuse, Resolve, Target};
+use profinet::controller::{ArId, ConnectConfig, Misuse, Resolve, Target};
 
-use super::{Axis, AxisPlan, AxisSettings, Rest, Session, speed_setpoint};
-use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale};
+use super::rest::{Closer, Ending, Place};
+use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
+use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale, Wiring};
 use crate::learn::device_of;
+use crate::session::keep::Kept;
 use crate::session::prepare::{Prepared, ownerless};
 use crate::session::takeover;
-use crate::{Drive, Error, Link, Wire};
+use crate::{Drive, Error, Link};
 
 /// One unit of MinDeviceInterval and of the send clock.
 const TICK: Duration = Duration::from_nanos(31_250);
@@ -22,15 +24,15 @@ const WAIT: Duration = Duration::from_millis(1);
 /// Shortest time a drive has for accepting a task.
 const ACCEPT: Duration = Duration::from_secs(2);
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Whether a speed can be told to the drive with the scale it has now: the setpoint travels in steps, and the nearest
     /// one must not be more than [`MOST_ROUNDING`](profile::value::MOST_ROUNDING) away. Reads only.
     ///
     /// # Errors
     /// [`Error::SpeedStep`] with the speeds beside it, [`Error::SpeedRange`] beyond what the setpoint holds, and when the
     /// drive cannot be reached.
-    pub fn check_speed(&mut self, drive: &mut Drive, rpm: f64) -> Result<(), Error> {
-        self.read_scaling(drive)?;
+    pub async fn check_speed(&mut self, drive: &mut Drive, rpm: f64) -> Result<(), Error> {
+        self.read_scaling(drive).await?;
         let scale = SpeedScale::linear(drive.parameters.scaling.speed());
         speed_setpoint(drive, &scale, rpm).map(|_| ())
     }
@@ -40,18 +42,18 @@ impl<M: Wire> Session<M> {
     ///
     /// # Errors
     /// As `take_axis`; [`Error::OwnedByController`] when a controller has the drive.
-    pub fn plan_axis(&mut self, drive: &mut Drive, settings: &AxisSettings) -> Result<AxisPlan, Error> {
+    pub async fn plan_axis(&mut self, drive: &mut Drive, settings: &AxisSettings) -> Result<AxisPlan, Error> {
         let tables = drive.model.catalogue;
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
         drive.check_able(settings.purpose.mode())?;
         self.check_carrier(drive)?;
-        self.read_scaling(drive)?;
+        self.read_scaling(drive).await?;
         if !drive.is_on_line() {
             cycle_of(drive, &device, settings)?;
         }
-        let prepared = self.prepare(drive, &device, settings)?;
+        let prepared = self.prepare(drive, &device, settings).await?;
         if prepared.layout.is_some()
-            && let Some(controller) = self.owner(drive)?.flatten()
+            && let Some(controller) = self.owner(drive).await?.flatten()
         {
             return Err(Error::OwnedByController {
                 drive: drive.label(),
@@ -77,12 +79,13 @@ impl<M: Wire> Session<M> {
     /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]),
     /// another controller owns it, the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
     /// ([`Error::NeedsCallPort`]).
-    pub fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis<'_, M>, Error> {
+    pub async fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis, Error> {
         let tables = drive.model.catalogue;
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
         drive.check_able(settings.purpose.mode())?;
         self.check_carrier(drive)?;
-        self.read_scaling(drive)?;
+        self.ended(drive).await?;
+        self.read_scaling(drive).await?;
         let Prepared {
             mode,
             mut wiring,
@@ -92,16 +95,17 @@ impl<M: Wire> Session<M> {
             scale,
             acceleration,
             deceleration,
-        } = self.prepare(drive, &device, &settings)?;
-        let kept = self.keep(drive, &wiring)?;
-        let loss = Box::new(self.loss_reaction(drive)?);
+        } = self.prepare(drive, &device, &settings).await?;
+        let kept = self.keep(drive, &wiring).await?;
+        let loss = Box::new(self.loss_reaction(drive).await?);
         let taken_over = in_operation && settings.purpose == Purpose::Control;
         let present = if taken_over {
-            Some(self.present_command(drive, &mut wiring, reported, &scale)?)
+            Some(self.present_command(drive, &mut wiring, reported, &scale).await?)
         } else {
             None
         };
-        let (cycle, chosen) = match self.client.line_config() {
+        let line = self.client().line_config();
+        let (cycle, chosen) = match line {
             // the line goes as fast as it can
             Some(line) => (line.exchange(), None),
             None => {
@@ -123,11 +127,10 @@ impl<M: Wire> Session<M> {
             Some(present) => AxisControl::taking_over(limits, mode, present),
             None => AxisControl::in_mode(limits, mode),
         };
-        self.make_way(drive)?;
+        self.make_way(drive).await?;
         let now = self.now();
         // from here on the object below sees to the end of the connection
         let mut waiting = None;
-        let measures = settings.purpose != Purpose::Control;
         let link = match (layout.zip(chosen), drive.slave) {
             (Some((layout, chosen)), _) => {
                 let mut config = ConnectConfig::new(layout.modules, chosen.timing);
@@ -139,19 +142,19 @@ impl<M: Wire> Session<M> {
                     Resolve::Check
                 };
                 let ar = self
-                    .client
+                    .client()
                     .controller()
                     .connect(now, Target::of(&drive.station), config)?;
                 let (slot, subslot) = layout.place;
                 if wiring.chosen_words().next().is_some() {
                     waiting = Some((ar, slot, subslot, wiring, control));
                 } else {
-                    self.client.attach_axis(ar, slot, subslot, wiring, control);
+                    self.client().attach_axis(ar, slot, subslot, wiring, control);
                 }
                 Link::Relation(ar)
             }
             (None, Some(slave)) => {
-                self.client.attach_slave(slave, wiring, control);
+                self.client().attach_slave(slave, wiring, control);
                 Link::Slave(slave)
             }
             (None, None) => return Err(Misuse::UnknownConnection.into()),
@@ -167,48 +170,45 @@ impl<M: Wire> Session<M> {
             scale,
             acceleration,
             deceleration,
-            fastest: 0.0,
             evidence: None,
-            kept,
             loss,
             target: None,
             taken: now,
             watcher: None,
             warnings: Default::default(),
             told: false,
-            finished: false,
-            quick: false,
-            operated: taken_over,
-            rest: Rest::default(),
-            session: self,
+            ending: Ending::new(settings.stop),
+            session: self.clone(),
         };
-        let drive = axis.drive.clone();
-        axis.session.running(&drive, link)?;
-        axis.session.under_control = Some((drive.label(), axis.loss.clone()));
-        if let Link::Relation(ar) = link {
-            axis.session.share(&drive, ar);
+        self.engine.records().axes.push(axis.place());
+        self.engine.spawn(axis.closer(kept).attend());
+        match axis.come_up(waiting, chosen).await {
+            Ok(()) => Ok(axis),
+            Err(error) => {
+                // it is given back before anybody hears of that
+                let _ = axis.release().await;
+                Err(error)
+            }
         }
-        if let Some((ar, slot, subslot, mut wiring, control)) = waiting {
-            // nothing was sent yet: only now the drive says what is in the words of this telegram
-            axis.session.preset_chosen(&mut axis.drive, &mut wiring)?;
-            axis.session
-                .client
-                .attach_axis(ar, slot, subslot, wiring, control);
+    }
+
+    /// Waits until every axis that was dropped is at rest, or cannot be reached any more.
+    ///
+    /// # Errors
+    /// When the wire fails or the caller wants to stop.
+    pub async fn settled(&mut self) -> Result<(), Error> {
+        while self.engine.records().ends_axes() {
+            self.look_again().await?;
         }
-        if let Some(chosen) = chosen.filter(|_| measures) {
-            // the connection is open and nothing is enabled: frames are sent as they will be later
-            axis.strained = chosen.judge(axis.session.longest_delay()?);
+        Ok(())
+    }
+
+    /// Waits for the end of an axis of this drive that is being brought to rest.
+    pub(in crate::session) async fn ended(&mut self, drive: &Drive) -> Result<(), Error> {
+        while self.engine.records().ends_axis(drive) {
+            self.look_again().await?;
         }
-        axis.taken = axis.session.now();
-        // a device that does not report its connections says only now that nobody else had it
-        let enabled = |axis: &Axis<'_, M>| {
-            let seen = axis.status().and_then(|status| status.view.seen);
-            takeover::is_kept(seen.map(|seen| seen.zsw1))
-        };
-        if settings.purpose != Purpose::Control && enabled(&axis) {
-            return Err(ownerless(&axis.drive));
-        }
-        Ok(axis)
+        Ok(())
     }
 
     /// Cyclic data travels in frames of its own, not in UDP; the drive calls when it is ready for them.
@@ -216,23 +216,23 @@ impl<M: Wire> Session<M> {
         if drive.is_on_line() {
             return Ok(());
         }
-        if !self.discovery {
+        if !self.engine.discovers() {
             return Err(Error::NeedsRawFrames { drive: drive.label() });
         }
-        if !self.calls {
+        if !self.engine.hears_calls() {
             return Err(Error::NeedsCallPort { drive: drive.label() });
         }
         Ok(())
     }
 
     /// Returns how late this computer woke up at the most, over [`MEASURED`] of the waiting that carries the frames.
-    fn longest_delay(&mut self) -> Result<Duration, Error> {
+    async fn longest_delay(&mut self) -> Result<Duration, Error> {
         let end = self.now() + MEASURED;
         let mut longest = Duration::ZERO;
         while self.now() < end {
             let due = self.now() + WAIT;
             while self.now() < due {
-                self.step(due)?;
+                self.step(due).await?;
             }
             longest = longest.max(self.now() - due);
         }
@@ -254,4 +254,61 @@ fn standstill(scale: &SpeedScale) -> u16 {
     // of a scale that begins at a lowest speed every number is above it
     let raw = scale.raw(still).filter(|_| steps < still).unwrap_or(1);
     raw.unsigned_abs().max(1)
+}
+
+/// An axis whose telegram is attached once the drive says what is in its words.
+type Waiting = (ArId, u16, u16, Wiring, AxisControl);
+
+impl Axis {
+    /// Waits until the connection carries data that fit.
+    async fn come_up(&mut self, waiting: Option<Waiting>, chosen: Option<Cycle>) -> Result<(), Error> {
+        let measures = self.settings.purpose != Purpose::Control;
+        let drive = self.drive.clone();
+        self.session.running(&drive, self.link).await?;
+        self.session.under_control = Some((drive.label(), self.loss.clone()));
+        if let Link::Relation(ar) = self.link {
+            self.session.share(&drive, ar);
+        }
+        if let Some((ar, slot, subslot, mut wiring, control)) = waiting {
+            // nothing was sent yet: only now the drive says what is in the words of this telegram
+            self.session.preset_chosen(&mut self.drive, &mut wiring).await?;
+            self.session
+                .client()
+                .attach_axis(ar, slot, subslot, wiring, control);
+        }
+        if let Some(chosen) = chosen.filter(|_| measures) {
+            // the connection is open and nothing is enabled: frames are sent as they will be later
+            self.strained = chosen.judge(self.session.longest_delay().await?);
+        }
+        self.taken = self.session.now();
+        // a device that does not report its connections says only now that nobody else had it
+        let seen = self.status().and_then(|status| status.view.seen);
+        if measures && takeover::is_kept(seen.map(|seen| seen.zsw1)) {
+            return Err(ownerless(&self.drive));
+        }
+        Ok(())
+    }
+
+    /// Where it is, for those who come after it.
+    fn place(&self) -> Place {
+        Place::new(&self.drive, &self.ending)
+    }
+
+    /// The one who ends this axis.
+    fn closer(&self, kept: Kept) -> Closer {
+        let mut session = self.session.clone();
+        session.under_control = Some((self.drive.label(), self.loss.clone()));
+        Closer {
+            session,
+            drive: self.drive.clone(),
+            link: self.link,
+            cycle: self.cycle,
+            scale: self.scale,
+            deceleration: self.deceleration,
+            kept,
+            loss: self.loss.clone(),
+            ending: self.ending.clone(),
+            quick: false,
+        }
+    }
 }

@@ -1,151 +1,363 @@
-//! The end of an axis: it is brought to rest and given back, whatever happened before.
+//! The end of an axis: it is brought to rest and given back, whatever became of the one who had it.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 use super::{Axis, AxisStatus, Rest};
-use crate::axis::{Goal, Seen, Trouble};
-use crate::session::takeover;
-use crate::{Connection, Error, Wire};
+use crate::axis::{Goal, Progress, Seen, SpeedScale, Trouble};
+use crate::client::AxisView;
+use crate::engine::{At, at};
+use crate::session::keep::Kept;
+use crate::session::loss::LossReaction;
+use crate::session::{Session, takeover};
+use crate::{Connection, Drive, Error, Link};
 
 /// How long a drive at a line that fell silent is told to stop.
 const CALL_AGAIN: Duration = Duration::from_secs(2);
 /// How long the first valid data of a drive is waited for.
 const FIRST_DATA: Duration = Duration::from_secs(1);
+/// How long a connection that is to be released stays open for an answer under way.
+const LAST_ANSWER: Duration = Duration::from_secs(5);
 /// The longest ramp that is waited for.
 const LONGEST_RAMP: Duration = Duration::from_secs(600);
+/// Every turn comes before that.
+const FAR: Duration = Duration::from_secs(3600);
 
-impl<M: Wire> Axis<'_, M> {
-    pub(super) fn shut_down(&mut self) -> Result<(), Error> {
-        if self.finished {
-            return Ok(());
+/// What an axis and the one who ends it both know.
+#[derive(Debug)]
+pub(in crate::session) struct Ending {
+    told: AtomicBool,
+    done: AtomicBool,
+    open: Mutex<Open>,
+}
+
+#[derive(Debug)]
+struct Open {
+    /// Highest speed asked for since the axis was taken.
+    fastest: f64,
+    /// How much longer than the ramp of the drive stopping may take.
+    stop: Duration,
+    result: Option<Result<Rest, Error>>,
+}
+
+impl Ending {
+    pub(super) fn new(stop: Duration) -> Arc<Self> {
+        Arc::new(Self {
+            told: AtomicBool::new(false),
+            done: AtomicBool::new(false),
+            open: Mutex::new(Open {
+                fastest: 0.0,
+                stop,
+                result: None,
+            }),
+        })
+    }
+
+    fn open(&self) -> MutexGuard<'_, Open> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(in crate::session) fn note_speed(&self, speed: f64) {
+        let mut open = self.open();
+        open.fastest = open.fastest.max(speed);
+    }
+
+    pub(in crate::session) fn allow(&self, stop: Duration) {
+        self.open().stop = stop;
+    }
+
+    pub(super) fn take_result(&self) -> Option<Result<Rest, Error>> {
+        self.open().result.take()
+    }
+
+    pub(super) fn tell(&self) {
+        self.told.store(true, Ordering::Release);
+    }
+
+    fn is_told(&self) -> bool {
+        self.told.load(Ordering::Acquire)
+    }
+
+    /// How long a ramp stop from this speed may take, where the speed is not known from the fastest one asked for.
+    pub(super) fn stop_limit(&self, speed: Option<f64>, deceleration: Option<f64>) -> Duration {
+        let open = self.open();
+        let speed = speed.map_or(open.fastest, f64::abs);
+        let ramp = deceleration
+            .and_then(|ramp| Duration::try_from_secs_f64(speed / ramp).ok())
+            .map_or(Duration::ZERO, |time| time.min(LONGEST_RAMP));
+        open.stop + ramp
+    }
+}
+
+/// An axis that was taken, for those who want its drive after it.
+#[derive(Debug)]
+pub(in crate::session) struct Place {
+    at: At,
+    ending: Weak<Ending>,
+}
+
+impl Place {
+    pub(super) fn new(drive: &Drive, ending: &Arc<Ending>) -> Self {
+        Self {
+            at: at(drive),
+            ending: Arc::downgrade(ending),
         }
-        self.finished = true;
-        let stopping = std::mem::replace(&mut self.session.stopping, true);
-        if self.session.client.connection(self.link) == Connection::Silent {
-            self.call_again();
+    }
+
+    pub(in crate::session) fn is_of(&self, drive: &Drive) -> bool {
+        self.at == at(drive)
+    }
+
+    /// It is on the way to its rest.
+    pub(in crate::session) fn is_ending(&self) -> bool {
+        let ending = self.ending.upgrade();
+        ending.is_some_and(|ending| ending.is_told() && !ending.done.load(Ordering::Acquire))
+    }
+
+    pub(in crate::session) fn is_over(&self) -> bool {
+        self.ending.strong_count() == 0
+    }
+}
+
+/// Ends an axis as soon as it is told to, by its owner or because the network is left.
+pub(super) struct Closer {
+    pub session: Session,
+    pub drive: Drive,
+    pub link: Link,
+    pub cycle: Duration,
+    pub scale: SpeedScale,
+    pub deceleration: Option<f64>,
+    pub kept: Kept,
+    pub loss: Box<LossReaction>,
+    pub ending: Arc<Ending>,
+    /// A quick stop ended what should have been a ramp stop.
+    pub quick: bool,
+}
+
+impl Closer {
+    /// Waits for the end and sees to it.
+    pub(super) async fn attend(mut self) {
+        self.session.stopping = true;
+        let engine = self.session.engine().clone();
+        while !self.ending.is_told() && !engine.is_closing() {
+            // what the wire does meanwhile is the owner's to know
+            if let Err(Error::Closed) = engine.next_turn(engine.now() + FAR).await {
+                return;
+            }
         }
-        let connection = self.session.client.connection(self.link);
+        let result = self.shut_down().await;
+        self.ending.open().result = Some(result);
+        self.ending.done.store(true, Ordering::Release);
+    }
+
+    async fn shut_down(&mut self) -> Result<Rest, Error> {
+        if self.session.connection(self.link) == Connection::Silent {
+            self.call_again().await;
+        }
+        let connection = self.session.connection(self.link);
         let running = connection == Connection::Running;
-        let mut result = match self.lost() {
+        let rest = match self.lost(connection) {
             // nobody saw it stand: whatever went before, this is no end of a stop
             Some(error) => Err(error),
-            None if running => self.bring_to_rest(),
-            None => Ok(()),
+            None if running => self.bring_to_rest().await,
+            None => Ok(Rest::default()),
         };
-        let released = self.session.release(self.link);
-        if result.is_ok() {
-            result = released;
+        let released = {
+            // a request of somebody else that travels on this connection gets its answer first
+            let engine = self.session.engine().clone();
+            let due = engine.now() + LAST_ANSWER;
+            let _turn = engine.turn_at(&self.drive, true, Some(due)).await;
+            self.session.release(self.link).await
+        };
+        let rest = rest?;
+        released?;
+        if running {
+            self.session.give_back(&mut self.drive, &self.kept).await?;
         }
-        if running && result.is_ok() {
-            result = self.session.give_back(&mut self.drive, &self.kept);
-        }
-        self.session.under_control = None;
-        self.session.stopping = stopping;
-        result
+        Ok(rest)
     }
 
     /// A drive at a line that does not answer may still hear, and may run on if its time-out is not set: it is told to
     /// stop for a while, and brought to rest once it answers.
-    fn call_again(&mut self) {
+    async fn call_again(&mut self) {
         self.pursue(Goal::Stop);
         let end = self.session.now() + CALL_AGAIN;
-        while self.session.now() < end && self.session.client.connection(self.link) == Connection::Silent {
-            if self.session.step(end).is_err() {
+        while self.session.now() < end && self.session.connection(self.link) == Connection::Silent {
+            if self.session.step(end).await.is_err() {
                 return;
             }
         }
     }
 
-    fn bring_to_rest(&mut self) -> Result<(), Error> {
-        let control_taken = self
-            .status()
-            .is_some_and(|status| status.view.goal != Goal::Released);
-        let stopped = if control_taken { self.ramp_down() } else { Ok(()) };
+    async fn bring_to_rest(&mut self) -> Result<Rest, Error> {
+        let control_taken = self.view().is_some_and(|view| view.goal != Goal::Released);
+        let stopped = if control_taken {
+            self.ramp_down().await
+        } else {
+            Ok(())
+        };
         self.pursue(Goal::Released);
         // the drive must see the word without control before the connection ends
         let end = self.session.now() + self.cycle * 4;
-        while self.session.now() < end && self.session.client.connection(self.link) == Connection::Running {
-            self.session.step(end)?;
+        while self.session.now() < end && self.session.connection(self.link) == Connection::Running {
+            self.session.step(end).await?;
         }
         stopped?;
-        if self.quick && !self.session.hurried {
-            return Err(Error::Axis {
-                drive: self.drive.label(),
-                trouble: Trouble::QuickStopUsed,
-            });
+        if self.quick && !self.session.has_hurried() {
+            return Err(self.trouble(Trouble::QuickStopUsed));
         }
         // the power stage is off by now: a load that hangs on the shaft shows. An axis that nobody here had in operation
         // coasts from before
-        let view = self.status().map(|status| status.view);
-        self.rest = match view.filter(|view| view.turns) {
+        let view = self.view();
+        let rest = match view.filter(|view| view.turns) {
             None => Rest::Stands,
             Some(view) if view.seen.is_some_and(Seen::pulses_off) => Rest::Coasts,
             Some(_) => Rest::Runs,
         };
-        if self.operated && self.rest != Rest::Stands {
-            return Err(Error::Axis {
-                drive: self.drive.label(),
-                trouble: Trouble::StillTurns,
-            });
+        if view.is_some_and(|view| view.operated) && rest != Rest::Stands {
+            return Err(self.trouble(Trouble::StillTurns));
         }
-        Ok(())
-    }
-
-    /// As [`ramp_down`](Self::ramp_down), not to be interrupted. Of an axis that was not taken over the first data shows
-    /// whether it is in operation.
-    pub(in crate::session) fn come_to_rest(&mut self) -> Result<(), Error> {
-        let stopping = std::mem::replace(&mut self.session.stopping, true);
-        let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);
-        let mut result = Ok(true);
-        if !self.operated {
-            result = self.hold_until(FIRST_DATA, |status| seen(status).is_some());
-            self.operated = takeover::is_kept(self.status().as_ref().and_then(seen));
-        }
-        let result = result.and_then(|_| self.ramp_down());
-        self.session.stopping = stopping;
-        result
-    }
-
-    /// How long the drive needs for its ramp from the present speed, as far as that can be reckoned.
-    fn ramp_time(&self) -> Duration {
-        let told = self.status().and_then(|status| status.speed_actual);
-        let speed = told.map_or(self.fastest, f64::abs);
-        self.deceleration
-            .and_then(|ramp| Duration::try_from_secs_f64(speed / ramp).ok())
-            .map_or(Duration::ZERO, |time| time.min(LONGEST_RAMP))
+        Ok(rest)
     }
 
     /// OFF1, and whatever it takes until the pulses are off or the control gives up.
-    fn ramp_down(&mut self) -> Result<(), Error> {
-        let limit = self.settings.stop + self.ramp_time();
-        self.session.client.allow_stop(self.link, limit);
+    async fn ramp_down(&mut self) -> Result<(), Error> {
+        let seen = self.view().and_then(|view| view.seen);
+        let speed = seen.and_then(|seen| Some(self.scale.speed(seen.nist_a?)));
+        let limit = self.ending.stop_limit(speed, self.deceleration);
+        self.session.client().allow_stop(self.link, limit);
         self.pursue(Goal::Stop);
         loop {
+            let view = self.view();
             // a quick stop that took over is waited for as well, and told with the release
-            self.quick |= self.status().is_some_and(|status| status.view.quick_stop);
-            match self.look() {
-                Ok(status) if status.view.at_rest => return Ok(()),
-                Ok(_) => {}
-                Err(Error::Axis {
-                    trouble: Trouble::QuickStopUsed,
-                    ..
-                }) if self.status().is_some_and(|status| !status.view.at_rest) => {}
-                Err(error) => return Err(error),
+            self.quick |= view.is_some_and(|view| view.quick_stop);
+            if let Some(error) = self.lost(self.session.connection(self.link)) {
+                return Err(error);
             }
-            let soon = self.session.now() + self.cycle.max(Duration::from_millis(1));
-            self.session.step(soon)?;
+            let Some(view) = view else { return Ok(()) };
+            self.session.hurry_on(self.link, &view);
+            match view.progress {
+                Progress::Failed(Trouble::QuickStopUsed) if !view.at_rest => {}
+                Progress::Failed(trouble) => return Err(self.trouble(trouble)),
+                _ if view.at_rest => return Ok(()),
+                _ => {}
+            }
+            self.session.look_again().await?;
         }
+    }
+
+    fn pursue(&self, goal: Goal) {
+        let now = self.session.now();
+        self.session.client().pursue(now, self.link, goal);
+    }
+
+    fn view(&self) -> Option<AxisView> {
+        self.session.client().axis(self.link)
+    }
+
+    fn trouble(&self, trouble: Trouble) -> Error {
+        Error::Axis {
+            drive: self.drive.label(),
+            trouble,
+        }
+    }
+
+    fn lost(&self, connection: Connection) -> Option<Error> {
+        lost(&self.drive, connection, &self.loss)
     }
 }
 
-impl<M: Wire> Drop for Axis<'_, M> {
-    fn drop(&mut self) {
-        if std::thread::panicking() {
-            // a watcher that panics once more would end the process before the axis stands
-            self.watcher = None;
-            self.warnings = Default::default();
+/// The error of a connection that is gone.
+pub(super) fn lost(drive: &Drive, connection: Connection, loss: &LossReaction) -> Option<Error> {
+    let reaction = || Some(Box::new(loss.clone()));
+    match connection {
+        Connection::Lost(cause) => Some(Error::ConnectionLost {
+            drive: drive.label(),
+            cause,
+            reaction: reaction(),
+        }),
+        Connection::Silent => Some(Error::LineSilent {
+            drive: drive.label(),
+            reaction: reaction(),
+        }),
+        _ => None,
+    }
+}
+
+impl Axis {
+    /// Stops the axis, gives control back and closes the connection. An axis that [`coasts`](Self::coasts) is not waited
+    /// for.
+    ///
+    /// # Errors
+    /// When the axis does not come to a standstill or the connection is lost; it is closed all the same.
+    pub async fn release(self) -> Result<(), Error> {
+        self.release_and_look().await.map(|_| ())
+    }
+
+    /// The same; returns how the axis was when control was given back.
+    ///
+    /// # Errors
+    /// As [`release`](Self::release).
+    pub async fn release_and_look(mut self) -> Result<Rest, Error> {
+        self.session.stopping = true;
+        self.ending.tell();
+        loop {
+            if let Some(result) = self.ending.take_result() {
+                return result;
+            }
+            // what the word without control brings about is no motion any more
+            if self
+                .status()
+                .is_some_and(|status| status.view.goal != Goal::Released)
+            {
+                self.show();
+            }
+            // what else goes wrong is told with the result
+            if let Err(Error::Closed) = self.session.look_again().await {
+                return Err(Error::Closed);
+            }
         }
-        // nobody is left to tell
-        let _ = self.shut_down();
+    }
+
+    /// Begins a ramp stop; what is called next waits for its end.
+    pub(in crate::session) fn begin_stop(&mut self) {
+        let speed = self.status().and_then(|status| status.speed_actual);
+        let limit = self.ending.stop_limit(speed, self.deceleration);
+        let now = self.session.now();
+        {
+            let mut client = self.session.client();
+            client.allow_stop(self.link, limit);
+            client.pursue(now, self.link, Goal::Stop);
+        }
+        self.told = false;
+        self.session.engine().stir();
+    }
+
+    /// Has an axis of which nobody had control stopped by the control word, and gives it back.
+    pub(in crate::session) async fn stop_and_release(mut self) -> Result<(), Error> {
+        self.session.stopping = true;
+        let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);
+        // the first data shows whether it is in operation
+        let operated = self.status().is_some_and(|status| status.view.operated);
+        let first = if operated {
+            Ok(true)
+        } else {
+            let first = self.hold_until(FIRST_DATA, |status| seen(status).is_some()).await;
+            if takeover::is_kept(self.status().as_ref().and_then(seen)) {
+                self.session.client().note_operated(self.link);
+            }
+            first
+        };
+        self.begin_stop();
+        let released = self.release().await;
+        first.and(released)
+    }
+}
+
+impl Drop for Axis {
+    fn drop(&mut self) {
+        self.ending.tell();
+        self.session.engine().stir();
     }
 }

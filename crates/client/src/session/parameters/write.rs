@@ -9,7 +9,7 @@ use profile::parameter::{
 use super::{MAX_REQUEST, malformed, needs_scaling, refusal};
 use crate::session::Session;
 use crate::wide::halves;
-use crate::{Drive, Error, Refusal, Wire};
+use crate::{Drive, Error, Refusal};
 use profile::model::Model;
 use profile::value::{Assignment, CheckedValue, Content, ParameterProblem, Reading, Selection, is_scaling};
 
@@ -118,13 +118,13 @@ struct Part<'a> {
     value: &'a Outgoing,
 }
 
-impl<M: Wire> Session<M> {
+impl Session {
     /// Checks all assignments against the tables, reads the present values, and, unless it is a dry run, writes and
     /// reads back. Nothing is written when one of them is wrong.
     ///
     /// # Errors
     /// A wrong assignment, a unit or scaling while the power stage is on, or a drive that cannot be reached. A refused write is told in the outcome.
-    pub fn write(
+    pub async fn write(
         &mut self,
         drive: &mut Drive,
         assignments: &[Assignment],
@@ -139,7 +139,7 @@ impl<M: Wire> Session<M> {
         for assignment in assignments {
             let selection = drive.parameters.select(&assignment.reference)?;
             if needs_scaling(&selection) {
-                self.read_scaling(drive)?;
+                self.read_scaling(drive).await?;
             }
             let value = match drive.parameters.check_text(&selection, &assignment.value)? {
                 Some(text) => PlannedValue::Text(text),
@@ -156,7 +156,10 @@ impl<M: Wire> Session<M> {
             changes.push(PlannedChange { selection, value });
         }
         let scales = |change: &PlannedChange| scales_setpoints(drive, &change.selection);
-        if mode != WriteMode::DryRun && changes.iter().any(scales) && self.is_enabled(drive)? == Some(true) {
+        if mode != WriteMode::DryRun
+            && changes.iter().any(scales)
+            && self.is_enabled(drive).await? == Some(true)
+        {
             return Err(Error::NotAtRest {
                 drive: drive.label(),
                 what: "the power stage is on and another scale would give its setpoints another meaning",
@@ -167,7 +170,7 @@ impl<M: Wire> Session<M> {
             .map(|change| change.selection)
             .filter(|selection| !is_command(selection))
             .collect();
-        let mut old = self.read(drive, &readable)?.into_iter();
+        let mut old = self.read(drive, &readable).await?.into_iter();
         let mut outcomes: Vec<ChangeOutcome> = changes
             .into_iter()
             .map(|change| {
@@ -197,13 +200,17 @@ impl<M: Wire> Session<M> {
         };
         let mut command = command;
         match id.filter(|id| *id != RequestId::Change) {
-            Some(id) if !self.takes_request(drive, &mut outcomes, id)? => {
+            Some(id) if !self.takes_request(drive, &mut outcomes, id).await? => {
                 // the drive has no request that saves: its command does, where it has one
                 command = Some(save_command(drive)?);
-                self.write_outcomes(drive, &mut outcomes, RequestId::Change)?;
+                self.write_outcomes(drive, &mut outcomes, RequestId::Change)
+                    .await?;
             }
             Some(_) => {}
-            None => self.write_outcomes(drive, &mut outcomes, RequestId::Change)?,
+            None => {
+                self.write_outcomes(drive, &mut outcomes, RequestId::Change)
+                    .await?
+            }
         }
         let mut back: Vec<Selection> = Vec::new();
         for outcome in &outcomes {
@@ -217,7 +224,7 @@ impl<M: Wire> Session<M> {
             known.is_some_and(|(parameter, tables)| is_scaling(tables, parameter))
         };
         drive.scaled &= !back.iter().any(scales);
-        let mut new = self.read(drive, &back)?.into_iter();
+        let mut new = self.read(drive, &back).await?.into_iter();
         for outcome in &mut outcomes {
             if matches!(outcome.written, Some(Ok(()))) && !is_command(&outcome.change.selection) {
                 outcome.new = new.next();
@@ -228,7 +235,8 @@ impl<M: Wire> Session<M> {
             .iter()
             .all(|outcome| matches!(outcome.written, Some(Ok(()))));
         if let Some(mut command) = command.filter(|_| done) {
-            self.write_outcomes(drive, std::slice::from_mut(&mut command), RequestId::Change)?;
+            self.write_outcomes(drive, std::slice::from_mut(&mut command), RequestId::Change)
+                .await?;
             outcomes.push(command);
         }
         Ok(outcomes)
@@ -236,19 +244,19 @@ impl<M: Wire> Session<M> {
 
     /// Writes with a request of the vendor's own; false where the drive does not know that request, and nothing is
     /// written.
-    fn takes_request(
+    async fn takes_request(
         &mut self,
         drive: &Drive,
         outcomes: &mut [ChangeOutcome],
         id: RequestId,
     ) -> Result<bool, Error> {
-        match self.write_outcomes(drive, outcomes, id) {
+        match self.write_outcomes(drive, outcomes, id).await {
             Err(Error::UnknownRequest { .. }) => Ok(false),
             other => other.map(|()| true),
         }
     }
 
-    fn write_outcomes(
+    async fn write_outcomes(
         &mut self,
         drive: &Drive,
         outcomes: &mut [ChangeOutcome],
@@ -260,7 +268,9 @@ impl<M: Wire> Session<M> {
         }
         let sizes: Vec<usize> = encoded.iter().map(|value| value.octets.len()).collect();
         for group in plan_changes(&sizes, drive.model.dialect) {
-            let answers = self.change_as(id, drive, encoded.get(group.clone()).unwrap_or_default())?;
+            let answers = self
+                .change_as(id, drive, encoded.get(group.clone()).unwrap_or_default())
+                .await?;
             for (at, answer) in group.zip(answers) {
                 if let Some(outcome) = outcomes.get_mut(at) {
                     outcome.written = Some(answer);
@@ -271,15 +281,15 @@ impl<M: Wire> Session<M> {
     }
 
     /// Writes values with one request; they must fit into one ([`plan_changes`]). One answer for each.
-    pub(in crate::session) fn change(
+    pub(in crate::session) async fn change(
         &mut self,
         drive: &Drive,
         outgoing: &[Outgoing],
     ) -> Result<Vec<Result<(), Refusal>>, Error> {
-        self.change_as(RequestId::Change, drive, outgoing)
+        self.change_as(RequestId::Change, drive, outgoing).await
     }
 
-    fn change_as(
+    async fn change_as(
         &mut self,
         id: RequestId,
         drive: &Drive,
@@ -299,12 +309,13 @@ impl<M: Wire> Session<M> {
         // The caller has seen to the size of the request; only values of two numbers make it longer.
         let sizes: Vec<usize> = parts.iter().map(|part| part.octets.len()).collect();
         for group in plan_changes(&sizes, drive.model.dialect) {
-            self.change_parts(id, drive, parts.get(group).unwrap_or_default(), &mut answers)?;
+            self.change_parts(id, drive, parts.get(group).unwrap_or_default(), &mut answers)
+                .await?;
         }
         Ok(answers)
     }
 
-    fn change_parts(
+    async fn change_parts(
         &mut self,
         id: RequestId,
         drive: &Drive,
@@ -326,7 +337,7 @@ impl<M: Wire> Session<M> {
         let reference = self.next_reference();
         let length = encode_change_as(id, reference, dialect, &values, &mut buffer)
             .map_err(|error| malformed(drive, &error))?;
-        let answered = self.job(drive, buffer.get(..length).unwrap_or_default())?;
+        let answered = self.job(drive, buffer.get(..length).unwrap_or_default()).await?;
         let response = Response::parse(&answered.octets, id, reference, &addresses, dialect).map_err(
             |error| match error {
                 ResponseError::Refused(error) if error.number == dialect.bad_request.1 => {

@@ -1,7 +1,7 @@
 //! Motion tasks in backups: read through their window, which is left as it was, and written back.
 
-use std::cell::Cell;
-
+use crate::bench::shared::Shared;
+use profidrive_client::Wait;
 use profidrive_client::backup::{Task, TasksTold, compare_tasks};
 
 use super::*;
@@ -74,11 +74,11 @@ fn a_drive_that_is_switched_on_is_left_alone() {
     let mut bench = with_tasks();
     bench.set(2113, 0); // DRV.CMDSOURCE
     bench.set(2127, 1); // DRV.EN
-    bench.session.pass(Duration::from_millis(500)).unwrap();
+    bench.session.pass(Duration::from_millis(500)).wait().unwrap();
     assert_eq!(bench.wire().truth(2110), 1);
     let before = bench.window();
-    let windows = Rc::new(Cell::new(0));
-    let other = Rc::clone(&windows);
+    let windows = Shared::new(0);
+    let other = windows.clone();
     bench.on_each_step(move |_, wire| {
         let now = WINDOW.map(|pnu| wire.truth(pnu));
         other.set(other.get() + usize::from(now != before));
@@ -157,7 +157,11 @@ fn changed_compared_restored_and_the_way_back() {
         only: vec!["MT[9]".parse().unwrap()],
         ..Choice::default()
     };
-    let plan = bench.session.plan(&mut bench.drive, &wanted, &choice).unwrap();
+    let plan = bench
+        .session
+        .plan(&mut bench.drive, &wanted, &choice)
+        .wait()
+        .unwrap();
     assert_eq!(
         (plan.tasks.len(), plan.tasks[0].number, plan.changes.len()),
         (1, 9, 0)
@@ -175,7 +179,7 @@ fn interrupted_at_every_point_nothing_wrong_is_claimed_and_the_window_is_as_it_w
         let mut journal = bench.journal(&wanted, &Choice::default());
         assert_eq!(journal.plan().tasks.len(), 3);
         bench.on_each_step(|_, _| {});
-        let steps = Rc::clone(&bench.steps);
+        let steps = bench.steps.clone();
         bench.session.interrupt_with(move || steps.get() >= at);
         let (result, kept) = bench.restore(&mut journal, false);
         bench.session.interrupt_with(|| false);

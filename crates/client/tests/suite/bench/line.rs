@@ -1,16 +1,16 @@
 //! Virtual drives behind slaves of a serial line, in virtual time, with everything a line does to octets.
 
-use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::convert::Infallible;
-use std::rc::Rc;
 use std::time::Duration;
 
-use profidrive_client::{Client, Drive, DriveAddress, Error, LineConfig, Session, Wire};
+use profidrive_client::{Drive, DriveAddress, Engine, Error, LineConfig, Network, Wait, Wire};
 use profinet::Instant;
 use uss::{Protocol, SlaveConfig};
 use virtual_drive::model::{self, Model as Virtual};
 use virtual_drive::serial::{SerialConfig, SerialStation};
+
+use super::shared::{On, Shared};
 
 /// What a line does to the octets of both sides.
 #[derive(Clone, Copy, Default)]
@@ -41,7 +41,9 @@ pub struct Bus {
 }
 
 #[derive(Clone)]
-pub struct Shared(pub Rc<RefCell<Bus>>);
+pub struct AtLine(pub Shared<Bus>);
+
+pub type Bench = On<AtLine>;
 
 impl Bus {
     /// A number from 0 to 99, the same in each run.
@@ -83,14 +85,14 @@ impl Bus {
     }
 }
 
-impl Wire for Shared {
+impl Wire for AtLine {
     type Error = Infallible;
 
     fn now(&self) -> Instant {
         self.0.borrow().now
     }
 
-    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Infallible> {
+    fn step(&mut self, client: &mut Engine, until: Instant) -> Result<(), Infallible> {
         let mut bus = self.0.borrow_mut();
         let bus = &mut *bus;
         let mut buffer = [0; uss::MAX_TELEGRAM];
@@ -143,16 +145,11 @@ impl Wire for Shared {
     }
 }
 
-pub fn bench(protocol: Protocol, numbers: &[u8], line: Line) -> (Session<Shared>, Shared) {
+pub fn bench(protocol: Protocol, numbers: &[u8], line: Line) -> (Bench, AtLine) {
     bench_of(&model::AKD, protocol, numbers, line)
 }
 
-pub fn bench_of(
-    model: &'static Virtual,
-    protocol: Protocol,
-    numbers: &[u8],
-    line: Line,
-) -> (Session<Shared>, Shared) {
+pub fn bench_of(model: &'static Virtual, protocol: Protocol, numbers: &[u8], line: Line) -> (Bench, AtLine) {
     let config = |&number| {
         let slave = match protocol {
             Protocol::Fc => SlaveConfig::fc(number, 9600),
@@ -160,20 +157,22 @@ pub fn bench_of(
         };
         SerialStation::new(SerialConfig::new(model, slave))
     };
-    let bus = Shared(Rc::new(RefCell::new(Bus {
+    let bus = AtLine(Shared::new(Bus {
         now: Instant::from_millis(1000),
         line,
         random: 7,
         drives: numbers.iter().map(config).collect(),
         to_client: VecDeque::new(),
         words: Vec::new(),
-    })));
+    }));
     (
-        Session::on_line(bus.clone(), LineConfig::new(protocol, 9600)),
+        On::new(Network::on_line(bus.clone(), LineConfig::new(protocol, 9600))),
         bus,
     )
 }
 
-pub fn find(session: &mut Session<Shared>, text: &str) -> Result<Drive, Error> {
-    session.find(&text.parse::<DriveAddress>().expect("an address"))
+pub fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {
+    session
+        .find(&text.parse::<DriveAddress>().expect("an address"))
+        .wait()
 }

@@ -1,16 +1,18 @@
 //! Virtual drives and a client on an in-memory segment, in virtual time.
 
 pub mod line;
+pub mod shared;
 pub mod watched;
 pub mod world;
 
 use std::net::Ipv4Addr;
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
 use std::time::Duration;
 
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive_client::{Client, Drive, DriveAddress, Error, Session};
+use profidrive_client::{Client, Drive, DriveAddress, Error, Network, Wait};
 use profile::catalogue::AKD;
 use profile::notation::ParameterReference;
 use profile::value::Selection;
@@ -24,7 +26,9 @@ use virtual_drive::description::Description;
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
-pub type Bench = Session<SegmentMedium>;
+use shared::On;
+
+pub type Bench = On<SegmentMedium>;
 
 pub fn ip(last: u8) -> IpSuite {
     IpSuite {
@@ -71,7 +75,7 @@ pub fn bench_from(file: &str) -> (Bench, Vec<StationId>) {
 
 pub fn bench_of(stations: Vec<Box<Host<Station>>>) -> (Bench, Vec<StationId>) {
     let (medium, config, ids) = parts_of(stations);
-    (Session::new(medium, config), ids)
+    (On::new(Network::on(medium, config)), ids)
 }
 
 /// What a session is made of, for a medium of another kind around the segment.
@@ -87,16 +91,31 @@ pub fn parts_of(stations: Vec<Box<Host<Station>>>) -> (SegmentMedium, Controller
 }
 
 pub fn find(session: &mut Bench, text: &str) -> Result<Drive, Error> {
-    session.find(&text.parse::<DriveAddress>().expect("an address"))
+    session
+        .find(&text.parse::<DriveAddress>().expect("an address"))
+        .wait()
 }
 
-pub fn drive_at(session: &Bench, id: StationId) -> &Station {
-    session
-        .medium()
-        .segment()
-        .station::<Host<Station>>(id)
-        .expect("the drive")
-        .endpoint()
+pub fn drive_at(session: &Bench, id: StationId) -> impl Deref<Target = Station> + '_ {
+    At {
+        medium: session.medium(),
+        id,
+    }
+}
+
+/// One drive of a segment.
+struct At<M> {
+    medium: M,
+    id: StationId,
+}
+
+impl<M: Deref<Target = SegmentMedium>> Deref for At<M> {
+    type Target = Station;
+
+    fn deref(&self) -> &Station {
+        let host = self.medium.segment().station::<Host<Station>>(self.id);
+        host.expect("the drive").endpoint()
+    }
 }
 
 pub fn select(drive: &Drive, text: &str) -> Selection {
@@ -153,11 +172,9 @@ pub fn other_controller() -> (Box<Host<Client>>, ArId) {
 }
 
 /// What the other controller sends from now on.
-pub fn command(session: &mut Bench, plc: (StationId, ArId), data: &[u8]) {
-    let host = session
-        .medium_mut()
-        .segment_mut()
-        .station_mut::<Host<Client>>(plc.0);
+pub fn command(session: &Bench, plc: (StationId, ArId), data: &[u8]) {
+    let mut medium = session.medium();
+    let host = medium.segment_mut().station_mut::<Host<Client>>(plc.0);
     let client = host.expect("the controller").endpoint_mut();
     client
         .controller()
@@ -166,17 +183,39 @@ pub fn command(session: &mut Bench, plc: (StationId, ArId), data: &[u8]) {
 }
 
 /// The drive, to change it.
-pub fn drive_mut(session: &mut Bench, id: StationId) -> &mut virtual_drive::drive::Drive {
-    let host = session
-        .medium_mut()
-        .segment_mut()
-        .station_mut::<Host<Station>>(id);
-    host.expect("the drive").endpoint_mut().drive_mut()
+pub fn drive_mut(session: &Bench, id: StationId) -> impl DerefMut<Target = virtual_drive::drive::Drive> + '_ {
+    Changed {
+        medium: session.medium(),
+        id,
+    }
+}
+
+/// One drive of a segment, to change it.
+struct Changed<M> {
+    medium: M,
+    id: StationId,
+}
+
+impl<M: Deref<Target = SegmentMedium>> Deref for Changed<M> {
+    type Target = virtual_drive::drive::Drive;
+
+    fn deref(&self) -> &Self::Target {
+        let host = self.medium.segment().station::<Host<Station>>(self.id);
+        host.expect("the drive").endpoint().drive()
+    }
+}
+
+impl<M: DerefMut<Target = SegmentMedium>> DerefMut for Changed<M> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        let host = self.medium.segment_mut().station_mut::<Host<Station>>(self.id);
+        host.expect("the drive").endpoint_mut().drive_mut()
+    }
 }
 
 /// Does something to the drive itself, as a hand at the machine would.
-pub fn with_drive(session: &mut Bench, id: StationId, act: impl FnOnce(&mut virtual_drive::drive::Drive)) {
-    let segment = session.medium_mut().segment_mut();
+pub fn with_drive(session: &Bench, id: StationId, act: impl FnOnce(&mut virtual_drive::drive::Drive)) {
+    let mut medium = session.medium();
+    let segment = medium.segment_mut();
     let host = segment.station_mut::<Host<Station>>(id).expect("the drive");
     act(host.endpoint_mut().drive_mut());
 }

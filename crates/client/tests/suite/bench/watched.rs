@@ -4,27 +4,27 @@
 // helpers of tests fail by panicking, like the tests themselves
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use std::cell::{Cell, RefCell};
-use std::rc::Rc;
+use std::ops::{Deref, DerefMut};
 
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
 use profidrive_client::backup::{Backup, Choice, Journal};
-use profidrive_client::{Drive, DriveAddress, Error, Session};
+use profidrive_client::{Drive, DriveAddress, Error, Network, Wait};
 use profile::catalogue::AKD;
 use profile::parameter::{Keep, ParameterAccess};
 use profinet::controller::ControllerConfig;
 use profinet::{Endpoint, Instant, MacAddress, Medium};
 use virtual_drive::station::Station;
 
+use super::shared::{On, Shared};
 use super::{ip, station};
 
 /// What happens to the drive while a session works: called after each step of the medium with its number.
-pub type Hook = Box<dyn FnMut(usize, &mut Wire<'_>)>;
+pub type Hook = Box<dyn FnMut(usize, &mut Wire<'_>) + Send>;
 
 /// The drive and its cable, looked at past the session.
 pub struct Wire<'a> {
-    pub segment: &'a mut Segment,
+    pub segment: Box<dyn DerefMut<Target = Segment> + 'a>,
     pub id: StationId,
 }
 
@@ -45,8 +45,8 @@ impl Wire<'_> {
 pub struct Watched {
     inner: SegmentMedium,
     pub id: StationId,
-    pub steps: Rc<Cell<usize>>,
-    hook: Rc<RefCell<Hook>>,
+    pub steps: Shared<usize>,
+    hook: Shared<Hook>,
 }
 
 impl Medium for Watched {
@@ -58,38 +58,59 @@ impl Medium for Watched {
 
     fn step(&mut self, endpoint: &mut dyn Endpoint, until: Instant) -> Result<(), Self::Error> {
         let result = self.inner.step(endpoint, until);
-        self.steps.set(self.steps.get() + 1);
+        let step = self.steps.get() + 1;
+        self.steps.set(step);
         let mut wire = Wire {
-            segment: self.inner.segment_mut(),
+            segment: Box::new(self.inner.segment_mut()),
             id: self.id,
         };
-        (self.hook.borrow_mut())(self.steps.get(), &mut wire);
+        (self.hook.borrow_mut())(step, &mut wire);
         result
+    }
+}
+
+/// The segment of a medium.
+struct Of<M>(M);
+
+impl<M: Deref<Target = Watched>> Deref for Of<M> {
+    type Target = Segment;
+
+    fn deref(&self) -> &Segment {
+        self.0.inner.segment()
+    }
+}
+
+impl<M: DerefMut<Target = Watched>> DerefMut for Of<M> {
+    fn deref_mut(&mut self) -> &mut Segment {
+        self.0.inner.segment_mut()
     }
 }
 
 /// One virtual AKD and a session with it.
 pub struct Bench {
-    pub session: Session<Watched>,
+    pub session: On<Watched>,
     pub drive: Drive,
-    pub steps: Rc<Cell<usize>>,
-    hook: Rc<RefCell<Hook>>,
+    pub steps: Shared<usize>,
+    hook: Shared<Hook>,
 }
 
 pub fn bench() -> Bench {
     let mut segment = Segment::new(7);
     let id = segment.attach(station("akd-1", 1));
-    let steps = Rc::new(Cell::new(0));
-    let hook: Rc<RefCell<Hook>> = Rc::new(RefCell::new(Box::new(|_, _| {})));
+    let steps = Shared::new(0);
+    let hook: Shared<Hook> = Shared::new(Box::new(|_, _| {}));
     let medium = Watched {
         inner: SegmentMedium::new(segment, Pace::Virtual),
         id,
-        steps: Rc::clone(&steps),
-        hook: Rc::clone(&hook),
+        steps: steps.clone(),
+        hook: hook.clone(),
     };
     let config = ControllerConfig::new(MacAddress([2, 0, 0, 0, 1, 0]), ip(200), "client", 1);
-    let mut session = Session::new(medium, config);
-    let drive = session.find(&"akd-1".parse::<DriveAddress>().unwrap()).unwrap();
+    let mut session = On::new(Network::on(medium, config));
+    let drive = session
+        .find(&"akd-1".parse::<DriveAddress>().unwrap())
+        .wait()
+        .unwrap();
     Bench {
         session,
         drive,
@@ -99,16 +120,21 @@ pub fn bench() -> Bench {
 }
 
 impl Bench {
+    /// Looks at the drive and its cable.
     pub fn wire(&mut self) -> Wire<'_> {
-        let medium = self.session.medium_mut();
+        let medium = self.session.medium();
+        let id = medium.id;
         Wire {
-            segment: medium.inner.segment_mut(),
-            id: medium.id,
+            segment: Box::new(Of(medium)),
+            id,
         }
     }
 
     pub fn backup(&mut self) -> Backup {
-        self.session.backup(&mut self.drive, &mut |_, _| {}).unwrap()
+        self.session
+            .backup(&mut self.drive, &mut |_, _| {})
+            .wait()
+            .unwrap()
     }
 
     pub fn set(&mut self, pnu: u16, raw: u64) {
@@ -121,7 +147,7 @@ impl Bench {
     }
 
     pub fn journal(&mut self, wanted: &Backup, choice: &Choice) -> Journal {
-        Journal::new(&self.session.plan(&mut self.drive, wanted, choice).unwrap())
+        Journal::new(&self.session.plan(&mut self.drive, wanted, choice).wait().unwrap())
     }
 
     /// Restores; gives the last text that was kept.
@@ -132,11 +158,12 @@ impl Bench {
             .restore(&mut self.drive, journal, save, &mut |journal| {
                 kept = journal.to_string();
                 Ok(())
-            });
+            })
+            .wait();
         (result, kept)
     }
 
-    pub fn on_each_step(&self, hook: impl FnMut(usize, &mut Wire<'_>) + 'static) {
+    pub fn on_each_step(&self, hook: impl FnMut(usize, &mut Wire<'_>) + Send + 'static) {
         self.steps.set(0);
         *self.hook.borrow_mut() = Box::new(hook);
     }
@@ -148,8 +175,8 @@ pub type Numbers = Vec<(u16, u64, u64)>;
 /// Looks at the drive after each step and compares it with what the text that was kept last claims.
 #[derive(Clone, Default)]
 pub struct Claims {
-    pub kept: Rc<RefCell<String>>,
-    pub numbers: Rc<RefCell<Numbers>>,
+    pub kept: Shared<String>,
+    pub numbers: Shared<Numbers>,
 }
 
 impl Claims {

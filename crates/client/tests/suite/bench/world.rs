@@ -1,14 +1,12 @@
 //! One virtual drive on a network or at a serial line, in virtual time, and clients that come and go: killed, frozen, or
 //! with the cable pulled at a given time.
 
-use std::cell::RefCell;
 use std::fmt;
-use std::rc::Rc;
 use std::time::Duration;
 
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive_client::{Client, Drive, DriveAddress, Error, LineConfig, Session, Wire};
+use profidrive_client::{Client, Drive, DriveAddress, Engine, Error, LineConfig, Network, Wait, Wire};
 use profile::model::Model;
 use profinet::controller::ControllerConfig;
 use profinet::device::Stored;
@@ -20,7 +18,8 @@ use virtual_drive::serial::{SerialConfig, SerialStation};
 use virtual_drive::station::{AnswerFault, Station, StationConfig};
 
 use super::ip;
-use super::line::{Line, Shared, bench_of};
+use super::line::{AtLine, Line, bench_of};
+use super::shared::{On, Shared};
 
 /// How a drive is reached.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +46,7 @@ enum Ends {
         drive: StationId,
     },
     Line {
-        bus: Shared,
+        bus: AtLine,
     },
 }
 
@@ -63,7 +62,7 @@ struct State {
 
 /// The drive and the wire to it; each client has a clone.
 #[derive(Clone)]
-pub struct World(Rc<RefCell<State>>);
+pub struct World(Shared<State>);
 
 /// A client that was killed does nothing any more.
 #[derive(Debug)]
@@ -78,8 +77,13 @@ impl fmt::Display for Gone {
 impl std::error::Error for Gone {}
 
 /// Somebody who hears frames and does nothing.
-fn nobody() -> Client {
-    Client::new(ControllerConfig::new(CLIENT, IpSuite::NONE, "nobody", 99))
+fn nobody() -> Engine {
+    Engine::new(Client::new(ControllerConfig::new(
+        CLIENT,
+        IpSuite::NONE,
+        "nobody",
+        99,
+    )))
 }
 
 const CLIENT: MacAddress = MacAddress([2, 0, 0, 0, 1, 0]);
@@ -110,29 +114,24 @@ impl World {
                 Ends::Line { bus }
             }
         };
-        Self(Rc::new(RefCell::new(State {
+        Self(Shared::new(State {
             ends,
             accident: None,
             killed: false,
             cable_in: None,
             fastest: 0.0,
-        })))
+        }))
     }
 
     /// A new client, and the drive as it finds it.
-    pub fn client(
-        &self,
-        model: &str,
-        transport: Transport,
-        seed: u64,
-    ) -> Result<(Session<Self>, Drive), Error> {
+    pub fn client(&self, model: &str, transport: Transport, seed: u64) -> Result<(On<Self>, Drive), Error> {
         let (mut session, address) = self.session(transport, seed);
-        let drive = session.find(&address)?;
+        let drive = session.find(&address).wait()?;
         Ok((session, drive.taken_for(Model::by_name(model).expect("a model"))))
     }
 
     /// A new client, and the address of the drive.
-    pub fn session(&self, transport: Transport, seed: u64) -> (Session<Self>, DriveAddress) {
+    pub fn session(&self, transport: Transport, seed: u64) -> (On<Self>, DriveAddress) {
         {
             let mut state = self.0.borrow_mut();
             // what was planned for the client before does not happen to this one
@@ -142,17 +141,17 @@ impl World {
             Transport::Profinet => {
                 let mut config = ControllerConfig::new(CLIENT, ip(200), "client", seed);
                 config.client_port = 0xC000 + u16::try_from(seed % 0x2000).unwrap_or(0) * 2;
-                Session::new(self.clone(), config)
+                Network::on(self.clone(), config)
             }
-            Transport::Fc => Session::on_line(self.clone(), LineConfig::new(Protocol::Fc, 9600)),
-            Transport::Uss => Session::on_line(self.clone(), LineConfig::new(Protocol::Uss, 9600)),
+            Transport::Fc => Network::on_line(self.clone(), LineConfig::new(Protocol::Fc, 9600)),
+            Transport::Uss => Network::on_line(self.clone(), LineConfig::new(Protocol::Uss, 9600)),
         };
         let name = match transport {
             Transport::Profinet => "drive-1",
             Transport::Fc => "fc:/dev/ttyX/1",
             Transport::Uss => "uss:/dev/ttyX/1",
         };
-        (session, name.parse().expect("an address"))
+        (On::new(session), name.parse().expect("an address"))
     }
 
     /// Lets this happen to the client in so much time.
@@ -237,7 +236,7 @@ impl State {
     }
 
     /// Lets one thing happen.
-    fn go(&mut self, client: &mut Client, until: Instant) {
+    fn go(&mut self, client: &mut Engine, until: Instant) {
         let until = self.cable_in.map_or(until, |at| until.min(at));
         match &mut self.ends {
             Ends::Network { medium, .. } => {
@@ -269,12 +268,11 @@ impl Wire for World {
         self.0.borrow().now()
     }
 
-    fn step(&mut self, client: &mut Client, until: Instant) -> Result<(), Gone> {
-        let due = self
-            .0
-            .borrow()
-            .accident
-            .filter(|(at, _)| *at <= self.0.borrow().now());
+    fn step(&mut self, client: &mut Engine, until: Instant) -> Result<(), Gone> {
+        let due = {
+            let state = self.0.borrow();
+            state.accident.filter(|(at, _)| *at <= state.now())
+        };
         if let Some((_, accident)) = due {
             self.0.borrow_mut().accident = None;
             match accident {

@@ -1,36 +1,44 @@
 //! Motion of every make: telegrams, speeds, jogs, stops.
 
 use super::*;
+use profidrive_client::Wait;
 
 #[test]
 fn every_make_turns_and_says_so() {
     let mut session = makes();
     for name in NAMES {
         let mut drive = find(&mut session, name).expect("there");
-        let before = diagnose(&session.status(&mut drive).expect("a status"));
+        let before = diagnose(&session.status(&mut drive).wait().expect("a status"));
         assert_eq!(before.cause.id(), "no-controller", "{name}: {before:?}");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        let mut enabled = axis.enable().unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut enabled = axis
+            .enable()
+            .wait()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
         enabled
             .reach_speed(600.0, None)
+            .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        enabled.hold(Duration::from_millis(500)).expect("it runs");
+        enabled.hold(Duration::from_millis(500)).wait().expect("it runs");
         let status = enabled.status().expect("a status");
         let speed = status.speed_actual.expect("a speed");
         assert!((speed - 600.0).abs() < 20.0, "{name}: {speed}");
         drop(enabled);
+        axis.stopped().wait().expect("along its ramp");
         {
             let (session, drive) = axis.session();
-            let status = session.status(drive).expect("a status");
+            let status = session.status(drive).wait().expect("a status");
             assert_eq!(status.state(), Some(State::S2), "{name}: {status:?}");
-            let snapshot = session.snapshot(drive, &[]).expect("a snapshot");
+            let snapshot = session.snapshot(drive, &[]).wait().expect("a snapshot");
             let told = snapshot.speed_actual.expect("a speed");
             assert_eq!(told.unit, "rpm", "{name}");
         }
         drop(axis);
-        let state = session.status(&mut drive).expect("a status").state();
+        session.settle();
+        let state = session.status(&mut drive).wait().expect("a status").state();
         assert!(!state.is_some_and(State::pulses), "{name}: {state:?}");
     }
 }
@@ -43,7 +51,7 @@ fn speed_drives_refuse_positions_before_anything_is_enabled() {
         let mut drive = find(&mut session, name).expect("there");
         for purpose in [Purpose::Home, Purpose::Task, Purpose::Move, Purpose::RealTimeJog] {
             let settings = AxisSettings::for_purpose(purpose);
-            let error = session.take_axis(&mut drive, settings).map(|_| ());
+            let error = session.take_axis(&mut drive, settings).wait().map(|_| ());
             let error = error.expect_err("no positions");
             assert!(
                 matches!(error, Error::SpeedOnly { .. }),
@@ -55,11 +63,11 @@ fn speed_drives_refuse_positions_before_anything_is_enabled() {
                     .is_some_and(|advice| !advice.to_string().contains("930"))
             );
         }
-        let error = session.check_mode(&mut drive, Mode::Position);
+        let error = session.check_mode(&mut drive, Mode::Position).wait();
         assert!(matches!(error, Err(Error::SpeedOnly { .. })), "{name}: {error:?}");
     }
     let mut drive = find(&mut session, NAMES[0]).expect("there");
-    let error = session.check_mode(&mut drive, Mode::Position);
+    let error = session.check_mode(&mut drive, Mode::Position).wait();
     assert!(matches!(error, Err(Error::WrongMode { .. })), "{error:?}");
 }
 
@@ -136,12 +144,14 @@ fn a_converter_is_not_stopped_beside_its_controller_and_says_so() {
         let mut drive = find(&mut session, name).expect("there");
         let mut axis = session
             .take_axis(&mut drive, AxisSettings::default())
+            .wait()
             .expect("free");
-        let mut enabled = axis.enable().expect("it starts");
-        enabled.reach_speed(300.0, None).expect("it runs");
+        let mut enabled = axis.enable().wait().expect("it starts");
+        enabled.reach_speed(300.0, None).wait().expect("it runs");
         let (inner, own) = enabled.session();
         let error = inner
             .stop_drive(own, StopWay::Stop, Duration::from_secs(1))
+            .wait()
             .expect_err("owned");
         assert!(
             error
@@ -156,8 +166,10 @@ fn a_converter_is_not_stopped_beside_its_controller_and_says_so() {
             "{error}"
         );
         drop(enabled);
-        axis.release().expect("released");
-        let outcome = session.stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(1));
+        axis.release().wait().expect("released");
+        let outcome = session
+            .stop_drive(&mut drive, StopWay::Stop, Duration::from_secs(1))
+            .wait();
         assert!(
             outcome.is_ok_and(|outcome| !outcome.sent && outcome.at_rest),
             "{name}"
@@ -171,24 +183,27 @@ fn every_make_jogs_at_its_own_setting() {
     let mut session = makes();
     for (name, label) in NAMES.into_iter().zip(["(p1004)", "(8-90)", "(ID 124)"]) {
         let mut drive = find(&mut session, name).expect("there");
-        let setting = session.jog_speed(&mut drive, Jog::One).expect("known");
+        let setting = session.jog_speed(&mut drive, Jog::One).wait().expect("known");
         assert!(
             setting.selection.label().ends_with(label),
             "{}",
             setting.selection.label()
         );
-        let reading = session.read_one(&mut drive, &setting.selection).expect("told");
+        let reading = session
+            .read_one(&mut drive, &setting.selection)
+            .wait()
+            .expect("told");
         let speed = setting.rpm(&reading).expect("a speed");
         assert!(speed > 10.0, "{name}: {speed}");
         let settings = AxisSettings::for_purpose(Purpose::Jog);
-        let mut axis = session.take_axis(&mut drive, settings).expect("connected");
-        let mut enabled = axis.enable().expect("enabled");
-        enabled.jog(Jog::One).expect("jogs");
-        enabled.hold(Duration::from_secs(4)).expect("goes on");
+        let mut axis = session.take_axis(&mut drive, settings).wait().expect("connected");
+        let mut enabled = axis.enable().wait().expect("enabled");
+        enabled.jog(Jog::One).wait().expect("jogs");
+        enabled.hold(Duration::from_secs(4)).wait().expect("goes on");
         let actual = enabled.status().and_then(|status| status.speed_actual);
         let near = actual.is_some_and(|actual| (actual - speed).abs() < speed * 0.06 + 2.0);
         assert!(near, "{name}: {actual:?} of {speed}");
         drop(enabled);
-        axis.release().expect("at rest");
+        axis.release().wait().expect("at rest");
     }
 }

@@ -1,5 +1,6 @@
 //! Settings saved and brought back.
 
+use profidrive_client::Wait;
 use profidrive_client::backup::Saved;
 use profile::parameter::{Keep, ParameterAccess};
 
@@ -10,7 +11,7 @@ fn settings_go_there_and_back() {
     for (at, (name, way)) in NAMES.into_iter().zip(WAYS).enumerate() {
         let mut session = makes();
         let mut drive = find(&mut session, name).expect("there");
-        let first = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        let first = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
         assert!(first.readings().len() > 30, "{name}: {}", first.readings().len());
         let text = first.to_string();
         assert!(text.contains(&format!("\n{} ", way.shown)), "{text}");
@@ -21,19 +22,21 @@ fn settings_go_there_and_back() {
         );
         let change = format!("{}=7.5", way.ramp);
         write(&mut session, &mut drive, &change, WriteMode::Write).expect("taken");
-        let changed = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        let changed = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
         let differences = compare(&first, &changed);
         assert_eq!(differences.len(), 1, "{name}: {differences:?}");
         let plan = session
             .plan(&mut drive, &first, &Choice::default())
+            .wait()
             .expect("a plan");
         assert_eq!(plan.changes.len(), 1, "{name}");
         let mut journal = Journal::new(&plan);
         session
             .restore(&mut drive, &mut journal, true, &mut |_| Ok(()))
+            .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(journal.is_done(), "{name}: {journal}");
-        let last = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        let last = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
         assert_eq!(last.to_string(), text, "{name} {at}");
     }
 }
@@ -62,6 +65,7 @@ fn values_are_saved_by_a_parameter_where_the_request_that_saves_is_unknown() {
         let mut drive = find(&mut session, "vlt-1").expect("there");
         let outcomes = session
             .write(&mut drive, &[assign("3-41=7.5")], WriteMode::Save)
+            .wait()
             .expect("saved");
         assert!(
             outcomes
@@ -87,20 +91,24 @@ fn what_a_restore_saves_survives_a_restart() {
             let (mut session, ids) = bench_of(vec![station_of(model, "vlt-1", 1, None)]);
             let mut drive = find(&mut session, "vlt-1").expect("there");
             write(&mut session, &mut drive, "3-41=7.5", WriteMode::Write).expect("taken");
-            let wanted = session.backup(&mut drive, &mut |_, _| {}).expect("read");
+            let wanted = session.backup(&mut drive, &mut |_, _| {}).wait().expect("read");
             write(&mut session, &mut drive, "3-41=9", WriteMode::Save).expect("saved");
             let plan = session
                 .plan(&mut drive, &wanted, &Choice::default())
+                .wait()
                 .expect("a plan");
             let mut journal = Journal::new(&plan);
-            let restored = session.restore(&mut drive, &mut journal, save, &mut |_| Ok(()));
+            let restored = session
+                .restore(&mut drive, &mut journal, save, &mut |_| Ok(()))
+                .wait();
             restored.expect("restored");
             assert_eq!(journal.saved() == Saved::Yes, save, "{journal}");
-            with_drive(&mut session, ids[0], |drive| {
+            with_drive(&session, ids[0], |drive| {
                 drive.write(972, 0, 1, Keep::Volatile).expect("restarts");
             });
             session
                 .pass(Duration::from_secs(5))
+                .wait()
                 .expect("a segment cannot fail");
             let mut drive = find(&mut session, "vlt-1").expect("there again");
             let expected = if save { 7.5 } else { 9.0 };

@@ -1,6 +1,7 @@
 //! What keeps a drive of each make from running: faults, warnings, words.
 
 use super::*;
+use profidrive_client::Wait;
 
 /// Whatever keeps a drive from running is told with what to do, in the parameters and words of its make.
 #[test]
@@ -42,16 +43,16 @@ fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
         let (mut session, ids) = bench_of(stations.collect());
         for (at, name) in NAMES.into_iter().enumerate() {
             let mut drive = find(&mut session, name).expect("there");
-            let waits = diagnose(&session.status(&mut drive).expect("a status"));
+            let waits = diagnose(&session.status(&mut drive).wait().expect("a status"));
             assert!(
                 waits.cause.id() == "no-controller" && waits.notes.is_empty(),
                 "{name}: {waits:?}"
             );
-            with_drive(&mut session, ids[at], |drive| {
+            with_drive(&session, ids[at], |drive| {
                 drive.inject(happening.parse().expect("an injection"));
             });
-            session.pass(Duration::from_secs(60)).expect("time passes");
-            let found = diagnose(&session.status(&mut drive).expect("a status"));
+            session.pass(Duration::from_secs(60)).wait().expect("time passes");
+            let found = diagnose(&session.status(&mut drive).wait().expect("a status"));
             let told = format!("{name}, {happening}: {found:?}");
             assert_eq!(found.cause.id(), causes[at], "{told}");
             assert!(found.sentence.contains(sentences[at]), "{told}");
@@ -82,10 +83,13 @@ fn faults_that_the_buffer_has_no_place_for_are_told_too() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let numbers = [439, 301, 302, 501, 502, 535, 307, 408, 130, 131];
     for number in numbers {
-        with_drive(&mut session, ids[0], |drive| drive.inject_fault(number, false));
-        session.pass(Duration::from_millis(50)).expect("time passes");
+        with_drive(&session, ids[0], |drive| drive.inject_fault(number, false));
+        session
+            .pass(Duration::from_millis(50))
+            .wait()
+            .expect("time passes");
     }
-    let report = session.fault_report(&mut drive).expect("told");
+    let report = session.fault_report(&mut drive).wait().expect("told");
     let told: Vec<u16> = report.present().map(|fault| fault.number).collect();
     assert_eq!(told, numbers);
     assert!(
@@ -103,11 +107,11 @@ fn a_warning_of_each_make_is_told_with_its_remedy() {
     let (mut session, ids) = bench_of(stations.collect());
     for ((name, number), id) in NAMES.into_iter().zip([304, 59, 14]).zip(ids) {
         let mut drive = find(&mut session, name).expect("there");
-        with_drive(&mut session, id, |drive| {
+        with_drive(&session, id, |drive| {
             drive.inject(format!("warning={number}").parse().expect("an injection"));
         });
-        session.pass(Duration::from_secs(1)).expect("time passes");
-        let found = diagnose(&session.status(&mut drive).expect("a status"));
+        session.pass(Duration::from_secs(1)).wait().expect("time passes");
+        let found = diagnose(&session.status(&mut drive).wait().expect("a status"));
         let note = found.notes.first().unwrap_or_else(|| panic!("{name}: {found:?}"));
         assert_eq!(note.id, "warning", "{name}: {note:?}");
         let tables = drive.model.catalogue.expect("tables");
@@ -129,12 +133,12 @@ fn a_warning_of_each_make_is_told_with_its_remedy() {
 fn the_words_of_a_make_are_told_in_its_bits() {
     let mut session = makes();
     let mut drive = find(&mut session, "vlt-1").expect("there");
-    let status = session.status(&mut drive).expect("a status");
+    let status = session.status(&mut drive).wait().expect("a status");
     assert_eq!(status.profile, Profile::DanfossProfidrive);
     assert!(status.zsw1.is_some() && status.status_word.is_some());
     let mut drive = find(&mut session, "vacon-1").expect("there");
     assert_eq!(
-        session.status(&mut drive).expect("a status").profile,
+        session.status(&mut drive).wait().expect("a status").profile,
         Profile::Profidrive
     );
 }
@@ -152,9 +156,12 @@ fn a_fault_of_every_make_is_told_with_its_meaning_and_acknowledged() {
                 continue;
             }
             let row = model.catalogue.fault(number, false).expect("a fault");
-            with_drive(&mut session, id, |drive| drive.inject_fault(row.number, false));
-            session.pass(Duration::from_millis(200)).expect("time passes");
-            let report = session.fault_report(&mut drive).expect("told");
+            with_drive(&session, id, |drive| drive.inject_fault(row.number, false));
+            session
+                .pass(Duration::from_millis(200))
+                .wait()
+                .expect("time passes");
+            let report = session.fault_report(&mut drive).wait().expect("told");
             let present: Vec<_> = report.present().collect();
             assert_eq!(present.len(), 1, "{name}: {present:?}");
             let fault = present.first().expect("one");
@@ -168,7 +175,7 @@ fn a_fault_of_every_make_is_told_with_its_meaning_and_acknowledged() {
                 "{name}: {:04X?}",
                 report.zsw1
             );
-            let status = session.status(&mut drive).expect("a status");
+            let status = session.status(&mut drive).wait().expect("a status");
             let diagnosis = diagnose(&status);
             assert_eq!(diagnosis.cause.id(), "fault", "{name}: {diagnosis:?}");
             assert!(diagnosis.sentence.contains(row.meaning), "{name}: {diagnosis:?}");
@@ -176,12 +183,13 @@ fn a_fault_of_every_make_is_told_with_its_meaning_and_acknowledged() {
                 telegram,
                 ..AxisSettings::for_purpose(Purpose::Control)
             };
-            let mut axis = session.take_axis(&mut drive, settings).expect("free");
-            axis.ready_or_fault().expect("connected");
+            let mut axis = session.take_axis(&mut drive, settings).wait().expect("free");
+            axis.ready_or_fault().wait().expect("connected");
             axis.acknowledge()
+                .wait()
                 .unwrap_or_else(|error| panic!("{name} {telegram:?}: {error}"));
-            axis.release().expect("released");
-            let report = session.fault_report(&mut drive).expect("told");
+            axis.release().wait().expect("released");
+            let report = session.fault_report(&mut drive).wait().expect("told");
             assert_eq!(report.present().count(), 0, "{name} {telegram:?}: {report:?}");
             assert!(
                 report.zsw1.is_some_and(|word| word & 8 == 0),
@@ -195,7 +203,7 @@ fn a_fault_of_every_make_is_told_with_its_meaning_and_acknowledged() {
                 all.any(|one| one == (row.number, Some(row.meaning))),
                 "{name}: {report:?}"
             );
-            let after = diagnose(&session.status(&mut drive).expect("a status"));
+            let after = diagnose(&session.status(&mut drive).wait().expect("a status"));
             assert_ne!(after.cause.id(), "fault", "{name}: {after:?}");
         }
     }
@@ -219,7 +227,7 @@ fn facts_of_a_make_come_from_its_own_parameters() {
     ];
     for (name, forward, backward) in limits {
         let mut drive = find(&mut session, name).expect("there");
-        let facts = session.motion_facts(&mut drive).expect("facts");
+        let facts = session.motion_facts(&mut drive).wait().expect("facts");
         assert_eq!(
             (facts.forward_limit.map(f64::round), facts.forward_by),
             (Some(1500.0), forward),
@@ -229,7 +237,7 @@ fn facts_of_a_make_come_from_its_own_parameters() {
             .backward_limit
             .map(|limit| (limit.round(), facts.backward_by));
         assert_eq!(found, backward, "{name}");
-        let backup = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+        let backup = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
         assert_eq!(backup.lacks(&drive.model), 0, "{name}");
         let text = backup.to_string();
         for foreign in ["scaling:", "units:", "MOTOR.TYPE"] {

@@ -1,6 +1,7 @@
 //! Drives without a built-in catalogue, and what a drive describes itself.
 
 use super::*;
+use profidrive_client::Wait;
 
 #[test]
 fn a_drive_nobody_has_tables_of_tells_them_itself() {
@@ -14,6 +15,7 @@ fn a_drive_nobody_has_tables_of_tells_them_itself() {
     let mut told = Vec::new();
     session
         .recognise(&mut drive, &mut |done, all| told.push((done, all)))
+        .wait()
         .expect("learned");
     let tables = drive.model.catalogue.expect("its own tables");
     assert!(drive.model.learned && told.last().is_some_and(|(done, all)| done == all));
@@ -35,40 +37,43 @@ fn a_drive_nobody_has_tables_of_tells_them_itself() {
     assert!(error.to_string().contains("read-only"), "{error}");
     // selections by their texts, strings as text
     let selection = select(&drive, "810");
-    let reading = session.read_one(&mut drive, &selection).expect("told");
+    let reading = session.read_one(&mut drive, &selection).wait().expect("told");
     assert!(
         reading.choice.is_some_and(|text| text.contains("profile")),
         "{reading:?}"
     );
     let selection = select(&drive, "1540");
-    let reading = session.read_one(&mut drive, &selection).expect("told");
+    let reading = session.read_one(&mut drive, &selection).wait().expect("told");
     assert_eq!(reading.content, Content::Text("FC-302".into()));
     // another of its kind is known at once
     let mut again = find(&mut session, "strange").expect("there");
     session
         .recognise(&mut again, &mut |_, _| panic!("asked again"))
+        .wait()
         .expect("known");
     assert!(std::ptr::eq(
         tables,
         again.model.catalogue.expect("the same tables")
     ));
     // and it is backed up by number and octets, as nobody else has its tables
-    let saved = session.backup(&mut drive, &mut |_, _| {}).expect("saved");
+    let saved = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
     let read = Backup::parse(&saved.to_string()).expect("read back");
     assert!(compare(&saved, &read).is_empty());
     write(&mut session, &mut drive, "341=9s", WriteMode::Write).expect("taken");
     let plan = session
         .plan(&mut drive, &read, &Choice::default())
+        .wait()
         .expect("a plan");
     assert_eq!(plan.changes.len(), 1);
     let mut journal = Journal::new(&plan);
     session
         .restore(&mut drive, &mut journal, false, &mut |_| Ok(()))
+        .wait()
         .expect("restored");
     assert!(journal.is_done(), "{journal}");
-    let status = session.status(&mut drive).expect("a status");
+    let status = session.status(&mut drive).wait().expect("a status");
     assert!(status.status_word.is_some());
-    assert!(session.faults(&mut drive).expect("told").is_empty());
+    assert!(session.faults(&mut drive).wait().expect("told").is_empty());
 }
 
 #[test]
@@ -90,7 +95,10 @@ fn a_drive_that_tells_nothing_of_itself_goes_by_number() {
     let station = station_of(mute, "mute", 1, Some((0x1234, 99)));
     let (mut session, _) = bench_of(vec![station]);
     let mut drive = find(&mut session, "mute").expect("there");
-    session.recognise(&mut drive, &mut |_, _| {}).expect("reached");
+    session
+        .recognise(&mut drive, &mut |_, _| {})
+        .wait()
+        .expect("reached");
     assert!(drive.model.catalogue.is_none());
     assert_eq!(drive.model.dialect.axis, 0, "the axis was found all the same");
     assert_eq!(number(&mut session, &mut drive, "341"), 300.0);
@@ -105,7 +113,7 @@ fn a_person_may_force_the_model() {
     let found = find(&mut session, "odd").expect("there");
     let mut drive = found.taken_for(Model::by_name("vlt").expect("known"));
     let selection = select(&drive, "3-41");
-    let reading = session.read_one(&mut drive, &selection).expect("a value");
+    let reading = session.read_one(&mut drive, &selection).wait().expect("a value");
     assert_eq!(
         (reading.number(), reading.name),
         (Some(3.0), Some("Ramp 1 Ramp up Time"))
@@ -158,14 +166,19 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
         let mut session = strange();
         let standard = Model::by_name("standard").expect("the profile");
         let mut drive = find(&mut session, "strange").expect("there").taken_for(standard);
-        session.find_channel(&mut drive).expect("reached");
+        session.find_channel(&mut drive).wait().expect("reached");
         assert!(drive.model.catalogue.is_none() && number(&mut session, &mut drive, "964[0]") > 0.0);
         let mut axis = session
             .take_axis(&mut drive, percent)
+            .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        let mut enabled = axis.enable().unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut enabled = axis
+            .enable()
+            .wait()
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
         enabled
             .reach_speed(10.0, None)
+            .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
     }
     let mut session = makes();
@@ -184,7 +197,10 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
 
 /// What a drive says of one of its parameters, asked as `describe` does.
 fn described(session: &mut Bench, drive: &Drive, text: &str) -> Option<Described> {
-    session.described(drive, &select(drive, text)).expect("asked")
+    session
+        .described(drive, &select(drive, text))
+        .wait()
+        .expect("asked")
 }
 
 /// Name, type, unit and limits come from the drive itself; what only fits the type is not taken for limits; texts follow.
@@ -232,10 +248,13 @@ fn a_drive_describes_its_own_parameters_when_asked() {
         let (mut session, _) = bench_of(vec![station]);
         let mut drive = find(&mut session, "strange").expect("there");
         if model == "strange" {
-            session.recognise(&mut drive, &mut |_, _| {}).expect("learned");
+            session
+                .recognise(&mut drive, &mut |_, _| {})
+                .wait()
+                .expect("learned");
             assert!(drive.model.learned);
         } else {
-            session.find_channel(&mut drive).expect("reached");
+            session.find_channel(&mut drive).wait().expect("reached");
             assert!(drive.model.catalogue.is_none());
         }
         let ramp = described(&mut session, &drive, "341").expect("told");

@@ -8,7 +8,7 @@ use crate::ethernet::PacketStatistics;
 use crate::segment::{Tap, finish_all};
 use crate::system::medium::{Common, MAX_BURST, with_server};
 use crate::system::udp::Ports;
-use crate::system::{Error, InterfaceInfo, ServerPort, Stop, now};
+use crate::system::{Bell, Error, InterfaceInfo, ServerPort, Stop, now};
 
 /// Most frames handled before datagrams and deadlines get their turn.
 const MAX_INPUTS: usize = 64;
@@ -96,7 +96,12 @@ impl PacketMedium {
 
     /// Lets this flag end a step early, once.
     pub fn set_stop(&mut self, stop: Stop) {
-        self.common.stop = Some(stop);
+        self.common.calls.stop = Some(stop);
+    }
+
+    /// Lets this bell end a step early whenever it rings.
+    pub fn set_bell(&mut self, bell: Bell) {
+        self.common.calls.bell = Some(bell);
     }
 
     /// Lets `tap` see every PROFINET frame received and sent; datagrams are the kernel's and not seen.
@@ -188,10 +193,10 @@ impl Medium for PacketMedium {
                 return Ok(());
             }
             let wake = endpoint.poll_timeout().map_or(until, |due| due.min(until));
-            let Common { waiting, stop, .. } = &mut self.common;
-            waiting.wait_beside(self.packet.fd(), self.udp.as_ref(), stop.as_ref(), wake)?;
+            let Common { waiting, calls, .. } = &mut self.common;
+            waiting.wait_beside(self.packet.fd(), self.udp.as_ref(), calls, wake)?;
             self.packet.check(self.common.waiting.packet())?;
-            let mut worked = self.common.waiting.stopped();
+            let mut worked = self.common.waiting.called(&self.common.calls);
             for index in 0..self.udp.as_ref().map_or(0, Ports::len) {
                 if self.common.receive(self.udp.as_mut(), index, endpoint) {
                     worked = true;

@@ -7,7 +7,7 @@ use std::time::Duration;
 use profinet::Instant;
 
 use crate::system::udp::Ports;
-use crate::system::{Error, Stop};
+use crate::system::{Bell, Calls, Error, Stop};
 
 /// The time of all media: the monotonic clock, whose origin is the start of the computer.
 #[must_use]
@@ -43,11 +43,10 @@ pub fn timespec(time: Duration) -> libc::timespec {
     }
 }
 
-/// Sleeps until `port` has octets, the flag is set, or `until`. An end that is gone is an error.
-pub fn wait_for_octets(port: &impl AsRawFd, until: Instant, stop: Option<&Stop>) -> io::Result<()> {
-    let other = stop.map_or(-1, |stop| stop.event().fd());
-    // a negative descriptor is not watched
-    let mut fds = [readable(port.as_raw_fd()), readable(other)];
+/// Sleeps until `port` has octets, somebody calls, or `until`. An end that is gone is an error.
+pub fn wait_for_octets(port: &impl AsRawFd, until: Instant, calls: &Calls) -> io::Result<()> {
+    let [stop, bell] = called_by(calls);
+    let mut fds = [readable(port.as_raw_fd()), stop, bell];
     wait(&mut fds, until.saturating_since(now()))?;
     gone(fds[0].revents)
 }
@@ -97,10 +96,17 @@ pub fn wait(fds: &mut [libc::pollfd], timeout: Duration) -> io::Result<()> {
     }
 }
 
-/// Places of the packet socket and the stop flag among the descriptors; the UDP sockets follow.
+/// What is watched for the stop flag and the bell. A negative descriptor is not watched.
+fn called_by(calls: &Calls) -> [libc::pollfd; 2] {
+    let stop = calls.stop().map(Stop::event);
+    let bell = calls.bell.as_ref().map(Bell::event);
+    [stop, bell].map(|event| readable(event.map_or(-1, |event| event.fd())))
+}
+
+/// Places of the packet socket and the stop flag among the descriptors; the bell and the UDP sockets follow.
 const PACKET: usize = 0;
 const STOP: usize = 1;
-const UDP: usize = 2;
+const UDP: usize = 3;
 
 /// What a medium waits for, again and again.
 #[derive(Debug, Default)]
@@ -110,9 +116,9 @@ pub struct Waiting {
 }
 
 impl Waiting {
-    /// Waits until a port has something, the stop flag is set, or `until`.
-    pub fn wait(&mut self, udp: Option<&Ports>, stop: Option<&Stop>, until: Instant) -> Result<(), Error> {
-        self.wait_beside(-1, udp, stop, until)
+    /// Waits until a port has something, somebody calls, or `until`.
+    pub fn wait(&mut self, udp: Option<&Ports>, calls: &Calls, until: Instant) -> Result<(), Error> {
+        self.wait_beside(-1, udp, calls, until)
     }
 
     /// The same, and for a packet socket too.
@@ -120,18 +126,16 @@ impl Waiting {
         &mut self,
         packet: RawFd,
         udp: Option<&Ports>,
-        stop: Option<&Stop>,
+        calls: &Calls,
         until: Instant,
     ) -> Result<(), Error> {
         if !self.sharpened {
             sharpen_timers();
             self.sharpened = true;
         }
-        // A flag that is set already wakes no more: the owner may have things to bring to an end.
-        let stop = stop.filter(|stop| !stop.is_stopped());
-        let stop = stop.map_or(-1, |stop| stop.event().fd());
         self.fds.clear();
-        self.fds.extend([readable(packet), readable(stop)]);
+        self.fds.push(readable(packet));
+        self.fds.extend(called_by(calls));
         let sockets = udp.into_iter().flat_map(Ports::sockets);
         self.fds
             .extend(sockets.map(|socket| readable(socket.as_raw_fd())));
@@ -147,9 +151,9 @@ impl Waiting {
         self.revents(PACKET)
     }
 
-    /// The stop flag ended the wait.
-    pub fn stopped(&self) -> bool {
-        self.revents(STOP) != 0
+    /// Somebody called.
+    pub fn called(&self, calls: &Calls) -> bool {
+        calls.heard() || self.revents(STOP) != 0
     }
 
     /// The port at `index` may have something.

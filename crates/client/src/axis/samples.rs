@@ -1,0 +1,85 @@
+//! Every cyclic input of an axis, as it comes.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use profinet::Instant;
+
+use super::{Command, Seen};
+
+/// One cyclic input of an axis, with what was sent when it came.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// When it came.
+    pub at: Instant,
+    /// Its number since the connection began; frames that were lost between two are counted in
+    /// [`missed`](Self::missed).
+    pub number: u64,
+    /// Frames that the counter of the connection says were lost until now; 0 at a serial line, which has no counter.
+    pub missed: u64,
+    /// What the drive said.
+    pub seen: Seen,
+    /// What it was told.
+    pub command: Command,
+}
+
+/// Samples on their way from the engine to whoever records them: so many and no more.
+#[derive(Debug)]
+pub(crate) struct SampleQueue {
+    open: Mutex<Open>,
+    capacity: usize,
+}
+
+#[derive(Debug)]
+struct Open {
+    samples: VecDeque<Sample>,
+    /// Samples that nobody took in time.
+    dropped: u64,
+    ended: bool,
+}
+
+impl SampleQueue {
+    pub(crate) fn new(capacity: usize) -> Arc<Self> {
+        let capacity = capacity.max(1);
+        Arc::new(Self {
+            open: Mutex::new(Open {
+                // all the memory there will ever be: nothing is allocated in the cycle
+                samples: VecDeque::with_capacity(capacity),
+                dropped: 0,
+                ended: false,
+            }),
+            capacity,
+        })
+    }
+
+    fn open(&self) -> MutexGuard<'_, Open> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes a sample in; the oldest one goes where there is no room.
+    pub(crate) fn push(&self, sample: Sample) {
+        let mut open = self.open();
+        if open.samples.len() == self.capacity {
+            open.samples.pop_front();
+            open.dropped += 1;
+        }
+        open.samples.push_back(sample);
+    }
+
+    pub(crate) fn take(&self) -> Option<Sample> {
+        self.open().samples.pop_front()
+    }
+
+    pub(crate) fn dropped(&self) -> u64 {
+        self.open().dropped
+    }
+
+    /// No more samples come.
+    pub(crate) fn end(&self) {
+        self.open().ended = true;
+    }
+
+    pub(crate) fn is_ended(&self) -> bool {
+        self.open().ended
+    }
+}

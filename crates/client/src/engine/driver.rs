@@ -1,0 +1,70 @@
+//! Who carries bytes and time.
+
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+
+use profinet::Instant;
+
+use super::{Engine, WireFailure};
+use crate::Wire;
+
+/// Carries the bytes and the time of an [`Engine`]: a thread of its own on a real network, or whoever waits.
+pub trait Driver: Send + Sync {
+    /// The present time, if it can be told now; else it is that of the last turn.
+    fn now(&self) -> Option<Instant>;
+
+    /// Lets one thing happen. False where that happens without the caller, who then sleeps until it is woken.
+    fn turn(&self) -> bool;
+
+    /// Somebody begins to wait, or has something to be done at once.
+    fn ring(&self) {}
+
+    /// There is nothing more to be carried.
+    fn end(&self) {}
+}
+
+/// A wire that is carried by whoever waits: nothing happens and no time passes meanwhile. In virtual time one thread gives
+/// the same run every time.
+#[derive(Debug)]
+pub struct World<W: Wire> {
+    engine: Engine,
+    wire: Mutex<W>,
+}
+
+impl<W: Wire + Send + 'static> World<W> {
+    pub(crate) fn new(engine: &Engine, wire: W) -> Arc<Self> {
+        let world = Arc::new(Self {
+            engine: engine.clone(),
+            wire: Mutex::new(wire),
+        });
+        let driver: Arc<dyn Driver> = world.clone();
+        engine.driven_by(Arc::downgrade(&driver));
+        world
+    }
+
+    /// The wire, to look at and to change: cables and taps of a simulated segment. Nobody waits meanwhile.
+    pub fn wire(&self) -> std::sync::MutexGuard<'_, W> {
+        self.wire.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl<W: Wire + Send> Driver for World<W> {
+    fn now(&self) -> Option<Instant> {
+        match self.wire.try_lock() {
+            Ok(wire) => Some(wire.now()),
+            Err(TryLockError::Poisoned(wire)) => Some(wire.into_inner().now()),
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+
+    fn turn(&self) -> bool {
+        let now = self.now().unwrap_or_else(|| self.engine.now());
+        let until = self.engine.begin_turn(now);
+        let mut wire = self.wire.lock().unwrap_or_else(PoisonError::into_inner);
+        let failure = wire.step(&mut self.engine.clone(), until).err();
+        let now = wire.now();
+        drop(wire);
+        self.engine
+            .end_turn(now, failure.map(|why| Arc::new(why) as WireFailure));
+        true
+    }
+}

@@ -1,0 +1,403 @@
+//! What callers and the driver of a network share: the client inside, whoever waits, and what has still to be done.
+//!
+//! A call is a future that looks at the client, posts what it wants and waits for the next turn. The driver carries
+//! bytes and time: each of its turns lets one thing happen and wakes everybody who waits.
+
+mod driver;
+mod queue;
+mod wait;
+
+use std::collections::BTreeMap;
+use std::future::Future;
+use std::net::SocketAddrV4;
+use std::ops::{Deref, DerefMut};
+use std::pin::Pin;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+use std::task::{Context, Poll, Waker};
+use std::time::Duration;
+
+use profinet::{Endpoint, Instant, IpSuite, MacAddress, Transmit};
+
+use crate::session::Records;
+use crate::{Client, Error};
+
+pub use driver::{Driver, World};
+pub(crate) use queue::{At, Queues, Turn, at};
+pub use wait::Wait;
+
+/// How long a driver sleeps when nobody waits for anything.
+const IDLE: Duration = Duration::from_millis(50);
+
+/// Why the wire failed; shared by everybody who waited.
+pub type WireFailure = Arc<dyn std::error::Error + Send + Sync>;
+
+/// Something that is carried out beside the calls: an axis that is brought to rest.
+type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
+
+/// The client of a network, shared by all who use it; clones are the same one.
+///
+/// A [`Driver`] carries its bytes: it is an [`Endpoint`] on a network, and has octets for a serial line.
+#[derive(Clone)]
+pub struct Engine {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    client: Mutex<Client>,
+    turns: Mutex<Turns>,
+    records: Mutex<Records>,
+    driver: OnceLock<Weak<dyn Driver>>,
+    /// The time of the last turn, in nanoseconds.
+    time: AtomicU64,
+    /// When the driver wakes at the latest, in nanoseconds.
+    wakes: AtomicU64,
+    /// Something happened that those who wait have to look at.
+    happened: AtomicBool,
+    /// The client may have something to send.
+    touched: AtomicBool,
+    /// Stations are found by DCP.
+    discovery: AtomicBool,
+    /// Drives can call their controller here.
+    calls: AtomicBool,
+    /// Every axis is to be brought to rest.
+    closing: AtomicBool,
+}
+
+/// Who waits for the next turn, and what happens in each.
+#[derive(Default)]
+struct Turns {
+    number: u64,
+    next_key: u64,
+    waiting: BTreeMap<u64, Waiting>,
+    tasks: Vec<Task>,
+    /// The last failure of the wire, with its turn.
+    failure: Option<(u64, WireFailure)>,
+    /// There are no more turns.
+    ended: bool,
+}
+
+/// Somebody who waits.
+struct Waiting {
+    /// The turn in which it began.
+    begun: u64,
+    until: Instant,
+    waker: Waker,
+}
+
+impl std::fmt::Debug for Engine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Engine").finish_non_exhaustive()
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // what a panic left behind is whole: nothing in here is changed in two steps
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Engine {
+    /// The engine around a client.
+    #[must_use]
+    pub fn new(client: Client) -> Self {
+        Self {
+            shared: Arc::new(Shared {
+                client: Mutex::new(client),
+                turns: Mutex::default(),
+                records: Mutex::default(),
+                driver: OnceLock::new(),
+                time: AtomicU64::new(0),
+                wakes: AtomicU64::new(0),
+                happened: AtomicBool::new(false),
+                touched: AtomicBool::new(false),
+                discovery: AtomicBool::new(true),
+                calls: AtomicBool::new(true),
+                closing: AtomicBool::new(false),
+            }),
+        }
+    }
+
+    /// Names its driver, once.
+    pub(crate) fn driven_by(&self, driver: Weak<dyn Driver>) {
+        // a second driver is not taken: two of them would tear the time apart
+        let _ = self.shared.driver.set(driver);
+    }
+
+    fn driver(&self) -> Option<Arc<dyn Driver>> {
+        self.shared.driver.get()?.upgrade()
+    }
+
+    /// The client inside, to start something; not to be held while waiting.
+    pub(crate) fn client(&self) -> Touched<'_> {
+        Touched {
+            client: self.quietly(),
+            touched: &self.shared.touched,
+        }
+    }
+
+    /// The client inside, to take what it has: nothing is sent for that.
+    pub(crate) fn quietly(&self) -> MutexGuard<'_, Client> {
+        locked(&self.shared.client)
+    }
+
+    /// What is known of connections for records.
+    pub(crate) fn records(&self) -> MutexGuard<'_, Records> {
+        locked(&self.shared.records)
+    }
+
+    /// The present time.
+    #[must_use]
+    pub fn now(&self) -> Instant {
+        let last = || Instant::from_nanos(self.shared.time.load(Ordering::Relaxed));
+        self.driver().and_then(|driver| driver.now()).unwrap_or_else(last)
+    }
+
+    pub(crate) fn discovers(&self) -> bool {
+        self.shared.discovery.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn set_discovers(&self, discovers: bool) {
+        self.shared.discovery.store(discovers, Ordering::Relaxed);
+    }
+
+    pub(crate) fn hears_calls(&self) -> bool {
+        self.shared.calls.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn set_hears_calls(&self, hears: bool) {
+        self.shared.calls.store(hears, Ordering::Relaxed);
+    }
+
+    /// True once every axis is to be brought to rest.
+    pub(crate) fn is_closing(&self) -> bool {
+        self.shared.closing.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn begin_closing(&self) {
+        self.shared.closing.store(true, Ordering::Relaxed);
+        self.stir();
+    }
+
+    /// Has everybody look again who waits, and what is carried out beside.
+    pub fn stir(&self) {
+        self.shared.happened.store(true, Ordering::Release);
+        self.ring();
+    }
+
+    /// Lets the driver look again before the time that it sleeps until.
+    fn ring(&self) {
+        if let Some(driver) = self.driver() {
+            driver.ring();
+        }
+    }
+
+    /// Waits for the next turn, at most until `until`.
+    pub(crate) fn next_turn(&self, until: Instant) -> NextTurn {
+        NextTurn {
+            engine: self.clone(),
+            until,
+            begun: None,
+        }
+    }
+
+    /// Has something carried out beside the calls, in every turn until it is done.
+    pub(crate) fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
+        locked(&self.shared.turns).tasks.push(Box::pin(task));
+        self.stir();
+    }
+
+    /// True while something is carried out beside the calls.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        !locked(&self.shared.turns).tasks.is_empty()
+    }
+
+    /// Begins a turn at `now`: what is carried out beside the calls gets on. Returns when the turn is to end at the latest.
+    pub fn begin_turn(&self, now: Instant) -> Instant {
+        self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
+        // taken out: a task waits for the next turn, which needs the lock
+        let mut tasks = std::mem::take(&mut locked(&self.shared.turns).tasks);
+        let mut context = Context::from_waker(Waker::noop());
+        tasks.retain_mut(|task| task.as_mut().poll(&mut context).is_pending());
+        let mut turns = locked(&self.shared.turns);
+        // what a task has begun meanwhile comes behind
+        tasks.append(&mut turns.tasks);
+        turns.tasks = tasks;
+        let due = turns.due().unwrap_or(now + IDLE).min(now + IDLE);
+        self.shared.wakes.store(due.as_nanos(), Ordering::Release);
+        due
+    }
+
+    /// Ends a turn: everybody who waits looks again, if anything happened or somebody's time is over.
+    pub fn end_turn(&self, now: Instant, failure: Option<WireFailure>) {
+        self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
+        let happened = self.shared.happened.swap(false, Ordering::Acquire);
+        let woken = {
+            let mut turns = locked(&self.shared.turns);
+            let due = turns.due().is_some_and(|due| due <= now);
+            if !happened && !due && failure.is_none() {
+                return;
+            }
+            turns.number += 1;
+            let number = turns.number;
+            turns.failure = failure.map(|failure| (number, failure));
+            let waiting = turns.waiting.values();
+            waiting.map(|one| one.waker.clone()).collect::<Vec<_>>()
+        };
+        woken.into_iter().for_each(Waker::wake);
+    }
+
+    /// There are no more turns: every call ends with [`Error::Closed`].
+    pub fn end(&self) {
+        let waiting = {
+            let mut turns = locked(&self.shared.turns);
+            turns.ended = true;
+            turns.tasks.clear();
+            std::mem::take(&mut turns.waiting)
+        };
+        waiting.into_values().for_each(|one| one.waker.wake());
+    }
+
+    /// The client, to be told what happened.
+    fn heard(&self) -> MutexGuard<'_, Client> {
+        self.shared.happened.store(true, Ordering::Release);
+        self.quietly()
+    }
+
+    /// Takes octets that came from the serial line.
+    pub fn handle_octets(&mut self, now: Instant, octets: &[u8]) {
+        self.heard().handle_octets(now, octets);
+    }
+
+    /// Does what is due on the serial line at `now`.
+    pub fn handle_line_timeout(&mut self, now: Instant) {
+        self.heard().handle_line_timeout(now);
+    }
+
+    /// The next octets to send on the serial line: their number in `buffer`, which has [`uss::MAX_TELEGRAM`] of them.
+    pub fn poll_octets(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
+        self.quietly().poll_octets(now, buffer)
+    }
+
+    /// When [`handle_line_timeout`](Self::handle_line_timeout) and [`poll_octets`](Self::poll_octets) are due.
+    #[must_use]
+    pub fn poll_line_timeout(&self) -> Option<Instant> {
+        self.quietly().poll_line_timeout()
+    }
+}
+
+impl Endpoint for Engine {
+    fn mac(&self) -> MacAddress {
+        self.quietly().mac()
+    }
+
+    fn ip(&self) -> IpSuite {
+        self.quietly().ip()
+    }
+
+    fn handle_frame(&mut self, now: Instant, frame: &[u8]) {
+        self.heard().handle_frame(now, frame);
+    }
+
+    fn handle_datagram(&mut self, now: Instant, source: SocketAddrV4, local_port: u16, payload: &[u8]) {
+        self.heard().handle_datagram(now, source, local_port, payload);
+    }
+
+    fn handle_timeout(&mut self, now: Instant) {
+        self.heard().handle_timeout(now);
+    }
+
+    fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit> {
+        self.quietly().poll_transmit(now, buffer)
+    }
+
+    fn poll_timeout(&self) -> Option<Instant> {
+        self.quietly().poll_timeout()
+    }
+}
+
+/// A client that may have something to send once it was changed.
+pub(crate) struct Touched<'e> {
+    client: MutexGuard<'e, Client>,
+    touched: &'e AtomicBool,
+}
+
+impl Deref for Touched<'_> {
+    type Target = Client;
+
+    fn deref(&self) -> &Client {
+        &self.client
+    }
+}
+
+impl DerefMut for Touched<'_> {
+    fn deref_mut(&mut self) -> &mut Client {
+        self.touched.store(true, Ordering::Release);
+        &mut self.client
+    }
+}
+
+impl Turns {
+    /// When the first of those is to be woken who wait for the present turn.
+    fn due(&self) -> Option<Instant> {
+        let waiting = self.waiting.values().filter(|one| one.begun == self.number);
+        waiting.map(|one| one.until).min()
+    }
+}
+
+/// The next turn of an engine.
+pub(crate) struct NextTurn {
+    engine: Engine,
+    until: Instant,
+    /// Its place among those who wait, and the turn in which it began to.
+    begun: Option<(u64, u64)>,
+}
+
+impl Future for NextTurn {
+    type Output = Result<(), Error>;
+
+    fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        let engine = self.engine.clone();
+        let mut turns = locked(&engine.shared.turns);
+        if turns.ended {
+            return Poll::Ready(Err(Error::Closed));
+        }
+        match self.begun {
+            Some((_, begun)) if turns.number != begun => {
+                let failure = turns.failure.as_ref().filter(|(turn, _)| *turn > begun);
+                return Poll::Ready(failure.map_or(Ok(()), |(_, why)| Err(Error::Medium(why.clone()))));
+            }
+            Some((key, _)) => {
+                if let Some(one) = turns.waiting.get_mut(&key) {
+                    one.waker.clone_from(context.waker());
+                }
+            }
+            None => {
+                let key = turns.next_key;
+                turns.next_key += 1;
+                let one = Waiting {
+                    begun: turns.number,
+                    until: self.until,
+                    waker: context.waker().clone(),
+                };
+                turns.waiting.insert(key, one);
+                self.begun = Some((key, turns.number));
+                drop(turns);
+                let touched = engine.shared.touched.swap(false, Ordering::AcqRel);
+                if touched || self.until.as_nanos() < engine.shared.wakes.load(Ordering::Acquire) {
+                    engine.ring();
+                }
+            }
+        }
+        wait::driven_by(engine.shared.driver.get());
+        Poll::Pending
+    }
+}
+
+impl Drop for NextTurn {
+    fn drop(&mut self) {
+        if let Some((key, _)) = self.begun {
+            locked(&self.engine.shared.turns).waiting.remove(&key);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Whose turn it is with the parameters and records of a drive: one request at a time, in the order they came.
+
+use std::collections::VecDeque;
+use std::future::poll_fn;
+use std::net::Ipv4Addr;
+use std::pin::Pin;
+use std::task::{Context, Poll, Waker};
+
+use profinet::{Instant, MacAddress};
+use uss::SlaveId;
+
+use super::{Engine, NextTurn, wait};
+use crate::{Drive, Error};
+
+/// Most requests that wait for one drive.
+const MOST_WAITING: usize = 8192;
+
+/// Where a drive is.
+pub(crate) type At = (MacAddress, Ipv4Addr, Option<SlaveId>);
+
+/// Where this drive is.
+pub(crate) const fn at(drive: &Drive) -> At {
+    (drive.station.mac, drive.station.ip.address, drive.slave)
+}
+
+/// Those who want something of the drives.
+#[derive(Debug, Default)]
+pub(crate) struct Queues {
+    tickets: u64,
+    queues: Vec<(At, VecDeque<Place>)>,
+}
+
+/// Somebody in a queue; who has the turn is at its head.
+#[derive(Debug)]
+struct Place {
+    ticket: u64,
+    urgent: bool,
+    waker: Option<Waker>,
+}
+
+impl Queues {
+    fn queue(&mut self, at: At) -> &mut VecDeque<Place> {
+        let known = self.queues.iter().position(|(place, _)| *place == at);
+        let index = known.unwrap_or_else(|| {
+            self.queues.push((at, VecDeque::new()));
+            self.queues.len() - 1
+        });
+        &mut self.queues[index].1
+    }
+
+    /// Puts somebody into the queue of a drive: behind all others, or, where it is urgent, behind who has the turn and others
+    /// that are urgent.
+    fn join(&mut self, at: At, urgent: bool) -> Option<u64> {
+        let ticket = self.tickets;
+        self.tickets += 1;
+        let queue = self.queue(at);
+        if queue.len() >= MOST_WAITING {
+            return None;
+        }
+        let ordinary = queue.iter().skip(1).position(|place| !place.urgent);
+        let index = match ordinary.filter(|_| urgent) {
+            Some(behind) => behind + 1,
+            None => queue.len(),
+        };
+        queue.insert(
+            index,
+            Place {
+                ticket,
+                urgent,
+                waker: None,
+            },
+        );
+        Some(ticket)
+    }
+
+    /// Takes somebody out; who is to be woken, as the turn came to them.
+    fn leave(&mut self, at: At, ticket: u64) -> Option<Waker> {
+        let queue = self.queue(at);
+        let index = queue.iter().position(|place| place.ticket == ticket)?;
+        queue.remove(index);
+        let next = queue.front_mut().filter(|_| index == 0)?;
+        next.waker.take()
+    }
+}
+
+/// The turn of one request; the next one has it when this goes.
+#[derive(Debug)]
+pub(crate) struct Turn {
+    engine: Engine,
+    at: At,
+    ticket: u64,
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        let next = self.engine.records().queues.leave(self.at, self.ticket);
+        if let Some(next) = next {
+            next.wake();
+        }
+    }
+}
+
+impl Turn {
+    fn is_mine(&self, context: &Context<'_>) -> bool {
+        let mut records = self.engine.records();
+        let queue = records.queues.queue(self.at);
+        let mine = queue.front().is_none_or(|place| place.ticket == self.ticket);
+        if !mine && let Some(place) = queue.iter_mut().find(|place| place.ticket == self.ticket) {
+            place.waker = Some(context.waker().clone());
+        }
+        mine
+    }
+}
+
+impl Engine {
+    /// Waits for the turn at a drive. An urgent request overtakes those that wait; `due` is when this one is given up.
+    ///
+    /// # Errors
+    /// [`Error::Busy`] when too many wait, [`Error::Timeout`] when it is not the turn of this one by then.
+    pub(crate) async fn turn_at(
+        &self,
+        drive: &Drive,
+        urgent: bool,
+        due: Option<Instant>,
+    ) -> Result<Turn, Error> {
+        let at = at(drive);
+        let ticket = self.records().queues.join(at, urgent);
+        let turn = Turn {
+            engine: self.clone(),
+            at,
+            ticket: ticket.ok_or_else(|| Error::Busy { drive: drive.label() })?,
+        };
+        let mut until: Option<NextTurn> = None;
+        let mine = poll_fn(|context| {
+            if turn.is_mine(context) {
+                return Poll::Ready(true);
+            }
+            while let Some(due) = due {
+                let next = until.get_or_insert_with(|| self.next_turn(due));
+                match Pin::new(next).poll(context) {
+                    Poll::Pending => break,
+                    Poll::Ready(Ok(())) if self.now() < due => until = None,
+                    Poll::Ready(_) => return Poll::Ready(false),
+                }
+            }
+            wait::driven_by(self.shared.driver.get());
+            Poll::Pending
+        });
+        let begin = self.now();
+        if mine.await {
+            Ok(turn)
+        } else {
+            Err(Error::Timeout {
+                drive: drive.label(),
+                what: "its turn among other requests",
+                limit: self.now() - begin,
+            })
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What may be done with an axis from elsewhere while somebody moves it: stop it, record it.
+
+use std::sync::Arc;
+
+use super::{Axis, Ending};
+use crate::axis::{Sample, SampleQueue};
+use crate::{Engine, Error, Link};
+
+/// Stops an axis from any thread, whoever moves it and whatever waits for its drive. Who moves it is told by
+/// [`Trouble::Stopped`](crate::axis::Trouble::Stopped).
+///
+/// Clones stop the same axis. Nothing happens once it was given back.
+#[derive(Debug, Clone)]
+pub struct StopHandle {
+    engine: Engine,
+    link: Link,
+    ending: Arc<Ending>,
+    deceleration: Option<f64>,
+}
+
+impl StopHandle {
+    /// Stops it along its ramp (OFF1); does not wait for the end.
+    pub fn stop(&self) {
+        self.post(false);
+    }
+
+    /// Stops it by its quick stop (OFF3); does not wait for the end.
+    pub fn quick_stop(&self) {
+        self.post(true);
+    }
+
+    fn post(&self, quick: bool) {
+        let limit = self.ending.stop_limit(None, self.deceleration);
+        let now = self.engine.now();
+        {
+            let mut client = self.engine.client();
+            client.allow_stop(self.link, limit);
+            client.stop_now(now, Some(self.link), quick);
+        }
+        self.engine.stir();
+    }
+}
+
+/// Every cyclic input of an axis, in order, from when this was made.
+///
+/// What is not taken in time is dropped, the oldest first, and counted.
+///
+/// ```
+/// use profidrive_client::{Axis, Error};
+/// async fn record(axis: &Axis) -> Result<(), Error> {
+///     let mut samples = axis.samples(1000);
+///     while let Some(sample) = samples.next().await? {
+///         println!("{} {:?}", sample.at.as_millis(), sample.seen.nist_a);
+///     }
+///     Ok(())
+/// }
+/// ```
+#[derive(Debug)]
+pub struct Samples {
+    engine: Engine,
+    queue: Arc<SampleQueue>,
+}
+
+impl Samples {
+    /// The next one, if it came already.
+    pub fn take(&mut self) -> Option<Sample> {
+        self.queue.take()
+    }
+
+    /// Waits for the next one; `None` once the axis was given back and nothing is left.
+    ///
+    /// # Errors
+    /// When the network is closed or its wire fails.
+    pub async fn next(&mut self) -> Result<Option<Sample>, Error> {
+        loop {
+            let ended = self.queue.is_ended();
+            if let Some(sample) = self.queue.take() {
+                return Ok(Some(sample));
+            }
+            if ended {
+                return Ok(None);
+            }
+            self.engine.next_turn(self.engine.now() + super::GLANCE).await?;
+        }
+    }
+
+    /// Samples that were dropped because nobody took them in time.
+    #[must_use]
+    pub fn dropped(&self) -> u64 {
+        self.queue.dropped()
+    }
+}
+
+impl Axis {
+    /// What stops this axis from any thread.
+    #[must_use]
+    pub fn stop_handle(&self) -> StopHandle {
+        StopHandle {
+            engine: self.session.engine().clone(),
+            link: self.link,
+            ending: Arc::clone(&self.ending),
+            deceleration: self.deceleration,
+        }
+    }
+
+    /// Every cyclic input from now on; at most `capacity` of them are kept until they are taken.
+    #[must_use]
+    pub fn samples(&self, capacity: usize) -> Samples {
+        let queue = SampleQueue::new(capacity);
+        let engine = self.session.engine().clone();
+        engine.client().tap(self.link, Arc::clone(&queue));
+        Samples { engine, queue }
+    }
+}

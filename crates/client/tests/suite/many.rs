@@ -1,0 +1,344 @@
+//! Many axes at once in one process, on a network that loses frames, in virtual time: each ends in its own way and the others
+//! notice nothing. And what is asked of one drive by many callers.
+
+// helpers of tests fail by panicking, like the tests themselves
+#![allow(clippy::panic)]
+
+use std::panic::AssertUnwindSafe;
+use std::time::Duration;
+
+use crate::bench::shared::Shared;
+use crate::bench::{Bench, bench_of, find, ip, is_at_rest, select};
+use futures::FutureExt;
+use futures::future::{join, join_all};
+use network::host::{Host, StationId};
+use network::segment::Conditions;
+use profidrive_client::axis::{Purpose, Trouble};
+use profidrive_client::{Axis, AxisSettings, DriveAddress, Enabled, Error, Session, StopHandle, Wait, World};
+use profinet::device::Stored;
+use profinet::{Instant, MacAddress};
+use virtual_drive::model;
+use virtual_drive::station::{Station, StationConfig};
+
+const SECOND: Duration = Duration::from_secs(1);
+const AXES: u8 = 16;
+const SPEED: f64 = 300.0;
+
+/// How an axis ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// Its owner lets it go.
+    Dropped,
+    /// The one who has it panics.
+    Panic,
+    /// Its owner forgets it: its lease is over some time.
+    Forgotten,
+    /// Its stop handle, while a thousand requests wait for its drive.
+    Stopped,
+    /// After the others.
+    Released,
+}
+
+const fn way(number: u8) -> Way {
+    match number {
+        1 => Way::Dropped,
+        2 => Way::Panic,
+        3 => Way::Forgotten,
+        4 => Way::Stopped,
+        _ => Way::Released,
+    }
+}
+
+fn name(number: u8) -> String {
+    format!("axis-{number}")
+}
+
+/// Sixteen drives of three vendors.
+fn plant() -> (Bench, Vec<StationId>) {
+    let station = |number: u8| {
+        let models = [&model::AKD, &model::VLT, &model::VACON];
+        let model = models[usize::from(number) % models.len()];
+        let mut config = StationConfig::new(model, MacAddress([2, 0, 0, 0, 0, number]));
+        config.network = Stored {
+            name: name(number),
+            ip: ip(number),
+            ..Stored::default()
+        };
+        Box::new(Host::new(Station::new(config)))
+    };
+    bench_of((1..=AXES).map(station).collect())
+}
+
+async fn taken(session: &mut Session, number: u8) -> Axis {
+    let address: DriveAddress = name(number).parse().expect("an address");
+    let mut drive = session.find(&address).await.expect("there");
+    let settings = AxisSettings::for_purpose(Purpose::Speed);
+    let axis = session.take_axis(&mut drive, settings).await;
+    axis.unwrap_or_else(|error| panic!("{}: {error}", name(number)))
+}
+
+async fn runs(axis: &mut Axis) -> Enabled<'_> {
+    let label = axis.drive().label();
+    let mut enabled = axis
+        .enable()
+        .await
+        .unwrap_or_else(|error| panic!("{label}: {error}"));
+    let reached = enabled.reach_speed(SPEED, None).await;
+    reached.unwrap_or_else(|error| panic!("{label}: {error}"));
+    enabled
+}
+
+/// What the test knows of what goes on.
+#[derive(Clone, Default)]
+struct Seen {
+    stop: Shared<Option<StopHandle>>,
+    stopped: Shared<Option<Instant>>,
+}
+
+/// One caller with one axis.
+async fn caller(mut session: Session, number: u8, seen: Seen) {
+    let way = way(number);
+    let mut axis = taken(&mut session, number).await;
+    let mut enabled = runs(&mut axis).await;
+    match way {
+        Way::Dropped => {
+            enabled.hold(SECOND * 2).await.expect("undisturbed");
+            drop(enabled);
+            drop(axis);
+        }
+        Way::Panic => {
+            enabled.hold(SECOND * 2).await.expect("undisturbed");
+            panic!("the caller fails");
+        }
+        Way::Forgotten => {
+            enabled.hold(SECOND * 2).await.expect("undisturbed");
+            // neither drop is run
+            std::mem::forget(enabled);
+            std::mem::forget(axis);
+        }
+        Way::Stopped => {
+            *seen.stop.borrow_mut() = Some(enabled.stop_handle());
+            let error = enabled.hold(SECOND * 60).await.expect_err("stopped");
+            *seen.stopped.borrow_mut() = Some(session.now());
+            assert!(
+                matches!(
+                    error,
+                    Error::Axis {
+                        trouble: Trouble::Stopped,
+                        ..
+                    }
+                ),
+                "{error}"
+            );
+            drop(enabled);
+            axis.release().await.expect("along its ramp");
+        }
+        Way::Released => {
+            enabled
+                .keep_speed(SPEED, SECOND * 20)
+                .await
+                .unwrap_or_else(|error| panic!("{}: {error}", name(number)));
+            drop(enabled);
+            axis.release().await.expect("along its ramp");
+        }
+    }
+}
+
+#[test]
+fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
+    let (mut network, ids) = plant();
+    let lossy = Conditions {
+        loss: 0.01,
+        ..Conditions::default()
+    };
+    network.medium().segment_mut().set_all_conditions(lossy);
+    let seen = Seen::default();
+    let callers = (1..=AXES).map(|number| {
+        let caller = caller(Session::clone(&network), number, seen.clone());
+        // a panic ends this caller and no other
+        AssertUnwindSafe(caller).catch_unwind()
+    });
+    // a thousand callers want something of the drive of axis 4, then its axis is stopped
+    let mut stopper = Session::clone(&network);
+    let begun = Shared::new(None);
+    let (clock, handle) = (begun.clone(), seen.stop.clone());
+    let waiting = async move {
+        while handle.borrow().is_none() {
+            stopper.pass(SECOND / 10).await.expect("time passes");
+        }
+        let address: DriveAddress = name(4).parse().expect("an address");
+        let drive = stopper.find(&address).await.expect("there");
+        let acceleration = select(&drive, "3-41");
+        let jobs = (0..1000).map(|_| {
+            let (mut session, mut drive) = (stopper.clone(), drive.clone());
+            async move { session.read_one(&mut drive, &acceleration).await }
+        });
+        let mut later = stopper.clone();
+        let stop = async {
+            later.pass(SECOND / 10).await.expect("time passes");
+            *clock.borrow_mut() = Some(later.now());
+            handle.borrow().as_ref().expect("a handle").stop();
+        };
+        let (answers, ()) = join(join_all(jobs), stop).await;
+        (answers, stopper.now())
+    };
+    let (ends, (answers, answered)) = join(join_all(callers), waiting).wait();
+    for (number, end) in (1..).zip(ends) {
+        assert_eq!(end.is_err(), way(number) == Way::Panic, "axis {number}");
+    }
+    let (begun, stopped) = (begun.get().expect("begun"), seen.stopped.get().expect("told"));
+    assert!(
+        stopped - begun < Duration::from_millis(50),
+        "{:?}",
+        stopped - begun
+    );
+    assert!(answered > stopped + SECOND, "the requests were still waiting");
+    let refused = answers.iter().find_map(|answer| answer.as_ref().err());
+    assert!(refused.is_none(), "{refused:?}");
+    network.settled().wait().expect("nobody disturbs");
+    for (number, id) in (1..).zip(&ids) {
+        if way(number) != Way::Forgotten {
+            assert!(is_at_rest(&network, *id), "axis {number}");
+        }
+    }
+    // the axis that was forgotten stands, and its connection ends with the network
+    let world = network.world();
+    assert!(!enabled(&world, ids[2]), "its lease is over");
+    drop(network);
+    assert!(!exchanging(&world, ids[2]));
+}
+
+fn station<T>(
+    world: &World<network::segment::SegmentMedium>,
+    id: StationId,
+    look: impl FnOnce(&Station) -> T,
+) -> T {
+    let wire = world.wire();
+    let host = wire.segment().station::<Host<Station>>(id).expect("the drive");
+    look(host.endpoint())
+}
+
+fn enabled(world: &World<network::segment::SegmentMedium>, id: StationId) -> bool {
+    station(world, id, |station| station.drive().is_enabled())
+}
+
+fn exchanging(world: &World<network::segment::SegmentMedium>, id: StationId) -> bool {
+    station(world, id, |station| station.device().is_exchanging())
+}
+
+/// The same drives, callers and seed: the same run, to the nanosecond.
+#[test]
+fn a_run_of_many_callers_is_the_same_every_time() {
+    let run = || {
+        let (network, _) = plant();
+        let lossy = Conditions {
+            loss: 0.05,
+            ..Conditions::default()
+        };
+        network.medium().segment_mut().set_all_conditions(lossy);
+        let callers = (1..=AXES).map(|number| {
+            let mut session = Session::clone(&network);
+            async move {
+                let mut axis = taken(&mut session, number).await;
+                let enabled = runs(&mut axis).await;
+                drop(enabled);
+                axis.release().await.expect("along its ramp");
+                session.now()
+            }
+        });
+        join_all(callers).wait()
+    };
+    assert_eq!(run(), run());
+}
+
+/// Every input is there, in order, with what was lost between counted.
+#[test]
+fn every_cyclic_input_can_be_recorded() {
+    let (mut network, _) = plant();
+    let lossy = Conditions {
+        loss: 0.02,
+        ..Conditions::default()
+    };
+    network.medium().segment_mut().set_all_conditions(lossy);
+    let mut session = Session::clone(&network);
+    let mut axis = taken(&mut session, 3).wait();
+    let mut samples = axis.samples(10_000);
+    let mut few = axis.samples(10);
+    let mut enabled = runs(&mut axis).wait();
+    enabled.hold(SECOND * 5).wait().expect("undisturbed");
+    let statistics = enabled.statistics().expect("a network");
+    drop(enabled);
+    axis.release().wait().expect("along its ramp");
+    let mut all = Vec::new();
+    while let Some(sample) = samples.next().wait().expect("carried") {
+        all.push(sample);
+    }
+    assert!(
+        all.len() > 300 && statistics.missed > 0,
+        "{} {statistics:?}",
+        all.len()
+    );
+    for pair in all.windows(2) {
+        assert!(
+            pair[1].at > pair[0].at && pair[1].number == pair[0].number + 1,
+            "{pair:?}"
+        );
+        assert!(pair[1].missed >= pair[0].missed, "{pair:?}");
+    }
+    assert_eq!(samples.dropped(), 0);
+    assert_eq!(few.dropped(), all.len() as u64 - 10);
+    assert_eq!(
+        few.take().map(|sample| sample.number),
+        Some(all[all.len() - 10].number)
+    );
+    network.settled().wait().expect("at rest");
+}
+
+/// What is asked of one drive at once comes one after the other, in order, and nothing is lost.
+#[test]
+fn many_callers_of_one_drive_are_answered_in_their_order() {
+    let (mut network, _) = plant();
+    let drive = find(&mut network, "axis-3").expect("there");
+    let acceleration = select(&drive, "DRV.ACC");
+    let order = Shared::new(Vec::new());
+    let callers = (0..100).map(|number| {
+        let (mut session, mut drive) = (Session::clone(&network), drive.clone());
+        let order = order.clone();
+        async move {
+            let answer = session.read_one(&mut drive, &acceleration).await;
+            order.borrow_mut().push(number);
+            answer
+        }
+    });
+    let answers = join_all(callers).wait();
+    assert!(answers.iter().all(Result::is_ok));
+    assert_eq!(*order.borrow(), (0..100).collect::<Vec<i32>>());
+    // one connection for all of it
+    assert_eq!(
+        network.route(&drive),
+        Some(profidrive_client::Route::DeviceAccess)
+    );
+}
+
+/// Calls may go to other threads, and so may axes.
+#[test]
+fn calls_and_axes_may_change_threads() {
+    fn sent<T: Send>(value: T) -> T {
+        value
+    }
+    let (mut network, ids) = plant();
+    let mut session = Session::clone(&network);
+    let mut axis = sent(taken(&mut session, 6)).wait();
+    let axis = std::thread::spawn(move || {
+        drop(sent(runs(&mut axis)).wait());
+        axis
+    });
+    let axis = axis.join().expect("no panic");
+    sent(axis.release()).wait().expect("along its ramp");
+    let mut drive = find(&mut network, "axis-6").expect("there");
+    sent(session.status(&mut drive)).wait().expect("a status");
+    sent(session.backup(&mut drive, &mut |_, _| {}))
+        .wait()
+        .expect("a backup");
+    assert!(is_at_rest(&network, ids[5]));
+}
