@@ -565,3 +565,25 @@ fn a_speed_above_the_range_of_the_setpoint_names_its_scaling() {
         "VL.LIMITP: {refused:?}"
     );
 }
+
+/// A jog that moves nothing is a failure: along a ramp of 1 rpm/s, and against a blocked shaft, which the drive reports.
+#[test]
+fn a_jog_that_does_not_move_the_axis_fails() {
+    let lab = Lab::new("moving-jog-still");
+    let _drive = simulate(&lab);
+    let jog = ["jog", "akd-1", "--velocity", "120rpm", "--for", "1s"];
+    client(&lab, &jog).ok();
+    client(&lab, &["write", "akd-1", "1008=1"]).ok();
+    client(&lab, &["write", "akd-1", "1006=1rpm/s"]).ok();
+    let still = client(&lab, &jog);
+    assert_eq!(still.code, Some(1), "{still:?}");
+    assert!(still.err.contains("for 1.0 s did not move the axis"), "{still:?}");
+    assert!(still.err.contains("its ramps (AKD: 1006, 1007)"), "{still:?}");
+    client(&lab, &["write", "akd-1", "1008=763"]).ok();
+    client(&lab, &["write", "akd-1", "1006=3052rpm/s"]).ok();
+    client(&lab, &["inject", "akd-1", "block=on"]).ok();
+    let blocked = client(&lab, &jog);
+    assert_eq!(blocked.code, Some(1), "{blocked:?}");
+    assert!(blocked.err.contains("did not move the axis"), "{blocked:?}");
+    at_rest(&lab);
+}

@@ -25,8 +25,8 @@ pub use refusal::{ChannelCause, ChannelRefusal, NotCarried, Refusal};
 pub use text::describe;
 pub(crate) use text::mode_words;
 use text::{
-    closed_text, holders_text, in_place, join, objections_text, once, others, owner_text, reaction_text,
-    scaling_text, speed_text, telegram_text, unit_text,
+    closed_text, highest_text, holders_text, in_place, join, objections_text, once, others, owner_text,
+    reaction_text, scaling_text, speed_text, telegram_text, unit_text,
 };
 
 /// Why something did not come about.
@@ -381,6 +381,23 @@ pub enum Error {
         /// How long.
         limit: Duration,
         /// Unit of the speeds.
+        unit: &'static str,
+    },
+    /// The axis stood during a whole jog; it is being stopped.
+    #[error(
+        "{drive}: jogging at {} rpm for {:.1} s did not move the axis{}",
+        figures(*.wanted), .time.as_secs_f64(), highest_text(*.highest, .unit)
+    )]
+    NotMoved {
+        /// The drive.
+        drive: String,
+        /// Speed of the jog, rpm.
+        wanted: f64,
+        /// Highest speed, where the telegram tells speeds.
+        highest: Option<f64>,
+        /// How long it jogged.
+        time: Duration,
+        /// Unit of the highest speed.
         unit: &'static str,
     },
     /// The axis had its speed and does not follow any more; it is being stopped.

@@ -439,6 +439,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
             | Error::NotInTime { .. }
             | Error::Held { .. }
             | Error::SpeedNotReached { .. }
+            | Error::NotMoved { .. }
             | Error::SpeedLost { .. }
     );
     let held = matches!(error, Error::Held { .. });

@@ -241,7 +241,7 @@ fn go(
     axis::watch(&mut taken, "jog", false, output);
     let result = taken.enable().wait().and_then(|mut enabled| {
         enabled.jog(jog).wait()?;
-        enabled.hold(args.time).wait()?;
+        enabled.keep_jog(rpm, args.time).wait()?;
         held_back(&mut enabled, output);
         Ok(())
     });
@@ -293,7 +293,7 @@ fn real_time(
     axis::watch(&mut taken, "jog", false, output);
     let result = taken.enable().wait().and_then(|mut enabled| {
         enabled.jog_at(speed).wait()?;
-        enabled.hold(args.time).wait()?;
+        enabled.keep_jog(speed, args.time).wait()?;
         held_back(&mut enabled, output);
         Ok(())
     });

@@ -239,6 +239,9 @@ impl Error {
             Self::SpeedNotReached { .. } => {
                 "the ramp, a limit of the drive or the load holds it".into()
             }
+            Self::NotMoved { .. } => {
+                "the jog speed, its ramps (AKD: 1006, 1007), a limit of the drive or the load holds it".into()
+            }
             Self::Held { error, evidence } => evidence.advice().or_else(|| error.advice())?,
             Self::NotEnabled { .. } => "enable it again".into(),
             Self::Objections { objections, .. } => of_each(objections)?,

@@ -121,6 +121,7 @@ impl Error {
             Self::NotEnabled { .. }
             | Self::NotInTime { .. }
             | Self::SpeedNotReached { .. }
+            | Self::NotMoved { .. }
             | Self::SpeedLost { .. }
             | Self::Changing { .. } => ErrorKind::NotReached,
             Self::Interrupted | Self::StopInterrupted { .. } => ErrorKind::Interrupted,

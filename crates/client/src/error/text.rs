@@ -83,6 +83,13 @@ pub(super) fn speed_text(speed: Option<f64>, unit: &str) -> String {
     speed.map_or_else(|| "not told".into(), |speed| format!("{speed:.1} {unit}"))
 }
 
+/// The speed of an axis that should have moved.
+pub(super) fn highest_text(speed: Option<f64>, unit: &str) -> String {
+    speed.map_or_else(String::new, |speed| {
+        format!(", its highest speed was {speed:.1} {unit}")
+    })
+}
+
 pub(super) const fn unit_text(wanted: SpeedUnit) -> &'static str {
     match wanted {
         SpeedUnit::Rpm => {

@@ -22,6 +22,8 @@ const SPEED_NEAR: f64 = 0.03;
 const AWAY: Duration = Duration::from_secs(1);
 /// How often the scale of the speeds is read while the axis runs.
 const SCALE_CHECK: Duration = Duration::from_millis(500);
+/// Part of a revolution that an axis has moved for certain.
+const MOVED: f64 = 0.001;
 /// HOME.MODE: set the position where the axis stands, take that of the feedback.
 const ON_THE_SPOT: [i64; 2] = [0, 13];
 
@@ -234,6 +236,31 @@ impl<'a> Enabled<'a> {
         self.reach(goal, None, "").await
     }
 
+    /// Keeps a jog at this speed, in rpm, for `time`.
+    ///
+    /// # Errors
+    /// When the axis did not move at all in that time, as far as its telegram says so, and as [`hold`](Axis::hold).
+    pub async fn keep_jog(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
+        let mut seen = Moved::new(rpm);
+        self.axis
+            .hold_until(time, |status| {
+                seen.look(status);
+                false
+            })
+            .await?;
+        if seen.moved != Some(false) {
+            return Ok(());
+        }
+        self.axis.gather().await;
+        Err(self.axis.with_evidence(Error::NotMoved {
+            drive: self.axis.drive.label(),
+            wanted: rpm,
+            highest: seen.highest,
+            time,
+            unit: self.axis.scale.unit().symbol(),
+        }))
+    }
+
     /// What holds an axis that stands though it was told to jog, as far as the drive says.
     pub async fn held_back(&mut self) -> Option<Evidence> {
         let status = self.axis.status()?;
@@ -387,6 +414,53 @@ impl<'a> Enabled<'a> {
         let told = self.axis.session.ask(&mut drive, &[Part::HomeMode]).await?;
         let mode = told.raw(Part::HomeMode);
         Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
+    }
+}
+
+/// Finds out if an axis moves.
+struct Moved {
+    /// Speed that it should have, rpm.
+    rpm: f64,
+    /// `None` while the telegram has not said it.
+    moved: Option<bool>,
+    highest: Option<f64>,
+    from: Option<f64>,
+}
+
+impl Moved {
+    const fn new(rpm: f64) -> Self {
+        Self {
+            rpm,
+            moved: None,
+            highest: None,
+            from: None,
+        }
+    }
+
+    fn look(&mut self, status: &AxisStatus) {
+        let standstill = status.unit.standstill();
+        let position = status.position.map(|position| {
+            let from = *self.from.get_or_insert(position);
+            (position - from).abs() > MOVED
+        });
+        let least = match status.unit {
+            SpeedUnit::Rpm => (self.rpm.abs() / 2.0).min(standstill),
+            SpeedUnit::Percent => status.unit.near() / 2.0,
+        };
+        let speed = status.speed_actual.map(f64::abs).map(|actual| {
+            self.highest = Some(self.highest.map_or(actual, |highest| highest.max(actual)));
+            actual > least
+        });
+        // a drive says standstill of a slow axis too
+        let slow = self.rpm.abs() <= standstill;
+        let stopped = status
+            .view
+            .seen
+            .filter(|_| status.view.mode == Mode::Position && !slow);
+        let turns = stopped.map(|_| status.view.turns);
+        for told in [position, speed, turns].into_iter().flatten() {
+            self.moved = Some(told || self.moved == Some(true));
+        }
     }
 }
 

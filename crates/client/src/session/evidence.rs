@@ -64,6 +64,7 @@ impl Axis {
                 Error::Axis { .. }
                 | Error::NotInTime { .. }
                 | Error::SpeedNotReached { .. }
+                | Error::NotMoved { .. }
                 | Error::SpeedLost { .. },
                 Some(evidence),
             ) => Error::Held {

@@ -400,6 +400,26 @@ fn jog_in_position_mode() {
     assert!(way > 2.0 && way < 5.5, "{way}");
 }
 
+/// An axis at its software limit stands during the whole jog, also where the jog is slower than what counts as standstill.
+#[test]
+fn a_jog_that_moves_nothing_is_an_error() {
+    for (speed, rpm) in [("1004=120rpm", 120.0), ("1004=4rpm", 4.0)] {
+        let mut bench = homed();
+        let limits = ["SWLS.LIMIT0=-65536", "SWLS.LIMIT1=65536", "SWLS.EN=3", speed];
+        write(&mut bench.0, &mut bench.2, &limits);
+        with_axis(&mut bench, Purpose::Jog, |axis| {
+            let time = Duration::from_secs(20);
+            axis.jog(Jog::One).wait().expect("jogs");
+            axis.keep_jog(rpm, time).wait().expect("it moves to the limit");
+            axis.halt().wait().expect("stands");
+            axis.jog(Jog::One).wait().expect("jogs");
+            let error = axis.keep_jog(rpm, time).wait().expect_err("it stands there");
+            let text = error.to_string();
+            assert!(text.contains("for 20.0 s did not move the axis"), "{text}");
+        });
+    }
+}
+
 #[test]
 fn real_time_jogging_takes_its_speed_from_here_and_changes_on_the_fly() {
     let mut bench = positioning();
