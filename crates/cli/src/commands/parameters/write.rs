@@ -30,6 +30,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
     let controller = session.owner(&drive).wait()?.flatten();
     let (outcomes, same) = write_new(&mut session, &mut drive, &assignments, mode)?;
     session.close().wait()?;
+    let save = Save::of(&drive, &outcomes, assignments.len(), args.save);
     if let Some(name) = &controller
         && outcomes.iter().any(is_written)
     {
@@ -47,6 +48,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
                 let mut fields = outcome_json(outcome);
                 fields.insert("same".into(), (*same).into());
                 fields.insert("can_be_kept".into(), can_keep(&drive, outcome).into());
+                fields.insert("saved".into(), is_saved(&drive, outcome, save).into());
                 Value::Object(fields)
             })
             .collect();
@@ -79,7 +81,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         if args.dry_run {
             output.say("dry run: nothing was written");
         } else {
-            tell_kept(&drive, &outcomes, args.save, output);
+            tell_kept(&drive, &outcomes, save, output);
         }
     }
     let mut problems: Vec<Failure> = Vec::new();
@@ -185,8 +187,44 @@ fn can_keep(drive: &Drive, outcome: &ChangeOutcome) -> Option<bool> {
     drive.model.catalogue.map(|tables| tables.is_kept(parameter))
 }
 
-/// Says of the new values which of them outlive the power of the drive, and which do not.
-fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Output) {
+/// How a drive saved the new values that it does not save with every write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Save {
+    /// Not requested.
+    No,
+    /// Saved, in this way.
+    Done(Saving),
+    /// The drive refused the command that saves.
+    Refused,
+}
+
+impl Save {
+    /// The command that saves, where one is necessary, is the outcome behind those of the assignments.
+    fn of(drive: &Drive, outcomes: &[ChangeOutcome], assignments: usize, requested: bool) -> Self {
+        let own = drive.model.dialect.saving;
+        match outcomes.get(assignments) {
+            _ if !requested => Self::No,
+            Some(command) if is_written(command) => Self::Done(Saving::Command),
+            None if own != Saving::Command => Self::Done(own),
+            _ => Self::Refused,
+        }
+    }
+}
+
+/// When the drive saves a new value; one without a description is saved as most are.
+fn saving_of(drive: &Drive, outcome: &ChangeOutcome) -> Saving {
+    let parameter = outcome.change.selection.parameter;
+    parameter.map_or(drive.model.dialect.saving, |parameter| drive.saving(parameter))
+}
+
+/// True for a new value that outlives the power of the drive.
+fn is_saved(drive: &Drive, outcome: &ChangeOutcome, save: Save) -> bool {
+    let saved = matches!(save, Save::Done(_)) || saving_of(drive, outcome) == Saving::Always;
+    saved && keeps(outcome) && can_keep(drive, outcome) != Some(false)
+}
+
+/// Reports which of the new values outlive the power of the drive, and which do not.
+fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: Save, output: &Output) {
     let new = outcomes.iter().filter(|outcome| keeps(outcome));
     let (kept, lost): (Vec<_>, Vec<_>) = new.partition(|outcome| can_keep(drive, outcome) != Some(false));
     let names = |outcomes: &[&ChangeOutcome]| -> Vec<String> {
@@ -194,21 +232,18 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Out
         labels.collect()
     };
     let own = drive.model.dialect.saving;
-    let (as_written, by_itself): (Vec<_>, Vec<_>) = kept.into_iter().partition(|outcome| {
-        let parameter = outcome.change.selection.parameter;
-        parameter.is_none_or(|parameter| drive.saving(parameter) == own)
-    });
+    let (as_written, by_itself): (Vec<_>, Vec<_>) = kept
+        .into_iter()
+        .partition(|outcome| saving_of(drive, outcome) == own);
     let (as_written, by_itself, lost) = (names(&as_written), names(&by_itself), names(&lost));
-    // the command that saves comes last
-    let saved = own != Saving::Command || outcomes.last().is_some_and(is_written);
-    if save && !saved && !as_written.is_empty() {
-        output.warn(&format!(
-            "not saved: the drive refused to save, {} lost at the next power cycle",
-            listed_with_verb(&as_written)
-        ));
-    } else if !as_written.is_empty() {
-        let all = by_itself.is_empty() && lost.is_empty();
-        output.say(&kept_words(own, save, if all { &[] } else { &as_written }));
+    let all = by_itself.is_empty() && lost.is_empty();
+    if !as_written.is_empty() {
+        match save {
+            Save::Refused => output.warn(&unsaved_words("the drive refused to save", &as_written)),
+            Save::No | Save::Done(_) => {
+                output.say(&kept_words(own, save, if all { &[] } else { &as_written }));
+            }
+        }
     }
     if !by_itself.is_empty() {
         let which = listed(&by_itself);
@@ -218,28 +253,36 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: bool, output: &Out
     }
     if !lost.is_empty() {
         let told = lost_words(&lost);
-        if save {
-            output.warn(&told);
-        } else {
+        if save == Save::No {
             output.say(&told);
+        } else {
+            output.warn(&told);
         }
     }
 }
 
+/// What becomes of new values that were to be saved and were not.
+fn unsaved_words(why: &str, which: &[String]) -> String {
+    format!(
+        "not saved: {why}, {} lost at the next power cycle",
+        listed_with_verb(which)
+    )
+}
+
 /// What becomes of new values that the drive can save; `which` is empty for all of them.
-fn kept_words(saving: Saving, save: bool, which: &[String]) -> String {
+fn kept_words(own: Saving, save: Save, which: &[String]) -> String {
     let named = match which {
         [] => String::new(),
         names => format!(": {}", listed(names)),
     };
-    match (saving, save) {
+    match (own, save) {
         (Saving::Always, _) => format!("saved in the drive{named} (it saves every write)"),
-        (Saving::Request, true) => format!("saved in the drive{named}"),
-        (Saving::Command, true) => {
+        (_, Save::Done(Saving::Command)) => {
             format!("saved in the drive{named}, with everything else that it can save")
         }
-        (_, false) if which.is_empty() => "not saved: lost at the next power cycle (use --save)".to_owned(),
-        (_, false) => format!(
+        (_, Save::Done(_)) => format!("saved in the drive{named}"),
+        _ if which.is_empty() => "not saved: lost at the next power cycle (use --save)".to_owned(),
+        _ => format!(
             "not saved: {} lost at the next power cycle (use --save)",
             listed_with_verb(which)
         ),
@@ -400,8 +443,78 @@ fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use client::Refusal;
     use profile::catalogue::{AKD, Scaling};
+    use profile::model::Model;
+    use profile::parameter::ErrorNumber;
     use profile::value::Parameters;
+    use profinet::controller::Station;
+
+    fn drive(model: &str) -> Drive {
+        Drive::new(Station::default()).taken_for(Model::by_name(model).unwrap())
+    }
+
+    fn outcome(drive: &Drive, text: &str, written: Result<(), ErrorNumber>) -> ChangeOutcome {
+        let assignment: Assignment = text.parse().unwrap();
+        let selection = drive.parameters.select(&assignment.reference).unwrap();
+        let refusal = |number| Refusal {
+            shown: selection.shown(0),
+            name: None,
+            write: true,
+            number,
+            names: drive.model.dialect.error_names,
+            information: None,
+            advice: None,
+            channel: None,
+        };
+        let value = drive.parameters.check(&selection, &assignment.value).unwrap();
+        let tables = drive.model.catalogue.unwrap();
+        ChangeOutcome {
+            change: client::PlannedChange {
+                selection,
+                value: PlannedValue::Number(value),
+            },
+            old: None,
+            written: Some(written.map_err(refusal)),
+            new: None,
+            acts: matches!(tables.backup_rule(selection.pnu).role, Role::Action | Role::Save),
+        }
+    }
+
+    /// A VLT without request 0x42 is told to save by 9-71.
+    #[test]
+    fn a_value_is_saved_only_where_the_command_that_saves_was_carried_out() {
+        let drive = drive("vlt");
+        let value = outcome(&drive, "3-41=5s", Ok(()));
+        let of = |command: Option<Result<(), ErrorNumber>>, requested| {
+            let mut outcomes = vec![value.clone()];
+            outcomes.extend(command.map(|written| outcome(&drive, "9-71=1", written)));
+            let save = Save::of(&drive, &outcomes, 1, requested);
+            assert!(
+                outcomes
+                    .iter()
+                    .skip(1)
+                    .all(|command| !is_saved(&drive, command, save))
+            );
+            (save, is_saved(&drive, &outcomes[0], save))
+        };
+        assert_eq!(of(None, false), (Save::No, false));
+        assert_eq!(of(None, true), (Save::Done(Saving::Request), true));
+        assert_eq!(of(Some(Ok(())), true), (Save::Done(Saving::Command), true));
+        assert_eq!(
+            of(Some(Err(ErrorNumber::NOT_CHANGEABLE)), true),
+            (Save::Refused, false)
+        );
+        let refused = outcome(&drive, "3-41=5s", Err(ErrorNumber::NOT_CHANGEABLE));
+        assert!(!is_saved(&drive, &refused, Save::Done(Saving::Request)));
+    }
+
+    #[test]
+    fn a_vacon_saves_each_value_without_a_request() {
+        let drive = drive("vacon");
+        let value = outcome(&drive, "ID103=5s", Ok(()));
+        assert!(is_saved(&drive, &value, Save::No));
+    }
 
     #[test]
     fn a_command_leaves_no_value_behind() {
@@ -446,7 +559,7 @@ mod tests {
         );
         assert!(lost_words(&names[..1]).starts_with("not saved: 922 is lost"));
         assert_eq!(
-            kept_words(Saving::Command, true, &names),
+            kept_words(Saving::Request, Save::Done(Saving::Command), &names),
             "saved in the drive: 922 and HOME.V, with everything else that it can save"
         );
     }
