@@ -120,7 +120,7 @@ impl Session {
 
     /// Waits for its turn among the requests to a drive. What a stop or a motion asks for goes first.
     async fn turn(&mut self, drive: &Drive) -> Result<Turn, Error> {
-        let urgent = self.bound.is_some() || self.unread.is_some();
+        let urgent = self.is_hurried();
         let turn = self.engine.turn_at(drive, urgent, self.due()).await?;
         self.glance()?;
         Ok(turn)
@@ -322,14 +322,11 @@ impl Session {
         let now = self.now();
         let released = open && self.client().controller().release(now, ar).is_ok();
         if released {
-            let stopping = std::mem::replace(&mut self.stopping, true);
-            let end = self
-                .wait(limit, |client| {
-                    matches!(client.connection(ar), Connection::Released | Connection::Lost(_)).then_some(())
-                })
-                .await;
-            self.stopping = stopping;
-            end?;
+            let _meanwhile = self.unstoppable();
+            self.wait(limit, |client| {
+                matches!(client.connection(ar), Connection::Released | Connection::Lost(_)).then_some(())
+            })
+            .await?;
         }
         self.drop_access(ar);
         self.client().forget(ar);

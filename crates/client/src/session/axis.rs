@@ -407,10 +407,8 @@ impl Axis {
     /// # Errors
     /// When the axis does not come to a standstill or the connection is lost.
     pub async fn stop(&mut self) -> Result<(), Error> {
-        let stopping = std::mem::replace(&mut self.session.stopping, true);
-        let result = self.reach(Goal::Stop).await;
-        self.session.stopping = stopping;
-        result
+        let _meanwhile = self.session.unstoppable();
+        self.reach(Goal::Stop).await
     }
 
     /// True when the axis turns with its power stage off and was so before control was taken: it coasts, or something
@@ -441,9 +439,10 @@ impl Axis {
     ) -> Result<bool, Error> {
         let end = self.session.now() + time;
         loop {
-            let before = self.session.bind(end);
-            let status = self.look().await;
-            self.session.bound = before;
+            let status = {
+                let _meanwhile = self.session.bound_by(end);
+                self.look().await
+            };
             if enough(&status?) {
                 return Ok(true);
             }
@@ -482,13 +481,7 @@ impl Axis {
     /// # Errors
     /// When the wire fails. A caller's wish to stop does not interrupt it.
     pub async fn stopped(&mut self) -> Result<(), Error> {
-        let stopping = std::mem::replace(&mut self.session.stopping, true);
-        let stopped = self.stopped_now().await;
-        self.session.stopping = stopping;
-        stopped
-    }
-
-    async fn stopped_now(&mut self) -> Result<(), Error> {
+        let _meanwhile = self.session.unstoppable();
         let stops = |view: &AxisView| view.goal == Goal::Stop && !view.at_rest;
         while self.status().is_some_and(|status| stops(&status.view)) && self.lost().is_none() {
             let stopped = self.look().await;
@@ -516,16 +509,14 @@ impl Axis {
     ) -> Result<AxisStatus, Error> {
         let begin = self.session.now();
         loop {
-            let before = self.session.bound;
-            if let Some(limit) = limit {
-                self.session.bind(begin + limit);
-            }
-            let status = self.look().await;
-            if status.as_ref().is_ok_and(|status| status.view.stays_away) {
-                self.gather().await;
-            }
-            self.session.bound = before;
-            let status = status?;
+            let status = {
+                let _meanwhile = limit.map(|limit| self.session.bound_by(begin + limit));
+                let status = self.look().await;
+                if status.as_ref().is_ok_and(|status| status.view.stays_away) {
+                    self.gather().await;
+                }
+                status?
+            };
             if enough(&status) {
                 return Ok(status);
             }

@@ -123,10 +123,8 @@ impl<'a> Enabled<'a> {
     pub async fn keep_speed(&mut self, rpm: f64, time: Duration) -> Result<(), Error> {
         let end = self.axis.session.now() + time;
         // no parameter makes the motion longer
-        let before = self.axis.session.bind(end);
-        let kept = self.keep_until(rpm, end).await;
-        self.axis.session.bound = before;
-        kept
+        let _meanwhile = self.axis.session.bound_by(end);
+        self.keep_until(rpm, end).await
     }
 
     async fn keep_until(&mut self, rpm: f64, end: Instant) -> Result<(), Error> {
@@ -172,9 +170,10 @@ impl<'a> Enabled<'a> {
         let mut drive = self.axis.drive.clone();
         drive.scaled = false;
         let session = &mut self.axis.session;
-        let before = session.bind(due);
-        let told = session.read_scaling(&mut drive).await;
-        session.bound = before;
+        let told = {
+            let _meanwhile = session.bound_by(due);
+            session.read_scaling(&mut drive).await
+        };
         match told {
             Ok(()) => {}
             Err(Error::Interrupted) => return Err(Error::Interrupted),

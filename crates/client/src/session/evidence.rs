@@ -30,9 +30,10 @@ impl Axis {
         let mut drive = self.drive.clone();
         // why it does not move is told beside what went wrong, never in its place
         let due = self.session.now() + BESIDE;
-        let before = self.session.bind(due);
-        let told = self.session.ask(&mut drive, &PARTS).await;
-        self.session.bound = before;
+        let told = {
+            let _meanwhile = self.session.bound_by(due);
+            self.session.ask(&mut drive, &PARTS).await
+        };
         let Ok(told) = told else {
             // asked once: the axis is to be looked at
             self.evidence = Some(Evidence::default());

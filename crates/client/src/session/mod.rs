@@ -17,6 +17,7 @@ mod keep;
 mod learn;
 mod line;
 mod loss;
+mod manner;
 mod mode;
 mod monitor;
 mod neutral;
@@ -42,6 +43,8 @@ use uss::ReceiverStatistics;
 use crate::axis::Goal;
 use crate::engine::Touched;
 use crate::{AxisView, Client, Connection, Drive, Engine, Error, Link};
+
+use manner::Manner;
 
 pub(crate) use access::Records;
 
@@ -103,16 +106,12 @@ pub struct Session {
     engine: Engine,
     /// What the caller wants meanwhile.
     wishes: Arc<Mutex<Wishes>>,
-    /// True while a stop is carried out that must not be interrupted.
-    stopping: bool,
+    /// How its requests are carried out at present.
+    manner: Arc<Mutex<Manner>>,
     /// When somebody who waits for an answer is to be told that there is none, and how.
     silence: Option<Silence>,
     /// The drive whose axis is under control, and what it does when it loses that.
     under_control: Option<(String, Box<LossReaction>)>,
-    /// Parameters that are not answered are tolerated.
-    unread: Option<unread::Unread>,
-    /// When parameter requests are given up at the latest.
-    bound: Option<Instant>,
 }
 
 /// What a caller wants while it waits.
@@ -143,11 +142,9 @@ impl Clone for Session {
         Self {
             engine: self.engine.clone(),
             wishes: self.wishes.clone(),
-            stopping: self.stopping,
+            manner: Arc::new(Mutex::new(self.manner().clone())),
             silence: None,
             under_control: self.under_control.clone(),
-            unread: self.unread.clone(),
-            bound: self.bound,
         }
     }
 }
@@ -168,11 +165,9 @@ impl Session {
                 hurried: false,
                 route_follower: Box::new(|_, _| {}),
             })),
-            stopping: false,
+            manner: Arc::default(),
             silence: None,
             under_control: None,
-            unread: None,
-            bound: None,
         }
     }
 
@@ -215,7 +210,7 @@ impl Session {
 
     /// Brings every axis to rest and closes every connection.
     pub(crate) async fn leave(&mut self) -> Result<(), Error> {
-        self.stopping = true;
+        let _meanwhile = self.unstoppable();
         self.engine.begin_closing();
         while self.engine.is_busy() {
             // an axis that cannot be reached any more ends as well
@@ -275,10 +270,8 @@ impl Session {
 
     /// Does something that a caller's wish to stop must not interrupt: putting back what was changed.
     pub async fn uninterrupted<T>(&mut self, work: impl AsyncFnOnce(&mut Self) -> T) -> T {
-        let stopping = std::mem::replace(&mut self.stopping, true);
-        let result = work(self).await;
-        self.stopping = stopping;
-        result
+        let _meanwhile = self.unstoppable();
+        work(self).await
     }
 
     /// Carries out `work`, and says once with `tell` when it takes longer than `limit`: somebody does not answer. The
@@ -309,7 +302,7 @@ impl Session {
     /// # Errors
     /// When the caller wants to stop ([`interrupt_with`](Self::interrupt_with)).
     pub fn glance(&mut self) -> Result<(), Error> {
-        if !self.stopping && (self.wishes().interrupted)() {
+        if !self.manner().stopping && (self.wishes().interrupted)() {
             return Err(Error::Interrupted);
         }
         Ok(())

@@ -115,13 +115,9 @@ impl Session {
         drive: &mut Drive,
         before: &ModeBefore,
     ) -> Result<Vec<PutBack>, Error> {
-        let stopping = std::mem::replace(&mut self.stopping, true);
-        let left = match self.ended(drive).await {
-            Ok(()) => self.put_back_mode(drive, before).await,
-            Err(error) => Err(error),
-        };
-        self.stopping = stopping;
-        left
+        let _meanwhile = self.unstoppable();
+        self.ended(drive).await?;
+        self.put_back_mode(drive, before).await
     }
 
     async fn put_back_mode(&mut self, drive: &mut Drive, before: &ModeBefore) -> Result<Vec<PutBack>, Error> {

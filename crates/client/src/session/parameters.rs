@@ -71,10 +71,8 @@ impl Session {
         drive: &Drive,
         selections: &[Selection],
     ) -> Result<Vec<Result<Reading, Refusal>>, Error> {
-        let begin = self.begin_in_time(drive);
-        let read = self.read_all(drive, selections).await;
-        self.end_in_time(begin);
-        read
+        let _meanwhile = self.in_time(drive.is_on_line());
+        self.read_all(drive, selections).await
     }
 
     async fn read_all(

@@ -134,13 +134,9 @@ impl Session {
         way: StopWay,
         limit: Duration,
     ) -> Result<StopOutcome, Error> {
-        let tolerant = self.unread.is_some();
-        self.tolerate_unread();
+        let _meanwhile = self.tolerant();
         let stopped = self.stop_by_means(drive, way, limit).await;
-        let unread = self.unread().map(str::to_owned);
-        if !tolerant {
-            self.unread = None;
-        }
+        let unread = self.unread();
         Ok(StopOutcome { unread, ..stopped? })
     }
 
@@ -267,7 +263,7 @@ impl Session {
                     drive: drive.label(),
                     command: command.name,
                     controller,
-                    cause: self.unread().unwrap_or_default().to_owned(),
+                    cause: self.unread().unwrap_or_default(),
                 })
             }
             Authority::Ownerless | Authority::Nobody | Authority::Unknown => {
@@ -285,9 +281,10 @@ impl Session {
         limit: Duration,
     ) -> Result<bool, Error> {
         let end = self.now() + limit;
-        let before = self.bind(end);
-        let sent = self.command_stop(drive, command).await;
-        self.bound = before;
+        let sent = {
+            let _meanwhile = self.bound_by(end);
+            self.command_stop(drive, command).await
+        };
         match sent {
             Err(error) if !matches!(error, Error::Refused { .. }) && self.gives_up(&error) => Ok(false),
             sent => sent.map(|()| true),

@@ -192,10 +192,8 @@ impl Session {
         before: &[Reading],
         empty: Option<u16>,
     ) -> Result<bool, Error> {
-        let stopping = std::mem::replace(&mut self.stopping, true);
-        let result = self.try_put_back(drive, window, before, empty).await;
-        self.stopping = stopping;
-        result
+        let _meanwhile = self.unstoppable();
+        self.try_put_back(drive, window, before, empty).await
     }
 
     async fn try_put_back(

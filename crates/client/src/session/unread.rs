@@ -5,7 +5,8 @@ use std::time::Duration;
 use profinet::Instant;
 
 use super::Session;
-use crate::{Drive, Error};
+use super::manner::Manner;
+use crate::Error;
 
 /// How long one parameter request of a stop may remain without an answer.
 pub(super) const SILENCE: Duration = Duration::from_secs(2);
@@ -25,74 +26,76 @@ pub(super) struct Unread {
     cause: Option<String>,
 }
 
+impl Unread {
+    /// Begins a request at `now`, which has only so much time.
+    pub(super) fn begin(&mut self, now: Instant, on_line: bool) {
+        let left = TOGETHER.saturating_sub(self.spent);
+        // a line carries one parameter at a time, and waits for each
+        self.due = (!on_line).then(|| now + left.min(SILENCE));
+    }
+
+    /// Ends the request, which took so long.
+    pub(super) fn end(&mut self, took: Duration) {
+        self.due = None;
+        self.spent += took;
+    }
+}
+
+impl Manner {
+    /// When the request under way is given up because nothing has answered for too long.
+    fn silent(&self) -> Option<Instant> {
+        self.unread.as_ref()?.due
+    }
+}
+
 impl Session {
     /// From now on a parameter that the drive does not answer, or not properly, counts as unknown and ends no call. After
     /// the first one none is requested any more. [`stop_drive`](Self::stop_drive) does this by itself; before
     /// [`find`](Self::find) it bounds what is read there too.
     pub fn tolerate_unread(&mut self) {
-        self.unread.get_or_insert_default();
+        self.manner().unread.get_or_insert_default();
     }
 
     /// Why parameters are not read any more, since [`tolerate_unread`](Self::tolerate_unread); `None` while they are.
     #[must_use]
-    pub fn unread(&self) -> Option<&str> {
-        self.unread.as_ref()?.cause.as_deref()
-    }
-
-    /// Begins a parameter request that has only so much time; all the time of the world outside of a stop.
-    pub(super) fn begin_in_time(&mut self, drive: &Drive) -> Instant {
-        let begin = self.now();
-        if let Some(unread) = &mut self.unread {
-            let left = TOGETHER.saturating_sub(unread.spent);
-            // a line carries one parameter at a time, and waits for each
-            unread.due = (!drive.is_on_line()).then(|| begin + left.min(SILENCE));
-        }
-        begin
-    }
-
-    /// Ends the request that began then.
-    pub(super) fn end_in_time(&mut self, begin: Instant) {
-        let took = self.now() - begin;
-        if let Some(unread) = &mut self.unread {
-            unread.due = None;
-            unread.spent += took;
-        }
+    pub fn unread(&self) -> Option<String> {
+        self.manner().unread.as_ref()?.cause.clone()
     }
 
     /// Whether this error of a parameter request is tolerated; then no more are sent.
-    pub(super) fn gives_up(&mut self, error: &Error) -> bool {
-        let Some(unread) = self.unread.as_mut().filter(|_| is_unread(error)) else {
+    pub(super) fn gives_up(&self, error: &Error) -> bool {
+        let mut manner = self.manner();
+        let Some(unread) = manner.unread.as_mut().filter(|_| is_unread(error)) else {
             return false;
         };
         unread.cause.get_or_insert_with(|| error.to_string());
         true
     }
 
-    /// From now on parameter requests are given up at `end`, or when those around them are: a motion does not wait for
-    /// them. Returns what is to be put back.
-    pub(super) fn bind(&mut self, end: Instant) -> Option<Instant> {
-        let before = self.bound;
-        self.bound = Some(before.map_or(end, |before| before.min(end)));
-        before
+    /// A stop or a motion waits for what is asked for now.
+    pub(super) fn is_hurried(&self) -> bool {
+        let manner = self.manner();
+        manner.bound.is_some() || manner.unread.is_some()
     }
 
     /// When the parameter request under way is given up, if not by its own limit.
     pub(super) fn due(&self) -> Option<Instant> {
-        let unread = self.unread.as_ref().and_then(|unread| unread.due);
-        [unread, self.bound].into_iter().flatten().min()
+        let manner = self.manner();
+        [manner.silent(), manner.bound].into_iter().flatten().min()
     }
 
     /// The end of a wait that may take so long.
     pub(super) fn end_of(&self, limit: Duration) -> Instant {
         let now = self.now();
-        let due = self.unread.as_ref().and_then(|unread| unread.due);
-        let end = due.map_or(now + limit, |due| (now + limit).min(due.max(now + LEAST)));
-        self.bound.map_or(end, |bound| end.min(bound.max(now)))
+        let manner = self.manner();
+        let silent = manner.silent();
+        let end = silent.map_or(now + limit, |due| (now + limit).min(due.max(now + LEAST)));
+        manner.bound.map_or(end, |bound| end.min(bound.max(now)))
     }
 
     /// How long one parameter of a serial line may remain without an answer.
     pub(super) fn silence(&self, limit: Duration) -> Duration {
-        if self.unread.is_some() {
+        if self.manner().unread.is_some() {
             limit.min(SILENCE)
         } else {
             limit

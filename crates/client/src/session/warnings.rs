@@ -56,9 +56,10 @@ impl Axis {
             Told::Nothing => {}
         }
         let drive = &self.drive;
-        let before_this = self.session.bind(now + BESIDE);
-        let asked = self.session.warnings(drive).await;
-        self.session.bound = before_this;
+        let asked = {
+            let _meanwhile = self.session.bound_by(now + BESIDE);
+            self.session.warnings(drive).await
+        };
         let present = match asked {
             Err(Error::Interrupted) => return,
             other => other.ok().flatten().filter(|present| !present.is_empty()),

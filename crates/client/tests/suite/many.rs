@@ -14,7 +14,9 @@ use futures::future::{join, join_all};
 use network::host::{Host, StationId};
 use network::segment::Conditions;
 use profidrive_client::axis::{Purpose, Trouble};
-use profidrive_client::{Axis, AxisSettings, DriveAddress, Enabled, Error, Session, StopHandle, Wait, World};
+use profidrive_client::{
+    Axis, AxisSettings, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World,
+};
 use profinet::device::Stored;
 use profinet::{Instant, MacAddress};
 use virtual_drive::model;
@@ -341,4 +343,35 @@ fn calls_and_axes_may_change_threads() {
         .wait()
         .expect("a backup");
     assert!(is_at_rest(&network, ids[5]));
+}
+
+/// A caller may change its mind: what a call changes for its own time ends with it, however that is.
+#[test]
+fn a_call_that_is_dropped_half_way_changes_nothing_for_the_next() {
+    let (mut network, ids) = plant();
+    let mut session = Session::clone(&network);
+    let mut axis = taken(&mut session, 6).wait();
+    let mut enabled = runs(&mut axis).wait();
+    assert!(enabled.stop().now_or_never().is_none(), "a ramp takes its time");
+    drop(enabled);
+    axis.stopped().wait().expect("along its ramp");
+    // the wish to stop counts again
+    let wish = Shared::new(true);
+    let wished = wish.clone();
+    session.interrupt_with(move || wished.get());
+    let (inner, _) = axis.session();
+    let passed = inner.pass(SECOND).wait();
+    assert!(matches!(passed, Err(Error::Interrupted)), "{passed:?}");
+    wish.set(false);
+    axis.release().wait().expect("released");
+    // a stop tolerates parameters that are not answered; nobody else does
+    let mut drive = find(&mut network, "axis-3").expect("there");
+    network.medium().segment_mut().cut(ids[2]);
+    let stopped = network
+        .stop_drive(&mut drive, StopWay::Stop, SECOND)
+        .now_or_never();
+    assert!(stopped.is_none(), "nobody answers so soon");
+    let selection = select(&drive, "DRV.ACC");
+    let read = network.read(&mut drive, &[selection]).wait();
+    assert!(read.is_err(), "{read:?}");
 }

@@ -138,7 +138,7 @@ pub(super) struct Closer {
 impl Closer {
     /// Waits for the end and sees to it.
     pub(super) async fn attend(mut self) {
-        self.session.stopping = true;
+        let _meanwhile = self.session.unstoppable();
         let engine = self.session.engine().clone();
         while !self.ending.is_told() && !engine.is_closing() {
             // what the wire does meanwhile is the owner's to know
@@ -300,7 +300,7 @@ impl Axis {
     /// # Errors
     /// As [`release`](Self::release).
     pub async fn release_and_look(mut self) -> Result<Rest, Error> {
-        self.session.stopping = true;
+        let _meanwhile = self.session.unstoppable();
         self.ending.tell();
         loop {
             if let Some(result) = self.ending.take_result() {
@@ -336,7 +336,7 @@ impl Axis {
 
     /// Has an axis of which nobody had control stopped by the control word, and gives it back.
     pub(in crate::session) async fn stop_and_release(mut self) -> Result<(), Error> {
-        self.session.stopping = true;
+        let _meanwhile = self.session.unstoppable();
         let seen = |status: &AxisStatus| status.view.seen.map(|seen| seen.zsw1);
         // the first data shows whether it is in operation
         let operated = self.status().is_some_and(|status| status.view.operated);
