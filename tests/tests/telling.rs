@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use system_tests::{Finished, Lab, Running, Side, built};
 
 const SHORT: Duration = Duration::from_secs(20);
@@ -211,4 +211,31 @@ fn what_cannot_be_written_fails_with_a_drive_too() {
         "{read}"
     );
     assert_eq!(read["parameters"][1]["value"], 0.0, "no F702");
+}
+
+#[test]
+fn write_reports_the_save_that_is_not_sent() {
+    let lab = Lab::new("save-not-sent");
+    let _drive = simulate(&lab);
+    // a virtual drive has no analogue input to zero
+    let line = ["write", "akd-1", "DRV.ACC=5000rpm/s", "AIN.ZERO=1", "--save"];
+    let refused = client(&lab, &line);
+    assert_eq!(refused.code, Some(3), "{refused:?}");
+    let why = "not saved: the save command was not sent because a value was refused, DRV.ACC (p2108) is lost";
+    assert!(refused.err.contains(why), "{refused:?}");
+    assert!(!refused.err.contains("saved in the drive"), "{refused:?}");
+    let row = refused.out.lines().find(|line| line.starts_with("DRV.NVSAVE"));
+    assert!(row.is_some_and(|row| row.ends_with("not sent")), "{refused:?}");
+    let refused = client(&lab, &[&line[..], &["--json"]].concat());
+    assert_eq!(refused.code, Some(3), "{refused:?}");
+    let document: Value = serde_json::from_str(&refused.out).expect("a document");
+    let changes = document["changes"].as_array().expect("changes").iter();
+    let said =
+        changes.map(|change| json!([change["name"], change["sent"], change["written"], change["saved"]]));
+    let expected = [
+        json!(["DRV.ACC", true, true, false]),
+        json!(["AIN.ZERO", true, false, false]),
+        json!(["DRV.NVSAVE", false, false, false]),
+    ];
+    assert_eq!(said.collect::<Vec<_>>(), expected);
 }

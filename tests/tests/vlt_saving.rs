@@ -1,5 +1,5 @@
 //! `--save` of a VLT on PROFINET uses request 0x42, which only PROFIBUS manuals name: a drive that refuses it is told to save
-//! by 9-71, and where it refuses that too, the outcome names it.
+//! by 9-71, and where it refuses that too, the outcome names it. Where a value is refused, 9-71 is not sent.
 
 use client::backup::{Choice, Journal, Saved};
 use client::{ChangeOutcome, Drive, Network, Wait, WriteMode};
@@ -17,8 +17,11 @@ use virtual_drive::station::{Station, StationConfig};
 /// 9-71, saves all settings.
 const SAVE: u16 = 971;
 
-/// A VLT whose option does not know request 0x42; 9-71 can be written or not.
-fn vlt(can_save: bool) -> &'static Model {
+/// 3-42, ramp-down time.
+const RAMP_DOWN: u16 = 342;
+
+/// A VLT whose option does not know request 0x42, and which refuses to change these parameters.
+fn vlt(refused: &[u16]) -> &'static Model {
     static DIALECT: Dialect = Dialect {
         requests: &[RequestId::Read, RequestId::Change],
         ..Dialect::VLT
@@ -29,7 +32,7 @@ fn vlt(can_save: bool) -> &'static Model {
     };
     let own = |parameter: &Parameter| Parameter {
         access: match parameter.pnu {
-            SAVE if !can_save => Access::ReadOnly,
+            pnu if refused.contains(&pnu) => Access::ReadOnly,
             _ => parameter.access,
         },
         ..*parameter
@@ -78,7 +81,7 @@ fn numbers(outcomes: &[ChangeOutcome]) -> Vec<(u16, Option<ErrorNumber>)> {
 #[test]
 fn a_save_that_is_refused_by_request_and_by_parameter_is_named() {
     for (can_save, expected) in [(true, None), (false, Some(ErrorNumber::NOT_CHANGEABLE))] {
-        let (mut session, mut drive) = session(vlt(can_save));
+        let (mut session, mut drive) = session(vlt(if can_save { &[] } else { &[SAVE] }));
         let change = ["3-41=7.5".parse().unwrap()];
         let outcomes = session
             .write(&mut drive, &change, WriteMode::Save)
@@ -113,4 +116,23 @@ fn a_save_that_is_refused_by_request_and_by_parameter_is_named() {
             (saved, _) => panic!("{saved:?}: {journal}"),
         }
     }
+}
+
+/// The values are only in RAM then, and the outcomes say so.
+#[test]
+fn the_save_that_is_not_sent_after_a_refused_value_is_named() {
+    let (mut session, mut drive) = session(vlt(&[RAMP_DOWN]));
+    let changes = ["3-41=7.5", "3-42=7.5"].map(|text| text.parse().expect("an assignment"));
+    let outcomes = session
+        .write(&mut drive, &changes, WriteMode::Save)
+        .wait()
+        .expect("tried");
+    let (values, save) = outcomes.split_at(changes.len());
+    let expected = [(341, None), (RAMP_DOWN, Some(ErrorNumber::NOT_CHANGEABLE))];
+    assert_eq!(numbers(values), expected);
+    let [save] = save else {
+        panic!("the save is missing: {outcomes:?}");
+    };
+    assert_eq!(save.change.selection.pnu, SAVE);
+    assert!(save.written.is_none(), "{save:?}");
 }

@@ -64,6 +64,8 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
             let mut row = outcome_row(outcome);
             if *same {
                 row[RESULT] = format!("already {}", wanted(outcome));
+            } else if outcome.written.is_none() && !args.dry_run {
+                row[RESULT] = "not sent".to_owned();
             }
             table.row(row);
         }
@@ -106,6 +108,15 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
 /// True for what the drive has taken.
 const fn is_written(outcome: &ChangeOutcome) -> bool {
     matches!(outcome.written, Some(Ok(())))
+}
+
+/// True for what was sent to the drive.
+fn is_sent(outcome: &ChangeOutcome) -> bool {
+    match &outcome.written {
+        None => false,
+        Some(Ok(())) => true,
+        Some(Err(refusal)) => !refusal.is_unsent(),
+    }
 }
 
 /// Writes what is new for the drive; one outcome for each assignment, and whether the drive had its value already. All of
@@ -196,6 +207,8 @@ enum Save {
     Done(Saving),
     /// The drive refused the command that saves.
     Refused,
+    /// The command that saves was not sent, as a value was refused.
+    NotSent,
 }
 
 impl Save {
@@ -205,6 +218,7 @@ impl Save {
         match outcomes.get(assignments) {
             _ if !requested => Self::No,
             Some(command) if is_written(command) => Self::Done(Saving::Command),
+            Some(command) if command.written.is_none() => Self::NotSent,
             None if own != Saving::Command => Self::Done(own),
             _ => Self::Refused,
         }
@@ -240,6 +254,10 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: Save, output: &Out
     if !as_written.is_empty() {
         match save {
             Save::Refused => output.warn(&unsaved_words("the drive refused to save", &as_written)),
+            Save::NotSent => {
+                let why = "the save command was not sent because a value was refused";
+                output.warn(&unsaved_words(why, &as_written));
+            }
             Save::No | Save::Done(_) => {
                 output.say(&kept_words(own, save, if all { &[] } else { &as_written }));
             }
@@ -419,7 +437,7 @@ fn outcome_json(outcome: &ChangeOutcome) -> Map<String, Value> {
     let mut fields = fields! {
         "pnu": selection.pnu, "index": selection.shown(0).index,
         "name": selection.parameter.map(|parameter| parameter.name),
-        "written": matches!(outcome.written, Some(Ok(()))), "differs": outcome.differs(),
+        "sent": is_sent(outcome), "written": is_written(outcome), "differs": outcome.differs(),
     };
     fields.extend(match &outcome.change.value {
         PlannedValue::Number(value) => fields! {
@@ -507,6 +525,11 @@ mod tests {
         );
         let refused = outcome(&drive, "3-41=5s", Err(ErrorNumber::NOT_CHANGEABLE));
         assert!(!is_saved(&drive, &refused, Save::Done(Saving::Request)));
+        let mut unsent = outcome(&drive, "9-71=1", Ok(()));
+        unsent.written = None;
+        let save = Save::of(&drive, &[value.clone(), unsent], 1, true);
+        assert_eq!(save, Save::NotSent);
+        assert!(!is_saved(&drive, &value, save));
     }
 
     #[test]

@@ -72,7 +72,8 @@ pub struct ChangeOutcome {
     pub change: PlannedChange,
     /// The value before; `None` for a command, which has none.
     pub old: Option<Result<Reading, Refusal>>,
-    /// How the write ended; `None` for a dry run.
+    /// How the write ended; `None` where nothing was sent: in a dry run, and for the command that saves where a value was
+    /// refused.
     pub written: Option<Result<(), Refusal>>,
     /// The value read back; `None` for a command, a dry run or a refused write.
     pub new: Option<Result<Reading, Refusal>>,
@@ -121,6 +122,9 @@ struct Part<'a> {
 impl Session {
     /// Checks all assignments against the tables, reads the present values, and, unless it is a dry run, writes and
     /// reads back. Nothing is written when one of them is wrong.
+    ///
+    /// Returns one outcome for each assignment. With [`WriteMode::Save`], the command that saves follows as one more where the
+    /// drive needs a command; it is not sent where a value was refused.
     ///
     /// # Errors
     /// A wrong assignment, a unit or scaling while the power stage is on, or a drive that cannot be reached. A refused write is told in the outcome.
@@ -230,13 +234,15 @@ impl Session {
                 outcome.new = new.next();
             }
         }
-        // what was refused is not kept by halves
         let done = outcomes
             .iter()
             .all(|outcome| matches!(outcome.written, Some(Ok(()))));
-        if let Some(mut command) = command.filter(|_| done) {
-            self.write_outcomes(drive, std::slice::from_mut(&mut command), RequestId::Change)
-                .await?;
+        if let Some(mut command) = command {
+            // what was refused is not kept by halves
+            if done {
+                self.write_outcomes(drive, std::slice::from_mut(&mut command), RequestId::Change)
+                    .await?;
+            }
             outcomes.push(command);
         }
         Ok(outcomes)
