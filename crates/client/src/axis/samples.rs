@@ -83,3 +83,27 @@ impl SampleQueue {
         self.open().ended
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_costs_no_memory_and_the_oldest_makes_room() {
+        let queue = SampleQueue::new(100);
+        let allocated = allocations::made_by(|| {
+            for number in 0..1000 {
+                queue.push(Sample {
+                    at: Instant::from_millis(number),
+                    number,
+                    missed: 0,
+                    seen: Seen::default(),
+                    command: Command::default(),
+                });
+            }
+        });
+        assert_eq!(allocated, 0);
+        assert_eq!(queue.dropped(), 900);
+        assert_eq!(queue.take().map(|sample| sample.number), Some(900));
+    }
+}

@@ -70,6 +70,8 @@ struct Turns {
     number: u64,
     next_key: u64,
     waiting: BTreeMap<u64, Waiting>,
+    /// Room for those who are woken, kept from turn to turn.
+    woken: Vec<Waker>,
     tasks: Vec<Task>,
     /// The last failure of the wire, with its turn.
     failure: Option<(u64, WireFailure)>,
@@ -232,7 +234,7 @@ impl Engine {
     pub fn end_turn(&self, now: Instant, failure: Option<WireFailure>) {
         self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
         let happened = self.shared.happened.swap(false, Ordering::Acquire);
-        let woken = {
+        let mut woken = {
             let mut turns = locked(&self.shared.turns);
             let due = turns.due().is_some_and(|due| due <= now);
             if !happened && !due && failure.is_none() {
@@ -241,10 +243,13 @@ impl Engine {
             turns.number += 1;
             let number = turns.number;
             turns.failure = failure.map(|failure| (number, failure));
-            let waiting = turns.waiting.values();
-            waiting.map(|one| one.waker.clone()).collect::<Vec<_>>()
+            let mut woken = std::mem::take(&mut turns.woken);
+            woken.extend(turns.waiting.values().map(|one| one.waker.clone()));
+            woken
         };
-        woken.into_iter().for_each(Waker::wake);
+        // the lock is not held: who is woken may look at once
+        woken.drain(..).for_each(Waker::wake);
+        locked(&self.shared.turns).woken = woken;
     }
 
     /// There are no more turns: every call ends with [`Error::Closed`].
