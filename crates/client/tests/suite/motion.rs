@@ -7,7 +7,8 @@ use crate::bench::{bench, drive_at, find, is_at_rest, other_controller, with_dri
 use profidrive_client::axis::{Move, Objection, Purpose, Trouble};
 use profidrive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
 use profidrive_client::{
-    Action, AxisSettings, Drive, Error, LocalControl, MakerModule, Session, StopWay, Wait, WriteMode,
+    Action, Axis, AxisSettings, Drive, Enabled, Error, LocalControl, MakerModule, Session, StopWay, Wait,
+    WriteMode,
 };
 use profile::notation::Position;
 use profile::parameter::{Keep, ParameterAccess};
@@ -28,6 +29,22 @@ fn write(session: &mut Session, drive: &mut Drive, assignments: &[&str]) {
     for outcome in outcomes {
         assert!(matches!(outcome.written, Some(Ok(()))), "{outcome:?}");
     }
+}
+
+/// Control of an axis, with the settings as delivered.
+#[track_caller]
+fn connected(session: &mut Session, drive: &mut Drive) -> Axis {
+    session
+        .take_axis(drive, AxisSettings::default())
+        .wait()
+        .expect("connected")
+}
+
+/// One second in operation.
+#[track_caller]
+fn runs_on(enabled: &mut Enabled) {
+    let held = enabled.hold(Duration::from_secs(1)).wait();
+    held.expect("keeps running");
 }
 
 fn cause(session: &mut Session, drive: &mut Drive) -> (Cause, Verdict) {
@@ -102,17 +119,11 @@ fn the_telegram_that_the_drive_reports_is_used_where_it_does() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (reported, chosen) in [(351, 351), (354, 354), (1, 1), (7, 1)] {
         write(&mut session, &mut drive, &[&format!("922={reported}")]);
-        let mut axis = session
-            .take_axis(&mut drive, AxisSettings::default())
-            .wait()
-            .expect("connected");
+        let mut axis = connected(&mut session, &mut drive);
         assert_eq!(axis.telegram(), chosen, "{reported}");
         let mut enabled = axis.enable().wait().expect("enabled");
         enabled.run(100.0).wait().expect("runs");
-        enabled
-            .hold(Duration::from_secs(1))
-            .wait()
-            .expect("keeps running");
+        runs_on(&mut enabled);
         let status = enabled.status().expect("a status");
         assert!(
             status
@@ -135,17 +146,11 @@ fn a_free_telegram_runs_by_its_mapping() {
         &mut drive,
         &["922=400", "915[1]=5", "916[1]=6", "916[2]=28", "916[3]=28"],
     );
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     assert_eq!(axis.telegram(), 400);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.run(-60.0).wait().expect("runs");
-    enabled
-        .hold(Duration::from_secs(1))
-        .wait()
-        .expect("keeps running");
+    runs_on(&mut enabled);
     let status = enabled.status().expect("a status");
     assert!(
         status
@@ -166,17 +171,11 @@ fn signals_that_nobody_commands_keep_the_values_of_the_drive() {
         &mut drive,
         &["922=354", "DRV.ACC=763", "DRV.DEC=7630"],
     );
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     assert_eq!(axis.telegram(), 354);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.run(100.0).wait().expect("runs");
-    enabled
-        .hold(Duration::from_secs(1))
-        .wait()
-        .expect("keeps running");
+    runs_on(&mut enabled);
     drop(enabled);
     axis.release().wait().expect("released");
     for (name, value) in [("DRV.ACC", 763.0), ("DRV.DEC", 7630.0)] {
@@ -196,11 +195,8 @@ fn why_it_does_not_run_from_first_contact_to_operation() {
         (Cause::NoController, Verdict::Waits)
     );
     session.close().wait().expect("closed");
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
-    let seen = |axis: &mut profidrive_client::Axis| {
+    let mut axis = connected(&mut session, &mut drive);
+    let seen = |axis: &mut Axis| {
         let (session, drive) = axis.session();
         cause(session, drive).0
     };
@@ -210,10 +206,7 @@ fn why_it_does_not_run_from_first_contact_to_operation() {
     let mut enabled = axis.enable().wait().expect("enabled");
     assert_eq!(seen(&mut enabled), Cause::ZeroSetpoint);
     enabled.run(60.0).wait().expect("runs");
-    enabled
-        .hold(Duration::from_secs(1))
-        .wait()
-        .expect("keeps running");
+    runs_on(&mut enabled);
     assert_eq!(seen(&mut enabled), Cause::Moves);
     drop(enabled);
     axis.release().wait().expect("released");
@@ -318,17 +311,11 @@ fn maker_module(telegram: &TelegramModule) -> MakerModule {
 fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
     let (mut session, ids) = crate::bench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     assert_eq!(axis.telegram(), 1);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.run(100.0).wait().expect("runs");
-    enabled
-        .hold(Duration::from_secs(1))
-        .wait()
-        .expect("keeps running");
+    runs_on(&mut enabled);
     let speed = enabled.status().and_then(|status| status.speed_actual);
     assert!(
         speed.is_some_and(|speed| (speed - 100.0).abs() < 3.0),
@@ -383,17 +370,11 @@ fn an_axis_that_turns_without_power_is_not_called_at_rest() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (torque, rests) in [(0.0, true), (1.0, false)] {
         let load = format!("load={torque}Nm").parse().expect("a load");
-        let mut axis = session
-            .take_axis(&mut drive, AxisSettings::default())
-            .wait()
-            .expect("connected");
+        let mut axis = connected(&mut session, &mut drive);
         let mut enabled = axis.enable().wait().expect("enabled");
         with_drive(&session, ids[0], |drive| drive.inject(load));
         enabled.run(60.0).wait().expect("runs");
-        enabled
-            .hold(Duration::from_secs(1))
-            .wait()
-            .expect("keeps running");
+        runs_on(&mut enabled);
         drop(enabled);
         let released = axis.release().wait();
         match released {
@@ -413,10 +394,7 @@ fn an_axis_that_another_program_disables_is_told_by_what() {
     for (by_parameter, torque_off) in [(true, false), (false, true)] {
         let (mut session, ids) = bench(&[("akd-1", 1)]);
         let mut drive = find(&mut session, "akd-1").expect("there");
-        let mut axis = session
-            .take_axis(&mut drive, AxisSettings::default())
-            .wait()
-            .expect("connected");
+        let mut axis = connected(&mut session, &mut drive);
         let mut enabled = axis.enable().wait().expect("enabled");
         enabled.reach_speed(60.0, None).wait().expect("runs");
         {
@@ -504,16 +482,10 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
 fn a_quick_stop_in_place_of_the_ramp_is_told() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.run(600.0).wait().expect("runs");
-    enabled
-        .hold(Duration::from_secs(1))
-        .wait()
-        .expect("keeps running");
+    runs_on(&mut enabled);
     let (inner, drive) = enabled.session();
     write(inner, drive, &["DRV.DEC=10rpm/s"]);
     drop(enabled);
@@ -527,10 +499,7 @@ fn a_slow_ramp_is_waited_for() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, &["DRV.DEC=20rpm/s"]);
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(600.0, None).wait().expect("runs");
     let begin = enabled.status().expect("a status").time;
@@ -554,16 +523,10 @@ fn a_hurry_turns_the_ramp_into_a_quick_stop() {
         count.set(count.get() + 1);
         count.get() > 20
     });
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.run(600.0).wait().expect("runs");
-    enabled
-        .hold(Duration::from_secs(1))
-        .wait()
-        .expect("keeps running");
+    runs_on(&mut enabled);
     assert_eq!(asked.get(), 0, "only while it stops");
     let begin = enabled.status().expect("a status").time;
     drop(enabled);
@@ -580,10 +543,7 @@ fn a_speed_counts_from_when_it_is_reached_and_is_not_claimed() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, &["DRV.ACC=100rpm/s"]);
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(600.0, None).wait().expect("after some 6 s");
     let status = enabled.status().expect("a status");
@@ -644,10 +604,7 @@ fn local_operation_is_refused_before_control_is_taken() {
     // the service channel commands nothing any more: the telegram decides
     write(&mut session, &mut drive, &["DRV.DIS=1"]);
     session.pass(Duration::from_secs(1)).wait().expect("time passes");
-    let axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let axis = connected(&mut session, &mut drive);
     axis.release().wait().expect("released");
 }
 
@@ -661,10 +618,7 @@ fn ramps_that_a_telegram_rounds_are_put_back() {
         &mut drive,
         &["922=354", "DRV.ACC=3000", "DRV.DEC=2500"],
     );
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     assert_eq!((axis.telegram(), axis.telegram_before()), (354, None));
     axis.enable()
         .wait()
@@ -679,10 +633,7 @@ fn ramps_that_a_telegram_rounds_are_put_back() {
         assert_eq!(reading.number(), Some(value), "{name}");
     }
     write(&mut session, &mut drive, &["922=9"]);
-    let axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let axis = connected(&mut session, &mut drive);
     assert_eq!((axis.telegram(), axis.telegram_before()), (1, Some(9)));
     axis.release().wait().expect("released");
 }
@@ -694,10 +645,7 @@ fn a_state_is_what_the_drive_said() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let shown = Shared::new(Vec::new());
     let list = shown.clone();
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     axis.watch(move |status| list.borrow_mut().push((status.view.state(), status.lost)));
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(100.0, None).wait().expect("runs");
@@ -716,10 +664,7 @@ fn a_scale_is_not_written_while_the_power_stage_is_on() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, &["PN.VELSCALING=200"]);
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(300.0, None).wait().expect("runs");
     let (inner, running) = enabled.session();
@@ -751,10 +696,7 @@ fn a_scale_changed_under_a_running_axis_stops_it() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, &["PN.VELSCALING=200"]);
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(300.0, None).wait().expect("runs");
     let begin = enabled.status().expect("a status").time;
@@ -782,10 +724,7 @@ fn a_scale_changed_under_a_running_axis_stops_it() {
 fn a_speed_that_is_lost_is_told() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let mut enabled = axis.enable().wait().expect("enabled");
     assert!(matches!(enabled.run(0.001).wait(), Err(Error::SpeedStep { .. })));
     enabled.reach_speed(60.0, None).wait().expect("runs");
@@ -815,10 +754,7 @@ fn local_operation_during_a_run_is_named() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     let shown = Shared::new(Vec::new());
     let list = shown.clone();
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     axis.watch(move |status| list.borrow_mut().push(status.view.state()));
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(600.0, None).wait().expect("runs");
@@ -871,10 +807,7 @@ fn a_refusal_names_the_controller_that_has_the_drive() {
 fn the_step_that_a_speed_becomes_is_known() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
-        .wait()
-        .expect("connected");
+    let mut axis = connected(&mut session, &mut drive);
     let rounded = axis.rounded_speed(61.7).expect("another speed");
     assert!((rounded - 61.87).abs() < 0.01, "{rounded}");
     let mut enabled = axis.enable().wait().expect("enabled");
