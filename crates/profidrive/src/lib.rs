@@ -16,6 +16,7 @@
 //! | to | use |
 //! |---|---|
 //! | open a network interface, UDP alone or a serial line | [`open`], [`Opening`], [`open_line`] |
+//! | end waiting calls and stop axes by Ctrl-C | [`Stop`] with [`Opening::stopped_by`] |
 //! | know whether both sides can reach each other | [`reach`](reach()) |
 //! | find, read, write, run | [`Network`], which is a [`client::Session`] |
 #![forbid(unsafe_code)]
@@ -27,5 +28,6 @@ mod reach;
 
 pub use carrier::{CarrierError, serial_settings};
 pub use client::Wait;
+pub use network::system::{Patience, Stop};
 pub use open::{Access, Network, OpenError, Opening, Way, interface, open, open_line};
 pub use reach::{OtherSubnet, Reach, far, reach};

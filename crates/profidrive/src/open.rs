@@ -40,8 +40,14 @@ impl Network {
     }
 
     fn start(client: Client, carrier: Carrier, way: Way, stop: Option<Stop>) -> Result<Self, OpenError> {
-        let start = |engine| Threaded::start(engine, carrier, stop).map_err(OpenError::Thread);
-        let network = client::Network::driven(client, start)?;
+        let flag = stop.clone();
+        let start = |engine| Threaded::start(engine, carrier, flag).map_err(OpenError::Thread);
+        let mut network = client::Network::driven(client, start)?;
+        if let Some(stop) = stop {
+            let urgent = stop.clone();
+            network.interrupt_with(move || stop.is_stopped());
+            network.hurry_with(move || urgent.is_urgent());
+        }
         Ok(Self { network, way })
     }
 
@@ -180,7 +186,8 @@ impl Opening {
         self
     }
 
-    /// Waiting ends when `stop` is raised.
+    /// Calls end with [`client::Error::Interrupted`] once `stop` is raised. An axis is brought to rest all the same; once
+    /// `stop` is urgent, by its quick stop (OFF3). [`Session::interrupt_with`] and [`Session::hurry_with`] replace this.
     #[must_use]
     pub fn stopped_by(mut self, stop: Stop) -> Self {
         self.stop = Some(stop);
@@ -285,6 +292,8 @@ fn seed() -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use client::Wait;
+
     use super::*;
 
     #[test]
@@ -294,6 +303,17 @@ mod tests {
         // a client on this computer that runs a drive must not keep it from being stopped
         assert_eq!(server_port(Access::Stop), ServerPort::Shared);
         assert_eq!(server_port(Access::Cyclic), ServerPort::Required);
+    }
+
+    #[test]
+    fn a_raised_stop_ends_a_call_that_waits() {
+        let stop = Stop::new().unwrap();
+        let opening = Opening::new(Access::Discovery).stopped_by(stop.clone());
+        let mut network = opening.udp().unwrap();
+        let waiting = std::thread::spawn(move || network.pass(std::time::Duration::from_secs(60)).wait());
+        stop.stop();
+        let ended = waiting.join().unwrap();
+        assert!(matches!(ended, Err(client::Error::Interrupted)), "{ended:?}");
     }
 
     #[cfg(not(all(feature = "raw-ethernet", target_os = "linux")))]
