@@ -425,10 +425,17 @@ impl Client {
     pub fn pursue(&mut self, now: Instant, link: impl Into<Link>, goal: Goal) {
         let link = link.into();
         if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
-            axis.operated |= goal.operates();
             axis.control.pursue(now, goal);
+            axis.operated |= axis.control.goal().operates();
         }
         self.work(now);
+    }
+
+    /// Nothing but the stop and the release of an axis is pursued from now on.
+    pub(crate) fn only_stop(&mut self, link: Link) {
+        if let Some(axis) = self.axes.iter_mut().find(|axis| axis.link == link) {
+            axis.control.end();
+        }
     }
 
     /// Turns a ramp stop under way into a quick stop (OFF3).

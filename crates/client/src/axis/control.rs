@@ -70,6 +70,8 @@ pub struct AxisControl {
     astray: Option<Instant>,
     /// When operation ends if nobody puts that off.
     deadline: Option<Instant>,
+    /// It is brought to rest and released for good.
+    ending: bool,
 }
 
 impl AxisControl {
@@ -102,6 +104,7 @@ impl AxisControl {
             homed_before: false,
             astray: None,
             deadline: None,
+            ending: false,
         }
     }
 
@@ -122,8 +125,16 @@ impl AxisControl {
         }
     }
 
+    /// From now on only a stop and the release are pursued, whatever else is wanted.
+    pub const fn end(&mut self) {
+        self.ending = true;
+    }
+
     /// Sets what is wanted from now on.
     pub fn pursue(&mut self, now: Instant, goal: Goal) {
+        if self.ending && !matches!(goal, Goal::Stop | Goal::Released) {
+            return;
+        }
         // a new setpoint while running is no new start
         let same_motion = matches!((self.goal, goal), (Goal::Run { .. }, Goal::Run { .. }));
         // a quick stop under way is not taken back

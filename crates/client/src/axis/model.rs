@@ -69,6 +69,10 @@ impl Bench {
         self.cycles(1);
     }
 
+    pub fn end(&mut self) {
+        self.axis.end();
+    }
+
     pub fn cycles(&mut self, count: u32) {
         for _ in 0..count {
             self.now += Duration::from_millis(16);

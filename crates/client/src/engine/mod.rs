@@ -13,7 +13,7 @@ use std::net::SocketAddrV4;
 use std::ops::{Deref, DerefMut};
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, RwLock, RwLockReadGuard, Weak};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
@@ -61,7 +61,7 @@ struct Shared {
     /// Drives can call their controller here.
     calls: AtomicBool,
     /// Every axis is to be brought to rest.
-    closing: AtomicBool,
+    closing: RwLock<bool>,
 }
 
 /// Who waits for the next turn, and what happens in each.
@@ -114,7 +114,7 @@ impl Engine {
                 touched: AtomicBool::new(false),
                 discovery: AtomicBool::new(true),
                 calls: AtomicBool::new(true),
-                closing: AtomicBool::new(false),
+                closing: RwLock::new(false),
             }),
         }
     }
@@ -172,11 +172,24 @@ impl Engine {
 
     /// True once every axis is to be brought to rest.
     pub(crate) fn is_closing(&self) -> bool {
-        self.shared.closing.load(Ordering::Relaxed)
+        *self.shared.closing.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Begins something that has to be ended when the network is left: nobody leaves it before this guard goes.
+    ///
+    /// # Errors
+    /// [`Error::Closed`] when the network is being left.
+    pub(crate) fn stay_open(&self) -> Result<RwLockReadGuard<'_, bool>, Error> {
+        let closing = self.shared.closing.read().unwrap_or_else(PoisonError::into_inner);
+        if *closing { Err(Error::Closed) } else { Ok(closing) }
     }
 
     pub(crate) fn begin_closing(&self) {
-        self.shared.closing.store(true, Ordering::Relaxed);
+        *self
+            .shared
+            .closing
+            .write()
+            .unwrap_or_else(PoisonError::into_inner) = true;
         self.stir();
     }
 

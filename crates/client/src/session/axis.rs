@@ -553,6 +553,9 @@ impl Axis {
     /// Shows the axis, and tells what went wrong.
     pub(super) async fn look(&mut self) -> Result<AxisStatus, Error> {
         let status = self.show();
+        if self.ending.is_told() {
+            return Err(Error::Closed);
+        }
         if let Some(error) = self.lost() {
             return Err(error);
         }

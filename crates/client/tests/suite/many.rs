@@ -375,3 +375,45 @@ fn a_call_that_is_dropped_half_way_changes_nothing_for_the_next() {
     let read = network.read(&mut drive, &[selection]).wait();
     assert!(read.is_err(), "{read:?}");
 }
+
+/// Whoever leaves the network has the last word: an owner who is still at work in another thread starts nothing more.
+#[test]
+fn an_owner_starts_nothing_once_the_network_is_left() {
+    let (network, ids) = plant();
+    let world = network.world();
+    let mut session = Session::clone(&network);
+    let mut axis = taken(&mut session, 3).wait();
+    drop(runs(&mut axis).wait());
+    let leaving = std::thread::spawn(move || drop(network));
+    let error = loop {
+        let mut enabled = match axis.enable().wait() {
+            Ok(enabled) => enabled,
+            Err(error) => break error,
+        };
+        if let Err(error) = enabled.run(SPEED).wait() {
+            break error;
+        }
+    };
+    assert!(matches!(error, Error::Closed), "{error}");
+    leaving.join().expect("left");
+    assert!(!enabled(&world, ids[2]) && !exchanging(&world, ids[2]));
+}
+
+/// Nor does it get an axis that nobody would end.
+#[test]
+fn no_axis_is_taken_once_the_network_is_left() {
+    let (network, ids) = plant();
+    let world = network.world();
+    let mut session = Session::clone(&network);
+    let address: DriveAddress = name(3).parse().expect("an address");
+    let mut drive = session.find(&address).wait().expect("there");
+    let leaving = std::thread::spawn(move || drop(network));
+    let error = loop {
+        match session.take_axis(&mut drive, AxisSettings::default()).wait() {
+            Ok(axis) => drop(axis),
+            Err(error) => break error,
+        }
+    };
+    leaving.join().expect("left");
+    assert!(!exchanging(&world, ids[2]), "{error}");
+}

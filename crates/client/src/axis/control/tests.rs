@@ -38,6 +38,25 @@ fn the_words_are_those_of_the_manuals() {
 }
 
 #[test]
+fn an_axis_that_is_ended_only_stops() {
+    let mut bench = Bench::new();
+    bench.pursue(Goal::Run { setpoint: 300 });
+    bench.until(Progress::Reached);
+    bench.cycles(50);
+    bench.end();
+    bench.pursue(Goal::Stop);
+    bench.cycles(5);
+    bench.pursue(Goal::Enabled);
+    bench.pursue(Goal::Run { setpoint: 300 });
+    bench.until(Progress::Reached);
+    assert_eq!(bench.speed(), 0);
+    bench.pursue(Goal::Released);
+    bench.pursue(Goal::Ready);
+    bench.cycles(5);
+    assert_eq!(bench.command().stw1, RELEASED);
+}
+
+#[test]
 fn a_run_during_the_ramp_stop_takes_it_back() {
     let mut bench = Bench::new();
     bench.pursue(Goal::Run { setpoint: 300 });

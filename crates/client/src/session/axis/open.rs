@@ -128,6 +128,8 @@ impl Session {
             None => AxisControl::in_mode(limits, mode),
         };
         self.make_way(drive).await?;
+        // whoever leaves the network from another thread finds the closer, or there is no connection
+        let open = self.engine.stay_open()?;
         let now = self.now();
         // from here on the object below sees to the end of the connection
         let mut waiting = None;
@@ -182,6 +184,7 @@ impl Session {
         };
         self.engine.records().axes.push(axis.place());
         self.engine.spawn(axis.closer(kept).attend());
+        drop(open);
         match axis.come_up(waiting, chosen).await {
             Ok(()) => Ok(axis),
             Err(error) => {

@@ -75,7 +75,7 @@ impl Ending {
         self.told.store(true, Ordering::Release);
     }
 
-    fn is_told(&self) -> bool {
+    pub(super) fn is_told(&self) -> bool {
         self.told.load(Ordering::Acquire)
     }
 
@@ -152,6 +152,9 @@ impl Closer {
     }
 
     async fn shut_down(&mut self) -> Result<Rest, Error> {
+        // where the network is left, the owner may still be at work in another thread
+        self.ending.tell();
+        self.session.client().only_stop(self.link);
         if self.session.connection(self.link) == Connection::Silent {
             self.call_again().await;
         }
