@@ -1,0 +1,109 @@
+//! Many axes at once in one process, on a wire: each ends in its own way and the others keep their speed.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde_json::Value;
+use system_tests::{Lab, Running, Side, built, client, simulate, wait_until};
+
+const SHORT: Duration = Duration::from_secs(20);
+const LONG: Duration = Duration::from_secs(120);
+/// How far an axis that keeps its speed may be away from it, as a share of it.
+const NEAR: f64 = 0.05;
+
+/// A plant of so many drives of each model, and their names.
+fn plant(lab: &Lab, models: &[(&str, usize)]) -> (PathBuf, Vec<String>) {
+    let each = models
+        .iter()
+        .flat_map(|(model, count)| (1..=*count).map(move |number| (*model, number)));
+    let mut text = String::new();
+    let mut names = Vec::new();
+    for (last, (model, number)) in (51..).zip(each) {
+        let name = format!("{model}-{number}");
+        text +=
+            &format!("[[drive]]\nmodel = \"{model}\"\nname = \"{name}\"\nip = \"192.168.77.{last}/24\"\n");
+        names.push(name);
+    }
+    let file = lab.folder().join("plant.toml");
+    std::fs::write(&file, text).unwrap();
+    (file, names)
+}
+
+fn start(lab: &Lab, arguments: &[&str], names: &[String]) -> Running {
+    let names = names.iter().map(String::as_str);
+    let all: Vec<&str> = arguments.iter().copied().chain(names).collect();
+    lab.spawn(Side::Controller, built("many-axes"), all)
+}
+
+/// The report of `status` on a drive that nobody has and that stands, with its power stage off.
+#[track_caller]
+fn at_rest(lab: &Lab, name: &str, when: &str) -> Value {
+    let mut last = None;
+    let found = wait_until(SHORT, || {
+        let finished = client(lab, &["status", name, "--json"]);
+        let line = finished.out.lines().next().unwrap_or_default();
+        let report: Option<Value> = serde_json::from_str(line).ok();
+        let rests = report.as_ref().is_some_and(|report| {
+            let stands = |key: &str| report[key].as_f64().is_none_or(|speed| speed.abs() < 0.5);
+            report["controller"].is_null()
+                && report["state"]
+                    .as_str()
+                    .is_some_and(|state| state != "S4" && state != "S5")
+                && stands("speed_actual")
+                && stands("speed_percent")
+        });
+        last = Some((finished, report));
+        rests
+    });
+    match last {
+        Some((_, Some(report))) if found => report,
+        other => panic!("{when}: {name} is not at rest: {other:?}"),
+    }
+}
+
+/// One line of what the program reported of an axis.
+#[track_caller]
+fn end_of<'l>(lines: &'l [Value], axis: &str, end: &str) -> &'l Value {
+    let line = lines
+        .iter()
+        .find(|line| line["axis"] == axis && line["end"] == end);
+    line.unwrap_or_else(|| panic!("{axis} did not end as {end}: {lines:?}"))
+}
+
+#[test]
+fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
+    let lab = Lab::new("many-axes");
+    let (plant, mut names) = plant(&lab, &[("akd", 6), ("vlt", 5), ("vacon", 5)]);
+    let _drives = simulate(&lab, &[plant.to_str().unwrap()]);
+    let special = ["akd-1", "vlt-1", "vacon-1", "vlt-2"];
+    names.retain(|name| !special.contains(&name.as_str()));
+    let names: Vec<String> = special.into_iter().map(String::from).chain(names).collect();
+
+    let finished = start(&lab, &["ends", "ctl0"], &names).finish(LONG).ok();
+    let lines = finished.json_lines();
+    for (axis, end) in [
+        ("akd-1", "dropped"),
+        ("vlt-1", "panic"),
+        ("vacon-1", "forgotten"),
+        ("vacon-1", "lease"),
+    ] {
+        end_of(&lines, axis, end);
+    }
+    // it was stopped while others still waited for its drive, and all of them got their answer
+    let waiting = end_of(&lines, "vlt-2", "stopped")["waiting"].as_u64();
+    assert!(waiting.is_some_and(|waiting| waiting > 0), "{lines:?}");
+    let answers = lines.iter().find(|line| line["answered"] == 1000);
+    let refused = answers.and_then(|answers| answers["refused"].as_array());
+    assert_eq!(refused.map(Vec::len), Some(0), "{answers:?}");
+    for name in &names[4..] {
+        let course = &end_of(&lines, name, "released")["course"];
+        assert!(course["samples"].as_u64() > Some(50), "{name}: {course}");
+        assert_eq!(course["dropped"], 0, "{name}: {course}");
+        assert_eq!(course["out_of_operation"], 0, "{name}: {course}");
+        assert!(course["farthest"].as_f64() < Some(NEAR), "{name}: {course}");
+    }
+    for name in &names {
+        let report = at_rest(&lab, name, "at the end");
+        assert_eq!(report["faults"], Value::Array(Vec::new()), "{name}: {report}");
+    }
+}
