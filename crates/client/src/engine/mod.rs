@@ -73,6 +73,8 @@ struct Turns {
     /// Room for those who are woken, kept from turn to turn.
     woken: Vec<Waker>,
     tasks: Vec<Task>,
+    /// Of them, those that the driver looks at now and has therefore taken out.
+    under_way: usize,
     /// The last failure of the wire, with its turn.
     failure: Option<(u64, WireFailure)>,
     /// There are no more turns.
@@ -224,20 +226,26 @@ impl Engine {
     /// True while something is carried out beside the calls.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        !locked(&self.shared.turns).tasks.is_empty()
+        let turns = locked(&self.shared.turns);
+        turns.under_way > 0 || !turns.tasks.is_empty()
     }
 
     /// Begins a turn at `now`: what is carried out beside the calls gets on. Returns when the turn is to end at the latest.
     pub fn begin_turn(&self, now: Instant) -> Instant {
         self.shared.time.store(now.as_nanos(), Ordering::Relaxed);
         // taken out: a task waits for the next turn, which needs the lock
-        let mut tasks = std::mem::take(&mut locked(&self.shared.turns).tasks);
+        let mut tasks = {
+            let mut turns = locked(&self.shared.turns);
+            turns.under_way = turns.tasks.len();
+            std::mem::take(&mut turns.tasks)
+        };
         let mut context = Context::from_waker(Waker::noop());
         tasks.retain_mut(|task| task.as_mut().poll(&mut context).is_pending());
         let mut turns = locked(&self.shared.turns);
         // what a task has begun meanwhile comes behind
         tasks.append(&mut turns.tasks);
         turns.tasks = tasks;
+        turns.under_way = 0;
         let due = turns.due().unwrap_or(now + IDLE).min(now + IDLE);
         self.shared.wakes.store(due.as_nanos(), Ordering::Release);
         due
@@ -267,12 +275,16 @@ impl Engine {
 
     /// There are no more turns: every call ends with [`Error::Closed`].
     pub fn end(&self) {
-        let waiting = {
+        let (waiting, tasks) = {
             let mut turns = locked(&self.shared.turns);
             turns.ended = true;
-            turns.tasks.clear();
-            std::mem::take(&mut turns.waiting)
+            (
+                std::mem::take(&mut turns.waiting),
+                std::mem::take(&mut turns.tasks),
+            )
         };
+        // a task that waits for a turn needs the lock to leave
+        drop(tasks);
         waiting.into_values().for_each(|one| one.waker.wake());
     }
 
@@ -417,5 +429,42 @@ impl Drop for NextTurn {
         if let Some((key, _)) = self.begun {
             locked(&self.engine.shared.turns).waiting.remove(&key);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use profinet::controller::ControllerConfig;
+
+    use super::*;
+
+    fn engine() -> Engine {
+        let mac = MacAddress([2, 0, 0, 0, 0, 1]);
+        Engine::new(Client::new(ControllerConfig::new(mac, IpSuite::NONE, "tool", 1)))
+    }
+
+    /// Whoever leaves the network from another thread may look at any moment.
+    #[test]
+    fn a_task_that_is_being_looked_at_keeps_the_engine_busy() {
+        let engine = engine();
+        let busy = Arc::new(AtomicBool::new(false));
+        let (inside, seen) = (engine.clone(), Arc::clone(&busy));
+        engine.spawn(async move { seen.store(inside.is_busy(), Ordering::Relaxed) });
+        engine.begin_turn(Instant::ZERO);
+        assert!(busy.load(Ordering::Relaxed));
+        assert!(!engine.is_busy());
+    }
+
+    #[test]
+    fn the_end_drops_a_task_that_waits_for_a_turn() {
+        let engine = engine();
+        let inside = engine.clone();
+        engine.spawn(async move {
+            let _ = inside.next_turn(Instant::ZERO + IDLE).await;
+        });
+        engine.begin_turn(Instant::ZERO);
+        assert!(engine.is_busy());
+        engine.end();
+        assert!(!engine.is_busy());
     }
 }
