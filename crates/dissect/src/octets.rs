@@ -12,7 +12,8 @@ pub enum Kind {
     Job(Option<Side>),
     /// The eight octets of the parameter channel in a PPO.
     Pkw,
-    /// The parameter channel of the Danfoss FC protocol, where the index stands elsewhere.
+    /// The parameter channel of the Danfoss FC protocol, where the index stands elsewhere and a text (AK 15) in the
+    /// place of PWE.
     PkwFc,
     /// The parameter channel of USS.
     PkwUss,

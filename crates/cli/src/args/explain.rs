@@ -97,7 +97,7 @@ pub enum Octets {
     Response,
     /// The eight octets of the parameter channel in a PPO
     Pkw,
-    /// The same in the Danfoss FC protocol, where the index stands elsewhere
+    /// The same in the Danfoss FC protocol, where the index stands elsewhere; with the characters of a text (AK 15)
     PkwFc,
     /// The same in USS
     PkwUss,

@@ -1,10 +1,11 @@
 //! What a job is read with: the model of its drive, and what is known of the values that scale others.
 
-use profile::catalogue::{Catalogue, Parameter, Part, RecordView, Scale, Tables};
+use profile::catalogue::{Access, Catalogue, Parameter, Part, RecordView, Scale, Tables};
 use profile::model::Model;
 use profile::notation::{Elements, Notation, ParameterReference, Prefix, Target};
 use profile::parameter::{
-    CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, ValueBlock, objections, pnu,
+    Attribute, CodeSpace, Dialect, ErrorNames, Format, Objection, ParameterAddress, ValueBlock, objections,
+    pnu,
 };
 use profile::pkw::PkwDialect;
 use profile::state::{Mode, Profile};
@@ -245,18 +246,37 @@ impl JobDrive {
         Selection { parameter, ..number }.label()
     }
 
-    /// The values of a block.
+    /// The values of a block. The elements of a description and texts have neither the unit nor the subindex of a value.
     pub fn readings(&self, address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> Vec<Reading> {
-        let selection = address.map_or_else(
-            || Selection::number(0, self.parameters.notation()),
+        let value = address.filter(|address| address.attribute == Attribute::Value);
+        let selection = value.map_or_else(
+            || {
+                let pnu = address.map_or(0, |address| address.pnu);
+                Selection::number(pnu, self.parameters.notation())
+            },
             |address| self.select(address),
         );
         let interpretation = Interpretation::of(block.format, self.code_space());
-        let reading = |at, octets: &[u8]| {
-            let reading = self
-                .parameters
-                .reading(&selection, at, block.format.0, interpretation, octets);
-            self.parameters.in_words(reading, None, self.mode())
+        let untyped = Parameters {
+            catalogue: None,
+            ..self.parameters
+        };
+        let reading = |at, octets: &[u8]| match (value, address) {
+            (None, Some(address)) => {
+                let parameter = self.select(address).parameter;
+                Reading {
+                    name: parameter.map(|parameter| parameter.name),
+                    // the number is written as that of the parameter
+                    writable: parameter.map(|parameter| parameter.access != Access::ReadOnly),
+                    ..untyped.reading(&selection, 0, block.format.0, interpretation, octets)
+                }
+            }
+            _ => {
+                let reading = self
+                    .parameters
+                    .reading(&selection, at, block.format.0, interpretation, octets);
+                self.parameters.in_words(reading, None, self.mode())
+            }
         };
         if matches!(interpretation, Interpretation::Text | Interpretation::Octets) {
             return vec![reading(0, block.data)];
@@ -313,6 +333,9 @@ impl JobDrive {
 
     /// What the value of this parameter was made with that nobody told: `PN.VELSCALING 1638`.
     pub fn assumption(&self, address: ParameterAddress) -> Option<String> {
+        if address.attribute != Attribute::Value {
+            return None;
+        }
         self.assumed_scale(self.parameter(address)?.scale)
     }
 

@@ -83,7 +83,7 @@ pub fn decode(
         if request.is_some() {
             Side::Response
         } else {
-            guess(data, drive.code_space())
+            guess(data, drive)
         }
     });
     match side {
@@ -93,13 +93,17 @@ pub fn decode(
     .map_err(|reason| NoJob { side, reason })
 }
 
-/// Request or response? A response never carries addresses, a read request nothing else.
-fn guess(data: &[u8], space: CodeSpace) -> Side {
+/// Request or response? A response carries no addresses unless the drive can repeat them, a read request nothing else.
+fn guess(data: &[u8], drive: &JobDrive) -> Side {
+    let space = drive.code_space();
+    let repeats = drive.dialect().repeats_addresses;
     let id = data.get(1).copied().unwrap_or(0);
     let addresses = HEADER + ADDRESS * usize::from(data.get(3).copied().unwrap_or(0));
     match id {
         // an attribute in the place of the first format code, unless values follow: a drive that repeats the address
-        1 if has_attribute(data) && Request::parse(data, space).is_ok_and(|job| has_no_values(&job)) => {
+        1 if has_attribute(data)
+            && Request::parse(data, space).is_ok_and(|job| !repeats || has_no_values(&job)) =>
+        {
             Side::Request
         }
         // what would be its first format code is none
@@ -224,7 +228,7 @@ fn block_json(
     block: &ValueBlock<'_>,
 ) -> Map<String, Value> {
     let assumed = address.and_then(|address| drive.assumption(address));
-    let values: Vec<Value> = drive
+    let mut values: Vec<Value> = drive
         .readings(address, block)
         .iter()
         .map(|reading| {
@@ -235,6 +239,11 @@ fn block_json(
             value
         })
         .collect();
+    if address.is_some_and(|address| address.attribute != Attribute::Value) {
+        for value in &mut values {
+            value["writable"] = false.into();
+        }
+    }
     let mut fields = fields! {
         "format": block.format.0, "format_name": format_name(drive, block.format), "count": block.count,
         "hex": hex_bytes(block.data), "values": values,
@@ -381,10 +390,9 @@ pub fn request_job(drive: &JobDrive, data: &[u8]) -> Decoded {
 
 /// A response in a few words, with the request it answers where that is known. What it says of the drive is taken over.
 pub fn response_job(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) -> Decoded {
-    joined(
-        decode_response(drive, data, request).or_else(|_| decode_response(drive, data, None)),
-        data,
-    )
+    // a request without a header has no answer of its own
+    let request = request.filter(|request| request.len() >= HEADER);
+    joined(decode_response(drive, data, request), data)
 }
 
 /// One parameter on the line of the head, several below it.

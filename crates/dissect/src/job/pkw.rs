@@ -2,7 +2,8 @@
 
 use profile::parameter::{Attribute, Identifier, ParameterAddress};
 use profile::pkw::{
-    Action, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, TEXT_READ, TEXT_WRITE, Width,
+    Action, MAX_BLOCK, PKW_LEN, Pkw, PkwDialect, PkwErrorNumber, ReplyCode, RequestCode, TEXT_AT, TEXT_READ,
+    TEXT_WRITE, Width,
 };
 use profile::value::Reading;
 use serde_json::Value;
@@ -13,20 +14,43 @@ use crate::Weight;
 use crate::fields;
 use crate::value;
 
-/// The eight octets of the channel. Without a direction both are told.
+/// PKE, IND and PWE of a parameter block, as far as it has them, and the characters of a text block (AK 15), which stand in
+/// the place of PWE.
+pub fn block<'a>(dialect: &PkwDialect, part: &'a [u8]) -> Option<(Pkw, Option<&'a [u8]>)> {
+    let (_, behind) = part.split_at_checked(TEXT_AT)?;
+    let mut octets = [0; PKW_LEN];
+    for (place, octet) in octets.iter_mut().zip(part) {
+        *place = *octet;
+    }
+    let pkw = Pkw::from_octets(octets);
+    let is_text = pkw.request_code() == RequestCode::TEXT && dialect.has_text();
+    Some((pkw, is_text.then_some(behind)))
+}
+
+/// A block of the channel: eight octets, or a text block. Without a direction both are told.
 pub fn decode(
     drive: &JobDrive,
     dialect: &PkwDialect,
     data: &[u8],
     output: Option<bool>,
 ) -> Result<Decoded, String> {
-    let octets: [u8; PKW_LEN] = data.try_into().map_err(|_| {
-        format!(
-            "the parameter channel has {PKW_LEN} octets, there are {}",
-            data.len()
-        )
-    })?;
-    let pkw = Pkw::from_octets(octets);
+    let fits = |text: Option<&[u8]>| match text {
+        Some(_) => data.len() <= MAX_BLOCK,
+        None => data.len() == PKW_LEN,
+    };
+    let (pkw, characters) = block(dialect, data)
+        .filter(|(_, text)| fits(*text))
+        .ok_or_else(|| {
+            let text = if dialect.has_text() {
+                format!(" or {TEXT_AT} to {MAX_BLOCK} for a text (AK 15)")
+            } else {
+                String::new()
+            };
+            format!(
+                "the parameter channel has {PKW_LEN} octets{text}, there are {}",
+                data.len()
+            )
+        })?;
     let mut lines = Vec::new();
     let mut sides = Vec::new();
     for side in [true, false] {
@@ -34,9 +58,9 @@ pub fn decode(
             continue;
         }
         let (weight, text) = if side {
-            request(drive, dialect, pkw, None)
+            request(drive, dialect, pkw, characters)
         } else {
-            reply(drive, dialect, pkw, None)
+            reply(drive, dialect, pkw, characters)
         };
         let who = if side { "request" } else { "reply" };
         let mut told = fields! { "side": who, "text": text.as_str() };
@@ -47,7 +71,7 @@ pub fn decode(
         lines.push((weight, format!("as a {who:<8} {text}")));
     }
     let fields = fields! {
-        "dialect": dialect.name, "model": drive.name(), "pke": pkw.pke, "ind": pkw.ind, "pwe": pkw.pwe,
+        "dialect": dialect.name, "model": drive.name(), "pke": pkw.pke, "ind": pkw.ind, "pwe": characters.is_none().then_some(pkw.pwe),
         "ak": pkw.ak(), "pnu": pkw.address(dialect).map(|address| address.pnu),
         "subindex": pkw.address(dialect).map(|address| address.subindex), "sides": sides,
     };
@@ -345,6 +369,46 @@ mod tests {
             text,
             "description element 1 (identifier) of Language (0-01) = 0x405 (Unsigned8, has texts)"
         );
+    }
+
+    #[test]
+    fn a_text_block_has_characters_in_the_place_of_pwe() {
+        let told = |octets: &[u8], from_controller| {
+            let decoded = decode(&vlt(), &PkwDialect::DANFOSS_FC, octets, Some(from_controller)).unwrap();
+            assert!(decoded.fields["pwe"].is_null(), "{octets:02X?}");
+            decoded.lines[0].1.clone()
+        };
+        for (octets, from_controller, words) in [
+            (
+                &b"\xF0\x25\x04\0ABCD"[..],
+                false,
+                "as a reply    text of 0-37 = \"ABCD\"",
+            ),
+            (
+                b"\xF0\x25\x05\0ABCD",
+                true,
+                "as a request  change text of 0-37 = \"ABCD\"",
+            ),
+            (
+                b"\xF0\x25\x05\0abc",
+                true,
+                "as a request  change text of 0-37 = \"abc\"",
+            ),
+            (b"\xF0\x25\x04\0", true, "as a request  read text of 0-37"),
+        ] {
+            let text = told(octets, from_controller);
+            let text = text.replace("Display Text 1 (0-37)", "0-37");
+            assert_eq!(text, words, "{octets:02X?}");
+        }
+        // no text, too short or too long, and a channel without texts
+        let long = [&[0xF0, 0x25, 5, 0][..], &[b'a'; MAX_BLOCK]].concat();
+        for octets in [&[0x10, 0x25, 5, 0, 1, 2, 3][..], &[0xF0, 0x25, 5], &long] {
+            let error = decode(&vlt(), &PkwDialect::DANFOSS_FC, octets, None).unwrap_err();
+            let words = "the parameter channel has 8 octets or 4 to 252 for a text (AK 15), there are ";
+            assert_eq!(error, format!("{words}{}", octets.len()));
+        }
+        let error = decode(&vlt(), &PkwDialect::DANFOSS_PPO, &[0xF0, 0x25, 5, 0, 1], None).unwrap_err();
+        assert_eq!(error, "the parameter channel has 8 octets, there are 5");
     }
 
     #[test]

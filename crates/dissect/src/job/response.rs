@@ -1,6 +1,9 @@
 //! What a response answers, and what it tells about the drive.
 
-use profile::parameter::{Attribute, CodeSpace, ErrorNumber, Format, ParameterAddress, Request, ValueBlock};
+use profile::parameter::{
+    Attribute, DecodeError, ErrorNumber, Format, ParameterAddress, Request, RequestId, ValueBlock,
+    repeats_addresses,
+};
 use serde_json::{Map, Value, json};
 
 use super::{
@@ -14,19 +17,8 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
     let &[reference, id, axis, count, ref rest @ ..] = data else {
         return Err(format!("{} octets are no header", data.len()));
     };
-    let job = request
-        .map(|bytes| Request::parse(bytes, drive.code_space()))
-        .transpose()
-        .map_err(|error| error.to_string())?;
-    let mut warnings = Vec::new();
-    if let Some(job) = &job {
-        if job.reference() != reference {
-            warnings.push(format!("answers request {reference}, not {}", job.reference()));
-        }
-        if !job.id().is_answered_by(id) && !job.id().is_refused_by(id) {
-            warnings.push("answers another kind of request".to_owned());
-        }
-    }
+    let job = request.and_then(|bytes| Request::parse(bytes, drive.code_space()).ok());
+    let mut warnings = request.map_or(Ok(Vec::new()), |request| mismatches(request, reference, id))?;
     let mut addresses: Vec<Option<ParameterAddress>> = match &job {
         Some(job) => job.addresses().map(Some).collect(),
         None => vec![None; count.into()],
@@ -62,7 +54,7 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
             parameters.push(Value::Object(fields));
         }
     } else {
-        let blocks = blocks(data, &mut addresses, drive.code_space())?;
+        let (blocks, behind) = blocks(drive, data, &mut addresses, job.is_some())?;
         // all of it is of one moment: what it tells about scales counts for its own values too
         if warnings.is_empty() {
             match &job {
@@ -80,6 +72,9 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
                 .unwrap_or_default();
             lines.push(answer(drive, *address, block, &mut fields));
             parameters.push(Value::Object(fields));
+        }
+        if behind > 0 {
+            warnings.push(format!("{behind} zero octets behind the last value"));
         }
     }
     for warning in &warnings {
@@ -118,43 +113,74 @@ fn learn_read(drive: &mut JobDrive, addresses: &[Option<ParameterAddress>], bloc
     }
 }
 
-/// The blocks of a response; some drives repeat the addresses in front of them, which names them.
+/// Where a response does not answer this request. A request that is cut off or has too many parameters is answered too.
+fn mismatches(request: &[u8], reference: u8, id: u8) -> Result<Vec<String>, String> {
+    let &[asked, asked_id, ..] = request
+        .first_chunk::<HEADER>()
+        .ok_or_else(|| format!("its request has {} octets, a header has {HEADER}", request.len()))?;
+    let asked_id = RequestId::from_octet(asked_id);
+    let mut warnings = Vec::new();
+    if asked != reference {
+        warnings.push(format!("answers request {reference}, not {asked}"));
+    }
+    if !asked_id.is_answered_by(id) && !asked_id.is_refused_by(id) {
+        warnings.push("answers another kind of request".to_owned());
+    }
+    Ok(warnings)
+}
+
+/// The blocks of a response, and the number of zeros behind them. Without a request the addresses that a drive repeats in
+/// front of the blocks name them.
 fn blocks<'a>(
+    drive: &JobDrive,
     data: &'a [u8],
-    addresses: &mut [Option<ParameterAddress>],
-    space: CodeSpace,
-) -> Result<Vec<ValueBlock<'a>>, String> {
+    addresses: &mut Vec<Option<ParameterAddress>>,
+    requested: bool,
+) -> Result<(Vec<ValueBlock<'a>>, usize), String> {
     let walk = |mut offset: usize| {
         let mut blocks = Vec::new();
         for _ in 0..addresses.len() {
-            let (block, used) = ValueBlock::parse(data, offset, space).map_err(|error| error.to_string())?;
+            let (block, used) = ValueBlock::parse(data, offset, drive.code_space())?;
             offset += used;
             blocks.push(block);
         }
-        if offset < data.len() {
-            return Err(format!(
-                "{} octets are left over at octet {offset}",
-                data.len() - offset
-            ));
-        }
-        Ok(blocks)
+        Ok((blocks, offset))
     };
-    let plain = walk(HEADER);
-    if plain.is_ok() {
-        return plain;
-    }
-    let Ok(repeated) = walk(HEADER + ADDRESS * addresses.len()) else {
-        return plain;
-    };
-    for (address, octets) in addresses
-        .iter_mut()
-        .zip(data.get(HEADER..).unwrap_or_default().chunks_exact(ADDRESS))
+    let plain = walk(HEADER).map_err(|error: DecodeError| error.to_string());
+    if let Ok((blocks, end)) = &plain
+        && *end == data.len()
     {
-        if let Ok(octets) = octets.try_into() {
-            *address = Some(ParameterAddress::from_octets(octets));
-        }
+        return Ok((blocks.clone(), 0));
     }
-    Ok(repeated)
+    let repeated = if requested {
+        addresses.iter().copied().collect()
+    } else {
+        addresses_in(drive, data, addresses.len())
+    };
+    if let Some(repeated) = repeated.filter(|repeated: &Vec<_>| repeats_addresses(data, repeated))
+        && let Ok((blocks, end)) = walk(HEADER + ADDRESS * repeated.len())
+        && end == data.len()
+    {
+        *addresses = repeated.into_iter().map(Some).collect();
+        return Ok((blocks, 0));
+    }
+    let (blocks, end) = plain?;
+    let behind = data.get(end..).unwrap_or_default();
+    if behind.iter().any(|octet| *octet != 0) {
+        return Err(format!("{} octets are left over at octet {end}", behind.len()));
+    }
+    Ok((blocks, behind.len()))
+}
+
+/// The octets behind the header as addresses, where the drive can repeat them and their attributes exist.
+fn addresses_in(drive: &JobDrive, data: &[u8], count: usize) -> Option<Vec<ParameterAddress>> {
+    let (octets, _) = data.get(HEADER..)?.as_chunks();
+    let address = |octets: &[u8; ADDRESS]| {
+        let address = ParameterAddress::from_octets(*octets);
+        (!matches!(address.attribute, Attribute::Other(_))).then_some(address)
+    };
+    let found = octets.get(..count)?.iter().map(address).collect();
+    drive.dialect().repeats_addresses.then_some(found)?
 }
 
 fn answer(

@@ -1,6 +1,6 @@
 //! Telegrams of serial lines in words: Danfoss FC protocol and USS.
 
-use profile::pkw::{PKW_LEN, Pkw, PkwDialect, RequestCode};
+use profile::pkw::{PKW_LEN, Pkw, PkwDialect, TEXT_AT};
 use profile::state::Profile;
 use serde_json::{Map, Value};
 use uss::{Addressee, Layout, Protocol, Telegram};
@@ -10,9 +10,6 @@ use super::{Decoded, JobDrive, pkw};
 use crate::Weight;
 use crate::fields;
 use crate::{hex_bytes, hex16, words};
-
-/// Where the characters of a text block begin.
-const TEXT_AT: usize = 4;
 
 /// What a protocol carries.
 struct Carrier {
@@ -69,9 +66,9 @@ pub fn decode(
         if output.is_some_and(|wanted| wanted != side) {
             continue;
         }
-        let channel = pkw_of(parts.pkw);
+        let channel = pkw::block(&dialect, parts.pkw);
         let mut told = Vec::new();
-        told.extend(channel.map(|pkw| parameter(drive, &dialect, parts.pkw, pkw, side)));
+        told.extend(channel.map(|block| parameter(drive, &dialect, parts.pkw, block, side)));
         told.extend(process(drive, parts.pzd, side));
         let who = if side { "controller" } else { "drive" };
         if output.is_none() {
@@ -81,7 +78,7 @@ pub fn decode(
             "from": who, "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
         };
         let reply = channel.filter(|_| !side);
-        fields.extend(reply.and_then(|pkw| pkw::refusal_json(&dialect, pkw)));
+        fields.extend(reply.and_then(|(pkw, _)| pkw::refusal_json(&dialect, pkw)));
         sides.push(Value::Object(fields));
         lines.extend(told);
     }
@@ -96,32 +93,22 @@ fn row(name: &str, text: &str) -> String {
     format!("  {name:<8} {text}")
 }
 
-/// PKE, IND and PWE of a parameter part, as far as it has them.
-fn pkw_of(part: &[u8]) -> Option<Pkw> {
-    let mut octets = [0; PKW_LEN];
-    let used = part.len().min(octets.len());
-    octets.get_mut(..used)?.copy_from_slice(part.get(..used)?);
-    (used >= TEXT_AT).then_some(Pkw::from_octets(octets))
-}
-
 /// The parameter part: PKE, IND and PWE, or a text in its place.
 fn parameter(
     drive: &JobDrive,
     dialect: &PkwDialect,
     part: &[u8],
-    pkw: Pkw,
+    (pkw, text): (Pkw, Option<&[u8]>),
     output: bool,
 ) -> (Weight, String) {
-    let (head, rest) = part.split_at_checked(TEXT_AT).unwrap_or((part, &[]));
-    let is_text = pkw.request_code() == RequestCode::TEXT && dialect.has_text();
-    let text = is_text.then_some(rest);
     let (weight, told) = if output {
         pkw::request(drive, dialect, pkw, text)
     } else {
         pkw::reply(drive, dialect, pkw, text)
     };
-    let short = !is_text && part.len() != PKW_LEN;
+    let short = text.is_none() && part.len() != PKW_LEN;
     let note = if short {
+        let head = part.get(..TEXT_AT).unwrap_or(part);
         format!(" (parameter part of {} octets: {})", part.len(), hex_bytes(head))
     } else {
         String::new()

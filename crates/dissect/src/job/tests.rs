@@ -2,6 +2,8 @@
 
 use super::*;
 
+mod answers;
+
 fn words(hex: &str, request: Option<&str>) -> Vec<String> {
     let bytes = |text: &str| -> Vec<u8> {
         text.split(' ')

@@ -52,6 +52,8 @@ pub struct Dialect {
     pub code_space: CodeSpace,
     /// Form of the positive change response.
     pub change_response: ChangeResponse,
+    /// A response can repeat the parameter addresses in front of the values (AKD parameter access note).
+    pub repeats_addresses: bool,
     /// Parameters in one request at most.
     pub max_parameters: u8,
     /// Values in one request or response at most, all parameters together, that a client asks for.
@@ -107,6 +109,7 @@ impl Dialect {
         axis_checked: false,
         code_space: CodeSpace::V4,
         change_response: ChangeResponse::Header,
+        repeats_addresses: true,
         max_parameters: 39,
         max_values: u16::MAX,
         served_values: u16::MAX,
@@ -161,6 +164,7 @@ impl Dialect {
         axis: 0,
         axis_checked: true,
         code_space: CodeSpace::V3,
+        repeats_addresses: false,
         max_parameters: 37,
         exact_length: true,
         bad_axis: ErrorNumber::DANFOSS_WRONG_AXIS,
@@ -183,6 +187,7 @@ impl Dialect {
         saving: Saving::Always,
         axis: 1,
         axis_checked: true,
+        repeats_addresses: false,
         max_values: 39,
         texts: false,
         substitution_only: true,

@@ -55,6 +55,6 @@ pub use plan::{plan_changes, plan_reads, split_array};
 pub use request::{
     EncodeError, NewValue, Request, encode_change, encode_change_as, encode_read, encode_read_as,
 };
-pub use response::{Answer, Answers, Response, ResponseError};
+pub use response::{Answer, Answers, Response, ResponseError, repeats_addresses};
 pub use saving::{SavingChange, Served, not_saved, serve_saving};
 pub use serve::{Refusal, serve};

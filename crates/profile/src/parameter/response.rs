@@ -149,7 +149,7 @@ impl<'a> Response<'a> {
             return Ok(response);
         }
         let plain = response.check();
-        if plain.is_err() && response.repeats(addresses) {
+        if plain.is_err() && repeats_addresses(bytes, addresses) {
             response.offset = HEADER + ADDRESS * addresses.len();
             response.check()?;
         } else {
@@ -176,14 +176,6 @@ impl<'a> Response<'a> {
         let is_request_id = matches!(RequestId::from_octet(found_id & 0x7F), RequestId::Other(_))
             || !matches!(id, RequestId::Read | RequestId::Change);
         (block.format == Format::ERROR && whole && (alone || is_request_id)).then(|| error_of(&block))
-    }
-
-    /// True when the octets behind the header are the addresses of the request.
-    fn repeats(&self, addresses: &[ParameterAddress]) -> bool {
-        let sent = addresses.iter().flat_map(|address| address.to_octets());
-        let found = self.bytes.get(HEADER..).unwrap_or(&[]);
-        found.len() >= ADDRESS * addresses.len()
-            && sent.eq(found.iter().copied().take(ADDRESS * addresses.len()))
     }
 
     fn check(&self) -> Result<(), DecodeError> {
@@ -236,6 +228,21 @@ impl<'a> Response<'a> {
             left: self.parameters,
         }
     }
+}
+
+/// True when the octets behind the header of a response are the addresses of its request. The values follow them then.
+///
+/// ```
+/// use profidrive_profile::parameter::{ParameterAddress, repeats_addresses};
+/// let response = [5, 1, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, 0x42, 1, 0, 2];
+/// assert!(repeats_addresses(&response, &[ParameterAddress::value(930, 0)]));
+/// assert!(!repeats_addresses(&response, &[ParameterAddress::value(947, 0)]));
+/// ```
+#[must_use]
+pub fn repeats_addresses(response: &[u8], addresses: &[ParameterAddress]) -> bool {
+    let sent = addresses.iter().flat_map(|address| address.to_octets());
+    let found = response.get(HEADER..).unwrap_or(&[]);
+    found.len() >= ADDRESS * addresses.len() && sent.eq(found.iter().copied().take(ADDRESS * addresses.len()))
 }
 
 fn error_of(block: &ValueBlock<'_>) -> ParameterError {

@@ -38,5 +38,6 @@ pub use error::{PKW_ERRORS, PkwErrorInfo, PkwErrorNames, PkwErrorNumber};
 pub use job::{Answer, Job, JobError, PkwValue, StartError};
 pub use server::{BlockError, Server};
 pub use words::{
-    MAX_BLOCK, MAX_TEXT, PKW_LEN, Pkw, PkwAddress, ReplyWords, RequestWords, TEXT_READ, TEXT_WRITE, Words,
+    MAX_BLOCK, MAX_TEXT, PKW_LEN, Pkw, PkwAddress, ReplyWords, RequestWords, TEXT_AT, TEXT_READ, TEXT_WRITE,
+    Words,
 };

@@ -13,7 +13,7 @@ pub const MAX_BLOCK: usize = 252;
 /// Characters of the longest text.
 pub const MAX_TEXT: usize = MAX_BLOCK - TEXT_AT;
 /// Where the characters of a text block begin.
-pub(super) const TEXT_AT: usize = 4;
+pub const TEXT_AT: usize = 4;
 
 /// Text code of IND in the Danfoss FC protocol: read.
 pub const TEXT_READ: u8 = 0x04;

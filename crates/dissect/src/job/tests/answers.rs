@@ -1,0 +1,149 @@
+//! Responses beside the request they answer: repeated addresses, zeros at the end, requests that are not complete.
+
+use super::*;
+
+fn drive(model: &str) -> JobDrive {
+    JobDrive::new(profile::model::Model::by_name(model).unwrap())
+}
+
+/// The lines of a response, which are those of a capture too.
+fn lines(model: &str, request: Option<&str>, response: &str) -> Vec<String> {
+    let request = request.map(octets);
+    let response = octets(response);
+    let decoded = decode(
+        &mut drive(model),
+        &response,
+        Some(Side::Response),
+        request.as_deref(),
+    )
+    .unwrap();
+    let captured = response_job(&mut drive(model), &response, request.as_deref());
+    assert_eq!(decoded.fields, captured.fields);
+    decoded.lines.into_iter().map(|(_, line)| line).collect()
+}
+
+fn failure(model: &str, request: Option<&str>, response: &str) -> String {
+    let request = request.map(octets);
+    let response = octets(response);
+    let decoded = decode(
+        &mut drive(model),
+        &response,
+        Some(Side::Response),
+        request.as_deref(),
+    );
+    let reason = decoded.unwrap_err().reason;
+    let captured = response_job(&mut drive(model), &response, request.as_deref());
+    assert_eq!(captured.fields["malformed"], reason.as_str());
+    reason
+}
+
+/// The zeros of a buffer are not the address of another parameter, and a refusal stays one.
+#[test]
+fn zeros_behind_a_response_are_not_a_repeated_address() {
+    let read = "01 01 00 01 10 02 00 78 00 00";
+    let refusal = "01 81 00 01 44 01 00 16 00 00 00 00";
+    let zeros = "  ! 4 zero octets behind the last value";
+    let found = lines("vlt", Some(read), refusal);
+    assert!(
+        found[1].contains("(1-20") && found[1].contains("refused: 0x16"),
+        "{found:?}"
+    );
+    assert_eq!(found[2], zeros);
+    for model in ["vlt", "akd", "vacon", "standard"] {
+        let found = lines(model, None, refusal);
+        assert!(found[1].starts_with("  refused: 0x16"), "{model}: {found:?}");
+        assert_eq!(found[2], zeros);
+    }
+    // a value: it was called written
+    let mode = "05 01 00 01 10 01 03 A2 00 00";
+    let found = lines("akd", Some(mode), "05 01 00 01 42 01 00 02 00 00 00 00");
+    assert!(found[1].starts_with("  Operating mode (p0930) = 2"), "{found:?}");
+    let error = failure("akd", Some(mode), "05 01 00 01 42 01 00 02 00 00 00 01");
+    assert_eq!(error, "4 octets are left over at octet 8");
+}
+
+#[test]
+fn addresses_of_another_request_are_not_repeated_ones() {
+    let mode = "55 01 00 01 10 01 03 A2 00 00";
+    let found = lines("akd", Some(mode), "55 01 00 01 10 01 03 A2 00 00 42 01 00 02");
+    assert!(found[1].starts_with("  Operating mode (p0930) = 2"), "{found:?}");
+    assert_eq!(found.len(), 2);
+    let other = "55 01 00 01 10 01 03 B3 00 00 42 01 00 02";
+    let error = failure("akd", Some(mode), other);
+    assert_eq!(error, "the values at offset 6 need 12 octets, there are 8");
+    // without the request the addresses are all there is, of a drive that repeats them
+    for model in ["akd", "standard"] {
+        let found = lines(model, None, other);
+        assert!(found[1].contains("0947") && found[1].contains("= 2"), "{found:?}");
+    }
+    for model in ["vlt", "vacon"] {
+        failure(model, None, other);
+        // and without a direction it is a request with octets too many
+        let decoded = decode(&mut drive(model), &octets(other), None, None).unwrap();
+        assert_eq!(decoded.fields["side"], "request", "{model}");
+    }
+}
+
+/// What a drive answers to a request that is cut off, or has more parameters than it takes.
+#[test]
+fn the_refusal_of_an_incomplete_request_answers_it() {
+    for (request, response, number) in [
+        (
+            "55 01 01 02 10 01 27 11 00 67",
+            "55 81 01 02 44 01 00 6B 44 01 00 6B",
+            "0x6B",
+        ),
+        ("55 01 01 FF 10 01 27 11 00 67", "55 81 01 01 44 01 00 68", "0x68"),
+    ] {
+        let found = lines("vacon", Some(request), response);
+        assert_eq!(found, lines("vacon", None, response), "{request}");
+        assert!(found[1].starts_with(&format!("  refused: {number}")), "{found:?}");
+        // its header says what it was
+        let found = lines("vacon", Some(&request.replace("55 01", "54 02")), response);
+        let warnings = &found[found.len() - 2..];
+        assert_eq!(
+            warnings,
+            [
+                "  ! answers request 85, not 84",
+                "  ! answers another kind of request"
+            ]
+        );
+    }
+    let decoded = decode(
+        &mut drive("vacon"),
+        &octets("55 81 01 01 44 01 00 68"),
+        None,
+        Some(&[0x55, 1]),
+    );
+    assert_eq!(
+        decoded.unwrap_err().reason,
+        "its request has 2 octets, a header has 4"
+    );
+}
+
+/// An element of a description is not a value: it has no unit, no scale, no subindex, and cannot be written.
+#[test]
+fn elements_of_a_description_have_no_unit() {
+    let told = |model: &str, request: &str, response: &str| {
+        let decoded = decode(&mut drive(model), &octets(response), None, Some(&octets(request))).unwrap();
+        let value = decoded.fields["parameters"][0]["values"][0].clone();
+        (decoded.lines[1].1.clone(), value)
+    };
+    let (line, value) = told("vlt", "01 01 00 01 20 01 00 78 00 01", "01 01 00 01 0A 02 00 07");
+    assert!(
+        line.contains("description element 1 (identifier) of Motor Power [kW] (1-20) = 00 07"),
+        "{line}"
+    );
+    assert!(!line.contains("07 kW"), "{line}");
+    assert_eq!((&value["unit"], &value["number"]), (&"".into(), &"1-20".into()));
+    assert_eq!(
+        (&value["writable"], &value["index"]),
+        (&false.into(), &Value::Null)
+    );
+    // the limit of a speed is not scaled like one, and not a control word in words
+    let (line, value) = told("akd", "01 01 00 01 20 01 00 05 00 02", "01 01 00 01 42 01 00 07");
+    assert!(line.contains("= 7   [") && !line.contains("if "), "{line}");
+    assert_eq!((&value["value"], &value["unit"]), (&7.0.into(), &"".into()));
+    let (line, _) = told("akd", "01 01 00 01 20 01 00 01 00 02", "01 01 00 01 42 01 00 07");
+    assert!(line.contains("= 7   ["), "{line}");
+}
