@@ -462,6 +462,7 @@ fn names_outside_the_lists_of_the_manual_are_no_parameters() {
         "MID_DEC",
         "MDI_VEL",
         "MDI_TAR_POS",
+        "PN.VELSCAING",
     ] {
         assert_eq!(AKD.by_name(name).map(|parameter| parameter.pnu), None, "{name}");
     }
@@ -476,4 +477,5 @@ fn names_outside_the_lists_of_the_manual_are_no_parameters() {
     for name in ["MID_ACC", "MID_DEC", "MDI_TAR_POS"] {
         assert!(near(name), "{name}");
     }
+    assert_eq!(AKD.nearest("PN.VELSCAING", 1)[0].name, "PN.VELSCALING");
 }

@@ -96,6 +96,8 @@ pub enum PositionCondition {
     HomingPermitted,
     /// Nothing keeps the axis from jogging the way that is asked for.
     JogPermitted,
+    /// The jog bits that are 1 were 0 after the last task, homing or stop by a command.
+    JogAnew,
     /// The running homing was started by bit 11.
     HomingByBus,
     /// The running task or homing came to its end.
@@ -192,7 +194,7 @@ const BY_EDGE: &[Also] = &[Also::TaskEdge, Also::TaskPermitted];
 const BY_COMMAND: &[Also] = &[Also::Command(PositionCommand::Task), Also::TaskPermitted];
 const HOME_EDGE: &[Also] = &[Also::HomingEdge, Also::HomingPermitted];
 const HOME_COMMAND: &[Also] = &[Also::Command(PositionCommand::Homing), Also::HomingPermitted];
-const MAY_JOG: &[Also] = &[Also::Standstill, Also::JogPermitted];
+const MAY_JOG: &[Also] = &[Also::Standstill, Also::JogPermitted, Also::JogAnew];
 const CONTINUE: &[Also] = &[
     Also::PausedByCommand(true),
     Also::Command(PositionCommand::Continue),
@@ -202,8 +204,8 @@ const CONTINUE: &[Also] = &[
 /// A reason with "or" in its guard has a row for each alternative.
 ///
 /// Source: AKD manual 5.4 and 5.10; ABB FSPS and FENA for the meaning of bits 4 and 5. Ours: jog 1 and 2 end with each
-/// of bits 4 to 6, as in velocity mode; two wishes to jog at once stop; a task is taken with bits 4 and 5 only; what
-/// comes while the axis brakes is lost.
+/// of bits 4 to 6, as in velocity mode; two wishes to jog at once stop; a jog bit that is 1 during a task, homing or a
+/// stop by a command has to be set anew; a task is taken with bits 4 and 5 only; what comes while the axis brakes is lost.
 #[rustfmt::skip]
 pub static POSITION_TRANSITIONS: &[PositionTransition] = &[
     row(Basic, Homing, (HOME, HOME), HOME_EDGE, PositionEffect::StartHoming, 4, "homing started"),
@@ -358,6 +360,8 @@ pub struct PositionMachine {
     acknowledge: bool,
     homing_by_bus: bool,
     paused_by_command: bool,
+    /// Bits that ask for a jog and have to be 0 first: they were 1 while a task or homing had the axis.
+    spent_jogs: u16,
 }
 
 impl Default for PositionMachine {
@@ -376,6 +380,7 @@ impl PositionMachine {
             acknowledge: false,
             homing_by_bus: false,
             paused_by_command: false,
+            spent_jogs: 0,
         }
     }
 
@@ -426,6 +431,7 @@ impl PositionMachine {
             Also::TaskPermitted => inputs.task_permitted,
             Also::HomingPermitted => inputs.homing_permitted,
             Also::JogPermitted => inputs.jog_permitted,
+            Also::JogAnew => inputs.stw1.0 & self.spent_jogs == 0,
             Also::HomingByBus => self.homing_by_bus,
             Also::Finished => inputs.finished,
             Also::Failed => inputs.failed,
@@ -435,6 +441,9 @@ impl PositionMachine {
         let transition = POSITION_TRANSITIONS.iter().find(|row| {
             row.from == self.state && inputs.stw1.0 & row.mask == row.value && row.also.iter().all(holds)
         });
+        let spends = matches!(self.state, Homing | HomingStop | Task | Pause | Reject)
+            || inputs.command == Some(PositionCommand::Stop);
+        self.spent_jogs = inputs.stw1.0 & if spends { JOG_BITS } else { self.spent_jogs };
         self.before = inputs.stw1;
         self.acknowledge &= inputs.stw1.has(Stw1::ACTIVATE_TASK);
         let effect = transition.map_or(PositionEffect::None, |row| row.effect);
@@ -499,6 +508,7 @@ impl PositionMachine {
             acknowledge: before.has(Stw1::ACTIVATE_TASK),
             homing_by_bus,
             paused_by_command,
+            spent_jogs: 0,
         }
     }
 }

@@ -332,3 +332,16 @@ fn both_halves_are_of_one_sample() {
     let octets = [&high[6..10], &low[6..10]].concat();
     assert_eq!(i64::from_be_bytes(octets.try_into().unwrap()), before);
 }
+
+/// The byte description of the AKD has format 0x00 in the answer to a write. Beside a refused parameter the written one
+/// has the format Zero (0x40) without values, and it is written.
+#[test]
+fn a_parameter_written_beside_a_refused_one_has_format_zero() {
+    let mut bench = Bench::new();
+    check(
+        &mut bench,
+        "02 02 00 02 10 01 03 A2 00 00 10 01 00 02 00 00 42 01 00 02 42 01 00 02",
+        "02 82 00 02 40 00 44 01 00 01",
+    );
+    assert_eq!(bench.read("930"), 2);
+}

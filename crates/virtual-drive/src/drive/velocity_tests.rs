@@ -265,3 +265,21 @@ fn a_switch_that_is_touched_on_a_frozen_ramp_stops_the_axis() {
     bench.send(0x047F, 1638, 60);
     assert!(bench.read("VL.FB_32") > 500_000);
 }
+
+/// Jog is a level, not an edge: it begins as soon as the axis is in S4 and stands with bits 4 to 6 at 0.
+#[test]
+fn jog_begins_by_the_level_of_its_bit() {
+    let mut bench = Bench::new();
+    bench.write("Jog v1", 273).unwrap(); // 100 rpm
+    bench.send(0x047E, 0, 3);
+    bench.send(0x050F, 0, 40);
+    assert!((i32::from(bench.speed) - 273).abs() < 5, "{}", bench.speed);
+    bench.send(0x040F, 0, 40);
+    // While the axis turns by NSOLL_A it brakes first.
+    bench.send(0x047F, -5000, 40);
+    let before = bench.speed;
+    bench.send(0x050F, -5000, 1);
+    assert!(before < -4000 && bench.speed > before && bench.read("VL.CMD_32") <= 0);
+    bench.send(0x050F, -5000, 80);
+    assert!((i32::from(bench.speed) - 273).abs() < 5, "{}", bench.speed);
+}

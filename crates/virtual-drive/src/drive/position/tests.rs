@@ -435,3 +435,66 @@ fn a_lost_controller_stops_the_task_on_a_ramp() {
         "stopped, still homed, no task"
     );
 }
+
+/// Jogging begins by the level of its bit, but not by one that was 1 while a task ran: the axis would move on unasked.
+#[test]
+fn a_jog_bit_of_a_task_has_to_be_set_anew() {
+    let mut bench = Bench::homed(9);
+    bench.mdi(2.0, 600.0, 20, true);
+    bench.send(START, 2);
+    bench.until(READY | 0x1000, 0x0400, 0x0400);
+    bench.send(READY | 0x1000, 60);
+    assert!((bench.turns() - 2.0).abs() < 0.01, "{}", bench.turns());
+    bench.send(READY, 1);
+    bench.send(READY | 0x1000, 60);
+    assert!((bench.pace() - 600.0).abs() < 0.01, "{}", bench.pace());
+}
+
+/// Nor by one that was 1 while homing ran, or when DRV.STOP stopped the jog.
+#[test]
+fn a_jog_bit_of_homing_or_of_a_stopped_jog_has_to_be_set_anew() {
+    let mut bench = Bench::new(9);
+    bench.write("Jog v1", 819); // 300 rpm
+    bench.enable();
+    bench.write("HOME.MODE", 11);
+    bench.send(0x040F, 2);
+    bench.send(0x0D0F, 3);
+    bench.until(0x0D0F, 0x0800, 0x0800);
+    bench.send(0x0D0F, 60);
+    assert!(bench.pace().abs() < 0.01, "{}", bench.pace());
+    bench.send(0x040F, 1);
+    bench.send(0x050F, 60);
+    assert!((bench.pace() - 300.0).abs() < 0.1, "{}", bench.pace());
+    bench.write("DRV.STOP", 1);
+    bench.send(0x050F, 120);
+    assert!(bench.pace().abs() < 0.01, "{}", bench.pace());
+    bench.send(0x040F, 1);
+    bench.send(0x050F, 60);
+    assert!((bench.pace() - 300.0).abs() < 0.1, "{}", bench.pace());
+}
+
+#[test]
+fn a_jog_bit_that_comes_with_the_enable_jogs() {
+    let mut bench = Bench::new(9);
+    bench.write("Jog v1", 819); // 300 rpm
+    for control in [0x0406, 0x0407] {
+        bench.send(control, 3);
+    }
+    bench.send(0x050F, 60);
+    assert!((bench.pace() - 300.0).abs() < 0.1, "{}", bench.pace());
+}
+
+/// 5.8 has SATZANW as MT.MOVE. MT.MOVE is an action, which reads 0; the signals show the task.
+#[test]
+fn satzanw_selects_and_mt_move_reads_0() {
+    let mut bench = Bench::homed(7);
+    bench.task(5, 2.0, 600.0, 6000.0, 0);
+    bench.set(signal::SATZANW, 5);
+    bench.send(START, 4);
+    assert_eq!(bench.status() & 0x5000, 0x5000);
+    assert_eq!((bench.read("SATZANW"), bench.read("MT.MOVE")), (5, 0));
+    assert_eq!(bench.get(signal::AKTSATZ), 5);
+    bench.until(READY, 0x0400, 0x0400);
+    bench.write("MT.MOVE", 5);
+    assert_eq!(bench.read("MT.MOVE"), 0);
+}
