@@ -1,7 +1,8 @@
-//! Many axes at once in one process, on a wire: each ends in its own way and the others keep their speed.
+//! Many axes at once in one process, on a wire: each ends in its own way and the others keep their speed. And the same process
+//! ended at any moment, in every way there is: all drives are at rest afterwards.
 
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 use system_tests::{Lab, Running, Side, built, client, simulate, wait_until};
@@ -105,5 +106,117 @@ fn sixteen_axes_of_three_vendors_end_each_in_its_own_way() {
     for name in &names {
         let report = at_rest(&lab, name, "at the end");
         assert_eq!(report["faults"], Value::Array(Vec::new()), "{name}: {report}");
+    }
+}
+
+/// Moments of one run of the test; the same seed gives the same ones.
+struct Moments(u64);
+
+impl Moments {
+    fn new() -> Self {
+        let told = std::env::var("PROFIDRIVE_SEED")
+            .ok()
+            .and_then(|seed| seed.parse().ok());
+        let now = || {
+            SystemTime::now()
+                .duration_since(UNIX_EPOCH)
+                .unwrap()
+                .subsec_nanos()
+        };
+        let seed = told.unwrap_or_else(|| u64::from(now()));
+        println!("PROFIDRIVE_SEED={seed}");
+        Self(seed)
+    }
+
+    /// In milliseconds, somewhere in here.
+    fn within(&mut self, from: u64, to: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        from + (self.0 >> 33) % (to - from)
+    }
+}
+
+/// How the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    Terminated,
+    Panic,
+    Return,
+    Killed,
+}
+
+impl End {
+    const ALL: [Self; 4] = [Self::Terminated, Self::Panic, Self::Return, Self::Killed];
+
+    const fn argument(self) -> &'static str {
+        match self {
+            Self::Terminated | Self::Killed => "wait",
+            Self::Panic => "panic",
+            Self::Return => "return",
+        }
+    }
+
+    /// Ends the program at this moment and checks how it ended; what it printed.
+    #[track_caller]
+    fn of(self, lab: &Lab, names: &[String], moment: u64) -> String {
+        let mut program = start(lab, &[self.argument(), "ctl0", &moment.to_string()], names);
+        program.wait_for("opened", SHORT);
+        let signal = match self {
+            Self::Terminated => Some("TERM"),
+            Self::Killed => Some("KILL"),
+            Self::Panic | Self::Return => None,
+        };
+        if let Some(signal) = signal {
+            std::thread::sleep(Duration::from_millis(moment));
+            program.signal(signal);
+        }
+        let finished = program.finish(SHORT);
+        let code = match self {
+            Self::Terminated => Some(130),
+            Self::Panic => Some(101),
+            Self::Return => Some(0),
+            Self::Killed => finished.code.filter(|&code| code == 137),
+        };
+        assert_eq!(finished.code, code, "{self:?} after {moment} ms: {finished:?}");
+        finished.out
+    }
+}
+
+/// While the axes are taken, come up and turn.
+const SPANS: [(u64, u64); 3] = [(0, 800), (800, 1600), (1600, 3000)];
+
+#[test]
+fn a_program_that_ends_at_any_moment_leaves_all_drives_at_rest() {
+    let lab = Lab::new("many-axes-end");
+    let (plant, names) = plant(&lab, &[("akd", 1), ("vlt", 1), ("vacon", 1)]);
+    let _drives = simulate(&lab, &[plant.to_str().unwrap()]);
+    // by default nothing stops a VLT without its controller
+    client(&lab, &["write", "vlt-1", "8-04=5"]).ok();
+    let mut moments = Moments::new();
+    for end in End::ALL {
+        for (from, to) in SPANS {
+            let moment = moments.within(from, to);
+            let out = end.of(&lab, &names, moment);
+            let when = format!("{end:?} after {moment} ms");
+            println!("{when}: {} lines", out.lines().count());
+            for name in &names {
+                let report = at_rest(&lab, name, &when);
+                let faults = report["faults"].as_array().expect("a list");
+                if end != End::Killed {
+                    assert!(faults.is_empty(), "{when}: {name}: {report}");
+                    continue;
+                }
+                let turned = out.contains(&format!("{{\"axis\":\"{name}\",\"turning\""));
+                if name == "akd-1" && turned {
+                    // the watchdog of the drive stopped it
+                    assert_eq!(faults[0]["number"], 702, "{when}: {report}");
+                }
+                if !faults.is_empty() {
+                    client(&lab, &["ack", name]).ok();
+                }
+            }
+        }
     }
 }

@@ -3,6 +3,8 @@
 //! - `many-axes ends INTERFACE NAME...`: all axes turn; the first is dropped, the caller of the second panics, the third is
 //!   forgotten, the fourth is stopped by its handle while 1,000 reads wait for its drive. The others keep their speed
 //!   meanwhile and are released at the end. One JSON object a line says what happened.
+//! - `many-axes wait|panic|return INTERFACE MILLISECONDS NAME...`: all axes turn. After this time, counted from the opening
+//!   of the network, main panics or returns; `wait` goes on until a signal and exits with 130.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;
@@ -28,6 +30,8 @@ const READERS: usize = 1000;
 const STACK: usize = 256 * 1024;
 /// Axes that do not end by their release.
 const SPECIAL: usize = 4;
+/// Exit code of a program that was interrupted.
+const INTERRUPTED: u8 = 130;
 
 type Done<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -40,7 +44,11 @@ fn main() -> Done<ExitCode> {
         .as_slice()
     {
         ["ends", interface, names @ ..] => ends(interface, names),
-        _ => Err("usage: many-axes ends INTERFACE NAME...".into()),
+        [how @ ("wait" | "panic" | "return"), interface, time, names @ ..] => {
+            let time = Duration::from_millis(time.parse()?);
+            run_until(how, interface, time, names)
+        }
+        _ => Err("ends INTERFACE NAME..., or wait|panic|return INTERFACE MILLISECONDS NAME...".into()),
     }
 }
 
@@ -245,5 +253,44 @@ fn wait_for_lease(session: &mut Session, name: &str) -> Done<()> {
         if begin.elapsed() > LIMIT {
             return Err(format!("{name}: its lease does not end").into());
         }
+    }
+}
+
+fn run_until(how: &str, interface: &str, time: Duration, names: &[&str]) -> Done<ExitCode> {
+    let mut network = open(interface)?;
+    report(&json!({"opened": names.len()}));
+    let turning = Arc::new(AtomicUsize::new(0));
+    let callers: Vec<_> = (0..names.len())
+        .map(|number| {
+            let (session, name) = (network.clone(), names[number].to_owned());
+            let turning = Arc::clone(&turning);
+            thread::spawn(move || run(session, &name, &turning))
+        })
+        .collect();
+    if how != "wait" {
+        network.pass(time).wait()?;
+        report(&json!({"end": how, "turning": turning.load(Ordering::SeqCst)}));
+        assert!(how != "panic", "main fails");
+        return Ok(ExitCode::SUCCESS);
+    }
+    for (number, caller) in callers.into_iter().enumerate() {
+        let error = caller.join().map_err(|_| "a caller panicked")?;
+        let error = error.err().ok_or("an axis ended without a signal")?;
+        if !matches!(error.downcast_ref::<Error>(), Some(Error::Interrupted)) {
+            return Err(format!("{}: {error}", names[number]).into());
+        }
+    }
+    drop(network);
+    Ok(ExitCode::from(INTERRUPTED))
+}
+
+/// Turns an axis until something ends it.
+fn run(mut session: Session, name: &str, turning_axes: &AtomicUsize) -> Done<()> {
+    let mut axis = take(&mut session, name, AxisSettings::default().lease)?;
+    let mut enabled = turning(&mut axis)?;
+    turning_axes.fetch_add(1, Ordering::SeqCst);
+    report(&json!({"axis": name, "turning": turning_axes.load(Ordering::SeqCst)}));
+    loop {
+        enabled.keep_speed(SPEED, SECOND).wait()?;
     }
 }
