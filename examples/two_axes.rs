@@ -10,7 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 use client::{Axis, AxisSettings, Session, StopHandle};
-use profidrive::{Access, Opening, Patience, Stop, Wait};
+use profidrive::{Access, ForcedExit, Opening, Stop, Wait};
 
 const RPM: f64 = 60.0;
 const SECOND: Duration = Duration::from_secs(1);
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     // the first Ctrl-C stops along the ramp, the second one by quick stop, the third one ends the program
-    let stop = Stop::on_signals_with(Patience::Third)?;
+    let stop = Stop::on_signals_with(ForcedExit::Third)?;
     let network = Opening::new(Access::Cyclic)
         .on(interface)
         .stopped_by(stop)

@@ -20,7 +20,7 @@ const TASK_SECONDS: u64 = 2;
 const ROUNDS: usize = 5;
 
 const WITH_WIRE: f64 = 2_000.0;
-const ALONE: f64 = 10_000.0;
+const SINGLE_LIMIT: f64 = 10_000.0;
 
 /// Both, each the best of a few rounds: what disturbs a round makes it slower, never faster.
 pub fn compare() -> Vec<Row> {
@@ -36,7 +36,7 @@ pub fn compare() -> Vec<Row> {
             best(&|| on_the_wire(&scenario)),
             WITH_WIRE,
         ),
-        row("positioning, the drive alone", best(&alone), ALONE),
+        row("positioning, the drive alone", best(&single), SINGLE_LIMIT),
     ]
 }
 
@@ -86,7 +86,7 @@ fn on_the_wire(scenario: &Scenario) -> f64 {
     factor
 }
 
-fn alone() -> f64 {
+fn single() -> f64 {
     let mut drive = Drive::new(&model::AKD);
     let position_mode = [1, 2, 0, 1, 0x10, 1, 0x03, 0xA2, 0, 0, 0x42, 1, 0, 2];
     drive.serve(&position_mode, &mut [0; 240]).unwrap();

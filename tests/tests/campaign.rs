@@ -27,7 +27,7 @@ struct Case {
     motion: &'static [&'static str],
     accident: Accident,
     /// What the message of the lost connection must say, by these settings.
-    told: &'static str,
+    message: &'static str,
 }
 
 /// Commands that move an axis; `home` has no trial.
@@ -41,35 +41,35 @@ const CASES: [Case; 5] = [
         settings: &["930=2"],
         motion: &["move", "drive-1", "--to", "1000rev", "--velocity", "300rpm"],
         accident: Accident::Killed,
-        told: "",
+        message: "",
     },
     Case {
         model: "vacon",
         settings: &["ID733=0"],
         motion: &["jog", "drive-1", "--for", "60s"],
         accident: Accident::Killed,
-        told: "",
+        message: "",
     },
     Case {
         model: "vlt",
         settings: &["8-04=5"],
         motion: RUN,
         accident: Accident::CableOut,
-        told: "the drive stops after 1 s (8-04 is Stop and trip)",
+        message: "the drive stops after 1 s (8-04 is Stop and trip)",
     },
     Case {
         model: "vlt",
         settings: &["8-04=0"],
         motion: RUN,
         accident: Accident::InterfaceDown,
-        told: "network interface `ctl0` is down; the drive keeps turning (8-04 is Off)",
+        message: "network interface `ctl0` is down; the drive keeps turning (8-04 is Off)",
     },
     Case {
         model: "vacon",
         settings: &["ID733=0"],
         motion: RUN,
         accident: Accident::Frozen,
-        told: "it is not known whether the drive stops (ID 733 is No action)",
+        message: "it is not known whether the drive stops (ID 733 is No action)",
     },
 ];
 
@@ -80,8 +80,8 @@ fn report(lab: &Lab, at: &str) -> Value {
         let finished = client(lab, &["status", "drive-1", "--json"]);
         let line = finished.out.lines().next().unwrap_or_default();
         let report: Option<Value> = serde_json::from_str(line).ok();
-        let told = report.filter(|report| report["controller"].is_null());
-        let found = told.filter(|_| matches!(finished.code, Some(0 | 5)));
+        let report = report.filter(|report| report["controller"].is_null());
+        let found = report.filter(|_| matches!(finished.code, Some(0 | 5)));
         let done = found.is_some();
         last = Some((finished, found));
         done
@@ -123,10 +123,10 @@ fn advice(report: &Value) -> Vec<String> {
 }
 
 /// The client ended by itself with a lost connection: exit code 4, the drive, and what the drive does.
-fn lost(run: Running, told: &str, at: &str) {
+fn lost(run: Running, message: &str, at: &str) {
     let ended: Finished = run.finish(SHORT);
     assert_eq!(ended.code, Some(4), "{at}: {ended:?}");
-    let said = ended.err.contains("drive-1: connection lost: ") && ended.err.contains(told);
+    let said = ended.err.contains("drive-1: connection lost: ") && ended.err.contains(message);
     assert!(said, "{at}: {ended:?}");
 }
 
@@ -152,7 +152,7 @@ fn try_out(case: &Case, moment: Duration, at: &str) {
             // the drive counts it as lost; then it wakes up to that
             report(&lab, at);
             run.signal("CONT");
-            lost(run, case.told, at);
+            lost(run, case.message, at);
         }
         Accident::CableOut | Accident::InterfaceDown => {
             let side = match case.accident {
@@ -160,7 +160,7 @@ fn try_out(case: &Case, moment: Duration, at: &str) {
                 _ => Side::Controller,
             };
             lab.link(side, false);
-            lost(run, case.told, at);
+            lost(run, case.message, at);
             lab.link(side, true);
         }
     }
@@ -186,7 +186,7 @@ fn try_out(case: &Case, moment: Duration, at: &str) {
 }
 
 #[test]
-fn the_advice_of_status_brings_a_deserted_axis_to_rest() {
+fn advice_of_status_stops_an_ownerless_axis() {
     let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let seed = clock.map_or(1, |time| u64::from(time.subsec_nanos()));
     let mut random = seed;

@@ -71,7 +71,7 @@ impl Agreed {
 }
 
 #[test]
-fn every_frame_is_understood_and_comes_out_as_it_went_in() {
+fn every_captured_frame_decodes_and_round_trips() {
     let mut total = 0;
     for file in capture_files() {
         let name = file.file_name().unwrap().to_string_lossy().into_owned();

@@ -84,7 +84,7 @@ fn from_an_unnamed_drive_to_a_turning_axis_and_over_a_restart() {
 }
 
 #[test]
-fn what_goes_wrong_is_said() {
+fn errors_are_printed() {
     let lab = Lab::new("command-line-errors");
     let drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"]);
     for (arguments, code, words) in [
@@ -127,9 +127,9 @@ fn what_goes_wrong_is_said() {
     let listened = client(&lab, &["scan", "--for", "200ms"]).ok();
     assert!(listened.out.contains("akd-1"), "{}", listened.out);
     drop(drive);
-    let alone = client(&lab, &["scan", "--for", "200ms"]);
-    assert_eq!(alone.code, Some(4), "{}", alone.err);
-    assert!(alone.err.contains("no station answered"), "{}", alone.err);
+    let no_device = client(&lab, &["scan", "--for", "200ms"]);
+    assert_eq!(no_device.code, Some(4), "{}", no_device.err);
+    assert!(no_device.err.contains("no station answered"), "{}", no_device.err);
     let finished = lab.run(
         Side::Controller,
         built("profidrive"),

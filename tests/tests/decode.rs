@@ -143,10 +143,10 @@ fn a_capture_is_cut_by_time_and_by_station() {
         .filter(|text| !texts(&by_name).contains(text))
         .collect();
     assert_eq!(missing, [] as [Value; 0]);
-    let nobody = documents(&decode(&["--drive", "nobody"], &file));
-    assert_eq!(nobody.len(), 1, "the end only: {nobody:?}");
-    let nobody = decode(&["--drive", "nobody"], &file);
-    let warning = String::from_utf8_lossy(&nobody.stderr).into_owned();
+    let no_match = documents(&decode(&["--drive", "nobody"], &file));
+    assert_eq!(no_match.len(), 1, "the end only: {no_match:?}");
+    let no_match = decode(&["--drive", "nobody"], &file);
+    let warning = String::from_utf8_lossy(&no_match.stderr).into_owned();
     assert!(warning.contains("about nobody"), "{warning}");
     let none = decode(&["--since", "2s", "--until", "1s"], &file);
     assert_eq!(none.status.code(), Some(2), "{none:?}");

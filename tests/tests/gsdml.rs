@@ -24,7 +24,7 @@ fn exported(name: &str) -> PathBuf {
     PathBuf::from(String::from_utf8(output.stdout).unwrap().lines().next().unwrap())
 }
 
-fn maker(name: &str) -> PathBuf {
+fn vendor_file(name: &str) -> PathBuf {
     root().join("tests/descriptions").join(name)
 }
 
@@ -32,7 +32,7 @@ fn maker(name: &str) -> PathBuf {
 fn validate(file: &Path) -> Output {
     Command::new("xmllint")
         .args(["--nonet", "--noout", "--schema"])
-        .arg(maker("gsdml.xsd"))
+        .arg(vendor_file("gsdml.xsd"))
         .arg(file)
         .output()
         .expect("xmllint is not installed: run `make setup`")
@@ -40,7 +40,11 @@ fn validate(file: &Path) -> Output {
 
 #[test]
 fn the_schema_takes_the_exported_file() {
-    for file in [exported("gsdml-schema"), maker(MODULES), maker(SUBMODULES)] {
+    for file in [
+        exported("gsdml-schema"),
+        vendor_file(MODULES),
+        vendor_file(SUBMODULES),
+    ] {
         let verdict = validate(&file);
         assert!(
             verdict.status.success(),
@@ -142,9 +146,9 @@ fn profinet_py_reads_the_exported_file_as_the_tables_have_it() {
 
 /// Our reader and profinet-py's find the same in files laid out as makers do.
 #[test]
-fn both_readers_agree_on_the_files_of_makers() {
+fn both_readers_agree_on_vendor_files() {
     for name in [MODULES, SUBMODULES] {
-        let (theirs, file) = (parsed(&maker(name)), maker(name));
+        let (theirs, file) = (parsed(&vendor_file(name)), vendor_file(name));
         let ours = gsdml::parse(&std::fs::read(file).unwrap()).unwrap();
         assert_eq!(theirs["vendor"], ours.identity.vendor_id);
         assert_eq!(theirs["device"], ours.identity.device_id);
@@ -242,14 +246,14 @@ fn profinet_py_connects_by_the_exported_file() {
 }
 
 #[test]
-fn profinet_py_connects_by_the_file_of_a_maker() {
+fn profinet_py_connects_by_a_vendor_file() {
     let lab = Lab::new("gsdml-maker");
-    let file = maker(MODULES);
+    let file = vendor_file(MODULES);
     let simulate = ["--gsdml", file.to_str().unwrap()];
     connects(&lab, &file, &simulate, &["--module", "ID_MOD_9"], "16");
     let old = ["--module", "ID_MOD_7", "--access-point", "ID_DAP_OLD"];
     connects(&lab, &file, &simulate, &old, "32");
-    let file = maker(SUBMODULES);
+    let file = vendor_file(SUBMODULES);
     let simulate = ["--gsdml", file.to_str().unwrap()];
     let plugged = ["--module", "M_DO", "--submodule", "2:S_MDI"];
     connects(&lab, &file, &simulate, &plugged, "16");
@@ -257,7 +261,7 @@ fn profinet_py_connects_by_the_file_of_a_maker() {
 
 /// The drives of a scenario take the description too; in virtual time, where our own controllers are, they cannot.
 #[test]
-fn a_scenario_of_drives_of_a_maker() {
+fn a_plant_of_drives_from_a_vendor_file() {
     let lab = Lab::new("gsdml-plant");
     let plant = lab.folder().join("plant.toml");
     let text = format!(
@@ -266,7 +270,7 @@ fn a_scenario_of_drives_of_a_maker() {
         Side::Device.mac()
     );
     std::fs::write(&plant, text).unwrap();
-    let (plant, file) = (plant.to_str().unwrap(), maker(MODULES));
+    let (plant, file) = (plant.to_str().unwrap(), vendor_file(MODULES));
     let simulate = [plant, "--gsdml", file.to_str().unwrap()];
     connects_to(&lab, &file, &simulate, &["--module", "ID_MOD_9"], "16");
     let virtual_time = [&["simulate"], &simulate[..], &["--virtual-time", "--for", "1s"]].concat();

@@ -25,10 +25,10 @@ fn the_state_folder_follows_no_link_has_one_user_and_is_checked() {
     let folder = state.to_str().unwrap().to_owned();
     let drive = ["--name", "akd-1", "--ip", "192.168.77.50/24", "--state", &folder];
     let first = simulate(&lab, &drive);
-    let told = first.err();
+    let error = first.err();
     assert!(
-        told.contains("akd-1.network.json is not used") && told.contains("akd-1.network.json.broken"),
-        "{told}"
+        error.contains("akd-1.network.json is not used") && error.contains("akd-1.network.json.broken"),
+        "{error}"
     );
     client(&lab, &["write", "akd-1", "DRV.ACC=5000rpm/s", "DRV.NVSAVE=1"]).ok();
     client(&lab, &["name", "akd-1", "akd-7"]).ok();
@@ -105,9 +105,13 @@ fn a_flood_of_names_and_resets_costs_neither_memory_nor_the_connection_of_anothe
 
     let grown = peak_memory(&drives).saturating_sub(before);
     assert!(grown < 16 << 20, "{grown} octets more");
-    let told = drives.out();
-    assert!(told.contains("come too fast and are ignored"), "{told}");
-    assert!(told.lines().count() < 1000, "{} lines", told.lines().count());
+    let printed = drives.out();
+    assert!(printed.contains("come too fast and are ignored"), "{printed}");
+    assert!(
+        printed.lines().count() < 1000,
+        "{} lines",
+        printed.lines().count()
+    );
     // an engineer is served again, and the end does not wait for what nobody needs any more
     client(&lab, &["name", target, "mine"]).ok();
     drives.interrupt(SHORT).ok();
@@ -116,7 +120,7 @@ fn a_flood_of_names_and_resets_costs_neither_memory_nor_the_connection_of_anothe
 }
 
 #[test]
-fn a_motor_that_runs_under_a_controller_keeps_its_name_and_the_drive_says_why() {
+fn a_drive_with_a_controller_refuses_a_rename_with_a_cause() {
     let lab = Lab::new("hostile-name");
     let mac = "02:50:4e:00:00:71";
     let turn = ["-i", "ctl0", "run", "akd-1", "--velocity", "60rpm", "--for", "3s"];
@@ -164,8 +168,8 @@ fn texts_of_a_drive_do_not_reach_the_terminal_as_they_are() {
         &["--json", "info", "akd-1"],
         &["-v", "scan"],
     ] {
-        let told = client(&lab, arguments);
-        let shown = [told.out.as_str(), told.err.as_str()].concat();
+        let finished = client(&lab, arguments);
+        let shown = [finished.out.as_str(), finished.err.as_str()].concat();
         let raw = shown
             .chars()
             .find(|&c| (c.is_control() && c != '\n') || ('\u{200b}'..='\u{202e}').contains(&c));

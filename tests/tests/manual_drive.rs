@@ -69,21 +69,21 @@ fn reboot_restarts_the_drive_with_its_saved_values() {
 
 /// 5.8 and 5.11.9: DRV_ACC of telegram 354 outside the limits of DRV.ACC.
 #[test]
-fn a_setpoint_outside_its_limits_is_ignored_and_reported() {
+fn an_out_of_range_setpoint_is_ignored_and_reported() {
     let mut bus = Bus::new();
     bus.connect(354);
     bus.send(&[0x04, 0x06, 0, 0, 0, 4, 0, 4], 4);
     events(&mut bus);
     bus.send(&[0x04, 0x06, 0, 0, 0xFF, 0xFF, 0, 4], 4);
-    let told = events(&mut bus);
+    let events = events(&mut bus);
     assert_eq!(
-        told,
+        events,
         [StationEvent::SetpointIgnored {
             pnu: 108,
             raw: 0xFFFF
         }]
     );
-    let words = told[0].words(bus.station().drive().model().catalogue).unwrap();
+    let words = events[0].words(bus.station().drive().model().catalogue).unwrap();
     assert!(
         words.starts_with("setpoint DRV_ACC (108) = 65535 ignored"),
         "{words}"
@@ -100,9 +100,9 @@ fn commands_that_a_virtual_drive_cannot_do_are_refused() {
     // AIN.ZERO, GEAR.MOVE, REC.TRIG, SM.MOVE, WS.ARM, AIN2.ZERO, SD.LOAD, SD.SAVE, MODBUS.CLRERRORS, SFD.SECTORERASE
     for pnu in [2008, 2189, 2360, 2376, 2445, 2629, 2842, 2843, 2879, 2951] {
         assert_eq!(write(&mut bus, pnu, 0x42, 1), Some(0x11), "{pnu}");
-        let told = events(&mut bus);
-        assert_eq!(told, [StationEvent::Unable { pnu }], "{pnu}");
-        let words = told[0].words(bus.station().drive().model().catalogue).unwrap();
+        let events = events(&mut bus);
+        assert_eq!(events, [StationEvent::Unable { pnu }], "{pnu}");
+        let words = events[0].words(bus.station().drive().model().catalogue).unwrap();
         assert!(words.contains(&format!("({pnu}) refused")), "{words}");
         let advice = bus.station().drive().model().catalogue.not_now(pnu);
         assert!(

@@ -38,7 +38,7 @@ fn rpm(bus: &mut Bus) -> f64 {
 
 /// Manual 6.5: NSOLL_A and NIST_A and nothing else. A jog that runs keeps its speed, a new one has it too.
 #[test]
-fn velocity_scaling_is_for_nsoll_and_nist_alone() {
+fn velocity_scaling_applies_only_to_nsoll_and_nist() {
     let mut bus = Bus::new();
     bus.connect(1);
     for ramp in RAMPS {
@@ -59,8 +59,8 @@ fn velocity_scaling_is_for_nsoll_and_nist_alone() {
     // the signals have the new steps
     let actual = bus.send(&words(0x050F, 0), 20);
     let step = 819.0 * 960_000.0 / 4_294_967_296.0;
-    let told = f64::from(i16::from_be_bytes([actual[2], actual[3]])) * step;
-    assert!((told - jog).abs() < 5.0, "{told} {jog}");
+    let speed = f64::from(i16::from_be_bytes([actual[2], actual[3]])) * step;
+    assert!((speed - jog).abs() < 5.0, "{speed} {jog}");
     bus.send(&words(0x040F, 0), 20);
     bus.send(&words(0x047F, 2731), 40);
     let speed = 2731.0 * step;

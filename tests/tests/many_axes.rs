@@ -114,7 +114,7 @@ struct Moments(u64);
 
 impl Moments {
     fn new() -> Self {
-        let told = std::env::var("PROFIDRIVE_SEED")
+        let given = std::env::var("PROFIDRIVE_SEED")
             .ok()
             .and_then(|seed| seed.parse().ok());
         let now = || {
@@ -123,7 +123,7 @@ impl Moments {
                 .unwrap()
                 .subsec_nanos()
         };
-        let seed = told.unwrap_or_else(|| u64::from(now()));
+        let seed = given.unwrap_or_else(|| u64::from(now()));
         println!("PROFIDRIVE_SEED={seed}");
         Self(seed)
     }

@@ -16,7 +16,7 @@ fn submodule(modules: &mut [ModuleConfig]) -> &mut SubmoduleConfig {
     &mut modules[1].submodules[0]
 }
 
-fn told(change: impl Fn(&mut Vec<ModuleConfig>)) -> (Bus, Vec<DiffModule>) {
+fn diff_of(change: impl Fn(&mut Vec<ModuleConfig>)) -> (Bus, Vec<DiffModule>) {
     let mut wish = modules(9);
     change(&mut wish);
     let mut bus = Bus::new();
@@ -40,7 +40,7 @@ fn works_afterwards(mut bus: Bus, name: &str) {
 
 #[test]
 fn a_module_that_does_not_exist() {
-    let (bus, diff) = told(|modules| drive_module(modules).ident = NOT_THERE);
+    let (bus, diff) = diff_of(|modules| drive_module(modules).ident = NOT_THERE);
     let [module] = &diff[..] else { panic!("{diff:?}") };
     assert_eq!((module.api, module.slot), (0x3A00, 1));
     // The drive has telegram 1 there until a controller chooses another.
@@ -57,7 +57,8 @@ fn a_module_that_does_not_exist() {
 
 #[test]
 fn the_access_point_in_slot_1() {
-    let (bus, diff) = told(|modules| drive_module(modules).ident = AKD.catalogue.device.access_point_module);
+    let (bus, diff) =
+        diff_of(|modules| drive_module(modules).ident = AKD.catalogue.device.access_point_module);
     assert_eq!(
         (diff.len(), diff[0].slot, diff[0].state),
         (1, 1, ModuleState::WRONG)
@@ -67,7 +68,7 @@ fn the_access_point_in_slot_1() {
 
 #[test]
 fn a_telegram_in_a_slot_that_the_drive_does_not_have() {
-    let (bus, diff) = told(|modules| drive_module(modules).slot = 2);
+    let (bus, diff) = diff_of(|modules| drive_module(modules).slot = 2);
     assert_eq!(
         (diff.len(), diff[0].slot, diff[0].ident, diff[0].state),
         (1, 2, 0, ModuleState::NO_MODULE)
@@ -87,7 +88,7 @@ fn a_wrong_submodule_a_wrong_length_and_a_wrong_api() {
         |modules| drive_module(modules).api = 0,
     ];
     for (number, change) in changes.into_iter().enumerate() {
-        let (bus, diff) = told(change);
+        let (bus, diff) = diff_of(change);
         let [module] = &diff[..] else {
             panic!("{number}: {diff:?}")
         };
@@ -108,7 +109,7 @@ fn a_wrong_submodule_a_wrong_length_and_a_wrong_api() {
 
 #[test]
 fn a_subslot_that_the_module_does_not_have() {
-    let (bus, diff) = told(|modules| submodule(modules).subslot = 2);
+    let (bus, diff) = diff_of(|modules| submodule(modules).subslot = 2);
     let expected = DiffSubmodule {
         subslot: 2,
         ident: 0,
@@ -123,7 +124,7 @@ fn a_subslot_that_the_module_does_not_have() {
 
 #[test]
 fn one_right_and_one_wrong_submodule() {
-    let (mut bus, diff) = told(|modules| {
+    let (mut bus, diff) = diff_of(|modules| {
         let mut extra = *submodule(modules);
         extra.subslot = 7;
         drive_module(modules).submodules.push(extra);
@@ -143,7 +144,7 @@ fn one_right_and_one_wrong_submodule() {
 
 #[test]
 fn a_drive_without_its_telegram_does_not_run_and_raises_nothing() {
-    let (mut bus, _) = told(|modules| submodule(modules).ident = NOT_THERE);
+    let (mut bus, _) = diff_of(|modules| submodule(modules).ident = NOT_THERE);
     bus.run(std::time::Duration::from_secs(2));
     let drive = bus.station().drive();
     assert!(!drive.is_enabled() && !drive.has_fault());

@@ -419,7 +419,7 @@ fn a_reader_that_goes_away_stops_the_axis_along_its_ramp() {
 }
 
 #[test]
-fn a_run_that_is_stopped_before_its_speed_says_so() {
+fn a_run_stopped_before_its_speed_is_reported() {
     let lab = Lab::new("unreached");
     let _drive = simulate(&lab);
     client(&lab, &["write", "akd-1", "DRV.ACC=20rpm/s"]).ok();
@@ -476,7 +476,7 @@ fn local_operation_is_respected() {
 
 /// A load pulls the axis away as soon as the power stage is off: the target was reached all the same.
 #[test]
-fn a_move_tells_where_it_was_at_the_target_and_where_it_went() {
+fn a_move_reports_its_positions() {
     let lab = Lab::new("moving-load");
     let _drive = simulate(&lab);
     client(&lab, &["write", "akd-1", "930=2"]).ok();

@@ -70,7 +70,7 @@ fn the_own_address_is_that_of_the_subnet_of_the_drive() {
 }
 
 #[test]
-fn a_drive_in_another_subnet_is_told_before_anything_is_asked() {
+fn a_drive_in_another_subnet_is_reported_before_any_request() {
     let lab = Lab::new("networks-far");
     let _drive = simulate(&lab, &["--name", "akd-1", "--ip", "192.168.5.11/24"]);
     for verb in [
@@ -79,9 +79,9 @@ fn a_drive_in_another_subnet_is_told_before_anything_is_asked() {
     ] {
         let mut all = vec!["-i", "ctl0"];
         all.extend(verb);
-        let told = lab.run(Side::Controller, built("profidrive"), all, AT_ONCE);
+        let finished = lab.run(Side::Controller, built("profidrive"), all, AT_ONCE);
         refused(
-            &told,
+            &finished,
             4,
             &[
                 "akd-1 has 192.168.5.11/24, ctl0 has 192.168.77.11/24: two subnets",
@@ -89,7 +89,7 @@ fn a_drive_in_another_subnet_is_told_before_anything_is_asked() {
                 "ip address add A.B.C.D/24 dev ctl0",
             ],
         );
-        assert!(!told.err.contains("moves the axis"), "{told:?}");
+        assert!(!finished.err.contains("moves the axis"), "{finished:?}");
     }
     // what the hint says helps
     lab.address(Side::Controller, "192.168.5.1/24");
@@ -97,7 +97,7 @@ fn a_drive_in_another_subnet_is_told_before_anything_is_asked() {
 }
 
 #[test]
-fn two_drives_of_one_name_are_told_apart_by_mac() {
+fn two_drives_of_one_name_are_selected_by_mac() {
     let lab = Lab::new("networks-name");
     let (first, second) = ("02:50:4e:00:00:71", "02:50:4e:00:00:72");
     let _one = simulate(
@@ -151,14 +151,14 @@ fn without_the_right_to_raw_sockets_records_go_by_udp_and_the_rest_is_explained(
         &["run", "192.168.77.50", "--velocity", "60rpm"],
         &["name", "192.168.77.50", "akd-2"],
     ] {
-        let told = client(verb);
-        assert!(told.code.is_some_and(|code| code != 0), "{told:?}");
+        let finished = client(verb);
+        assert!(finished.code.is_some_and(|code| code != 0), "{finished:?}");
         for words in ["cap_net_raw", "given by its IP needs no right"] {
-            let err = told.err.to_lowercase();
-            assert!(err.contains(&words.to_lowercase()), "{verb:?}: {told:?}");
+            let err = finished.err.to_lowercase();
+            assert!(err.contains(&words.to_lowercase()), "{verb:?}: {finished:?}");
         }
     }
-    let told = lab.run(
+    let finished = lab.run(
         Side::Device,
         "setpriv",
         [
@@ -173,13 +173,16 @@ fn without_the_right_to_raw_sockets_records_go_by_udp_and_the_rest_is_explained(
         ],
         SHORT,
     );
-    assert!(told.code.is_some_and(|code| code != 0), "{told:?}");
-    assert!(told.err.to_lowercase().contains("cap_net_raw"), "{told:?}");
+    assert!(finished.code.is_some_and(|code| code != 0), "{finished:?}");
+    assert!(
+        finished.err.to_lowercase().contains("cap_net_raw"),
+        "{finished:?}"
+    );
 }
 
 /// Asked on the wire, of the simulations on the same interface, which hear nothing of each other, and of this computer.
 #[test]
-fn a_simulation_is_told_what_is_taken_already() {
+fn simulate_reports_duplicate_names_and_addresses() {
     let lab = Lab::new("networks-taken");
     let capture = lab.capture("traffic");
     let drive = ["--name", "akd-1", "--ip", "192.168.77.50/24"];
@@ -254,8 +257,8 @@ fn an_address_of_the_command_line_is_kept_like_one_by_dcp() {
     second.kill();
     // what the network said last counts, and is told
     let third = simulate(&lab, &with("192.168.77.50/24"));
-    let told = "akd-1: the address 192.168.77.60 kept in --state counts, not 192.168.77.50";
-    assert!(third.err().contains(told), "{}", third.err());
+    let finished = "akd-1: the address 192.168.77.60 kept in --state counts, not 192.168.77.50";
+    assert!(third.err().contains(finished), "{}", third.err());
     client(&lab, &["read", "192.168.77.60", "DRV.ACC"]).ok();
 }
 
@@ -278,9 +281,9 @@ fn inject_means_the_drive_of_its_own_network() {
     assert!(!here.out().contains("702") && !there.out().contains("439"));
     // a second one of the name in one network
     let second = simulated(Side::Controller, "73");
-    let told = inject(Side::Controller, "fault=439");
+    let finished = inject(Side::Controller, "fault=439");
     refused(
-        &told,
+        &finished,
         2,
         &[
             "2 simulations have a drive akd-1",
@@ -291,11 +294,14 @@ fn inject_means_the_drive_of_its_own_network() {
     // and two in another one only
     drop((here, second));
     let _second = simulated(Side::Device, "74");
-    let told = inject(Side::Controller, "fault=439");
-    refused(&told, 2, &["on dev0, process", "nsenter"]);
+    let finished = inject(Side::Controller, "fault=439");
+    refused(&finished, 2, &["on dev0, process", "nsenter"]);
     drop(there);
-    let told = inject(Side::Controller, "fault=439").ok();
-    assert!(told.err.contains("is in another network namespace"), "{told:?}");
+    let finished = inject(Side::Controller, "fault=439").ok();
+    assert!(
+        finished.err.contains("is in another network namespace"),
+        "{finished:?}"
+    );
 }
 
 /// AKD PROFINET manual 4.2.5: no Modbus (502), and WorkBench's port 23 is closed too. A client of the kernel learns it at

@@ -172,7 +172,7 @@ impl Round {
     /// Compares one frame and the inputs around the answer with the parameters.
     fn compare(&self, output: &[u8], before: &[u8], answer: &[u8], after: &[u8]) {
         let values = self.values(answer);
-        let tell = |name: &str| {
+        let context = |name: &str| {
             format!(
                 "telegram {}, {name}, {output:02X?} {before:02X?} {after:02X?}",
                 self.telegram
@@ -181,7 +181,7 @@ impl Round {
         assert_eq!(values[&922], i64::from(self.telegram));
         for field in self.setpoint.fields() {
             if let Some(value) = values.get(&field.signal.number) {
-                assert_eq!(field.get(output), Some(*value), "{}", tell(field.signal.name));
+                assert_eq!(field.get(output), Some(*value), "{}", context(field.signal.name));
             }
         }
         let turning = self.actual.get(before, signal::ZSW1).unwrap() & 0x0004 != 0;
@@ -201,7 +201,7 @@ impl Round {
             assert!(
                 (low - play..=high + play).contains(value),
                 "{value}: {}",
-                tell(field.signal.name)
+                context(field.signal.name)
             );
         }
     }

@@ -10,8 +10,8 @@ const SHORT: Duration = Duration::from_secs(20);
 fn says(finished: &Finished, code: i32, words: &[&str]) {
     assert_eq!(finished.code, Some(code), "{finished:?}");
     for words in words {
-        let told = finished.err.contains(words) || finished.out.contains(words);
-        assert!(told, "{words}: {finished:?}");
+        let found = finished.err.contains(words) || finished.out.contains(words);
+        assert!(found, "{words}: {finished:?}");
     }
 }
 
@@ -22,7 +22,7 @@ fn devices(lab: &Lab) -> Running {
 }
 
 #[test]
-fn each_way_to_the_records_is_taken_by_the_program_itself() {
+fn the_program_uses_each_path_to_the_records() {
     let lab = Lab::new("reach-ways");
     let _devices = devices(&lab);
     let capture = lab.capture("traffic");

@@ -20,7 +20,7 @@ impl Random {
 
 /// Limits of the parameter that a signal sets: HOME.MODE 0 to 15, DRV.ACC and DRV.DEC 1.86 to 50,000,000 rpm/s in steps
 /// of 763.
-fn taken_over(number: u16, value: i64) -> bool {
+fn in_range(number: u16, value: i64) -> bool {
     match number {
         103 => value <= 15,
         108 | 109 => (1..=65_530).contains(&value),
@@ -76,7 +76,7 @@ fn any_setpoints_read_back_as_parameters() {
                     .find(|(known, _)| *known == number)
                     .map(|(_, value)| *value);
                 let read = parameter(&mut bus, number);
-                if taken_over(number, sent) {
+                if in_range(number, sent) {
                     assert_eq!(read, sent, "telegram {}: {}", module.telegram, field.signal.name);
                     kept.retain(|(known, _)| *known != number);
                     kept.push((number, sent));

@@ -131,7 +131,7 @@ fn two_drives_at_one_cable_see_each_other() {
     verdict.clean().saw("lldp", 3).saw("snmp", 100).saw("dcerpc", 10);
     assert!(verdict.warnings.is_empty(), "{:?}", verdict.warnings);
     // the dissector reads the same
-    let told = judge::fields(
+    let rows = judge::fields(
         &file,
         "lldp",
         &[
@@ -142,10 +142,10 @@ fn two_drives_at_one_cable_see_each_other() {
         ],
     );
     for name in ["akd-1", "akd-2"] {
-        let line = told
+        let line = rows
             .iter()
             .find(|line| line[0] == name)
-            .unwrap_or_else(|| panic!("{told:?}"));
+            .unwrap_or_else(|| panic!("{rows:?}"));
         assert_eq!((&line[1][..], &line[2]), ("port-001", &line[3]));
     }
     let columns = ["pn_io.peer_port_id", "pn_io.peer_chassis_id"];

@@ -31,14 +31,14 @@ fn the_frames_of_a_vlt_connection_are_read_by_the_dissector_as_they_are_meant() 
         ident,
         state: SubmoduleState(0x8800),
     };
-    let told = DiffModule {
+    let expected = DiffModule {
         api: DRIVE_API,
         slot: 1,
         ident: of_drive.ident,
         state: ModuleState(2),
         submodules: vec![submodule(1, 0xFFFF), submodule(2, 0x68)],
     };
-    assert_eq!(diff.map(|diff| diff.modules), Some(vec![told]));
+    assert_eq!(diff.map(|diff| diff.modules), Some(vec![expected]));
     assert_eq!(
         bus.station()
             .device()
@@ -63,11 +63,11 @@ fn the_frames_of_a_vlt_connection_are_read_by_the_dissector_as_they_are_meant() 
         "pn_io.submodule_state.ident_info",
     ];
     let rows = judge::fields(&file, "pn_io.module_state", &names);
-    let told = ["0x0002", "0x8800,0x8800", "0x00000100", "0x0000ffff,0x00000068"];
+    let expected = ["0x0002", "0x8800,0x8800", "0x00000100", "0x0000ffff,0x00000068"];
     let kinds: Vec<_> = rows.iter().map(|row| row[0].as_str()).collect();
     assert_eq!(kinds, ["2", "0"], "{rows:?}");
     for row in &rows {
-        assert_eq!(row[1..5], told, "{row:?}");
+        assert_eq!(row[1..5], expected, "{row:?}");
     }
     assert_eq!(rows[0][5], "1432");
     assert!(rows[0][6].contains("0x8010"), "{rows:?}");

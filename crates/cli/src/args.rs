@@ -318,16 +318,16 @@ mod tests {
             "profidrive monitor akd-1 --every -1s",
             "profidrive simulate --for -1s",
         ] {
-            let told = Cli::read(line.split(' ')).unwrap_err().to_string();
+            let message = Cli::read(line.split(' ')).unwrap_err().to_string();
             assert!(
-                told.contains("a time is 0 or longer") && !told.contains("tip:"),
-                "{told}"
+                message.contains("a time is 0 or longer") && !message.contains("tip:"),
+                "{message}"
             );
         }
     }
 
     #[test]
-    fn verbs_take_what_the_manual_says() {
+    fn verbs_accept_the_arguments_of_the_manual() {
         for line in [
             "profidrive scan -i eth0",
             "profidrive name 02:00:00:00:00:01 akd-1",

@@ -1,12 +1,12 @@
 //! From the command line to a session with a drive: which interface, which way, which rights.
 
 use client::{Drive, DriveAddress, Error, LineAddress, Wait};
-use network::system::{Error as NetworkError, InterfaceInfo, Patience, Stop};
+use network::system::{Error as NetworkError, ForcedExit, InterfaceInfo, Stop};
 use profidrive::{Access, Network, OpenError, Opening, Reach, Way, far, open_line, reach};
 use profinet::IpSuite;
 
 use crate::args::Interface;
-use crate::commands::maker;
+use crate::commands::vendor;
 use crate::failure::{Exit, Failure};
 use crate::output::Output;
 use crate::render::table::clean;
@@ -50,11 +50,11 @@ pub fn session(
     output: &Output,
 ) -> Result<Live, Failure> {
     // what moves an axis may take long to bring it to rest: the second signal is a quick stop
-    let patience = match need {
-        Need::Cyclic | Need::Stop => Patience::Third,
-        Need::Discovery | Need::Records | Need::Identity => Patience::Second,
+    let signals = match need {
+        Need::Cyclic | Need::Stop => ForcedExit::Third,
+        Need::Discovery | Need::Records | Need::Identity => ForcedExit::Second,
     };
-    let stop = Stop::on_signals_with(patience)
+    let stop = Stop::on_signals_with(signals)
         .map_err(|error| Failure::new(Exit::Failed, format!("cannot watch for Ctrl-C: {error}")))?;
     let by_ip = matches!(
         (need, drive),
@@ -73,7 +73,7 @@ pub fn session(
     if named.is_some() && matches!(session.way(), Way::Udp) {
         output.say("no raw socket can be opened: going by UDP alone");
     }
-    let (flag, urgent, told) = (stop.clone(), stop, output.clone());
+    let (flag, urgent, printer) = (stop.clone(), stop, output.clone());
     let details = output.clone();
     session.follow_routes(move |drive, notice| details.detail(&clean(&format!("{drive}: {notice}"))));
     let reader = output.clone();
@@ -81,7 +81,7 @@ pub fn session(
     session.hurry_with(move || {
         let now = urgent.is_urgent();
         if now {
-            told.say("second signal: quick stop (OFF3) in place of the ramp; a third one ends this program at once");
+            printer.say("second signal: quick stop (OFF3) in place of the ramp; a third one ends this program at once");
         }
         now
     });
@@ -102,18 +102,19 @@ fn without_right(error: OpenError) -> Failure {
 }
 
 /// The interface that was named, as an option or in the environment.
-fn named(told: &Interface) -> Option<String> {
+fn named(option: &Interface) -> Option<String> {
     let variable = || std::env::var("PROFIDRIVE_INTERFACE").ok();
     // an empty variable is no variable
-    told.interface
+    option
+        .interface
         .clone()
         .or_else(variable)
         .filter(|name| !name.is_empty())
 }
 
 /// The interface to use: as told, else the only one there is.
-pub fn interface(told: &Interface) -> Result<Option<String>, Failure> {
-    match named(told) {
+pub fn interface(option: &Interface) -> Result<Option<String>, Failure> {
+    match named(option) {
         Some(name) => Ok(Some(name)),
         None => Ok(profidrive::interface()?),
     }
@@ -147,11 +148,11 @@ pub fn drive(
     spinner.finish_and_clear();
     let drive = found.map_err(|error| not_found(error, session.way(), &address))?;
     let mut drive = match interface.model {
-        Some(model) => drive.taken_for(model),
+        Some(model) => drive.as_model(model),
         None => drive,
     };
     if let Some(file) = &interface.gsdml {
-        maker::describe(file, &mut drive)?;
+        vendor::describe(file, &mut drive)?;
     }
     if let (Way::Packet(info), true) = (session.way(), need != Need::Discovery) {
         match reach(&info.name, &info.addresses, &drive.label(), drive.station.ip)? {
@@ -216,7 +217,7 @@ fn at_line(
     spinner.finish_and_clear();
     let drive = found?;
     let drive = match interface.model {
-        Some(model) => drive.taken_for(model),
+        Some(model) => drive.as_model(model),
         None => drive,
     };
     Ok((session, drive))

@@ -65,7 +65,7 @@ impl Failure {
     }
 
     /// An end that the data on stdout tells already: the exit code says it, nothing else does.
-    pub const fn told(exit: Exit) -> Self {
+    pub const fn silent(exit: Exit) -> Self {
         Self {
             exit,
             message: String::new(),

@@ -47,7 +47,7 @@ impl Leftover {
     }
 
     /// What to tell a person, and what to do.
-    pub fn told(&self, drive: &str) -> (String, String) {
+    pub fn message(&self, drive: &str) -> (String, String) {
         let Self { pnu, old, .. } = self;
         let old = old.to_string().replace(' ', "");
         (
@@ -164,10 +164,10 @@ mod tests {
             Leftover::parse(1004, "profidrive leftover 1\nold x\nset 1\n"),
             None
         );
-        let (told, next) = leftover.told("akd-1");
+        let (message, next) = leftover.message("akd-1");
         assert!(
-            told.contains("PNU 1004") && next.contains("`profidrive write akd-1 1004=60.0439"),
-            "{told} {next}"
+            message.contains("PNU 1004") && next.contains("`profidrive write akd-1 1004=60.0439"),
+            "{message} {next}"
         );
     }
 }

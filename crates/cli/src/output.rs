@@ -395,7 +395,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_says_one_document_with_what_went_wrong_in_it() {
+    fn a_command_prints_one_document_with_its_error() {
         use crate::failure::Exit;
         let output = Output::new(true, true);
         output.document("read", fields! { "parameters": Vec::<Value>::new() });
@@ -410,9 +410,9 @@ mod tests {
         assert_eq!(whole["errors"].as_array().map(Vec::len), Some(2));
         assert_eq!(whole["errors"][0]["message"], "no such name");
         assert_eq!(output.ending(None), None);
-        let alone = output.ending(Some(&failure)).unwrap();
+        let single = output.ending(Some(&failure)).unwrap();
         assert_eq!(
-            (&alone["command"], alone.contains_key("errors")),
+            (&single["command"], single.contains_key("errors")),
             (&"error".into(), false)
         );
     }

@@ -139,9 +139,9 @@ fn what_cannot_be_written_is_a_failure_of_every_command() {
             .expect("there");
         let output = onto(line, full.into());
         assert_eq!(output.status.code(), Some(1), "{line:?}: {output:?}");
-        let told = stderr(&output);
+        let message = stderr(&output);
         let words = "error: the output cannot be written: No space left on device";
-        assert_eq!(told.matches(words).count(), 1, "{line:?}: {told}");
+        assert_eq!(message.matches(words).count(), 1, "{line:?}: {message}");
         // who had enough is no failure
         let (reader, writer) = std::io::pipe().expect("a pipe");
         drop(reader);
@@ -283,7 +283,7 @@ fn decode_the_jobs_of_the_manual() {
 }
 
 #[test]
-fn decode_says_what_is_wrong() {
+fn decode_names_the_error() {
     let output = profidrive(&["decode", "--hex", "05 0"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
@@ -453,7 +453,7 @@ fn data_and_talk_are_apart() {
 }
 
 #[test]
-fn the_interface_is_asked_for_only_where_there_is_one() {
+fn an_interface_is_required_only_when_one_exists() {
     for verb in ["explain", "demo", "completions"] {
         let help = stdout(&profidrive(&[verb, "--help"]));
         assert!(!help.contains("--interface"), "{help}");
@@ -489,7 +489,7 @@ fn an_interface_is_refused_where_no_network_is_used() {
 
 /// A telegram that only one maker has needs no --model.
 #[test]
-fn the_number_of_a_telegram_says_whose_it_is() {
+fn telegram_number_determines_the_vendor() {
     for (number, octets, words) in [
         ("149", "04 7F 13 88 00 00 00 00 00 00 00 00", "VACON telegram 149"),
         (

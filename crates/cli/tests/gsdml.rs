@@ -20,7 +20,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-fn maker(name: &str) -> String {
+fn vendor_file(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../tests/descriptions")
         .join(name);
@@ -111,7 +111,7 @@ fn a_second_export_gives_the_same_octets() {
 }
 
 #[test]
-fn check_tells_all_problems_with_their_places() {
+fn check_reports_all_problems_with_their_positions() {
     let file = exported("gsdml-broken");
     let text = std::fs::read_to_string(&file).unwrap();
     let text = text
@@ -196,17 +196,17 @@ fn hostile_files_are_refused_in_a_moment() {
 }
 
 #[test]
-fn files_of_makers_are_shown() {
+fn vendor_files_are_shown() {
     let shown = stdout(&profidrive(&[
         "gsdml",
         "show",
-        &maker("GSDML-V2.32-Kollmorgen-DriveObject-20170601-103000.xml"),
+        &vendor_file("GSDML-V2.32-Kollmorgen-DriveObject-20170601-103000.xml"),
     ]));
     assert!(shown.contains("+ Speed, PZD-2/2         0x00000065"), "{shown}");
     let output = profidrive(&[
         "gsdml",
         "show",
-        &maker("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml"),
+        &vendor_file("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml"),
         "--language",
         "fr",
     ]);
@@ -215,7 +215,7 @@ fn files_of_makers_are_shown() {
     let german = stdout(&profidrive(&[
         "gsdml",
         "show",
-        &maker("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml"),
+        &vendor_file("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml"),
         "--language",
         "de",
     ]));
@@ -235,7 +235,7 @@ fn simulate_refuses_a_file_that_does_not_fit_before_it_touches_the_network() {
     let output = profidrive(&["simulate", "-i", "lo", "--gsdml", file.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     assert!(stderr(&output).contains("vendor 0x0ABC"), "{}", stderr(&output));
-    let file = maker("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
+    let file = vendor_file("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
     let output = profidrive(&["simulate", "-i", "lo", "--gsdml", &file, "--access-point", "DAP"]);
     assert!(
         stderr(&output).contains("it has ID_DAP_NEW, ID_DAP_OLD"),

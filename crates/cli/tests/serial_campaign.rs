@@ -30,16 +30,16 @@ impl Moving {
             .stderr(Stdio::null())
             .spawn()
             .expect("the binary runs");
-        let told = BufReader::new(process.stdout.take().expect("piped")).lines();
-        let mut told = told.map_while(Result::ok);
+        let lines = BufReader::new(process.stdout.take().expect("piped")).lines();
+        let mut lines = lines.map_while(Result::ok);
         let moving = Self(process);
-        let operates = told.any(|line| {
+        let operates = lines.any(|line| {
             let event: Value = serde_json::from_str(&line).expect("an event");
             event["state"] == "S4"
         });
         assert!(operates, "{line:?} ended");
         // it goes on talking
-        std::thread::spawn(move || told.for_each(drop));
+        std::thread::spawn(move || lines.for_each(drop));
         moving
     }
 
@@ -112,7 +112,7 @@ fn to_rest(drive: &str, speed: &str, at: &str) {
 }
 
 #[test]
-fn the_advice_of_status_brings_a_deserted_axis_of_a_line_to_rest() {
+fn advice_of_status_stops_an_ownerless_axis_on_a_serial_line() {
     let clock = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     let seed = clock.map_or(1, |time| u64::from(time.subsec_nanos()));
     let mut random = seed;

@@ -92,10 +92,10 @@ fn a_line_that_is_unplugged_ends_a_motion_with_words_and_in_time() {
         "{}",
         stderr(&output)
     );
-    let told = drives.told_until("F702");
+    let printed = drives.output_until("F702");
     assert!(
-        told.contains("connection lost") && told.contains("F702"),
-        "{told}"
+        printed.contains("connection lost") && printed.contains("F702"),
+        "{printed}"
     );
 }
 
@@ -103,13 +103,16 @@ fn a_line_that_is_unplugged_ends_a_motion_with_words_and_in_time() {
 fn a_simulation_without_its_port_is_never_called_ready() {
     let output = profidrive(&["simulate", "--model", "akd", "--serial", "/dev/ttyNOWHERE"]);
     assert_ne!(output.status.code(), Some(0));
-    let told = stdout(&output) + &stderr(&output);
-    assert!(told.contains("there is no serial port /dev/ttyNOWHERE"), "{told}");
-    assert!(!told.contains("ready"), "{told}");
+    let printed = stdout(&output) + &stderr(&output);
+    assert!(
+        printed.contains("there is no serial port /dev/ttyNOWHERE"),
+        "{printed}"
+    );
+    assert!(!printed.contains("ready"), "{printed}");
 }
 
 #[test]
-fn what_is_not_there_is_told() {
+fn a_missing_drive_is_reported() {
     let cable = Cable::lay();
     let output = profidrive(&["read", "fc:/dev/ttyNOWHERE/1", "930"]);
     assert_eq!(output.status.code(), Some(4));
@@ -199,27 +202,27 @@ fn inject_reaches_a_drive_at_a_line_by_name_and_by_port() {
         (output.status.code(), stdout(&output) + &stderr(&output))
     };
     let faults = |number| stdout(&profidrive(&["faults", &cable.drive("fc", number)]));
-    let (code, told) = inject(&first, "fault=439");
-    assert_eq!(code, Some(0), "{told}");
+    let (code, printed) = inject(&first, "fault=439");
+    assert_eq!(code, Some(0), "{printed}");
     assert!(faults(1).contains("F439"), "{}", faults(1));
     assert!(faults(2).contains("no fault is present"), "{}", faults(2));
-    let (code, told) = inject(&second, "fault=702");
-    assert_eq!(code, Some(0), "{told}");
+    let (code, printed) = inject(&second, "fault=702");
+    assert_eq!(code, Some(0), "{printed}");
     assert!(faults(2).contains("F702"), "{}", faults(2));
-    let protocol = drives.told_until("fault=702");
+    let protocol = drives.output_until("fault=702");
     assert!(
         protocol.contains(&other) && protocol.contains("fault=702"),
         "{protocol}"
     );
     // what only a network can suffer, and a drive that is not there
-    let (code, told) = inject(&first, "cable=pulled");
+    let (code, printed) = inject(&first, "cable=pulled");
     assert!(
-        code == Some(4) || told.contains("is of a network"),
-        "{code:?} {told}"
+        code == Some(4) || printed.contains("is of a network"),
+        "{code:?} {printed}"
     );
-    let (code, told) = inject(&cable.far_drive("fc", 9), "fault=439");
-    assert_eq!(code, Some(4), "{told}");
-    assert!(told.contains(&second), "{told}");
+    let (code, printed) = inject(&cable.far_drive("fc", 9), "fault=439");
+    assert_eq!(code, Some(4), "{printed}");
+    assert!(printed.contains(&second), "{printed}");
     let output = profidrive(&["ack", &cable.drive("fc", 1)]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(faults(1).contains("no fault is present"), "{}", faults(1));

@@ -68,11 +68,11 @@ fn every_command_over_both_protocols() {
 
         let info = stdout(&ok(&["info", &drive]));
         assert!(info.starts_with(&format!("{drive} (VLT)")), "{info}");
-        let told = values(&drive, &["1-20", "341", "p342", "15-30[0..2]"]);
+        let printed = values(&drive, &["1-20", "341", "p342", "15-30[0..2]"]);
         assert_eq!(
-            (told[0].as_f64(), told[1].as_f64()),
+            (printed[0].as_f64(), printed[1].as_f64()),
             (Some(0.75), Some(3.0)),
-            "{told:?}"
+            "{printed:?}"
         );
         if protocol == "fc" {
             // USS has no texts
@@ -95,17 +95,17 @@ fn every_command_over_both_protocols() {
         // backup, a change, what differs, and back
         let file = folder.file("line.backup");
         let backup = profidrive(&["backup", &drive, "-o", &file]);
-        let told = stderr(&backup);
+        let printed = stderr(&backup);
         if protocol == "fc" {
-            assert_eq!(backup.status.code(), Some(0), "{told}");
+            assert_eq!(backup.status.code(), Some(0), "{printed}");
         } else {
             // the texts 0-37 to 0-39 are missing; all else is there
-            assert_eq!(backup.status.code(), Some(1), "{told}");
+            assert_eq!(backup.status.code(), Some(1), "{printed}");
             let missing =
                 format!("the backup of {drive} is incomplete: 3 settings missing: Display Text 1, ");
             let why = "(cannot be carried by this channel: it has no request for text)";
-            assert!(told.contains(&missing) && told.contains(why), "{told}");
-            assert!(!told.contains("refused"), "{told}");
+            assert!(printed.contains(&missing) && printed.contains(why), "{printed}");
+            assert!(!printed.contains("refused"), "{printed}");
         }
         let saved = std::fs::read_to_string(&file).expect("a backup");
         assert!(saved.contains("device: 0x0001"), "{saved}"); // as at a network
@@ -141,13 +141,13 @@ fn every_command_over_both_protocols() {
         // what is changed for a jog is as before afterwards; it is at rest already when somebody stops it
         let before = values(&drive, &["3-19"]);
         let jogged = ok(&["jog", &drive, "--velocity", "200rpm", "--for", "500ms"]);
-        let told = format!("{}{}", stdout(&jogged), stderr(&jogged));
+        let printed = format!("{}{}", stdout(&jogged), stderr(&jogged));
         assert!(
-            told.contains("STW1 0x053C"),
-            "the word of the FC profile, as it is sent: {told}"
+            printed.contains("STW1 0x053C"),
+            "the word of the FC profile, as it is sent: {printed}"
         );
-        assert!(told.contains("axis at rest, control released"), "{told}");
-        assert_eq!(values(&drive, &["3-19"]), before, "{told}");
+        assert!(printed.contains("axis at rest, control released"), "{printed}");
+        assert_eq!(values(&drive, &["3-19"]), before, "{printed}");
         let stopped = stdout(&ok(&["stop", &drive]));
         assert!(
             stopped.contains("is at rest, the power stage is off"),
@@ -208,8 +208,8 @@ fn an_error_number_of_the_channel_reaches_the_user_as_received() {
                 let refused = profidrive(&line);
                 assert_eq!(refused.status.code(), Some(3), "{}", stderr(&refused));
                 let words = format!("{drive}: {verb} Ramp 1 Ramp up Time (3-41) refused: {meaning}");
-                let told = stderr(&refused);
-                assert!(told.contains(&words) && told.contains(remedy), "{told}");
+                let printed = stderr(&refused);
+                assert!(printed.contains(&words) && printed.contains(remedy), "{printed}");
                 let error = error_of(&profidrive(&[&["--json"], &line[..]].concat()));
                 let expected = serde_json::json!({
                     "number": number, "meaning": meaning, "information": error["information"],
@@ -244,12 +244,12 @@ fn the_factory_set_up_refuses_a_write_with_its_own_number() {
     ok(&["write", &drive, "0-11=0"]);
     let refused = profidrive(&["write", &drive, "3-41=5s"]);
     assert_eq!(refused.status.code(), Some(3));
-    let told = stderr(&refused);
+    let printed = stderr(&refused);
     assert!(
-        told.contains("refused: 131 change not possible, the factory setup is selected")
-            && !told.contains("axis at rest")
-            && !told.contains("0x11"),
-        "{told}"
+        printed.contains("refused: 131 change not possible, the factory setup is selected")
+            && !printed.contains("axis at rest")
+            && !printed.contains("0x11"),
+        "{printed}"
     );
 }
 
@@ -263,14 +263,14 @@ fn a_parameter_that_the_channel_cannot_carry_is_not_refused() {
         let drive = format!("{},baud=115200", cable.drive(protocol, 1));
         for (command, parameter) in [("read", "ID103"), ("write", "ID103=5s")] {
             let output = profidrive(&[command, &drive, parameter, "--model", "vacon"]);
-            let told = stderr(&output);
-            assert_eq!(output.status.code(), Some(1), "{told}");
+            let printed = stderr(&output);
+            assert_eq!(output.status.code(), Some(1), "{printed}");
             assert!(
-                told.contains(
+                printed.contains(
                     "(ID 103) cannot be carried by this channel: it has no request for the parameters"
-                ) && !told.contains("refused")
-                    && !told.contains("information"),
-                "{told}"
+                ) && !printed.contains("refused")
+                    && !printed.contains("information"),
+                "{printed}"
             );
             let output = profidrive(&["--json", command, &drive, parameter, "--model", "vacon"]);
             let error = error_of(&output);
@@ -286,7 +286,7 @@ fn a_parameter_that_the_channel_cannot_carry_is_not_refused() {
 
 /// At a serial line the drive saves text with every write, numbers only when it is asked to.
 #[test]
-fn a_restore_says_what_becomes_of_texts_and_of_numbers() {
+fn restore_reports_whether_texts_and_numbers_are_saved() {
     let cable = Cable::lay();
     let _drives = Simulated::start_model(&cable, "vlt", &["--baud", "115200"]);
     let drive = format!("{},baud=115200", cable.drive("fc", 1));
@@ -305,15 +305,15 @@ fn a_restore_says_what_becomes_of_texts_and_of_numbers() {
         ),
     ] {
         ok(&[&["write", &drive], changed].concat());
-        let told = stderr(&ok(&["restore", &drive, &file]));
-        assert_eq!(told.contains(text), texts.is_some(), "{told}");
-        assert!(texts.is_none_or(|words| told.contains(words)), "{told}");
+        let printed = stderr(&ok(&["restore", &drive, &file]));
+        assert_eq!(printed.contains(text), texts.is_some(), "{printed}");
+        assert!(texts.is_none_or(|words| printed.contains(words)), "{printed}");
         assert_eq!(
-            told.contains("lost at the next power cycle"),
+            printed.contains("lost at the next power cycle"),
             others.is_some(),
-            "{told}"
+            "{printed}"
         );
-        assert!(others.is_none_or(|words| told.contains(words)), "{told}");
+        assert!(others.is_none_or(|words| printed.contains(words)), "{printed}");
     }
 }
 
@@ -346,7 +346,7 @@ fn follow_advice(drive: &str) {
 
 /// What becomes of a drive whose `run` is killed is its own setting, and the one that lets it go on is told beforehand.
 #[test]
-fn a_run_that_is_killed_leaves_the_drive_as_eight_four_says() {
+fn after_a_killed_run_the_drive_acts_per_parameter_8_04() {
     let cable = Cable::lay();
     let _drives = Simulated::start_model(&cable, "vlt", &["--baud", "115200"]);
     let drive = format!("{},baud=115200", cable.drive("fc", 1));
@@ -359,9 +359,9 @@ fn a_run_that_is_killed_leaves_the_drive_as_eight_four_says() {
             .stderr(Stdio::piped())
             .spawn()
             .expect("the binary runs");
-        let mut told = BufReader::new(run.stdout.take().expect("piped")).lines();
+        let mut printed = BufReader::new(run.stdout.take().expect("piped")).lines();
         let mut events = Vec::new();
-        let at_speed = told.by_ref().map_while(Result::ok).find(|line| {
+        let at_speed = printed.by_ref().map_while(Result::ok).find(|line| {
             let event: serde_json::Value = serde_json::from_str(line).expect("an event");
             events.push(event.clone());
             event["speed_actual"].as_f64().is_some_and(|speed| speed > 290.0)
@@ -442,29 +442,29 @@ fn the_eeprom_survives_a_restart() {
         // text has no request for the RAM alone: what is said of it is true
         let text =
             "saved in the drive: Display Text 1 (0-37) (at a serial line it saves text with every write)";
-        let told = stderr(&ok(&["write", &drive, "0-37=PUMP"]));
-        assert!(told.contains(text) && !told.contains("--save"), "{told}");
-        let told = stderr(&ok(&["write", &drive, "0-37=HELLO", "3-41=4s"]));
+        let printed = stderr(&ok(&["write", &drive, "0-37=PUMP"]));
+        assert!(printed.contains(text) && !printed.contains("--save"), "{printed}");
+        let printed = stderr(&ok(&["write", &drive, "0-37=HELLO", "3-41=4s"]));
         let number = "not saved: Ramp 1 Ramp up Time (3-41) is lost at the next power cycle (use --save)";
-        assert!(told.contains(text) && told.contains(number), "{told}");
+        assert!(printed.contains(text) && printed.contains(number), "{printed}");
         let described = stdout(&ok(&["describe", &drive, "0-37"]));
         assert!(described.contains("with every write"), "{described}");
         ok(&["write", &drive, "3-41=5s"]);
-        let told = values(&drive, &["3-41", "3-42"]);
-        assert_eq!((told[0].as_f64(), told[1].as_f64()), (Some(5.0), Some(7.0)));
+        let printed = values(&drive, &["3-41", "3-42"]);
+        assert_eq!((printed[0].as_f64(), printed[1].as_f64()), (Some(5.0), Some(7.0)));
     }
     let _drives = Simulated::start_model(&cable, "vlt", &["--state", &state]);
-    let told = values(&drive, &["3-41", "3-42"]);
-    assert_eq!((told[0].as_f64(), told[1].as_f64()), (Some(3.0), Some(7.0)));
+    let printed = values(&drive, &["3-41", "3-42"]);
+    assert_eq!((printed[0].as_f64(), printed[1].as_f64()), (Some(3.0), Some(7.0)));
     assert_eq!(values(&drive, &["0-37"])[0], "HELLO");
     // 9-72 does the same without the power
     ok(&["write", &drive, "3-41=5s"]);
     let reset = ok(&["write", &drive, "9-72=1"]);
     assert!(stdout(&reset).contains("executed"), "{}", stdout(&reset));
     sleep(Duration::from_millis(500));
-    let told = values(&drive, &["3-41", "3-42", "9-72"]);
+    let printed = values(&drive, &["3-41", "3-42", "9-72"]);
     assert_eq!(
-        told.iter().map(|value| value.as_f64()).collect::<Vec<_>>(),
+        printed.iter().map(|value| value.as_f64()).collect::<Vec<_>>(),
         [3.0, 7.0, 0.0].map(Some)
     );
 }
@@ -498,11 +498,11 @@ fn an_orderly_end_keeps_what_the_drive_counted() {
     assert!((running..120).contains(&on), "{on}");
 
     let drives = Simulated::start_model(&cable, "vlt", &line);
-    let told = values(&drive, &["15-03", "3-42"]);
+    let printed = values(&drive, &["15-03", "3-42"]);
     assert_eq!(
-        (told[0].as_f64(), told[1].as_f64()),
+        (printed[0].as_f64(), printed[1].as_f64()),
         (Some(2.0), Some(3.0)),
-        "{told:?}"
+        "{printed:?}"
     );
     drives.end_in_order();
     assert_eq!(

@@ -44,14 +44,14 @@ pub enum Connection {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Link {
     /// On the network.
-    Relation(ArId),
+    ArListEntry(ArId),
     /// At the line.
     Slave(SlaveId),
 }
 
 impl From<ArId> for Link {
     fn from(ar: ArId) -> Self {
-        Self::Relation(ar)
+        Self::ArListEntry(ar)
     }
 }
 
@@ -134,7 +134,7 @@ impl AxisLink {
         }
         let data = self.wiring.encode(&command);
         let sent = match self.link {
-            Link::Relation(ar) => controller.set_output(ar, self.slot, self.subslot, data).is_ok(),
+            Link::ArListEntry(ar) => controller.set_output(ar, self.slot, self.subslot, data).is_ok(),
             Link::Slave(slave) => match (line, data.try_into()) {
                 (Some(line), Ok(outputs)) => {
                     line.set_outputs(slave, outputs);
@@ -343,7 +343,7 @@ impl Client {
     #[must_use]
     pub fn connection(&self, link: impl Into<Link>) -> Connection {
         match link.into() {
-            Link::Relation(ar) => self.connections.get(&ar).cloned().unwrap_or(Connection::Opening),
+            Link::ArListEntry(ar) => self.connections.get(&ar).cloned().unwrap_or(Connection::Opening),
             Link::Slave(slave) => match self.line.as_ref() {
                 Some(line) if line.is_cyclic(slave) => match line.answers(slave) {
                     None => Connection::Opening,
@@ -359,7 +359,7 @@ impl Client {
     pub fn forget(&mut self, link: impl Into<Link>) {
         let link = link.into();
         match link {
-            Link::Relation(ar) => {
+            Link::ArListEntry(ar) => {
                 self.connections.remove(&ar);
             }
             Link::Slave(slave) => {
@@ -381,7 +381,7 @@ impl Client {
     /// Keeps the telegram of `slot`/`subslot` of a cyclic connection from now on; control is not taken yet. `control`
     /// knows the mode of the drive, `wiring` where its signals are.
     pub fn attach_axis(&mut self, ar: ArId, slot: u16, subslot: u16, wiring: Wiring, control: AxisControl) {
-        self.attach(Link::Relation(ar), (slot, subslot), wiring, control);
+        self.attach(Link::ArListEntry(ar), (slot, subslot), wiring, control);
     }
 
     /// Exchanges process data with a drive at the line from now on; control is not taken yet.
@@ -523,7 +523,7 @@ impl Client {
         self.take_over();
         for axis in &mut self.axes {
             let (received, missed) = match axis.link {
-                Link::Relation(ar) => self
+                Link::ArListEntry(ar) => self
                     .controller
                     .statistics(ar)
                     .map_or((0, 0), |counts| (counts.received, counts.missed)),
@@ -532,7 +532,7 @@ impl Client {
             let answered = axis.control.command();
             let before = answered.stw1;
             let seen = match axis.link {
-                Link::Relation(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
+                Link::ArListEntry(ar) => match self.controller.input(ar, axis.slot, axis.subslot) {
                     Some((data, provider)) => axis.wiring.decode(data).filter(|_| provider.is_good()),
                     None => continue,
                 },

@@ -12,7 +12,7 @@ use profinet::cyclic::Timing;
 use uss::SlaveId;
 
 use crate::line::Shape;
-use crate::modules::MakerModule;
+use crate::modules::VendorModule;
 use crate::{Action, Error};
 
 /// True where a control word can ask for a jog.
@@ -33,9 +33,9 @@ pub struct Drive {
     /// True once the values that scale others were read from it.
     pub(crate) scaled: bool,
     /// The modules that a device description of its maker has for it; those of the tables where there are none.
-    pub maker_modules: Vec<MakerModule>,
+    pub vendor_modules: Vec<VendorModule>,
     /// The update times that this device description allows; empty where none was read.
-    pub maker_timings: Vec<Timing>,
+    pub vendor_timings: Vec<Timing>,
     /// Whether its device description declares connections for records (`DeviceAccessSupported`); `None` where there is
     /// no description, or it says nothing.
     pub device_access: Option<bool>,
@@ -61,8 +61,8 @@ impl Drive {
             parameters: Parameters::of(&model),
             model,
             scaled: false,
-            maker_modules: Vec::new(),
-            maker_timings: Vec::new(),
+            vendor_modules: Vec::new(),
+            vendor_timings: Vec::new(),
             device_access: None,
             slave: None,
         }
@@ -70,7 +70,7 @@ impl Drive {
 
     /// The same drive, taken for this model whatever it says it is.
     #[must_use]
-    pub fn taken_for(self, model: Model) -> Self {
+    pub fn as_model(self, model: Model) -> Self {
         Self {
             parameters: Parameters::of(&model),
             model,

@@ -483,13 +483,13 @@ pub enum Error {
     },
     /// A make without a parameter that stops it, while its controller has the control word.
     #[error(
-        "{drive}: model {make} has no parameter that stops it, and controller \"{controller}\" has its control word"
+        "{drive}: model {model} has no parameter that stops it, and controller \"{controller}\" has its control word"
     )]
     NoStopBeside {
         /// The drive.
         drive: String,
         /// The make.
-        make: &'static str,
+        model: &'static str,
         /// Name of the controller.
         controller: String,
     },

@@ -110,12 +110,12 @@ pub fn keep(
 
 /// The tables out of descriptions and texts.
 pub fn tables(station: &Station, parameters: Vec<Parameter>) -> Catalogue {
-    let told = station.station_type.trim();
+    let station_type = station.station_type.trim();
     // what has the name of a make there are tables of is not to be taken for it
-    let model = if told.is_empty() || Model::by_name(told).is_some() {
+    let model = if station_type.is_empty() || Model::by_name(station_type).is_some() {
         format!("drive 0x{:04X}/0x{:04X}", station.vendor_id, station.device_id)
     } else {
-        told.to_owned()
+        station_type.to_owned()
     };
     Catalogue::assemble(
         model.leak(),
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn the_registry_has_an_end_and_knows_what_it_has() {
+    fn the_registry_is_bounded_and_returns_known_entries() {
         let kind = |unit: u8| KindOfDrive {
             vendor_id: 0xFFFE,
             device_id: 1,

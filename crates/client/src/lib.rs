@@ -42,12 +42,12 @@ pub use engine::{Driver, Engine, Wait, WireFailure, World};
 pub use error::{ChannelCause, ChannelRefusal, Error, ErrorKind, NotCarried, Refusal, describe};
 pub use line::LineConfig;
 pub use mapper::Registered;
-pub use modules::{MakerModule, modules_of};
+pub use modules::{VendorModule, modules_of};
 pub use network::Network;
 pub use session::{
     AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described,
-    DescribedLimits, Enabled, FaultEntry, FaultReport, Identity, Info, JogSpeed, LocalControl, LoggedFault,
-    LossAction, LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, Rest, Route,
+    Enabled, FaultEntry, FaultReport, Identity, Info, JogSpeed, LocalControl, LoggedFault, LossAction,
+    LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, ReportedLimits, Rest, Route,
     RouteNotice, Samples, Session, Snapshot, StopHandle, StopMeans, StopOutcome, StopWay, WarningEntry,
     WarningWatcher, Watcher, WriteMode,
 };

@@ -15,7 +15,7 @@ pub(crate) const fn place_of(device: &Device) -> (u16, u16) {
 
 /// The modules of a telegram as the maker's device description of one drive has them, where no table is sure to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct MakerModule {
+pub struct VendorModule {
     /// Number of the telegram, as in PNU 922.
     pub telegram: u16,
     /// Slot and subslot of its data.
@@ -24,7 +24,7 @@ pub struct MakerModule {
     pub modules: Vec<ModuleConfig>,
 }
 
-impl MakerModule {
+impl VendorModule {
     /// Octets to the drive and from it.
     #[must_use]
     pub fn lengths(&self) -> (u16, u16) {

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn both_halves_are_asked_and_become_one() {
+    fn both_halves_are_requested_and_joined() {
         let selections = [select("930"), select("SWLS.LIMIT1"), select("964[0..1]")];
         let all = split(&selections);
         let numbers: Vec<u16> = all.iter().map(|selection| selection.pnu).collect();

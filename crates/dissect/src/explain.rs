@@ -220,10 +220,10 @@ pub fn explain(
         Kind::Pke => {
             let pke = word(text)?;
             let drive = model.map_or_else(|| JobDrive::of(DANFOSS, 1), JobDrive::new);
-            let told = job::pkw::pke(&drive, pke);
+            let explained = job::pkw::pke(&drive, pke);
             (
-                told.lines.into_iter().map(|(_, line)| line).collect(),
-                told.fields,
+                explained.lines.into_iter().map(|(_, line)| line).collect(),
+                explained.fields,
             )
         }
         Kind::AlarmWord => bits(text, "alarm-word", 1690, false, 0)?,
@@ -465,33 +465,41 @@ mod tests {
     }
 
     #[test]
-    fn faults_of_the_make_that_is_named() {
-        let told = explain("13", Kind::Fault, None, Model::by_name("vlt")).unwrap();
-        assert!(told.lines[0].starts_with("VLT F13: "), "{:?}", told.lines);
-        assert_ne!(told.lines[0], lines("13", Kind::Fault).lines().next().unwrap());
+    fn faults_of_the_named_model() {
+        let explained = explain("13", Kind::Fault, None, Model::by_name("vlt")).unwrap();
+        assert!(
+            explained.lines[0].starts_with("VLT F13: "),
+            "{:?}",
+            explained.lines
+        );
+        assert_ne!(
+            explained.lines[0],
+            lines("13", Kind::Fault).lines().next().unwrap()
+        );
     }
 
     #[test]
-    fn numbers_and_formats_of_the_make_that_is_named() {
-        let told = |text, kind, make: &str| {
-            explain(text, kind, None, Model::by_name(make))
+    fn numbers_and_formats_of_the_named_model() {
+        let explained = |text, kind, model: &str| {
+            explain(text, kind, None, Model::by_name(model))
                 .unwrap()
                 .lines
                 .join("\n")
         };
-        let refused = told("130", Kind::Error, "vlt");
+        let refused = explained("130", Kind::Error, "vlt");
         assert!(
             refused.contains("in a parameter channel (PKW) of Danfoss: "),
             "{refused}"
         );
-        let own = told("0x66", Kind::Error, "vlt");
+        let own = explained("0x66", Kind::Error, "vlt");
         assert!(own.starts_with("parameter error 0x66 unknown service"), "{own}");
         assert!(
             !own.contains("Vacon") && lines("0x66", Kind::Error).contains("Vacon"),
             "{own}"
         );
         assert!(
-            told("33", Kind::Format, "vlt").starts_with("format 0x21: N2\n  in PROFIdrive V4: OctetString8")
+            explained("33", Kind::Format, "vlt")
+                .starts_with("format 0x21: N2\n  in PROFIdrive V4: OctetString8")
         );
         assert!(lines("33", Kind::Format).starts_with("format 0x21: OctetString8"));
     }
@@ -571,7 +579,7 @@ mod tests {
     }
 
     #[test]
-    fn words_of_the_makers() {
+    fn words_of_the_vendors() {
         let text = lines("0x047C", Kind::CtwFc);
         assert!(
             text.starts_with("Danfoss FC control word 0x047C   0000 0100 0111 1100\n"),
@@ -601,9 +609,9 @@ mod tests {
             );
         }
         for (_, _, kind) in KINDS.into_iter().filter(|(.., kind)| *kind != Kind::Pnio) {
-            let told = explain("0x80000000", kind, None, None);
+            let explained = explain("0x80000000", kind, None, None);
             assert_eq!(
-                told.is_ok(),
+                explained.is_ok(),
                 matches!(
                     kind,
                     Kind::AlarmWord | Kind::AlarmWord2 | Kind::WarningWord | Kind::WarningWord2

@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use serde_json::Value;
 
-    fn told(kind: Kind, model: &str, hex: &str) -> Decoded {
+    fn decoded(kind: Kind, model: &str, hex: &str) -> Decoded {
         let octets = hex.split(' ').map(|octet| u8::from_str_radix(octet, 16).unwrap());
         let octets: Vec<u8> = octets.collect();
         decode(kind, &octets, Model::by_name(model), Some(false), None).unwrap()
@@ -127,13 +127,13 @@ mod tests {
                 |fields| &fields["halves"][0]["error"],
             ),
         ] {
-            let told = told(kind, "vlt", &hex);
+            let decoded = decoded(kind, "vlt", &hex);
             let meaning = "131 change not possible, the factory setup is selected";
-            let named = told.lines.iter().any(|(weight, line)| {
+            let named = decoded.lines.iter().any(|(weight, line)| {
                 *weight == crate::Weight::Error && line.contains(&format!("refused: {meaning}; "))
             });
-            assert!(named, "{kind:?}: {:?}", told.lines);
-            let fields = Value::Object(told.fields);
+            assert!(named, "{kind:?}: {:?}", decoded.lines);
+            let fields = Value::Object(decoded.fields);
             let error = error(&fields);
             assert_eq!(
                 (&error["number"], &error["meaning"]),
@@ -143,14 +143,14 @@ mod tests {
             assert!(error["remedy"].is_string(), "{kind:?}: {error}");
         }
         for (code, words) in [("82", "130 no bus access"), ("FD", "253 ")] {
-            let told = told(Kind::PkwUss, "vlt", &number(code));
-            assert!(told.lines[0].1.contains(words) && !told.lines[0].1.contains("own number"));
+            let decoded = decoded(Kind::PkwUss, "vlt", &number(code));
+            assert!(decoded.lines[0].1.contains(words) && !decoded.lines[0].1.contains("own number"));
         }
         // a value and a request of the controller are no refusal
-        let value = told(Kind::PkwUss, "vlt", "21 55 00 00 00 00 00 83");
+        let value = decoded(Kind::PkwUss, "vlt", "21 55 00 00 00 00 00 83");
         assert!(value.fields["sides"][0]["error"].is_null());
         // the numbers of the others are not Danfoss'
-        let other = told(Kind::PkwUss, "standard", &number("83"));
+        let other = decoded(Kind::PkwUss, "standard", &number("83"));
         assert!(
             other.lines[0].1.contains("(the maker's own number)"),
             "{:?}",

@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_state_tells_what_it_is_and_the_ways_out() {
+    fn a_state_is_described_with_its_transitions() {
         let text = lines(State::S1).join("\n");
         assert_eq!(
             text.lines().nth(2),

@@ -58,7 +58,7 @@ pub fn full(reading: &Reading) -> String {
     }
     let meaning = meaning(reading);
     match (&reading.word, meaning.is_empty()) {
-        (Some(told), _) => format!("{text} {}", words::told(told)),
+        (Some(bits), _) => format!("{text} {}", words::bracketed(bits)),
         (None, true) => text,
         (None, false) => format!("{text} ({meaning})"),
     }
@@ -68,7 +68,7 @@ pub fn full(reading: &Reading) -> String {
 pub fn meaning(reading: &Reading) -> String {
     match (reading.choice, &reading.word, reading.high_half_of) {
         (Some(choice), ..) => choice.to_owned(),
-        (None, Some(told), _) => words::joined(told),
+        (None, Some(bits), _) => words::joined(bits),
         (None, None, Some(whole)) => format!("high half of {whole}"),
         (None, None, None) => String::new(),
     }
@@ -104,8 +104,8 @@ pub fn json(reading: &Reading) -> Value {
     if let Some(end) = reading.beyond() {
         fields.insert("beyond".into(), end.sign().into());
     }
-    if let Some(told) = &reading.word {
-        let word = fields! { "hex": words::hex(&reading.octets), "says": told.clone() };
+    if let Some(bits) = &reading.word {
+        let word = fields! { "hex": words::hex(&reading.octets), "says": bits.clone() };
         fields.insert("word".into(), Value::Object(word));
     }
     let meaning = meaning(reading);

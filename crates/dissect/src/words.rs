@@ -15,17 +15,17 @@ pub fn hex(octets: &[u8]) -> String {
 }
 
 /// What the bits of a word say, behind its digits: `[ON, EN_OP, CTRL_PLC]`.
-pub fn told(told: &[String]) -> String {
-    match told {
+pub fn bracketed(texts: &[String]) -> String {
+    match texts {
         [] => "[no bit set]".into(),
-        told => format!("[{}]", joined(told)),
+        texts => format!("[{}]", joined(texts)),
     }
 }
 
 /// The same without the brackets; empty when no bit says anything.
-pub fn joined(told: &[String]) -> String {
-    let comma = told.iter().any(|text| text.contains(", "));
-    told.join(if comma { "; " } else { ", " })
+pub fn joined(texts: &[String]) -> String {
+    let comma = texts.iter().any(|text| text.contains(", "));
+    texts.join(if comma { "; " } else { ", " })
 }
 
 /// A control or status word as it is shown everywhere: `0x043F [ON, EN_OP, CTRL_PLC]`.
@@ -35,11 +35,11 @@ pub fn shown(table: &'static [Bit; 16], word: u16) -> String {
 
 /// The bits of a control or status word behind its digits: `[ON, EN_OP, CTRL_PLC]`.
 pub fn set(table: &'static [Bit; 16], word: u16) -> String {
-    told(&names(table, word))
+    bracketed(&names(table, word))
 }
 
 fn names(table: &'static [Bit; 16], word: u16) -> Vec<String> {
-    bits::told(table, word).map(str::to_owned).collect()
+    bits::texts(table, word).map(str::to_owned).collect()
 }
 
 /// The same for programs, beside the number.
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn the_words_every_drive_engineer_knows() {
+    fn common_control_words_decode() {
         for (word, means) in [
             (0x047E, "ready: OFF, ramp stop if turning (OFF1)"),
             (0x047F, "run: follows the setpoint"),

@@ -147,7 +147,7 @@ mod tests {
     use alloc::string::ToString;
 
     #[test]
-    fn names_of_makers() {
+    fn names_of_vendors() {
         for (name, vendor, family) in [
             ("GSDML-V2.1-KOLLMORGEN-AKD-20140301.XML", "KOLLMORGEN", "AKD"),
             (

@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn who_has_an_address_or_wants_it_too_is_found() {
+    fn holders_of_an_address_and_competing_probes_are_found() {
         let mut segment = Segment::new(1);
         segment.attach(Box::new(Host::new(engine(1, Some(11)))));
         let wanted = |hosts: &[u8]| hosts.iter().map(|host| [10, 0, 0, *host].into()).collect();
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn each_address_is_asked_for_twice_and_no_sender_is_named() {
+    fn each_address_is_probed_twice_without_a_sender_address() {
         let mut probe = Probe::new(Host::new(engine(2, None)), vec![[10, 0, 0, 11].into()]);
         let mut buffer = [0xFF; profinet::MAX_FRAME];
         let mut now = Instant::ZERO;

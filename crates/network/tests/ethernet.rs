@@ -328,8 +328,8 @@ fn cycles_are_kept_by_many_stations() {
 }
 
 #[test]
-fn what_is_wrong_is_told() {
-    if !inside("what_is_wrong_is_told") {
+fn errors_describe_the_cause() {
+    if !inside("errors_describe_the_cause") {
         return;
     }
     veth();
@@ -387,8 +387,8 @@ fn what_is_wrong_is_told() {
 }
 
 #[test]
-fn without_the_right_the_error_says_so() {
-    const NAME: &str = "without_the_right_the_error_says_so";
+fn without_permission_the_error_names_it() {
+    const NAME: &str = "without_permission_the_error_names_it";
     const STRIPPED: &str = "PROFIDRIVE_TEST_WITHOUT_RIGHT";
     if std::env::var_os(STRIPPED).is_some() {
         let error = Runner::open("va").unwrap_err();

@@ -18,7 +18,7 @@ use virtual_drive::axis::{Plant, Travel};
 use virtual_drive::model::{self, Model};
 use virtual_drive::station::{Station, StationConfig};
 
-use crate::happening::Happening;
+use crate::event::ScenarioEvent;
 use crate::program::{ControllerPlan, RawController};
 use crate::text::{derived_mac, place, suite, time};
 use crate::world::set;
@@ -93,7 +93,7 @@ pub struct Cue {
     /// When.
     pub trigger: Trigger,
     /// What.
-    pub what: Happening,
+    pub what: ScenarioEvent,
     /// How long; `None` for as long as nothing else is said.
     pub lasts: Option<Duration>,
 }
@@ -571,8 +571,8 @@ fn read_cue(raw: &Spanned<RawEvent>, model: &Model) -> Result<Cue, Located> {
             ));
         }
     };
-    let what: Happening = located(&event.what, |text| {
-        let what = text.parse::<Happening>()?;
+    let what: ScenarioEvent = located(&event.what, |text| {
+        let what = text.parse::<ScenarioEvent>()?;
         what.fits(model).map(|()| what)
     })?;
     let lasts = match &event.lasts {

@@ -1,7 +1,7 @@
 //! Plants of virtual drives, and what happens to them.
 //!
 //! A [`Scenario`] is read from a TOML file: drives with model, name, address, motor, load and first parameters, a time
-//! line of what happens to each ([`Happening`]: faults, STO, load steps, a pulled cable, late frames, wrong answers),
+//! line of what happens to each ([`ScenarioEvent`]: faults, STO, load steps, a pulled cable, late frames, wrong answers),
 //! and controllers with a program. A [`World`] plays it in virtual time, as fast as the machine can, and gives the same
 //! trace for the same seed every time. On a real interface the owner of the stations plays each drive's [`Timeline`]
 //! itself ([`Timeline::play`]): [`host::Host`] does so, with everything else that a simulation on a network has.
@@ -10,8 +10,8 @@
 //! interface needs raw Ethernet (Linux), one at a serial line runs anywhere; control sockets are for Linux.
 
 pub mod control_socket;
+mod event;
 mod file;
-mod happening;
 pub mod host;
 mod program;
 mod text;
@@ -19,8 +19,8 @@ mod timeline;
 mod trace;
 mod world;
 
+pub use event::{LinkFault, ScenarioEvent, ScenarioEventError, Unit, keys};
 pub use file::{Cue, DrivePlan, Scenario, ScenarioError, ScenarioFileError, Trigger};
-pub use happening::{Happening, HappeningError, LinkFault, Unit, keys};
 pub use program::{Action, ControllerPlan, Step};
 pub use text::derived_mac;
 pub use timeline::{Played, Timeline};

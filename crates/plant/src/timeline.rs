@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use profinet::Instant;
 
+use crate::event::{ScenarioEvent, Unit};
 use crate::file::{Cue, Trigger};
-use crate::happening::{Happening, Unit};
 
 /// Most happenings that one call lets happen; what is left follows with the next one.
 const MOST_AT_ONCE: usize = 1000;
@@ -25,7 +25,7 @@ pub struct Timeline {
 struct Pending {
     when: When,
     lasts: Option<Duration>,
-    what: Happening,
+    what: ScenarioEvent,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,7 @@ enum When {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Played {
     /// What.
-    pub what: Happening,
+    pub what: ScenarioEvent,
     /// How long it lasts; `None` for as long as nothing else is said.
     pub lasts: Option<Duration>,
 }
@@ -62,7 +62,7 @@ impl Timeline {
     }
 
     /// Adds something that is to happen now.
-    pub fn add(&mut self, now: Instant, what: Happening, lasts: Option<Duration>) {
+    pub fn add(&mut self, now: Instant, what: ScenarioEvent, lasts: Option<Duration>) {
         self.pending.push(Pending {
             when: When::At(now),
             lasts,
@@ -179,13 +179,13 @@ mod tests {
         let mut unit = unit();
         assert_eq!(line.next(), Some(at(1010)));
         assert!(line.play(at(1009), &mut unit).is_empty());
-        let told = |played: Vec<Played>| played.iter().map(|p| p.what.to_string()).collect::<Vec<_>>();
-        assert_eq!(told(line.play(at(1010), &mut unit)), ["fault=439"]);
+        let texts = |played: Vec<Played>| played.iter().map(|p| p.what.to_string()).collect::<Vec<_>>();
+        assert_eq!(texts(line.play(at(1010), &mut unit)), ["fault=439"]);
         assert!(unit.inner().endpoint().drive().has_fault());
-        assert_eq!(told(line.play(at(1025), &mut unit)), ["cable=pulled", "loss=5%"]);
+        assert_eq!(texts(line.play(at(1025), &mut unit)), ["cable=pulled", "loss=5%"]);
         assert!(unit.is_pulled());
         assert_eq!(line.next(), Some(at(1055)));
-        assert_eq!(told(line.play(at(1055), &mut unit)), ["cable=plugged"]);
+        assert_eq!(texts(line.play(at(1055), &mut unit)), ["cable=plugged"]);
         assert!(!unit.is_pulled());
         assert_eq!(line.next(), None);
     }

@@ -5,7 +5,7 @@ use std::fmt;
 use profile::state::{Stw1, Zsw1};
 use profinet::Instant;
 
-use crate::happening::Happening;
+use crate::event::ScenarioEvent;
 use crate::timeline::Played;
 
 /// One line of a trace. The same scenario gives the same lines every time.
@@ -85,7 +85,7 @@ impl fmt::Display for What {
 impl What {
     /// A happening that lasts until something else is said.
     #[must_use]
-    pub const fn happened(what: Happening) -> Self {
+    pub const fn happened(what: ScenarioEvent) -> Self {
         Self::Happened(Played { what, lasts: None })
     }
 }

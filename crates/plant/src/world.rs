@@ -19,15 +19,15 @@ use virtual_drive::description::Description;
 use virtual_drive::model::Model;
 use virtual_drive::station::{Station, StationConfig};
 
+use crate::event::Unit;
 use crate::file::{DrivePlan, Scenario};
-use crate::happening::Unit;
 use crate::program::{Action, ControllerPlan, Step};
 use crate::text::derived_mac;
 use crate::timeline::Timeline;
 use crate::trace::{Entry, What};
 
 /// How long a controller waits before it connects again.
-const PATIENCE: Duration = Duration::from_millis(500);
+const RECONNECT_DELAY: Duration = Duration::from_millis(500);
 
 /// A plant that cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -143,7 +143,7 @@ pub(crate) fn set(
 pub struct World {
     segment: Segment,
     drives: Vec<Seat>,
-    controllers: Vec<Desk>,
+    controllers: Vec<ControllerSeat>,
     sample: Option<(Duration, Instant)>,
 }
 
@@ -165,7 +165,7 @@ struct Seat {
 }
 
 /// A controller in its place.
-struct Desk {
+struct ControllerSeat {
     id: StationId,
     drive: usize,
     target: Target,
@@ -213,7 +213,7 @@ impl World {
             let seed = scenario.seed ^ (number as u64) << 32;
             let controller = Controller::new(ControllerConfig::new(mac, ip, &name, seed));
             let id = segment.attach(Box::new(Host::new(controller)));
-            controllers.push(Desk::new(id, plan, drive));
+            controllers.push(ControllerSeat::new(id, plan, drive));
         }
         Ok(Self {
             segment,
@@ -255,10 +255,10 @@ impl World {
         Some(unit.inner().endpoint())
     }
 
-    /// Goes on until `until`, from event to event; `tell` hears what happens.
-    pub fn run_until(&mut self, until: Instant, tell: &mut dyn FnMut(Entry)) {
+    /// Goes on until `until`, from event to event; `record` hears what happens.
+    pub fn run_until(&mut self, until: Instant, record: &mut dyn FnMut(Entry)) {
         loop {
-            self.act(tell);
+            self.act(record);
             let next = [self.next_cue(), self.next_step(), self.sample.map(|(_, at)| at)];
             let own = next.into_iter().flatten().min().map_or(until, |at| at.min(until));
             match self.segment.next_event().filter(|at| *at <= own) {
@@ -267,7 +267,7 @@ impl World {
                 None if self.segment.now() >= until => return,
                 None => self.segment.run_until(own),
             }
-            self.look(tell);
+            self.look(record);
         }
     }
 
@@ -276,15 +276,15 @@ impl World {
     }
 
     fn next_step(&self) -> Option<Instant> {
-        let next = |desk: &Desk| {
-            let step = desk.next.as_ref().map(|step| Instant::ZERO + step.at);
-            [step, desk.connect_at].into_iter().flatten().min()
+        let next = |seat: &ControllerSeat| {
+            let step = seat.next.as_ref().map(|step| Instant::ZERO + step.at);
+            [step, seat.connect_at].into_iter().flatten().min()
         };
         self.controllers.iter().filter_map(next).min()
     }
 
     /// Everything of time lines and programs that is due.
-    fn act(&mut self, tell: &mut dyn FnMut(Entry)) {
+    fn act(&mut self, record: &mut dyn FnMut(Entry)) {
         let now = self.segment.now();
         for seat in &mut self.drives {
             let due = seat.line.next().is_some_and(|at| at <= now)
@@ -300,21 +300,21 @@ impl World {
                 continue;
             };
             for played in seat.line.play(now, unit) {
-                tell(Entry {
+                record(Entry {
                     at: now,
                     drive: seat.name.clone(),
                     what: What::Happened(played),
                 });
             }
         }
-        for desk in &mut self.controllers {
-            let drive = self.drives.get(desk.drive).map_or("", |seat| &seat.name);
-            while desk.is_due(now) {
-                let Some(host) = self.segment.station_mut::<Host<Controller>>(desk.id) else {
+        for seat in &mut self.controllers {
+            let drive = self.drives.get(seat.drive).map_or("", |seat| &seat.name);
+            while seat.is_due(now) {
+                let Some(host) = self.segment.station_mut::<Host<Controller>>(seat.id) else {
                     break;
                 };
-                if let Some(text) = desk.act(now, host.endpoint_mut()) {
-                    tell(Entry {
+                if let Some(text) = seat.act(now, host.endpoint_mut()) {
+                    record(Entry {
                         at: now,
                         drive: drive.to_owned(),
                         what: What::Controller(text),
@@ -328,14 +328,14 @@ impl World {
             *at += *sample;
             for seat in &self.drives {
                 if let Some(unit) = self.segment.station::<Unit>(seat.id) {
-                    tell(values(now, seat, unit.inner().endpoint()));
+                    record(values(now, seat, unit.inner().endpoint()));
                 }
             }
         }
     }
 
     /// Tells what drives and controllers have to tell.
-    fn look(&mut self, tell: &mut dyn FnMut(Entry)) {
+    fn look(&mut self, record: &mut dyn FnMut(Entry)) {
         let now = self.segment.now();
         for seat in &mut self.drives {
             let Some(unit) = self.segment.station::<Unit>(seat.id) else {
@@ -349,7 +349,7 @@ impl World {
                 };
                 while let Some(event) = unit.inner_mut().endpoint_mut().poll_event() {
                     if let Some(text) = event.words(seat.catalogue) {
-                        tell(Entry {
+                        record(Entry {
                             at: now,
                             drive: seat.name.clone(),
                             what: What::Told(text.trim_end().to_owned()),
@@ -360,25 +360,25 @@ impl World {
             if status != seat.status {
                 seat.status = status;
                 if let Some(unit) = self.segment.station::<Unit>(seat.id) {
-                    tell(values(now, seat, unit.inner().endpoint()));
+                    record(values(now, seat, unit.inner().endpoint()));
                 }
             }
         }
-        for desk in &mut self.controllers {
+        for seat in &mut self.controllers {
             let waiting = self
                 .segment
-                .station::<Host<Controller>>(desk.id)
+                .station::<Host<Controller>>(seat.id)
                 .is_some_and(|host| host.endpoint().has_event());
             if !waiting {
                 continue;
             }
-            let drive = self.drives.get(desk.drive).map_or("", |seat| &seat.name);
-            let Some(host) = self.segment.station_mut::<Host<Controller>>(desk.id) else {
+            let drive = self.drives.get(seat.drive).map_or("", |seat| &seat.name);
+            let Some(host) = self.segment.station_mut::<Host<Controller>>(seat.id) else {
                 continue;
             };
             while let Some(event) = host.endpoint_mut().poll_event() {
-                if let Some(text) = desk.take(now, event, host.endpoint_mut()) {
-                    tell(Entry {
+                if let Some(text) = seat.take(now, event, host.endpoint_mut()) {
+                    record(Entry {
                         at: now,
                         drive: drive.to_owned(),
                         what: What::Controller(text),
@@ -447,7 +447,7 @@ fn expected((slot, module): (u16, &ModuleDescription)) -> ModuleConfig {
     }
 }
 
-impl Desk {
+impl ControllerSeat {
     fn new(id: StationId, plan: &ControllerPlan, drive: &DrivePlan) -> Self {
         let device = &drive.model.catalogue.device;
         // the file was checked: only telegrams of the model come here
@@ -566,7 +566,7 @@ impl Desk {
             Event::Running { ar } if own == Some(ar) => Some("exchanges data".into()),
             Event::Lost { ar, cause } if own == Some(ar) => {
                 self.ar = None;
-                self.connect_at = Some(now + PATIENCE);
+                self.connect_at = Some(now + RECONNECT_DELAY);
                 Some(format!("connection lost: {cause}"))
             }
             Event::Released { ar } if own == Some(ar) => {

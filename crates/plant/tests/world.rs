@@ -40,7 +40,7 @@ fn play(scenario: &Scenario) -> (Vec<Entry>, u64) {
 }
 
 /// When the trace first says this.
-fn told(trace: &[Entry], words: &str) -> Option<Duration> {
+fn first_entry(trace: &[Entry], words: &str) -> Option<Duration> {
     let found = trace.iter().find(|entry| entry.to_string().contains(words));
     found.map(|entry| entry.at - Instant::ZERO)
 }
@@ -52,20 +52,20 @@ fn the_same_seed_gives_the_same_trace_and_the_same_frames() {
     assert_eq!(play(&plant(7, events)), (first.clone(), frames));
     let (_, others) = play(&plant(8, events));
     assert_ne!(others, frames);
-    assert!(told(&first, "S4 operation").is_some());
+    assert!(first_entry(&first, "S4 operation").is_some());
 }
 
 #[test]
 fn a_pulled_cable_ends_in_a_stop_and_everybody_finds_back() {
     let (trace, _) = play(&plant(1, r#"{ at = "3s", do = "cable=pulled", for = "500ms" }"#));
-    let fault = told(&trace, "fault F702").unwrap();
+    let fault = first_entry(&trace, "fault F702").unwrap();
     assert!(
         fault > Duration::from_secs(3) && fault < Duration::from_millis(3100),
         "{fault:?}"
     );
-    assert!(told(&trace, "controller: connection lost").is_some());
-    assert!(told(&trace, "! cable=plugged").unwrap() == Duration::from_millis(3500));
-    let acknowledged = told(&trace, "faults acknowledged").unwrap();
+    assert!(first_entry(&trace, "controller: connection lost").is_some());
+    assert!(first_entry(&trace, "! cable=plugged").unwrap() == Duration::from_millis(3500));
+    let acknowledged = first_entry(&trace, "faults acknowledged").unwrap();
     assert!(acknowledged > Duration::from_secs(7));
     let again = trace
         .iter()
@@ -76,14 +76,14 @@ fn a_pulled_cable_ends_in_a_stop_and_everybody_finds_back() {
 #[test]
 fn a_place_on_the_way_lets_things_happen() {
     let (trace, _) = play(&plant(1, r#"{ position = "2.5rev", do = "fault=439" }"#));
-    let happened = told(&trace, "! fault=439").unwrap();
+    let happened = first_entry(&trace, "! fault=439").unwrap();
     // one revolution in a second, from second 1 on
     let due = Duration::from_millis(3500);
     assert!(
         happened.abs_diff(due) < Duration::from_millis(100),
         "{happened:?}"
     );
-    assert!(told(&trace, "fault F439").unwrap() >= happened);
+    assert!(first_entry(&trace, "fault F439").unwrap() >= happened);
 }
 
 #[test]
@@ -95,15 +95,15 @@ fn physical_causes_have_their_effects() {
         (r#"{ at = "3s", do = "limit+=on" }"#, "warning n107"),
     ] {
         let (trace, _) = play(&plant(1, event));
-        let at = told(&trace, words).unwrap_or_else(|| panic!("{event}"));
+        let at = first_entry(&trace, words).unwrap_or_else(|| panic!("{event}"));
         assert!(
             at >= Duration::from_secs(3) && at < Duration::from_secs(4),
             "{event}: {at:?}"
         );
     }
     let (trace, _) = play(&plant(1, r#"{ at = "3s", do = "load=0.5Nm", for = "1s" }"#));
-    assert!(told(&trace, "! load=0Nm").is_some());
-    assert!(told(&trace, "fault").is_none(), "a small load is held");
+    assert!(first_entry(&trace, "! load=0Nm").is_some());
+    assert!(first_entry(&trace, "fault").is_none(), "a small load is held");
 }
 
 /// A relative task that follows itself at each event (MT.CNTL: relative, followed, event): a turn for each edge at DIN1.
@@ -142,8 +142,8 @@ fn edges_at_a_digital_input_lead_a_chain_of_tasks_on() {
         let place = place(seconds);
         assert!((place - turns).abs() < 0.005, "{seconds} s: {place}");
     }
-    assert!(told(&trace, "! input=1:on for 0.2 s").is_some());
-    assert!(told(&trace, "! input=1:off").is_some());
+    assert!(first_entry(&trace, "! input=1:on for 0.2 s").is_some());
+    assert!(first_entry(&trace, "! input=1:off").is_some());
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn samples_come_when_they_are_due() {
 }
 
 #[test]
-fn a_first_parameter_that_is_refused_is_told() {
+fn a_refused_start_parameter_is_reported() {
     let text = r#"
         [[drive]]
         name = "press-1"
@@ -207,9 +207,12 @@ fn a_converter_is_run_at_a_speed() {
         world.run_until(Instant::from_millis(6000), &mut |entry| trace.push(entry));
         let speed = world.drive(0).unwrap().drive().axis().speed();
         assert!((speed - 600.0).abs() < 12.0, "{plant}: {speed}");
-        assert!(told(&trace, "controller: connected").is_some(), "{trace:?}");
         assert!(
-            told(&trace, "the modules differ").is_none(),
+            first_entry(&trace, "controller: connected").is_some(),
+            "{trace:?}"
+        );
+        assert!(
+            first_entry(&trace, "the modules differ").is_none(),
             "nothing differs: {trace:?}"
         );
     }

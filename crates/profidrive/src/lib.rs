@@ -28,6 +28,6 @@ mod reach;
 
 pub use carrier::{CarrierError, serial_settings};
 pub use client::Wait;
-pub use network::system::{Patience, Stop};
+pub use network::system::{ForcedExit, Stop};
 pub use open::{Access, Network, OpenError, Opening, Way, interface, open, open_line};
 pub use reach::{OtherSubnet, Reach, far, reach};

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn two_subnets_are_told_with_both() {
+    fn two_subnets_are_reported_with_both() {
         let own = [suite([10, 0, 0, 1], 24, NONE)];
         let error = reach("plc", &own, "akd-1", suite([192, 168, 5, 11], 24, NONE)).unwrap_err();
         assert_eq!(

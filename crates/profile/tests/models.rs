@@ -232,8 +232,12 @@ fn units_are_those_of_the_conversion_index() {
                 continue;
             }
             let described = parameter.variable.unit() == (parameter.unit, exponent);
-            let told = Variable::of(parameter.unit, exponent) == Some(parameter.variable);
-            assert!(described || told, "{} {parameter:?}", catalogue.label(parameter));
+            let by_variable = Variable::of(parameter.unit, exponent) == Some(parameter.variable);
+            assert!(
+                described || by_variable,
+                "{} {parameter:?}",
+                catalogue.label(parameter)
+            );
         }
     }
     let one = |pnu| VLT.by_pnu(pnu).unwrap();
@@ -324,28 +328,28 @@ fn alarm_and_warning_words_name_their_faults() {
             continue;
         };
         let pnu = if fault.warning { 1692 } else { 1690 };
-        let told = VLT
+        let describe = VLT
             .word(pnu)
             .unwrap()
-            .told(1 << bit, Profile::default(), Mode::default());
+            .describe(1 << bit, Profile::default(), Mode::default());
         let number = fault.number.to_string();
-        let mut numbers = told
+        let mut numbers = describe
             .iter()
             .flat_map(|text| text.split(|c: char| !c.is_ascii_digit()));
-        assert!(numbers.any(|found| found == number), "{told:?}");
+        assert!(numbers.any(|found| found == number), "{describe:?}");
     }
     assert_eq!(VLT.word(1603).map(|word| word.bits.len()), Some(0)); // as 8-10 says
     assert!(VACON.word_at(10001, Some(2101)).is_some() && VACON.word_at(10001, Some(103)).is_none());
     assert!(VLT.words.windows(2).all(|pair| pair[0].pnu < pair[1].pnu));
-    let told = VLT
+    let describe = VLT
         .word(1690)
         .unwrap()
-        .told(1 << 10, Profile::default(), Mode::default());
-    assert_eq!(told, ["DC link under-voltage (8)"]);
+        .describe(1 << 10, Profile::default(), Mode::default());
+    assert_eq!(describe, ["DC link under-voltage (8)"]);
 }
 
 #[test]
-fn the_devices_are_what_the_connect_of_a_real_one_says() {
+fn the_devices_match_recorded_connects() {
     let device = &VLT.device;
     assert_eq!(
         (device.vendor_id, device.device_id, device.api),
@@ -451,7 +455,7 @@ fn both_numbers_of_the_acceleration_scaling_name_what_they_scale() {
 
 /// Names in the text of the AKD manual that its list of parameters (5.6) and of signals (5.8) does not have.
 #[test]
-fn names_outside_the_lists_of_the_manual_are_no_parameters() {
+fn names_not_in_the_manual_are_not_parameters() {
     for name in [
         "DRV.NAME",
         "IP.ADDRESS",

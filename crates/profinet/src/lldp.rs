@@ -30,7 +30,7 @@ pub struct Neighbour {
 impl Neighbour {
     /// What it says.
     #[must_use]
-    pub fn told(&self) -> Option<Lldpdu<'_>> {
+    pub fn lldpdu(&self) -> Option<Lldpdu<'_>> {
         // only what can be read is kept
         Lldpdu::decode(Reader::new(&self.payload)).ok()
     }
@@ -38,8 +38,8 @@ impl Neighbour {
     /// Its Ethernet address: that of its interface if it says so, else where the frames come from.
     #[must_use]
     pub fn mac(&self) -> MacAddress {
-        self.told()
-            .and_then(|told| told.chassis_mac)
+        self.lldpdu()
+            .and_then(|lldpdu| lldpdu.chassis_mac)
             .unwrap_or(self.source)
     }
 
@@ -47,8 +47,8 @@ impl Neighbour {
     /// `None` if the neighbour has no name.
     #[must_use]
     pub fn alias(&self) -> Option<String> {
-        let told = self.told()?;
-        let (port, station) = told.profinet_names();
+        let lldpdu = self.lldpdu()?;
+        let (port, station) = lldpdu.profinet_names();
         if station.is_empty() {
             return None;
         }
@@ -109,23 +109,23 @@ impl Neighbours {
         let counts = &mut self.counts;
         counts.frames = counts.frames.wrapping_add(1);
         let payload = payload.get(..lldp::MAX_LENGTH).unwrap_or(payload);
-        let told = match Lldpdu::decode(Reader::new(payload)) {
-            Ok(told) if !source.is_multicast() => told,
+        let lldpdu = match Lldpdu::decode(Reader::new(payload)) {
+            Ok(lldpdu) if !source.is_multicast() => lldpdu,
             _ => {
                 counts.errors = counts.errors.wrapping_add(1);
                 return;
             }
         };
-        counts.tlvs_discarded = counts.tlvs_discarded.wrapping_add(told.discarded.into());
-        counts.tlvs_unknown = counts.tlvs_unknown.wrapping_add(told.unknown.into());
+        counts.tlvs_discarded = counts.tlvs_discarded.wrapping_add(lldpdu.discarded.into());
+        counts.tlvs_unknown = counts.tlvs_unknown.wrapping_add(lldpdu.unknown.into());
         let same = |neighbour: &Neighbour| {
             neighbour
-                .told()
-                .is_some_and(|old| (old.chassis, old.port) == (told.chassis, told.port))
+                .lldpdu()
+                .is_some_and(|old| (old.chassis, old.port) == (lldpdu.chassis, lldpdu.port))
         };
         let known = self.list.iter().position(same);
-        let expires = now + Duration::from_secs(told.ttl.into());
-        if told.ttl == 0 {
+        let expires = now + Duration::from_secs(lldpdu.ttl.into());
+        if lldpdu.ttl == 0 {
             if let Some(at) = known {
                 self.list.remove(at);
                 self.counts.deletes = self.counts.deletes.wrapping_add(1);
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn a_neighbour_stays_while_it_speaks_and_goes_when_it_says_so() {
+    fn a_neighbour_stays_until_its_ttl_or_shutdown() {
         let mut neighbours = Neighbours::default();
         neighbours.hear(at(0), FROM, &payload("plc", 20, None));
         let index = neighbours.iter().next().unwrap().index;

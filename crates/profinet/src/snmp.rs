@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn too_much_is_said_so() {
+    fn a_response_too_big_is_an_error() {
         let long: Vec<&[u32]> = vec![&[1, 3, 10, 0]; 4];
         let reply = ask(Version::V2c, PduKind::GET, (0, 0), &long).unwrap();
         assert_eq!((reply.first, reply.bindings.len()), (1, 0));

@@ -439,7 +439,7 @@ impl Master {
             entry.failures = 0;
             entry.statistics.replies += 1;
         }
-        self.tell(Event::Reply(SlaveId(slave)));
+        self.push_event(Event::Reply(SlaveId(slave)));
         self.next = slave + 1;
         self.state = State::Idle;
     }
@@ -457,12 +457,12 @@ impl Master {
             self.next = slave + 1;
         }
         if failures == retries + 1 {
-            self.tell(Event::Lost(SlaveId(slave)));
+            self.push_event(Event::Lost(SlaveId(slave)));
         }
     }
 
     /// An event that waits already is not told twice.
-    fn tell(&mut self, event: Event) {
+    fn push_event(&mut self, event: Event) {
         if !self.events.contains(&event) {
             self.events.push_back(event);
         }

@@ -29,7 +29,7 @@ proptest! {
     /// No job gets another's value or one from before it was asked, each ends in its time, nothing is written twice, and
     /// when the line is well all drives answer again. A failure prints its seed.
     #[test]
-    fn nobody_gets_anothers_value_and_nothing_hangs(seed in any::<u64>(), uss in any::<bool>(), damage in 0..30_u64,
+    fn every_client_gets_its_own_value_and_no_call_hangs(seed in any::<u64>(), uss in any::<bool>(), damage in 0..30_u64,
                                                     late in 0..30_u64, stops in any::<bool>(), echo in any::<bool>()) {
         let protocol = if uss { Protocol::Uss } else { Protocol::Fc };
         let result = run(Run { seed, protocol, damage, late, stops, echo, timing: TIMING });
@@ -61,7 +61,7 @@ fn a_good_line_answers_everything() {
 
 /// The line is bad enough to show what a client does that does not let the channel rest.
 #[test]
-fn without_the_rest_old_values_are_taken() {
+fn without_the_gap_old_values_are_accepted() {
     let mut wrong = 0;
     for seed in 0..200 {
         let result = run(Run {

@@ -164,11 +164,11 @@ impl SerialStation {
 
     fn connect(&mut self) {
         // a model has the telegram of its maker
-        let _ = self.drive.connect(self.telegram, self.patience());
+        let _ = self.drive.connect(self.telegram, self.control_timeout());
     }
 
     /// A master that has control and is silent for so long is lost.
-    fn patience(&self) -> Duration {
+    fn control_timeout(&self) -> Duration {
         self.drive.control_timeout().unwrap_or(self.timeout)
     }
 
@@ -242,7 +242,7 @@ impl SerialStation {
         self.slave.handle_timeout(time(now));
         self.serve(now);
         if let Master::Heard { since, controls } = self.master
-            && now >= since + self.patience()
+            && now >= since + self.control_timeout()
         {
             self.master = Master::None;
             self.drive.disconnect(if controls {
@@ -272,7 +272,7 @@ impl SerialStation {
     pub fn poll_timeout(&self) -> Option<Instant> {
         let line = self.slave.poll_timeout().map(|due| Instant::ZERO + due);
         let lost = match self.master {
-            Master::Heard { since, .. } => Some(since + self.patience()),
+            Master::Heard { since, .. } => Some(since + self.control_timeout()),
             Master::None => None,
         };
         [line, lost, self.restart, self.next_tick()]

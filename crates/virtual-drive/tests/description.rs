@@ -15,7 +15,7 @@ use profinet::controller::{ModuleConfig, SubmoduleConfig};
 mod pair;
 
 /// A test file laid out as makers do.
-fn maker(name: &str) -> Gsdml {
+fn vendor_file(name: &str) -> Gsdml {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
     let file: PathBuf = folder.join(name);
     gsdml::parse(&std::fs::read(&file).unwrap()).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
@@ -114,8 +114,8 @@ fn every_module_of_the_exported_file_is_a_module_of_the_device() {
 }
 
 #[test]
-fn a_project_for_a_maker_file_connects() {
-    let file = maker(MODULES);
+fn a_project_for_a_vendor_file_connects() {
+    let file = vendor_file(MODULES);
     for (point, module, number, interval) in [
         ("ID_DAP_NEW", "ID_MOD_1", 1, 16),
         ("ID_DAP_OLD", "ID_MOD_1", 1, 32),
@@ -133,7 +133,7 @@ fn a_project_for_a_maker_file_connects() {
 
 #[test]
 fn telegrams_that_are_submodules_of_one_module_connect() {
-    let file = maker(SUBMODULES);
+    let file = vendor_file(SUBMODULES);
     for (plugged, number) in [("S_SPEED", 1), ("S_TASKS", 7), ("S_MDI", 9)] {
         let mut config = StationConfig::new(&AKD, pair::DRIVE);
         config.description = Description::from_gsdml(&file, &AKD, None).unwrap().description;
@@ -144,7 +144,7 @@ fn telegrams_that_are_submodules_of_one_module_connect() {
 
 #[test]
 fn identity_and_what_is_left_out() {
-    let import = Description::from_gsdml(&maker(MODULES), &AKD, None).unwrap();
+    let import = Description::from_gsdml(&vendor_file(MODULES), &AKD, None).unwrap();
     let Description {
         identity,
         access_points,
@@ -183,7 +183,7 @@ fn identity_and_what_is_left_out() {
         import.left_out
     );
 
-    let one = Description::from_gsdml(&maker(MODULES), &AKD, Some("ID_DAP_OLD"))
+    let one = Description::from_gsdml(&vendor_file(MODULES), &AKD, Some("ID_DAP_OLD"))
         .unwrap()
         .description;
     assert_eq!(
@@ -195,7 +195,7 @@ fn identity_and_what_is_left_out() {
         (1, 2, 1024)
     );
 
-    let object = Description::from_gsdml(&maker(SUBMODULES), &AKD, None).unwrap();
+    let object = Description::from_gsdml(&vendor_file(SUBMODULES), &AKD, None).unwrap();
     assert_eq!(object.description.identity.device_id, 0x0102);
     // hardware release "A" is no number: that of the model
     assert_eq!(object.description.identity.hardware_revision, 1);
@@ -208,7 +208,7 @@ fn identity_and_what_is_left_out() {
 #[test]
 fn a_file_that_does_not_fit_is_refused_with_the_reason() {
     let refused = |change: fn(&mut Gsdml), point: Option<&str>| {
-        let mut file = maker(MODULES);
+        let mut file = vendor_file(MODULES);
         change(&mut file);
         Description::from_gsdml(&file, &AKD, point).unwrap_err()
     };

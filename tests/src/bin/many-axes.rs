@@ -104,15 +104,15 @@ impl Course {
 fn ends(interface: &str, names: &[&str]) -> Done<ExitCode> {
     let network = open(interface)?;
     let course = Arc::new(Course::default());
-    let (tell, handles) = mpsc::channel();
+    let (handle_sender, handles) = mpsc::channel();
     let callers: Vec<_> = (0..names.len())
         .map(|number| {
             let (session, name) = (network.clone(), names[number].to_owned());
-            let (course, tell, axes) = (Arc::clone(&course), tell.clone(), names.len());
-            thread::spawn(move || caller(session, &name, (number, axes), &course, &tell))
+            let (course, handle_sender, axes) = (Arc::clone(&course), handle_sender.clone(), names.len());
+            thread::spawn(move || caller(session, &name, (number, axes), &course, &handle_sender))
         })
         .collect();
-    drop(tell);
+    drop(handle_sender);
     let handle = handles.recv_timeout(LIMIT)?;
     let readers = stop_among_readers(&network, names[3], &handle, &course)?;
     wait_for_lease(&mut network.clone(), names[2])?;
@@ -137,7 +137,7 @@ fn caller(
     name: &str,
     (number, axes): (usize, usize),
     course: &Course,
-    tell: &mpsc::Sender<StopHandle>,
+    handle_sender: &mpsc::Sender<StopHandle>,
 ) -> Done<()> {
     // only the one that nobody looks after is to be stopped by its lease
     let lease = if number == 2 { SECOND } else { LIMIT };
@@ -163,7 +163,7 @@ fn caller(
             return Ok(());
         }
         3 => {
-            tell.send(enabled.stop_handle())?;
+            handle_sender.send(enabled.stop_handle())?;
             let error = enabled.hold(LIMIT).wait();
             let waiting = READERS - course.answered.load(Ordering::SeqCst);
             let Err(Error::Axis {

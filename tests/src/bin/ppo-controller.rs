@@ -182,7 +182,7 @@ impl Program {
                     .0
                     .to_vec();
                 say(json!({
-                    "step": "job", "slot": slot, "name": name, "outcome": told(outcome),
+                    "step": "job", "slot": slot, "name": name, "outcome": outcome_text(outcome),
                     "words": hex(&input[..PKW_LEN]), "process": hex(&settled[PKW_LEN..]),
                 }));
                 return Ok(());
@@ -235,7 +235,7 @@ fn process_words(length: usize, first: [u8; 4]) -> Vec<u8> {
     first.into_iter().chain(0x11..).take(length).collect()
 }
 
-fn told(outcome: Outcome) -> String {
+fn outcome_text(outcome: Outcome) -> String {
     match outcome {
         Ok(answer) => format!("{answer:?}"),
         Err(error) => error.to_string(),

@@ -57,14 +57,14 @@ fn walked(frames: &[(Duration, &[u8])]) -> Vec<Event> {
 
 /// What `decode --hex` says about octets: for every make, bounded, and the same every time.
 pub fn octets(data: &[u8]) {
-    let told = explained(data);
-    let length: usize = told.iter().map(String::len).sum();
+    let lines = explained(data);
+    let length: usize = lines.iter().map(String::len).sum();
     assert!(
         length <= 32_768 + 400 * data.len(),
         "{length} octets for {}",
         data.len()
     );
-    assert_eq!(told, explained(data));
+    assert_eq!(lines, explained(data));
 }
 
 /// As everything that they may be, from every model.

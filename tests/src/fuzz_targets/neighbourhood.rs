@@ -18,13 +18,13 @@ const NEIGHBOUR: MacAddress = MacAddress([2, 0, 0, 0, 0, 9]);
 
 /// LLDPDUs: what is understood is understood again, and what is remembered is bounded.
 pub fn lldp(data: &[u8]) {
-    if let Ok(told) = Lldpdu::decode(Reader::new(data)) {
+    if let Ok(lldpdu) = Lldpdu::decode(Reader::new(data)) {
         let mut again = Vec::new();
-        told.encode(&mut again);
+        lldpdu.encode(&mut again);
         let plain = Lldpdu {
             discarded: 0,
             unknown: 0,
-            ..told
+            ..lldpdu
         };
         assert_eq!(Lldpdu::decode(Reader::new(&again)), Ok(plain));
     }
@@ -43,7 +43,7 @@ pub fn lldp(data: &[u8]) {
             "a deadline that passed stays"
         );
         for neighbour in neighbours.iter() {
-            assert!(neighbour.told().is_some());
+            assert!(neighbour.lldpdu().is_some());
             let _ = (neighbour.alias(), neighbour.mac());
         }
     }

@@ -3,7 +3,7 @@
 use profinet::wire::block::BlockType;
 use profinet::wire::record::{
     DiagnosisHeader, Identification, Im0, ImText, InterfaceReal, LogData, RecordInput, decode_apis,
-    decode_relations, encode_apis, encode_im,
+    decode_ar_list, encode_apis, encode_im,
 };
 use profinet::wire::{DecodeError, Reader, Writer};
 
@@ -60,8 +60,8 @@ pub fn records(data: &[u8]) {
         blocks += 1;
         assert!(blocks <= data.len(), "a block without octets");
     }
-    if let Ok(Some(relations)) = decode_relations(&mut Reader::new(data)) {
-        assert!(relations.len() <= data.len());
+    if let Ok(Some(ars)) = decode_ar_list(&mut Reader::new(data)) {
+        assert!(ars.len() <= data.len());
     }
 }
 

@@ -23,15 +23,15 @@ use virtual_drive::station::{Station, StationConfig};
 
 /// Who a line is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Maker {
+pub enum Vendor {
     Akd,
     Vlt,
     Vacon,
 }
 
 /// What differs between the makes in the stimuli.
-pub struct Make {
-    pub maker: Maker,
+pub struct DeviceUnderTest {
+    pub vendor: Vendor,
     pub model: &'static Model,
     /// Axis number of a request.
     pub axis: u8,
@@ -45,8 +45,8 @@ pub struct Make {
     pub fault: u16,
 }
 
-pub static AKD: Make = Make {
-    maker: Maker::Akd,
+pub static AKD: DeviceUnderTest = DeviceUnderTest {
+    vendor: Vendor::Akd,
     model: &model::AKD,
     axis: 0,
     records: [0xB02F, 47],
@@ -55,8 +55,8 @@ pub static AKD: Make = Make {
     block: &[0x42, 1, 0, 1],
     fault: 301,
 };
-pub static VLT: Make = Make {
-    maker: Maker::Vlt,
+pub static VLT: DeviceUnderTest = DeviceUnderTest {
+    vendor: Vendor::Vlt,
     model: &model::VLT,
     axis: 0,
     records: [0xB02E, 0xB02F],
@@ -66,8 +66,8 @@ pub static VLT: Make = Make {
     // inverter overloaded: a trip that a reset ends, no trip lock
     fault: 9,
 };
-pub static VACON: Make = Make {
-    maker: Maker::Vacon,
+pub static VACON: DeviceUnderTest = DeviceUnderTest {
+    vendor: Vendor::Vacon,
     model: &model::VACON,
     axis: 1,
     records: [0xB02E, 0xB02F],
@@ -79,7 +79,7 @@ pub static VACON: Make = Make {
 
 /// One drive and one controller on a segment.
 pub struct Bench {
-    pub make: &'static Make,
+    pub dut: &'static DeviceUnderTest,
     pub medium: SegmentMedium,
     controller: Controller,
     ar: ArId,
@@ -121,21 +121,21 @@ pub fn judged(name: &str) {
 
 impl Bench {
     /// Connected with telegram 1.
-    pub fn new(make: &'static Make) -> Self {
-        Self::sending(make, 1, &[0x04, 0x7E, 0, 0])
+    pub fn new(dut: &'static DeviceUnderTest) -> Self {
+        Self::sending(dut, 1, &[0x04, 0x7E, 0, 0])
     }
 
     /// Connected with this telegram; the controller sends these outputs from its first frame on.
-    pub fn sending(make: &'static Make, telegram: u16, outputs: &[u8]) -> Self {
+    pub fn sending(dut: &'static DeviceUnderTest, telegram: u16, outputs: &[u8]) -> Self {
         let ip = |last| IpSuite {
             address: Ipv4Addr::new(10, 0, 0, last),
             mask: Ipv4Addr::new(255, 255, 255, 0),
             gateway: Ipv4Addr::UNSPECIFIED,
         };
-        let device = &make.model.catalogue.device;
+        let device = &dut.model.catalogue.device;
         let mut segment = Segment::new(1);
         let drive_mac = DRIVE;
-        let mut config = StationConfig::new(make.model, drive_mac);
+        let mut config = StationConfig::new(dut.model, drive_mac);
         config.network = Stored {
             name: "drive-1".into(),
             ip: ip(2),
@@ -159,7 +159,7 @@ impl Bench {
         config.resolve = Resolve::Trust;
         let ar = controller.connect(medium.now(), target, config).unwrap();
         let mut bench = Self {
-            make,
+            dut,
             medium,
             controller,
             ar,
@@ -188,7 +188,7 @@ impl Bench {
     }
 
     pub fn output(&mut self, outputs: &[u8]) {
-        let subslot = self.make.model.catalogue.device.layout.telegram;
+        let subslot = self.dut.model.catalogue.device.layout.telegram;
         self.controller.set_output(self.ar, 1, subslot, outputs).unwrap();
     }
 
@@ -210,7 +210,7 @@ impl Bench {
 
     /// One job through a record: the answer, or why the write was refused.
     pub fn job_at(&mut self, index: u16, request: &[u8]) -> Result<Vec<u8>, ServiceError> {
-        let device = &self.make.model.catalogue.device;
+        let device = &self.dut.model.catalogue.device;
         let at = RecordAddress {
             api: device.api.into(),
             slot: 1,
@@ -232,14 +232,14 @@ impl Bench {
     }
 
     pub fn job(&mut self, request: &[u8]) -> Vec<u8> {
-        self.job_at(self.make.records[0], request).unwrap()
+        self.job_at(self.dut.records[0], request).unwrap()
     }
 
     /// A request with `DD` for the axis.
     pub fn hex(&self, text: &str) -> Vec<u8> {
         text.split_whitespace()
             .map(|octet| match octet {
-                "DD" => self.make.axis,
+                "DD" => self.dut.axis,
                 octet => u8::from_str_radix(octet, 16).unwrap(),
             })
             .collect()
@@ -265,7 +265,7 @@ impl Bench {
     #[track_caller]
     pub fn words(&mut self, pnu: u16, first: u16, count: u8) -> Vec<u16> {
         let ([a, b], [c, d]) = (pnu.to_be_bytes(), first.to_be_bytes());
-        let answer = self.job(&[0x31, 1, self.make.axis, 1, 0x10, count, a, b, c, d]);
+        let answer = self.job(&[0x31, 1, self.dut.axis, 1, 0x10, count, a, b, c, d]);
         let [0x31, 1, _, 1, format, found, values @ ..] = &answer[..] else {
             panic!("{pnu}: {answer:02X?}");
         };
@@ -284,8 +284,8 @@ impl Bench {
 
     /// A change of the writable parameter with these octets behind its address.
     pub fn change(&mut self, id: u8, block: &[u8]) -> Vec<u8> {
-        let mut request = vec![0x19, id, self.make.axis, 1, 0x10, 1];
-        request.extend(self.make.writable);
+        let mut request = vec![0x19, id, self.dut.axis, 1, 0x10, 1];
+        request.extend(self.dut.writable);
         request.extend(block);
         self.job(&request)
     }
@@ -308,7 +308,7 @@ impl Bench {
                 assert!(!matches!(event, Event::Lost { .. }), "{event:?}");
             }
         }
-        let subslot = self.make.model.catalogue.device.layout.telegram;
+        let subslot = self.dut.model.catalogue.device.layout.telegram;
         let (data, iops) = self.controller.input(self.ar, 1, subslot).unwrap();
         assert!(iops.is_good());
         data.to_vec()
@@ -329,7 +329,7 @@ impl Bench {
 
     pub fn inject_fault(&mut self) {
         self.inject(Injection::Fault {
-            number: self.make.fault,
+            number: self.dut.fault,
             lasting: false,
         });
     }

@@ -5,20 +5,20 @@ use std::time::Duration;
 use profinet::Medium;
 use virtual_drive::drive::Injection;
 
-use super::bench::Maker::{self, Akd, Vacon, Vlt};
+use super::bench::Vendor::{self, Akd, Vacon, Vlt};
 use super::bench::{Bench, CYCLES};
 
 /// One line of the checklist: its number, for whom it is, and how it is checked.
 pub struct Line {
     pub number: u16,
-    pub makers: &'static [Maker],
+    pub vendors: &'static [Vendor],
     pub check: fn(&mut Bench),
 }
 
-const fn on(number: u16, makers: &'static [Maker], check: fn(&mut Bench)) -> Line {
+const fn on(number: u16, vendors: &'static [Vendor], check: fn(&mut Bench)) -> Line {
     Line {
         number,
-        makers,
+        vendors,
         check,
     }
 }
@@ -29,7 +29,7 @@ const fn all(number: u16, check: fn(&mut Bench)) -> Line {
 
 /// Answer to line 1: 922 is a word with each; the VLT names its type.
 fn telegram_block(bench: &Bench) -> Vec<u8> {
-    match bench.make.maker {
+    match bench.dut.vendor {
         Vlt => bench.hex("06 01 00 01"),
         Akd | Vacon => bench.hex("42 01 00 01"),
     }
@@ -43,19 +43,19 @@ pub static LINES: &[Line] = &[
     }),
     all(4, |bench| {
         let answer = bench.ask("01 01 DD 01 10 01 03 9A 00 00");
-        assert_eq!(answer[2..4], [bench.make.axis, 1]);
+        assert_eq!(answer[2..4], [bench.dut.axis, 1]);
     }),
     all(7, |bench| {
         assert_eq!(bench.error("07 01 DD 01 10 01 03 9A 00 05"), 4)
     }),
     all(10, |bench| {
-        let expected = if bench.make.maker == Vacon { 0x69 } else { 0x16 };
+        let expected = if bench.dut.vendor == Vacon { 0x69 } else { 0x16 };
         assert_eq!(bench.error("0A 01 DD 01 50 01 03 9A 00 00"), expected);
     }),
     on(13, &[Akd, Vacon], |bench| {
-        let mut request = vec![0x0D, 1, bench.make.axis, 40];
+        let mut request = vec![0x0D, 1, bench.dut.axis, 40];
         (0..40).for_each(|_| request.extend([0x10, 1, 0x03, 0x9A, 0, 0]));
-        match (bench.make.maker, bench.job_at(bench.make.records[0], &request)) {
+        match (bench.dut.vendor, bench.job_at(bench.dut.records[0], &request)) {
             (Akd, refused) => assert!(refused.is_err(), "{refused:02X?}"),
             (_, answer) => {
                 let answer = answer.unwrap();
@@ -75,8 +75,8 @@ pub static LINES: &[Line] = &[
         assert_eq!(answer, expected);
     }),
     all(19, |bench| {
-        let count = bench.make.model.known.dialect.max_parameters;
-        let mut request = vec![0x13, 1, bench.make.axis, count];
+        let count = bench.dut.model.known.dialect.max_parameters;
+        let mut request = vec![0x13, 1, bench.dut.axis, count];
         (0..count).for_each(|_| request.extend([0x10, 8, 0x03, 0xB3, 0, 0]));
         let answer = bench.job(&request);
         assert!(answer.len() <= 240 && answer[1] == 0x81, "{answer:02X?}");
@@ -84,21 +84,21 @@ pub static LINES: &[Line] = &[
         assert!(answer.windows(4).any(too_long), "{answer:02X?}");
     }),
     on(22, &[Vlt, Vacon], |bench| {
-        let block = bench.make.block;
-        assert_eq!(bench.change(2, block), [0x19, 2, bench.make.axis, 1]);
+        let block = bench.dut.block;
+        assert_eq!(bench.change(2, block), [0x19, 2, bench.dut.axis, 1]);
     }),
     all(25, |bench| {
-        let mut block = bench.make.block.to_vec();
+        let mut block = bench.dut.block.to_vec();
         block[0] = 0x50;
         let answer = bench.change(2, &block);
         assert_eq!(answer[1], 0x82);
         assert!(matches!(answer[4..], [0x44, _, 0, 0x17 | 5, ..]), "{answer:02X?}");
     }),
     on(28, &[Akd, Vacon], |bench| {
-        let block = bench.make.block;
+        let block = bench.dut.block;
         assert_eq!(block[0], 0x42);
         assert_eq!(bench.change(2, block)[..2], [0x19, 2]);
-        let [a, b, c, d] = bench.make.writable;
+        let [a, b, c, d] = bench.dut.writable;
         let (pnu, subindex) = (u16::from_be_bytes([a, b]), u16::from_be_bytes([c, d]));
         assert_eq!(bench.words(pnu, subindex, 1), [u16::from(block[3])]);
     }),
@@ -107,14 +107,14 @@ pub static LINES: &[Line] = &[
         assert_eq!(answer[..4], [0x1F, 2, 0, 1]);
     }),
     all(34, |bench| {
-        let (address, block) = (bench.make.writable, bench.make.block);
-        let mut request = vec![0x22, 2, bench.make.axis, 2];
+        let (address, block) = (bench.dut.writable, bench.dut.block);
+        let mut request = vec![0x22, 2, bench.dut.axis, 2];
         for _ in 0..2 {
             request.extend([0x10, 1]);
             request.extend(address);
             request.extend(block);
         }
-        match bench.job_at(bench.make.records[0], &request) {
+        match bench.job_at(bench.dut.records[0], &request) {
             Err(_) => {}
             Ok(answer) => {
                 assert_eq!(answer[1], 0x82, "{answer:02X?}");
@@ -134,7 +134,7 @@ pub static LINES: &[Line] = &[
     }),
     on(43, &[Akd, Vacon], |bench| {
         let request = bench.hex("01 01 DD 01 10 01 03 9A 00 00");
-        let [one, other] = bench.make.records;
+        let [one, other] = bench.dut.records;
         let first = bench.job_at(one, &request).unwrap();
         assert_eq!(bench.job_at(other, &request).unwrap(), first);
     }),
@@ -145,7 +145,7 @@ pub static LINES: &[Line] = &[
         assert_eq!((answer[4..6].to_vec(), answer.len()), (vec![0x0A, 46], 52));
     }),
     on(49, &[Vlt], |bench| {
-        let [a, b, ..] = bench.make.writable;
+        let [a, b, ..] = bench.dut.writable;
         let mut limit = |element| {
             let answer = bench.job(&[0x2F, 1, 0, 1, 0x20, 1, a, b, 0, element]);
             assert_eq!(answer[..6], [0x2F, 1, 0, 1, 0x0A, 4], "{answer:02X?}");
@@ -157,7 +157,7 @@ pub static LINES: &[Line] = &[
         assert_eq!(bench.change(2, &block(high))[1], 2);
         let answer = bench.change(2, &block(high + 1));
         assert!(matches!(answer[4..], [0x44, _, 0, 2, ..]), "{answer:02X?}");
-        bench.change(2, bench.make.block);
+        bench.change(2, bench.dut.block);
     }),
     on(52, &[Akd, Vacon], |bench| {
         let error = bench.error("34 01 DD 01 30 01 03 9A 00 00");
@@ -178,13 +178,13 @@ pub static LINES: &[Line] = &[
         let mut list = Vec::new();
         for pnu in 980..=989_u16 {
             let [high, low] = pnu.to_be_bytes();
-            let answer = bench.job(&[0x3A, 1, bench.make.axis, 1, 0x20, 1, high, low, 0, 0]);
+            let answer = bench.job(&[0x3A, 1, bench.dut.axis, 1, 0x20, 1, high, low, 0, 0]);
             if answer[1] != 1 {
                 break;
             }
             assert_eq!(answer[4..6], [0x0A, 46], "{pnu}: {answer:02X?}");
             let elements = u16::from_be_bytes([answer[8], answer[9]]).max(1);
-            let most = bench.make.model.known.dialect.max_values.min(100);
+            let most = bench.dut.model.known.dialect.max_values.min(100);
             let before = list.len();
             let mut first = 0;
             while first < elements {
@@ -205,7 +205,7 @@ pub static LINES: &[Line] = &[
     }),
     all(61, |bench| {
         assert_eq!(bench.words(922, 0, 1), [1]);
-        if bench.make.maker != Vlt {
+        if bench.dut.vendor != Vlt {
             assert_eq!(bench.words(915, 0, 2), [1, 5]);
             assert_eq!(bench.words(916, 0, 2), [2, 6]);
         } else {
@@ -217,10 +217,10 @@ pub static LINES: &[Line] = &[
     // of the standard device in the sample; a VLT has 9-27 too
     on(64, &[Vlt], |bench| {
         assert_eq!(bench.ask("40 02 DD 01 10 01 03 9F 00 00 06 01 00 00")[1], 2);
-        let answer = bench.change(2, bench.make.block);
+        let answer = bench.change(2, bench.dut.block);
         assert!(matches!(answer[4..], [0x44, _, 0, 0x0B, ..]), "{answer:02X?}");
         assert_eq!(bench.ask("40 02 DD 01 10 01 03 9F 00 00 06 01 00 01")[1], 2);
-        assert_eq!(bench.change(2, bench.make.block)[1], 2);
+        assert_eq!(bench.change(2, bench.dut.block)[1], 2);
     }),
     on(67, &[Akd, Vacon], |bench| {
         let before = bench.words(944, 0, 1)[0];
@@ -237,11 +237,11 @@ pub static LINES: &[Line] = &[
             lasting: false,
         });
         bench.word(0x047E);
-        assert_eq!(bench.words(947, 0, 3), [bench.make.fault, 304, 0]);
+        assert_eq!(bench.words(947, 0, 3), [bench.dut.fault, 304, 0]);
         bench.word(0x04FE);
         bench.word(0x047E);
         assert_eq!(bench.words(947, 0, 8), [0; 8]);
-        assert_eq!(bench.words(947, 8, 3), [bench.make.fault, 304, 0]);
+        assert_eq!(bench.words(947, 8, 3), [bench.dut.fault, 304, 0]);
     }),
     on(73, &[Vacon], |bench| {
         let answer = bench.ask("49 01 DD 01 20 01 03 B3 00 02");
@@ -262,7 +262,7 @@ pub static LINES: &[Line] = &[
     // E. State machine
     all(76, |bench| assert_eq!(bench.word(0x047E), 0x0031)),
     all(79, |bench| {
-        let mut fresh = Bench::sending(bench.make, 1, &[0x04, 0x7F, 0, 0]);
+        let mut fresh = Bench::sending(bench.dut, 1, &[0x04, 0x7F, 0, 0]);
         for _ in 0..5 {
             let zsw1 = fresh.word(0x047F);
             assert_eq!(zsw1 & 0x0046, 0x0040, "{zsw1:04X}");
@@ -345,7 +345,7 @@ pub static LINES: &[Line] = &[
     // H. Dialects
     on(133, &[Akd], |bench| {
         for octets in [1, 2, 4] {
-            let parameters = bench.make.model.catalogue.parameters.iter();
+            let parameters = bench.dut.model.catalogue.parameters.iter();
             let some = parameters
                 .filter(|parameter| parameter.size.octets() == octets)
                 .take(20);

@@ -18,11 +18,11 @@ mod lines;
 mod positioning;
 mod statements;
 
-use bench::Maker::{self, Akd, Vacon, Vlt};
-use bench::{AKD, Bench, Make, VACON, VLT};
+use bench::Vendor::{self, Akd, Vacon, Vlt};
+use bench::{AKD, Bench, DeviceUnderTest, VACON, VLT};
 
 /// The lines of the sample and for whom they are. Line 64 is one of the standard device; a VLT keeps it too.
-const SAMPLE: [(u16, &[Maker]); 45] = [
+const SAMPLE: [(u16, &[Vendor]); 45] = [
     // A. Parameter access, block level
     (1, &[Akd, Vlt, Vacon]),
     (4, &[Akd, Vlt, Vacon]),
@@ -79,7 +79,7 @@ const SAMPLE: [(u16, &[Maker]); 45] = [
 ];
 
 /// Walks all lines of one maker; every number of the sample must come.
-fn walk(make: &'static Make) {
+fn walk(dut: &'static DeviceUnderTest) {
     let mut failed = Vec::new();
     let mut walked = Vec::new();
     let mut take = |number, check: &mut dyn FnMut()| {
@@ -91,25 +91,25 @@ fn walk(make: &'static Make) {
     };
     for line in lines::LINES
         .iter()
-        .filter(|line| line.makers.contains(&make.maker))
+        .filter(|line| line.vendors.contains(&dut.vendor))
     {
-        take(line.number, &mut || (line.check)(&mut Bench::new(make)));
+        take(line.number, &mut || (line.check)(&mut Bench::new(dut)));
     }
-    if make.maker == Akd {
+    if dut.vendor == Akd {
         for (number, check) in positioning::LINES {
             take(number, &mut || check());
         }
     }
-    if make.maker == Vlt {
+    if dut.vendor == Vlt {
         for (number, check) in channel::LINES {
             take(number, &mut || check());
         }
     }
     walked.sort_unstable();
     walked.dedup();
-    let model = make.model.catalogue.model;
+    let model = dut.model.catalogue.model;
     assert!(failed.is_empty(), "{model}: lines {failed:?}");
-    let mine = SAMPLE.iter().filter(|(_, makers)| makers.contains(&make.maker));
+    let mine = SAMPLE.iter().filter(|(_, vendors)| vendors.contains(&dut.vendor));
     let expected: Vec<u16> = mine.map(|(number, _)| *number).collect();
     assert_eq!(walked, expected, "{model}");
     bench::judged(model);

@@ -11,7 +11,7 @@ const EDGE: u16 = 0x047F;
 const NOTHING: u16 = 0x0400;
 
 /// Acknowledge of a task, stands still, a task is active.
-const TAKEN: u16 = 0x1000;
+const ACKNOWLEDGED: u16 = 0x1000;
 const STANDS: u16 = 0x2000;
 const ACTIVE: u16 = 0x4000;
 
@@ -54,8 +54,11 @@ fn bench() -> Bench {
 
 fn the_acknowledge_follows_the_request() {
     let mut bench = bench();
-    assert_eq!(send(&mut bench, EDGE, CYCLES) & (TAKEN | STANDS), TAKEN);
-    assert_eq!(send(&mut bench, IDLE, CYCLES) & (TAKEN | STANDS), 0);
+    assert_eq!(
+        send(&mut bench, EDGE, CYCLES) & (ACKNOWLEDGED | STANDS),
+        ACKNOWLEDGED
+    );
+    assert_eq!(send(&mut bench, IDLE, CYCLES) & (ACKNOWLEDGED | STANDS), 0);
 }
 
 fn a_rejected_task_is_gone() {
@@ -79,10 +82,17 @@ fn no_edge_counts_outside_of_operation() {
     // S3: operation not enabled
     let ready = IDLE & !0x0008;
     assert_eq!(send(&mut bench, ready, CYCLES) & 0x0007, 0x0003);
-    assert_eq!(send(&mut bench, ready | 0x0040, CYCLES) & TAKEN, 0);
+    assert_eq!(send(&mut bench, ready | 0x0040, CYCLES) & ACKNOWLEDGED, 0);
     let zsw1 = send(&mut bench, EDGE, Duration::from_secs(1));
-    assert_eq!(zsw1 & (TAKEN | STANDS | 0x0007), STANDS | 0x0007, "{zsw1:04X}");
+    assert_eq!(
+        zsw1 & (ACKNOWLEDGED | STANDS | 0x0007),
+        STANDS | 0x0007,
+        "{zsw1:04X}"
+    );
     // a new edge in S4 does
     send(&mut bench, IDLE, CYCLES);
-    assert_eq!(send(&mut bench, EDGE, CYCLES) & (TAKEN | STANDS), TAKEN);
+    assert_eq!(
+        send(&mut bench, EDGE, CYCLES) & (ACKNOWLEDGED | STANDS),
+        ACKNOWLEDGED
+    );
 }

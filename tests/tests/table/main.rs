@@ -31,8 +31,8 @@ fn permitted(table: &Table, row: &Row, raw: i64) -> &'static [Answer] {
     const WRITTEN: &[Answer] = &[Answer::Written];
     const NOW: &[Answer] = &[Answer::Error(NOT_NOW)];
     const NO_SUCH: &[Answer] = &[Answer::Error(VALUE)];
-    const OUTSIDE: &[Answer] = &[Answer::Error(LIMIT)];
-    const NOW_OR_OUTSIDE: &[Answer] = &[Answer::Error(NOT_NOW), Answer::Error(LIMIT)];
+    const OUT_OF_RANGE: &[Answer] = &[Answer::Error(LIMIT)];
+    const NOT_NOW_OR_RANGE: &[Answer] = &[Answer::Error(NOT_NOW), Answer::Error(LIMIT)];
     match row.pnu {
         // The mapping of telegram 1, which is in use as delivered, is fixed (manual 5.11).
         915 | 916 => NOW,
@@ -41,8 +41,8 @@ fn permitted(table: &Table, row: &Row, raw: i64) -> &'static [Answer] {
         922 if ![0, 1, 7, 9, 350, 351, 352, 353, 354, 400].contains(&raw) => NO_SUCH,
         _ if table.is_nameless(row, raw) => NO_SUCH,
         // MT.CLEAR: a task of the table, or all of them by -1. MT.MOVE starts a task, which needs a homed axis in operation.
-        2265 if !(-1..=128).contains(&raw) => OUTSIDE,
-        2272 => NOW_OR_OUTSIDE,
+        2265 if !(-1..=128).contains(&raw) => OUT_OF_RANGE,
+        2272 => NOT_NOW_OR_RANGE,
         _ => WRITTEN,
     }
 }
@@ -161,7 +161,7 @@ fn addresses_that_are_not_there() {
 }
 
 #[test]
-fn every_description_says_what_the_table_says() {
+fn every_description_matches_the_table() {
     let table = Table::load();
     let mut channel = Channel::new();
     for row in &table.rows {
@@ -408,7 +408,7 @@ fn answer_block(row: &Row, answer: &Answer) -> Vec<u8> {
 }
 
 #[test]
-fn many_parameters_in_one_request_answer_as_each_alone() {
+fn many_parameters_in_one_request_answer_as_single_ones() {
     let table = Table::load();
     for (id, failing) in [(1, false), (1, true), (2, false), (2, true)] {
         let rows = table

@@ -181,7 +181,7 @@ impl Table {
 
     /// Lowest and highest number that is accepted. A row that is another name of a parameter has the limits of that one.
     pub fn whole_limits(&self, row: &Row) -> RangeInclusive<i64> {
-        let other = ANOTHER
+        let other = ALIASES
             .iter()
             .find(|(pnu, _)| *pnu == row.pnu)
             .map_or(row, |(_, other)| self.row(*other));
@@ -203,7 +203,7 @@ impl Table {
 
 /// Same value under another number, by the descriptions of the table: HOME.MODE, the scalings, and the signals that map
 /// to a parameter.
-const ANOTHER: [(u16, u16); 6] = [
+const ALIASES: [(u16, u16); 6] = [
     (103, 2203),
     (108, 2108),
     (109, 2115),

@@ -194,11 +194,11 @@ pub fn blink(args: &Blink, interface: &Interface, output: &Output) -> Result<(),
     const EVERY: Duration = Duration::from_secs(3);
     let (mut session, drive) = connect::drive(interface, Need::Discovery, &args.drive, output)?;
     let end = session.now() + args.time;
-    let mut told = false;
+    let mut printed = false;
     loop {
         session.blink(&drive).wait()?;
         // only the answer says that it does
-        if !std::mem::replace(&mut told, true) {
+        if !std::mem::replace(&mut printed, true) {
             output.say(&format!("{} blinks", describe(&drive.station)));
         }
         let next = (session.now() + EVERY).min(end);
@@ -321,7 +321,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drive_at_work_is_left_alone_with_words_that_say_why() {
+    fn refuses_a_drive_at_work_and_names_the_cause() {
         let failure = |works| {
             at_work(Error::AtWork {
                 drive: "akd-1".into(),

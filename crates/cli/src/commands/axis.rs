@@ -62,11 +62,11 @@ pub fn checked(cyclic: &Cyclic) -> Result<(), Failure> {
 }
 
 /// Says that a speed travels or is held as another one; steps too fine for the figures shown are not told.
-pub fn tell_rounded(asked: f64, told: f64, unit: &str, output: &Output) {
-    let (asked, told) = (number(asked), number(told));
-    if asked != told {
+pub fn report_rounding(asked: f64, rounded: f64, unit: &str, output: &Output) {
+    let (asked, rounded) = (number(asked), number(rounded));
+    if asked != rounded {
         output.say(&format!(
-            "{asked} {unit} -> {told} {unit}, rounded to the nearest representable value"
+            "{asked} {unit} -> {rounded} {unit}, rounded to the nearest representable value"
         ));
     }
 }
@@ -145,14 +145,14 @@ pub fn in_mode(
         return work(session, drive);
     }
     let before = session.enter_mode(drive, needed).wait()?;
-    tell_mode(&before, needed, output);
+    report_mode(&before, needed, output);
     let result = work(session, drive);
     leave_mode(session, drive, &before, output);
     result
 }
 
 /// Reports the mode that the drive was put into.
-fn tell_mode(before: &ModeBefore, needed: Mode, output: &Output) {
+fn report_mode(before: &ModeBefore, needed: Mode, output: &Output) {
     let needed = mode_number(needed);
     match before.mode {
         _ if !before.changed => {}
@@ -198,7 +198,7 @@ const fn mode_number(mode: Mode) -> u8 {
 }
 
 /// Says beforehand that the drive will not stop by itself when this program is gone.
-pub fn tell_alone(
+pub fn report_controller_loss(
     session: &mut Live,
     drive: &mut Drive,
     command: &str,
@@ -215,11 +215,11 @@ pub fn tell_alone(
     let remedy = loss.remedy.as_ref();
     if output.json() {
         let command_line = remedy.and_then(|action| advice::command(action, &label));
-        let alone = fields! {
+        let reaction = fields! {
             "parameter": parameter.as_str(), "setting": setting.as_str(), "action": loss.action.id(),
             "advice": command_line,
         };
-        output.event(command, fields! { "goes_on_alone": alone });
+        output.event(command, fields! { "goes_on_alone": reaction });
     }
     let does = match loss.action {
         LossAction::KeepsTurning => "the drive goes on",
@@ -256,15 +256,15 @@ pub fn watch(axis: &mut Axis, command: &'static str, set_mode: bool, output: &Ou
     }
     let view = Shared::new(LiveView::new(output.clone(), command));
     let mut stop = LongStop::default();
-    let (above, teller) = (view.clone(), output.clone());
+    let (above, printer) = (view.clone(), output.clone());
     axis.watch_warnings(move |status, warnings| {
         above.lock().leave();
-        tell_warnings(command, status, warnings, &teller);
+        report_warnings(command, status, warnings, &printer);
     });
     let output = output.clone();
     axis.watch(move |status| {
         view.lock().show(&AxisView::of(status));
-        if stop.tells(status) {
+        if stop.is_due(status) {
             view.lock().leave();
             output.say("still stopping along the ramp; Ctrl-C for a quick stop (OFF3), after a second if it was pressed before");
         }
@@ -287,7 +287,7 @@ fn warn_strained(strained: &Strained, command: &str, output: &Output) {
 
 /// The options of a cycle with more room, or the advice of one that is as long as it gets.
 fn calmer(strained: &Strained) -> String {
-    if strained.is_short_of_patience() {
+    if strained.is_watchdog_too_short() {
         return "leave out --watchdog".to_owned();
     }
     let needed = Cycle::CALM.max(strained.delay * 2);
@@ -300,7 +300,7 @@ fn calmer(strained: &Strained) -> String {
 }
 
 /// Warnings in words, at the time they come.
-fn tell_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry], output: &Output) {
+fn report_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry], output: &Output) {
     if output.json() {
         let list: Vec<Value> = warnings
             .iter()
@@ -326,23 +326,23 @@ fn tell_warnings(command: &str, status: &AxisStatus, warnings: &[WarningEntry], 
 #[derive(Debug, Default)]
 struct LongStop {
     since: Option<Duration>,
-    told: bool,
+    reported: bool,
 }
 
 impl LongStop {
     /// From which time on a stop is a long one.
     const LONG: Duration = Duration::from_millis(1000);
 
-    fn tells(&mut self, status: &AxisStatus) -> bool {
+    fn is_due(&mut self, status: &AxisStatus) -> bool {
         if status.view.goal != Goal::Stop || status.view.at_rest || status.view.quick_stop || status.lost {
             self.since = None;
             return false;
         }
         let since = *self.since.get_or_insert(status.time);
-        if self.told || status.time.saturating_sub(since) < Self::LONG {
+        if self.reported || status.time.saturating_sub(since) < Self::LONG {
             return false;
         }
-        self.told = true;
+        self.reported = true;
         true
     }
 }
@@ -461,7 +461,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
         return failure;
     };
     for fault in &status.faults {
-        failure.message = format!("{}; {}", failure.message, told(fault));
+        failure.message = format!("{}; {}", failure.message, fault_text(fault));
     }
     for warning in &status.warnings {
         failure.message = format!("{}; warning {}", failure.message, warned(warning));
@@ -473,7 +473,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
         failure.hint = advice::next(&diagnosis, &drive.label()).or(failure.hint);
     }
     // by now it is off: what turns it then no command of ours holds, and a fault that comes of it stays
-    let turns = |note: &Note| note.id == Cause::MovedFromOutside.id();
+    let turns = |note: &Note| note.id == Cause::MovedExternally.id();
     let moved = diagnosis.notes.into_iter().find(turns);
     let beside = switched_off_beside(&status).filter(|_| left_operation);
     for note in moved.into_iter().chain(beside) {
@@ -487,7 +487,7 @@ pub fn explained(error: Error, end: End, session: &mut Live, drive: &mut Drive) 
 }
 
 /// `F702 Fieldbus communication lost`
-pub fn told(fault: &FaultEntry) -> String {
+pub fn fault_text(fault: &FaultEntry) -> String {
     format!(
         "F{} {}",
         fault.number,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use client::backup::{Backup, MAX_TEXT, Task, TasksTold};
+use client::backup::{Backup, MAX_TEXT, Task, TaskCoverage};
 use client::{Drive, Refusal, Wait};
 use network::files::StateFile;
 use serde_json::{Map, Value};
@@ -36,7 +36,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     };
     let (backup, drive) = whole(&args.drive, interface, output)?;
     let label = drive.label();
-    told_something(&backup, &label)?;
+    check_content(&backup, &label)?;
     let text = backup.to_string();
     if let Some(path) = &args.output {
         let same = old.as_deref() == Some(text.as_bytes());
@@ -47,8 +47,8 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         let unchanged = if same { ", unchanged" } else { "" };
         let tasks = match (&backup.header.tasks, backup.task_count()) {
             (_, 0) => String::new(),
-            (TasksTold::All, 1) => " and 1 motion task".to_owned(),
-            (TasksTold::All, count) => format!(" and {count} motion tasks"),
+            (TaskCoverage::All, 1) => " and 1 motion task".to_owned(),
+            (TaskCoverage::All, count) => format!(" and {count} motion tasks"),
             _ => String::new(),
         };
         let missing = match backup.refused().len() {
@@ -95,7 +95,7 @@ fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
             "the settings that are missing are comments in the backup; `profidrive restore` leaves them out",
         );
     }
-    if let TasksTold::LeftOut(why) = &backup.header.tasks {
+    if let TaskCoverage::LeftOut(why) = &backup.header.tasks {
         missing.push(format!("the motion tasks are left out: {why}"));
         hints.push("motion tasks are read while the power stage is off and no controller is connected");
     }
@@ -106,7 +106,7 @@ fn incomplete(backup: &Backup, drive: &str) -> Option<Failure> {
 }
 
 /// A backup without a value is none.
-fn told_something(backup: &Backup, drive: &str) -> Result<(), Failure> {
+fn check_content(backup: &Backup, drive: &str) -> Result<(), Failure> {
     if !backup.readings().is_empty() || backup.task_count() > 0 {
         return Ok(());
     }
@@ -142,12 +142,12 @@ fn reasons(refused: &[Refusal]) -> String {
             None => reasons.push((words, vec![name])),
         }
     }
-    let told = reasons.iter().map(|(words, names)| {
+    let texts = reasons.iter().map(|(words, names)| {
         let first = names.get(..names.len().min(MOST_NAMED)).unwrap_or_default();
         let more = if first.len() < names.len() { ", .." } else { "" };
         format!("{}{more} ({words})", first.join(", "))
     });
-    told.collect::<Vec<_>>().join("; ")
+    texts.collect::<Vec<_>>().join("; ")
 }
 
 /// Most names for one reason.
@@ -171,8 +171,8 @@ pub fn whole(name: &str, interface: &Interface, output: &Output) -> Result<(Back
 
 /// The motion tasks, in their order; none where they are left out.
 fn tasks_json(backup: &Backup) -> Option<Vec<Value>> {
-    let told = backup.header.tasks == TasksTold::All;
-    told.then(|| {
+    let complete = backup.header.tasks == TaskCoverage::All;
+    complete.then(|| {
         let numbers = backup.task_numbers().into_iter();
         numbers
             .filter_map(|number| Some((number, backup.task(number)?)))

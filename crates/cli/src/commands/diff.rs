@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use client::backup::{Backup, Difference, Side, TasksTold, compare, compare_tasks};
+use client::backup::{Backup, Difference, Side, TaskCoverage, compare, compare_tasks};
 use client::{Drive, DriveAddress, Wait};
 use profile::catalogue::Role;
 use profile::value::Reading;
@@ -60,7 +60,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
         );
     }
     for (name, one, other) in [(&args.left, &left, &right), (&args.right, &right, &left)] {
-        if let (TasksTold::LeftOut(why), false) = (&one.header.tasks, other.task_numbers().is_empty()) {
+        if let (TaskCoverage::LeftOut(why), false) = (&one.header.tasks, other.task_numbers().is_empty()) {
             output.warn(&format!(
                 "motion tasks are not compared: they are left out of {name}: {why}"
             ));
@@ -121,7 +121,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
                 _ => format!(", {connection} of them of the connection"),
             };
             output.say(&format!("{count} difference{plural}{of_it}"));
-            Err(Failure::told(Exit::Difference))
+            Err(Failure::silent(Exit::Difference))
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::output::{Colour, Output};
 use crate::render::words;
 
 /// How long a drive may take to clear its faults, and how often that is looked at.
-const PATIENCE: Duration = Duration::from_secs(1);
+const CLEAR_TIMEOUT: Duration = Duration::from_secs(1);
 const GLANCE: Duration = Duration::from_millis(50);
 
 /// Arguments of `faults`.
@@ -239,7 +239,7 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         return Err(client::Error::Refused { drive, refusal }.into());
     }
     // the drive takes the command in its own time
-    let end = session.now() + PATIENCE;
+    let end = session.now() + CLEAR_TIMEOUT;
     let report = loop {
         let report = session.fault_report(&mut drive).wait()?;
         if report.present().next().is_none() || session.now() >= end {
@@ -251,7 +251,7 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
     let mut hint = "remove the cause, then acknowledge again".to_owned();
     if !left.is_empty() {
         let status = session.status(&mut drive).wait()?;
-        let turns = |note: &Note| note.id == Cause::MovedFromOutside.id();
+        let turns = |note: &Note| note.id == Cause::MovedExternally.id();
         if let Some(moved) = diagnose(&status).notes.into_iter().find(turns) {
             left.push(moved.sentence);
             hint = moved
@@ -319,13 +319,14 @@ mod tests {
             zsw1: None,
             log: Vec::new(),
         };
-        let told = |cleared: &[Cleared]| advice(&report(cleared), "d").unwrap_or_default();
-        assert_eq!(told(&[]), "");
+        let advice_for = |cleared: &[Cleared]| advice(&report(cleared), "d").unwrap_or_default();
+        assert_eq!(advice_for(&[]), "");
         assert!(
-            told(&[Cleared::Restart]).contains("off and on") && !told(&[Cleared::Restart]).contains(" ack ")
+            advice_for(&[Cleared::Restart]).contains("off and on")
+                && !advice_for(&[Cleared::Restart]).contains(" ack ")
         );
-        assert!(told(&[Cleared::Acknowledge]).starts_with("`profidrive ack d`"));
-        assert!(told(&[Cleared::Restart, Cleared::Acknowledge]).contains("power cycle"));
+        assert!(advice_for(&[Cleared::Acknowledge]).starts_with("`profidrive ack d`"));
+        assert!(advice_for(&[Cleared::Restart, Cleared::Acknowledge]).contains("power cycle"));
     }
 
     /// Everything in a text that looks like a parameter of any vendor: `DRV.CLRFAULTS`, `14-20`, `ID 607`.
@@ -363,7 +364,7 @@ mod tests {
                 let entry = FaultEntry::of(row.number, Some(tables));
                 let status = DriveStatus {
                     drive: "d".into(),
-                    make: model,
+                    model,
                     zsw1: Some(Zsw1(0x0208)),
                     faults: vec![entry.clone()],
                     ..DriveStatus::default()
@@ -429,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bit_without_a_number_is_told() {
+    fn a_fault_bit_without_a_number_is_reported() {
         assert_eq!(
             lines(&report(Vec::new(), 0), false),
             [Line::Normal("no fault is present".into())]

@@ -43,20 +43,20 @@ fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
     const END: End = End::Target("the axis is not homed");
     let procedure = procedure(session, drive)?;
     let settings = axis::settings(&args.cyclic, Purpose::Home, f64::INFINITY);
-    let mut taken = session.take_axis(drive, settings).wait()?;
+    let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} homes{procedure}, telegram {}; Ctrl-C stops it",
         drive.label(),
-        taken.telegram()
+        axis.telegram()
     ));
-    axis::watch(&mut taken, "home", args.mode.set_mode, output);
+    axis::watch(&mut axis, "home", args.mode.set_mode, output);
     let mut place = None;
-    let result = taken.enable().wait().and_then(|mut enabled| {
+    let result = axis.enable().wait().and_then(|mut enabled| {
         let result = enabled.home(Some(args.timeout)).wait();
         place = enabled.status().and_then(|status| status.position);
         result
     });
-    let now = taken.status().and_then(|status| status.position);
+    let now = axis.status().and_then(|status| status.position);
     let left = axis::left(place, now).filter(|_| result.is_ok());
     if result.is_ok() {
         let at = place.map_or_else(String::new, |position| {
@@ -71,7 +71,7 @@ fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
         ));
     }
     let more = fields! { "homed": result.is_ok(), "position": place, "left_to": left };
-    axis::finish(taken, result, END, "home", more, output)
+    axis::finish(axis, result, END, "home", more, output)
         .map_err(|error| axis::explained(error, END, session, drive))
 }
 

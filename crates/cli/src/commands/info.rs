@@ -233,13 +233,13 @@ fn page(info: &Info, pnu: u16) -> String {
     let numbers: Vec<i64> = values.iter().filter_map(|reading| reading.raw()).collect();
     let octets: Vec<u8> = values.iter().flat_map(|reading| reading.octets.clone()).collect();
     match (pnu, numbers.as_slice(), octets.as_slice()) {
-        (964, [maker, kind, version, year, day_month, ..], _) => format!(
-            "manufacturer {maker} (0x{maker:04X}), type {kind}, software {}.{:02}, {}",
+        (964, [vendor, kind, version, year, day_month, ..], _) => format!(
+            "manufacturer {vendor} (0x{vendor:04X}), type {kind}, software {}.{:02}, {}",
             version / 100,
             version % 100,
             date(*year, *day_month)
         ),
-        (975, [maker, kind, version, year, day_month, rest @ ..], _) => {
+        (975, [vendor, kind, version, year, day_month, rest @ ..], _) => {
             let class = match rest.first() {
                 Some(1) => ", axis",
                 Some(5) => ", encoder",
@@ -247,7 +247,7 @@ fn page(info: &Info, pnu: u16) -> String {
             };
             let id = rest.get(2).map_or_else(String::new, |id| format!(", DO-ID {id}"));
             format!(
-                "manufacturer {maker}, type {kind}, software {}.{:02}, {}{class}{id}",
+                "manufacturer {vendor}, type {kind}, software {}.{:02}, {}{class}{id}",
                 version / 100,
                 version % 100,
                 date(*year, *day_month)
@@ -356,7 +356,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_nobody_wrote_is_told_as_such() {
+    fn fields_never_written_are_marked() {
         let identity = Identity {
             location: "hall 3 ".into(),
             ..Identity::default()

@@ -19,21 +19,21 @@ pub struct Inject {
     pub drive: Option<String>,
     /// What is to happen, in this order; without any: what can happen
     #[arg(value_name = "KEY=VALUE")]
-    pub happenings: Vec<String>,
+    pub events: Vec<String>,
     /// Ends it again after this time
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     pub lasts: Option<Duration>,
 }
 
 pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
-    let Some(drive) = args.drive.as_ref().filter(|_| !args.happenings.is_empty()) else {
+    let Some(drive) = args.drive.as_ref().filter(|_| !args.events.is_empty()) else {
         if args.lasts.is_some() {
             return Err(Failure::usage("--for needs something that happens: KEY=VALUE"));
         }
-        tell_keys(output);
+        print_keys(output);
         return Ok(());
     };
-    let request = InjectRequest::new(drive, &args.happenings, args.lasts).map_err(failure)?;
+    let request = InjectRequest::new(drive, &args.events, args.lasts).map_err(failure)?;
     let target = target(&request).map_err(failure)?;
     if !target.here {
         output.say(&format!(
@@ -42,7 +42,7 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
         ));
     }
     let name = target.inject(request).map_err(failure)?;
-    let what = args.happenings.join(" ");
+    let what = args.events.join(" ");
     if output.json() {
         output.document("inject", fields! { "drive": name, "happened": what });
     } else {
@@ -55,8 +55,8 @@ pub fn run(args: &Inject, output: &Output) -> Result<(), Failure> {
 fn failure(error: InjectError) -> Failure {
     let text = clean(&error.to_string());
     match error {
-        InjectError::NoEnd(happening) => Failure::usage(format!(
-            "`{happening}` has no end of its own, so --for means nothing for it"
+        InjectError::NoEnd(event) => Failure::usage(format!(
+            "`{event}` has no end of its own, so --for means nothing for it"
         )),
         InjectError::Socket(ControlSocketError::Folder { .. }) => Failure::new(Exit::Failed, text).hint(
             "the folder of running simulations must belong to you alone; XDG_RUNTIME_DIR chooses another place",
@@ -88,7 +88,7 @@ fn failure(error: InjectError) -> Failure {
     }
 }
 
-fn tell_keys(output: &Output) {
+fn print_keys(output: &Output) {
     if output.json() {
         let all: Vec<_> = keys()
             .map(|key| fields! { "key": key.key, "example": key.example, "meaning": key.meaning })

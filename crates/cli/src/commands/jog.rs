@@ -9,8 +9,8 @@ use profile::notation::{Number, ParameterReference, Quantity};
 use profile::value::{Assignment, Content, Parameters, Reading, Selection};
 
 use super::axis::{self, End};
+use super::dry_run;
 use super::limit;
-use super::rehearse;
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
@@ -113,14 +113,14 @@ fn try_out(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    axis::tell_alone(session, drive, "jog", output)?;
+    axis::report_controller_loss(session, drive, "jog", output)?;
     let purpose = if args.real_time {
         Purpose::RealTimeJog
     } else {
         Purpose::Jog
     };
     let settings = axis::settings(&args.cyclic, purpose, limit);
-    let tried = rehearse::axis(session, drive, &settings, None, output)?;
+    let tried = dry_run::axis(session, drive, &settings, None, output)?;
     let speed = match wanted.filter(|_| args.real_time) {
         Some(speed) => real_time_speed(session, drive, speed, limit, output)?,
         None => {
@@ -129,7 +129,7 @@ fn try_out(
             let mut speed = session.read_one(drive, &setting.selection).wait()?;
             let left = Note::of(drive, setting.number).read();
             if let Some(left) = left.filter(|left| speed.raw() == Some(left.set)) {
-                output.warn(&left.told(&drive.label()).0);
+                output.warn(&left.message(&drive.label()).0);
             }
             let present = setting.rpm(&speed).unwrap_or(0.0);
             let mut rpm = present;
@@ -142,7 +142,7 @@ fn try_out(
                     engineering: value.engineering,
                 };
                 rpm = setting.rpm(&speed).unwrap_or(wanted);
-                axis::tell_rounded(wanted, rpm, "rpm", output);
+                axis::report_rounding(wanted, rpm, "rpm", output);
                 if before != value::full(&speed) {
                     output.say(&format!(
                         "{called} would be {before} -> {} for this and back afterwards",
@@ -160,7 +160,7 @@ fn try_out(
     output.say(&format!(
         "dry run: {label} would jog at {} rpm for {seconds} s{}; nothing was sent",
         number(speed),
-        tried.told()
+        tried.telegram_text()
     ));
     if output.json() {
         let mut fields = tried.json();
@@ -181,14 +181,14 @@ fn go(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    axis::tell_alone(session, drive, "jog", output)?;
+    axis::report_controller_loss(session, drive, "jog", output)?;
     let facts = session.motion_facts(drive).wait()?;
     if let Some(wanted) = &args.velocity {
         limit::jog(axis::rpm(wanted, "--velocity")?, &facts, drive)?;
     }
     let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
-    let mut taken = session.take_axis(drive, settings).wait()?;
-    let (inner, own) = taken.session();
+    let mut axis = session.take_axis(drive, settings).wait()?;
+    let (inner, own) = axis.session();
     let JogSpeed {
         selection,
         number: pnu,
@@ -199,7 +199,7 @@ fn go(
     let note = Note::of(own, pnu);
     let left = note.read().filter(|left| speed.raw() == Some(left.set));
     if let Some(left) = left {
-        output.warn(&left.told(&own.label()).0);
+        output.warn(&left.message(&own.label()).0);
         set_speed(inner, own, pnu, &left.old).wait()?;
         note.clear();
         output.say(&format!("{called} is {} again", left.old));
@@ -210,16 +210,16 @@ fn go(
         let checked = own.parameters.check(&selection, &wanted.clone().into())?;
         let set = checked.raw;
         if checked.is_rounded() {
-            axis::tell_rounded(checked.asked, checked.engineering, checked.unit, output);
+            axis::report_rounding(checked.asked, checked.engineering, checked.unit, output);
         }
         // what the drive has already is neither written nor put back
         let old = (speed.raw() != Some(set)).then(|| briefly(&own.parameters, &selection, &speed));
         if let Some(old) = old.flatten() {
-            let told = value::full(&speed);
+            let old_value = value::full(&speed);
             let leftover = Leftover { pnu, old, set };
             if let Err(why) = note.write(&leftover) {
                 output.warn(&format!(
-                    "if this program is killed, {called} stays changed and nobody knows that it was {told}: {why}"
+                    "if this program is killed, {called} stays changed and nobody knows that it was {old_value}: {why}"
                 ));
             }
             // put back at the end, whatever happens
@@ -230,7 +230,7 @@ fn go(
     }
     let rpm = setting.rpm(&speed).unwrap_or(0.0);
     axis::within(rpm, limit, SpeedUnit::Rpm)?;
-    limit::jog(rpm, &facts, taken.drive())?;
+    limit::jog(rpm, &facts, axis.drive())?;
     axis::warn_switch(rpm, &facts, output);
     output.say(&format!(
         "this moves the axis: {} jogs at {} for {} s; Ctrl-C stops it",
@@ -238,14 +238,14 @@ fn go(
         value::full(&speed),
         args.time.as_secs_f64()
     ));
-    axis::watch(&mut taken, "jog", false, output);
-    let result = taken.enable().wait().and_then(|mut enabled| {
+    axis::watch(&mut axis, "jog", false, output);
+    let result = axis.enable().wait().and_then(|mut enabled| {
         enabled.jog(jog).wait()?;
         enabled.keep_jog(rpm, args.time).wait()?;
         held_back(&mut enabled, output);
         Ok(())
     });
-    axis::finish(taken, result, End::Time, "jog", serde_json::Map::new(), output)
+    axis::finish(axis, result, End::Time, "jog", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, End::Time, session, drive))
 }
 
@@ -278,26 +278,26 @@ fn real_time(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    axis::tell_alone(session, drive, "jog", output)?;
+    axis::report_controller_loss(session, drive, "jog", output)?;
     axis::warn_switch(speed, &session.motion_facts(drive).wait()?, output);
     real_time_speed(session, drive, speed, limit, output)?;
     let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
-    let mut taken = session.take_axis(drive, settings).wait()?;
+    let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",
         drive.label(),
         number(speed),
         args.time.as_secs_f64(),
-        taken.telegram()
+        axis.telegram()
     ));
-    axis::watch(&mut taken, "jog", false, output);
-    let result = taken.enable().wait().and_then(|mut enabled| {
+    axis::watch(&mut axis, "jog", false, output);
+    let result = axis.enable().wait().and_then(|mut enabled| {
         enabled.jog_at(speed).wait()?;
         enabled.keep_jog(speed, args.time).wait()?;
         held_back(&mut enabled, output);
         Ok(())
     });
-    axis::finish(taken, result, End::Time, "jog", serde_json::Map::new(), output)
+    axis::finish(axis, result, End::Time, "jog", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, End::Time, session, drive))
 }
 
@@ -310,7 +310,7 @@ fn real_time_speed(
     output: &Output,
 ) -> Result<f64, Failure> {
     let speed = session.check_jog(drive, wanted, limit).wait()?;
-    axis::tell_rounded(wanted, speed, "rpm", output);
+    axis::report_rounding(wanted, speed, "rpm", output);
     Ok(speed)
 }
 

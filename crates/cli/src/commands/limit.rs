@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_of_the_drive_are_told() {
+    fn limits_of_the_drive_are_reported() {
         let facts = MotionFacts {
             forward_limit: Some(1000.0),
             backward_limit: Some(500.0),

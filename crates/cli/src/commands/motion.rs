@@ -9,7 +9,7 @@ use profile::state::{State, Zsw1};
 use profile::value::{ParameterProblem, Selection};
 use serde_json::Value;
 
-use super::axis::{self, End, FOR_EVER, told};
+use super::axis::{self, End, FOR_EVER, fault_text};
 use crate::args::{Ack, Interface, Monitor};
 use crate::connect::{self, Live, Need};
 use crate::failure::{Exit, Failure};
@@ -36,7 +36,7 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
                 return Ok(());
             }
             for fault in report.present() {
-                output.say(&told(fault));
+                output.say(&fault_text(fault));
             }
             if report.needs_restart() {
                 session.close().wait()?;
@@ -52,13 +52,13 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
     }
     output.say("acknowledging by an edge of STW1 bit 7");
     let settings = axis::settings(&args.cyclic, Purpose::Control, 0.0);
-    let mut taken = session.take_axis(&mut drive, settings).wait()?;
-    axis::watch(&mut taken, "ack", false, output);
-    let result = taken
+    let mut axis = session.take_axis(&mut drive, settings).wait()?;
+    axis::watch(&mut axis, "ack", false, output);
+    let result = axis
         .ready_or_fault()
         .wait()
-        .and_then(|()| taken.acknowledge().wait());
-    axis::finish(taken, result, End::Time, "ack", serde_json::Map::new(), output)
+        .and_then(|()| axis.acknowledge().wait());
+    axis::finish(axis, result, End::Time, "ack", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, End::Time, &mut session, &mut drive))?;
     Ok(session.close().wait()?)
 }
@@ -109,7 +109,7 @@ pub fn monitor(args: &Monitor, interface: &Interface, output: &Output) -> Result
             let faults = session.faults(&mut drive).wait().unwrap_or_default();
             let present = || faults.iter().filter(|fault| fault.situation == 0);
             for fault in present().filter(|fault| again || !shown.contains(&fault.number)) {
-                output.warn(&told(fault));
+                output.warn(&fault_text(fault));
             }
             shown = present().map(|fault| fault.number).collect();
         }
@@ -138,12 +138,12 @@ fn answered(
 ) -> Result<Option<Snapshot>, Failure> {
     let begin = session.now();
     let label = drive.label();
-    let (teller, silent) = (output.clone(), label.clone());
+    let (printer, silent) = (output.clone(), label.clone());
     let result = session
-        .telling_silence(
+        .reporting_silence(
             SILENCE,
             async |session: &mut Session| session.snapshot(drive, more).await,
-            move || teller.warn(&format!("{silent} does not answer; waiting for it")),
+            move || printer.warn(&format!("{silent} does not answer; waiting for it")),
         )
         .wait();
     let waited = session.now() - begin;

@@ -18,7 +18,7 @@ use crate::output::Output;
 use crate::render::number;
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
-const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
+const ALLOWANCE: (u32, Duration) = (3, Duration::from_secs(10));
 /// For a move whose length is not known.
 const LONGEST: Duration = Duration::from_secs(120);
 
@@ -73,7 +73,7 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
         output.say(&format!(
             "dry run: {} {}; nothing moves",
             drive.label(),
-            told(&plan, &order)
+            plan_text(&plan, &order)
         ));
         if output.json() {
             output.document("move", plan_json(&plan, &drive));
@@ -97,20 +97,20 @@ fn go(
     let plan = session.plan_move(drive, order, limit).wait()?;
     permitted(&plan, drive)?;
     let settings = axis::settings(&args.cyclic, Purpose::Move, limit);
-    let mut taken = session.take_axis(drive, settings).wait()?;
+    let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} {}, telegram {}; Ctrl-C stops it",
         drive.label(),
-        told(&plan, order),
-        taken.telegram()
+        plan_text(&plan, order),
+        axis.telegram()
     ));
-    axis::watch(&mut taken, "move", args.mode.set_mode, output);
+    axis::watch(&mut axis, "move", args.mode.set_mode, output);
     let mut place = None;
-    let result = taken.enable().wait().and_then(|mut enabled| {
+    let result = axis.enable().wait().and_then(|mut enabled| {
         // with what the telegram says now
         let plan = enabled.plan(order).wait()?;
         enabled.start(&plan).wait()?;
-        let limit = args.timeout.unwrap_or_else(|| patience(&plan));
+        let limit = args.timeout.unwrap_or_else(|| time_limit(&plan));
         let reached = enabled.reach_target(Some(limit)).wait();
         // where it was when ZSW1 bit 10 came, before anything else happens
         let status = reached.as_ref().ok().copied().or_else(|| enabled.status());
@@ -118,8 +118,8 @@ fn go(
         reached.map(|_| ())
     });
     // how it ended is told with the release
-    let _ = taken.stopped().wait();
-    let now = taken.status().and_then(|status| status.position);
+    let _ = axis.stopped().wait();
+    let now = axis.status().and_then(|status| status.position);
     let left = axis::left(place, now).filter(|_| result.is_ok());
     if let (Ok(()), Some(position)) = (&result, place) {
         output.say(&format!(
@@ -137,7 +137,7 @@ fn go(
     let more = fields! {
         "reached": result.is_ok(), "position": place, "left_to": left, "plan": plan_json(&plan, drive),
     };
-    axis::finish(taken, result, END, "move", more, output)
+    axis::finish(axis, result, END, "move", more, output)
         .map_err(|error| axis::explained(error, END, session, drive))
 }
 
@@ -175,14 +175,14 @@ fn permitted(plan: &MovePlan, drive: &Drive) -> Result<(), Failure> {
     .into())
 }
 
-fn patience(plan: &MovePlan) -> Duration {
+fn time_limit(plan: &MovePlan) -> Duration {
     plan.duration
         .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
-        .map_or(LONGEST, |time| time * PATIENCE.0 + PATIENCE.1)
+        .map_or(LONGEST, |time| time * ALLOWANCE.0 + ALLOWANCE.1)
 }
 
 /// `goes from 1.2 rev to 10 rev (655360 counts) at 300 rpm, ramps 3052 and 3052 rpm/s, in about 2.1 s`
-fn told(plan: &MovePlan, order: &Order) -> String {
+fn plan_text(plan: &MovePlan, order: &Order) -> String {
     let rev = |turns: Option<f64>| turns.map_or_else(|| "?".into(), |turns| number(axis::rounded(turns)));
     let way = if order.relative {
         format!(

@@ -59,7 +59,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     if !args.force {
         fits(&wanted, &drive)?;
         if !args.dry_run {
-            nobody_connected(&mut session, &drive)?;
+            check_no_controller(&mut session, &drive)?;
         }
     }
     let choice = Choice {
@@ -106,7 +106,7 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     } else {
         results(&journal, output);
     }
-    told(&journal, file, &drive, args, output);
+    report(&journal, file, &drive, args, output);
     result.map_err(|error| failed(error, &journal, file, &drive))?;
     closed?;
     ended(&journal, &drive, args)
@@ -146,7 +146,7 @@ fn fits(wanted: &Backup, drive: &Drive) -> Result<(), Failure> {
 }
 
 /// A controller could switch the axis on at any moment.
-fn nobody_connected(session: &mut Live, drive: &Drive) -> Result<(), Failure> {
+fn check_no_controller(session: &mut Live, drive: &Drive) -> Result<(), Failure> {
     let Some(Some(name)) = session.owner(drive).wait()? else {
         return Ok(());
     };
@@ -353,7 +353,7 @@ fn unsaved_words(model: &Model, drive: &str) -> String {
     }
 }
 
-fn told(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
+fn report(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
     if journal.total() > 0 {
         output.say(&journal.summary());
     }
@@ -522,11 +522,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_parameters_of_the_make_are_named_for_saving() {
-        let told = |name| unsaved_words(&Model::by_name(name).unwrap(), "d");
-        assert!(told("akd").contains("`profidrive write d DRV.NVSAVE=1`"));
-        assert!(told("vlt").contains("--save") && !told("vlt").contains("NVSAVE"));
-        assert!(told("vacon").starts_with("saved in the drive"));
+    fn only_parameters_of_the_model_are_named_for_saving() {
+        let words_for = |name| unsaved_words(&Model::by_name(name).unwrap(), "d");
+        assert!(words_for("akd").contains("`profidrive write d DRV.NVSAVE=1`"));
+        assert!(words_for("vlt").contains("--save") && !words_for("vlt").contains("NVSAVE"));
+        assert!(words_for("vacon").starts_with("saved in the drive"));
     }
 
     fn backup(lines: &str) -> Backup {

@@ -11,8 +11,8 @@ use profile::state::Mode;
 use profile::telegram::DANFOSS;
 
 use super::axis::{self, End, SetMode};
+use super::dry_run;
 use super::limit::{above, too_fast};
-use super::rehearse;
 use crate::args::{Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
@@ -127,7 +127,7 @@ impl Wish {
         })
     }
 
-    fn told(&self) -> String {
+    fn speed_text(&self) -> String {
         format!("{} {}", self.speed, self.unit.symbol())
     }
 }
@@ -150,23 +150,25 @@ fn try_out(args: &Run, wish: &Wish, interface: &Interface, output: &Output) -> R
     permitted(args, wish, &mut session, &mut drive, output)?;
     let settings = settings(args, wish, &drive)?;
     let needed = Some((Mode::Velocity, &args.mode));
-    let tried = rehearse::axis(&mut session, &mut drive, &settings, needed, output)?;
+    let tried = dry_run::axis(&mut session, &mut drive, &settings, needed, output)?;
     session.close().wait()?;
     let plan = tried.plan.as_ref();
-    let told = plan.map(|plan| plan.speed_told(&drive, wish.speed)).transpose()?;
-    if let Some(told) = told {
-        axis::tell_rounded(wish.speed, told, wish.unit.symbol(), output);
+    let rounded = plan
+        .map(|plan| plan.rounded_speed_for(&drive, wish.speed))
+        .transpose()?;
+    if let Some(rounded) = rounded {
+        axis::report_rounding(wish.speed, rounded, wish.unit.symbol(), output);
     }
-    let (label, speed) = (drive.label(), wish.told());
+    let (label, speed) = (drive.label(), wish.speed_text());
     output.say(&format!(
         "dry run: {label} would turn at {speed} {}{}; nothing was sent",
-        time_told(args),
-        tried.told()
+        duration_text(args),
+        tried.telegram_text()
     ));
     if output.json() {
         let mut fields = tried.json();
         fields.extend(
-            fields! { "drive": label, "dry_run": true, "speed": wish.speed, "speed_told": told,
+            fields! { "drive": label, "dry_run": true, "speed": wish.speed, "speed_told": rounded,
             "speed_unit": wish.unit.symbol(), "time": args.time.map(|time| time.as_secs_f64()) },
         );
         output.document("run", fields);
@@ -174,7 +176,7 @@ fn try_out(args: &Run, wish: &Wish, interface: &Interface, output: &Output) -> R
     Ok(())
 }
 
-fn time_told(args: &Run) -> String {
+fn duration_text(args: &Run) -> String {
     args.time.map_or_else(
         || "until Ctrl-C".into(),
         |time| format!("for {} s", time.as_secs_f64()),
@@ -208,12 +210,12 @@ fn permitted(
         let facts = session.motion_facts(drive).wait()?;
         axis::warn_switch(speed, &facts, output);
         // who says what 100 % is knows better than the drive
-        let told = |part: &Option<Part>| *part != Some(Part::Reference) || args.reference_speed.is_none();
-        if let Some(limit) = above(speed, &facts).filter(|(_, part)| told(part)) {
+        let applies = |part: &Option<Part>| *part != Some(Part::Reference) || args.reference_speed.is_none();
+        if let Some(limit) = above(speed, &facts).filter(|(_, part)| applies(part)) {
             return Err(too_fast(speed, limit, drive));
         }
     }
-    axis::tell_alone(session, drive, "run", output)
+    axis::report_controller_loss(session, drive, "run", output)
 }
 
 fn go(
@@ -227,18 +229,18 @@ fn go(
     permitted(args, wish, session, drive, output)?;
     let end = if args.time.is_some() { End::Time } else { End::Open };
     let settings = settings(args, wish, drive)?;
-    let mut taken = session.take_axis(drive, settings).wait()?;
-    if let Some(nearest) = taken.rounded_speed(speed) {
-        axis::tell_rounded(speed, nearest, wish.unit.symbol(), output);
+    let mut axis = session.take_axis(drive, settings).wait()?;
+    if let Some(nearest) = axis.rounded_speed(speed) {
+        axis::report_rounding(speed, nearest, wish.unit.symbol(), output);
     }
     output.say(&format!(
         "this moves the axis: {} turns at {} {}; Ctrl-C stops it",
         drive.label(),
-        wish.told(),
-        time_told(args)
+        wish.speed_text(),
+        duration_text(args)
     ));
-    axis::watch(&mut taken, "run", args.mode.set_mode, output);
-    let result = taken.enable().wait().and_then(|mut enabled| match args.time {
+    axis::watch(&mut axis, "run", args.mode.set_mode, output);
+    let result = axis.enable().wait().and_then(|mut enabled| match args.time {
         Some(time) => {
             let ramp = enabled.speed_time(speed);
             if ramp > LONG_RAMP {
@@ -266,7 +268,7 @@ fn go(
             enabled.keep_speed(speed, axis::FOR_EVER).wait()
         }
     });
-    axis::finish(taken, result, end, "run", serde_json::Map::new(), output)
+    axis::finish(axis, result, end, "run", serde_json::Map::new(), output)
         .map_err(|error| axis::explained(error, end, session, drive))
 }
 
@@ -274,5 +276,5 @@ fn go(
 fn unreached(wish: &Wish, actual: Option<f64>) -> String {
     let unit = wish.unit.symbol();
     let actual = actual.map_or_else(String::new, |actual| format!(", it was {actual:.1} {unit}"));
-    format!("{} was not reached when the stop came{actual}", wish.told())
+    format!("{} was not reached when the stop came{actual}", wish.speed_text())
 }

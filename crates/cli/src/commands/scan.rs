@@ -127,7 +127,7 @@ mod tests {
     use profinet::MacAddress;
 
     #[test]
-    fn double_names_are_told() {
+    fn duplicate_names_are_reported() {
         let station = |last| Station {
             mac: MacAddress([2, 0, 0, 0, 0, last]),
             name: "akd-1".into(),

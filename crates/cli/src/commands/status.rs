@@ -7,7 +7,7 @@ use profile::catalogue::{Catalogue, Part};
 use profile::state::{Mode, Profile};
 use serde_json::{Map, Value};
 
-use super::axis::{told, warned};
+use super::axis::{fault_text, warned};
 use crate::advice;
 use crate::args::Interface;
 use crate::connect::{self, Need};
@@ -41,7 +41,7 @@ pub fn run(args: &Status, interface: &Interface, output: &Output) -> Result<(), 
     session.close().wait()?;
     let mut diagnosis = diagnose(&status);
     diagnosis.notes.extend(left.iter().map(|left| {
-        let (sentence, next) = left.told(&drive.label());
+        let (sentence, next) = left.message(&drive.label());
         Note {
             id: "leftover",
             sentence,
@@ -180,7 +180,7 @@ fn lines(status: &DriveStatus, tables: Option<&Catalogue>) -> Vec<String> {
             .map(|error| format!("{error:.3} rev (position command minus position)")),
     );
     for fault in &status.faults {
-        line("fault", Some(told(fault)));
+        line("fault", Some(fault_text(fault)));
     }
     for warning in &status.warnings {
         line("warning", Some(warned(warning)));
@@ -198,7 +198,7 @@ fn bits_of(tables: Option<&Catalogue>, part: Part, word: u16) -> String {
         Some(known) => format!(
             "{} {}",
             hex16(word),
-            words::told(&known.told(word.into(), Profile::default(), Mode::default()))
+            words::bracketed(&known.describe(word.into(), Profile::default(), Mode::default()))
         ),
         None => hex16(word),
     }

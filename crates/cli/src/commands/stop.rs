@@ -56,7 +56,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
             },
         );
     } else {
-        output.line(&told(&label, command, &outcome));
+        output.line(&summary(&label, command, &outcome));
     }
     if let Some(cause) = &outcome.unread {
         output.warn(&format!(
@@ -96,7 +96,7 @@ pub fn run(args: &Stop, interface: &Interface, output: &Output) -> Result<(), Fa
 }
 
 /// What was done, in one line.
-fn told(drive: &str, command: &str, outcome: &StopOutcome) -> String {
+fn summary(drive: &str, command: &str, outcome: &StopOutcome) -> String {
     let speed = |rpm: Option<f64>, percent: Option<f64>| match (rpm, percent) {
         (Some(rpm), _) => format!("{rpm:.1} rpm"),
         (None, Some(percent)) => format!("{percent:.1} % of its reference"),
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_help_says_what_the_timeout_bounds() {
+    fn help_describes_what_the_timeout_bounds() {
         let help = Stop::augment_args(clap::Command::new("stop"))
             .render_long_help()
             .to_string();
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_done_is_said() {
+    fn summary_describes_the_stop() {
         let outcome = StopOutcome {
             sent: true,
             speed_before: Some(60.02),
@@ -161,7 +161,7 @@ mod tests {
             unread: None,
         };
         assert_eq!(
-            told("akd-1", "DRV.STOP", &outcome),
+            summary("akd-1", "DRV.STOP", &outcome),
             "DRV.STOP sent to akd-1 at 60.0 rpm: it stands (0.0 rpm), the power stage is still on"
         );
         let nothing = StopOutcome {
@@ -171,7 +171,7 @@ mod tests {
             ..outcome.clone()
         };
         assert_eq!(
-            told("akd-1", "DRV.STOP", &nothing),
+            summary("akd-1", "DRV.STOP", &nothing),
             "akd-1 is at rest, the power stage is off: nothing was sent"
         );
         let pulled = StopOutcome {
@@ -181,7 +181,7 @@ mod tests {
             ..nothing
         };
         assert_eq!(
-            told("akd-1", "DRV.STOP", &pulled),
+            summary("akd-1", "DRV.STOP", &pulled),
             "akd-1 turned at 60.0 rpm with its power stage off, so nothing was sent: it turns on (-480.5 rpm)"
         );
         let slave = StopOutcome {
@@ -193,7 +193,7 @@ mod tests {
             ..outcome.clone()
         };
         assert_eq!(
-            told("vacon", "OFF1", &slave),
+            summary("vacon", "OFF1", &slave),
             "OFF1 sent to vacon at 60.0 % of its reference: it stands (0.0 % of its reference), the power stage is off"
         );
         let turning = StopOutcome {
@@ -201,6 +201,6 @@ mod tests {
             at_rest: false,
             ..outcome
         };
-        assert!(told("akd-1", "DRV.DIS", &turning).starts_with("DRV.DIS sent to akd-1"));
+        assert!(summary("akd-1", "DRV.DIS", &turning).starts_with("DRV.DIS sent to akd-1"));
     }
 }

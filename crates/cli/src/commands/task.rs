@@ -45,16 +45,16 @@ fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
     session.check_control(drive).wait()?;
     session.check_task(drive, args.number).wait()?;
     let settings = axis::settings(&args.cyclic, Purpose::Task, f64::INFINITY);
-    let mut taken = session.take_axis(drive, settings).wait()?;
+    let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} carries out its motion task {}, telegram {}; Ctrl-C stops it",
         drive.label(),
         args.number,
-        taken.telegram()
+        axis.telegram()
     ));
-    axis::watch(&mut taken, "task", args.mode.set_mode, output);
+    axis::watch(&mut axis, "task", args.mode.set_mode, output);
     let mut status = None;
-    let result = taken.enable().wait().and_then(|mut enabled| {
+    let result = axis.enable().wait().and_then(|mut enabled| {
         enabled.start_task(args.number).wait()?;
         let reached = enabled.reach_target(Some(args.timeout)).wait();
         status = reached.as_ref().ok().copied().or_else(|| enabled.status());
@@ -68,6 +68,6 @@ fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
         "task": args.number, "aktsatz": running, "reached": result.is_ok(),
         "position": status.and_then(|status| status.position),
     };
-    axis::finish(taken, result, END, "task", more, output)
+    axis::finish(axis, result, END, "task", more, output)
         .map_err(|error| axis::explained(error, END, session, drive))
 }

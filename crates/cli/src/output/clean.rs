@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn json_says_the_same_without_raw_characters() {
+    fn json_has_the_same_text_without_raw_characters() {
         let json = serde_json::Value::from(HOSTILE).to_string();
         let safe = clean_json(&json);
         assert!(!safe.chars().any(is_unsafe), "{safe}");

@@ -386,7 +386,7 @@ mod tests {
     }
 
     #[test]
-    fn the_control_word_tells_a_ramp_stop_from_switched_on() {
+    fn the_control_word_distinguishes_ramp_stop_from_switched_on() {
         let turning = AxisView {
             stw1: 0x047E,
             answered: 0x047E,

@@ -187,7 +187,7 @@ impl Simulated {
     }
 
     /// What it prints until a line has these words.
-    pub fn told_until(&mut self, words: &str) -> String {
+    pub fn output_until(&mut self, words: &str) -> String {
         let (mut all, limit) = (String::new(), Instant::now() + Duration::from_secs(30));
         while !all.contains(words) && Instant::now() < limit {
             if self.lines.read_line(&mut all).expect("text") == 0 {

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told() {
+    fn mistakes_are_reported() {
         for (text, words) in [
             ("fc:", "PORT/ADDRESS"),
             ("fc:/1", "PORT/ADDRESS"),

@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_without_a_telegram_that_does_is_told() {
+    fn a_drive_without_a_suitable_telegram_is_reported() {
         let mut device = AKD.device;
         device.telegrams = &AKD.device.telegrams[..1];
         assert_eq!(device.telegrams[0].telegram, 1);

@@ -50,7 +50,7 @@ pub struct AxisControl {
     word_since: Instant,
     command: Command,
     /// Since when the drive is controlled.
-    taken: Instant,
+    controlled_since: Instant,
     was_in_operation: bool,
     quick: bool,
     /// ON was sent and the drive has not said since that the pulses are off.
@@ -92,7 +92,7 @@ impl AxisControl {
             since: Instant::ZERO,
             word_since: Instant::ZERO,
             command: Command::default(),
-            taken: Instant::ZERO,
+            controlled_since: Instant::ZERO,
             was_in_operation: false,
             quick: false,
             may_turn: false,
@@ -257,7 +257,7 @@ impl AxisControl {
             self.word_since = now;
         }
         if self.command.stw1 == RELEASED {
-            self.taken = now;
+            self.controlled_since = now;
         }
         self.may_turn |= next.stw1.has(Stw1::ON);
         self.command = next;
@@ -528,7 +528,7 @@ impl AxisControl {
     /// What the drive says is an answer to a control word: before that it may tell a word of another connection, with
     /// other bits.
     fn has_answered(&self, now: Instant) -> bool {
-        self.command.stw1 != RELEASED && now - self.taken >= self.limits.dwell
+        self.command.stw1 != RELEASED && now - self.controlled_since >= self.limits.dwell
     }
 
     fn took(&self, now: Instant) -> Duration {

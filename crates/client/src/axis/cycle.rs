@@ -115,7 +115,7 @@ pub struct Strained {
 impl Strained {
     /// True where this computer keeps to the cycle, and the watchdog alone leaves no room.
     #[must_use]
-    pub fn is_short_of_patience(&self) -> bool {
+    pub fn is_watchdog_too_short(&self) -> bool {
         self.delay < self.cycle.interval()
     }
 }
@@ -125,7 +125,7 @@ impl fmt::Display for Strained {
         let millis = |time: Duration| (time.as_secs_f64() * 10_000.0).round() / 10.0;
         let (cycle, delay) = (millis(self.cycle.interval()), millis(self.delay));
         let hold = millis(self.cycle.hold_time());
-        if self.is_short_of_patience() {
+        if self.is_watchdog_too_short() {
             return write!(
                 f,
                 "a watchdog of {hold} ms is too short for a cycle of {cycle} ms: after {hold} ms without a frame the \
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_is_taken_if_it_exists() {
+    fn a_requested_cycle_is_used_if_it_exists() {
         assert_eq!(chosen(&[], MS * 4, Some(MS)), (MS, MS * 100));
         assert!(Cycle::choose(&[], MS, Some(MS * 3), None).is_err());
         assert!(Cycle::choose(&[timing(8)], MS, Some(MS * 4), None).is_err());

@@ -73,10 +73,10 @@ impl fmt::Display for Evidence {
                 .map_or_else(String::new, |limit| format!(" of {limit:.2} A"));
             parts.push(format!("current {current:.2} A{limit}"));
         }
-        let told = parts.join(", ");
-        match (told.is_empty(), self.cause()) {
-            (false, Some(cause)) => write!(f, "{told}: {cause}"),
-            (false, None) => f.write_str(&told),
+        let text = parts.join(", ");
+        match (text.is_empty(), self.cause()) {
+            (false, Some(cause)) => write!(f, "{text}: {cause}"),
+            (false, None) => f.write_str(&text),
             (true, Some(cause)) => f.write_str(cause),
             (true, None) => f.write_str("the drive does not tell why"),
         }

@@ -9,7 +9,7 @@ use profile::notation::Position;
 use profile::telegram::signal;
 
 use super::command::Traverse;
-use profile::value::is_another;
+use profile::value::is_other_value;
 
 pub use facts::MotionFacts;
 pub use modulo::ModuloRange;
@@ -150,7 +150,7 @@ pub fn plan_move(
             speed: order.speed,
             highest,
         });
-    } else if order.speed > 0.0 && order.speed <= speed_limit && is_another(order.speed, speed) {
+    } else if order.speed > 0.0 && order.speed <= speed_limit && is_other_value(order.speed, speed) {
         let beside = if speed > order.speed {
             velocity - 1
         } else {
@@ -345,16 +345,16 @@ mod tests {
             modulo_range: ModuloRange::new(3.0, 0.0, way),
             ..facts()
         };
-        let outside = |target| Objection::ModuloRange {
+        let out_of_range = |target| Objection::ModuloRange {
             target,
             low: 0.0,
             high: 3.0,
         };
         for target in [4.0, 3.0, -0.5] {
-            assert_eq!(plan(&turns(target), &table(0)).objections, [outside(target)]);
+            assert_eq!(plan(&turns(target), &table(0)).objections, [out_of_range(target)]);
         }
         assert!(
-            outside(4.0)
+            out_of_range(4.0)
                 .to_string()
                 .contains("modulo range of 0.000 to 3.000 rev")
         );
@@ -401,7 +401,7 @@ mod tests {
     }
 
     #[test]
-    fn everything_that_speaks_against_a_move() {
+    fn all_objections_to_a_move() {
         use Objection::{
             DriveLimit, Fault, LimitSwitch, NoDistance, NoSpeed, NotHomed, Ramp, Range, SoftwareLimit,
             SpeedLimit, SpeedRange,

@@ -219,7 +219,7 @@ impl Wiring {
     }
 
     /// Setpoint signals that a [`Command`] does not carry: they keep what [`preset`](Self::preset) puts there.
-    pub fn left_alone(&self) -> impl Iterator<Item = u16> {
+    pub fn uncommanded(&self) -> impl Iterator<Item = u16> {
         self.setpoint
             .fields()
             .iter()
@@ -334,14 +334,14 @@ mod tests {
             (seen.zsw1, seen.aktsatz, seen.xist_a, seen.nist_a),
             (Zsw1(0x2E37), Some(5), Some(-2), None)
         );
-        assert_eq!(wiring.left_alone().collect::<Vec<_>>(), [signal::STW2]);
+        assert_eq!(wiring.uncommanded().collect::<Vec<_>>(), [signal::STW2]);
     }
 
     #[test]
     fn signals_that_no_command_carries_keep_what_was_preset() {
         let mut wiring = akd(353);
         assert_eq!(
-            wiring.left_alone().collect::<Vec<_>>(),
+            wiring.uncommanded().collect::<Vec<_>>(),
             [
                 signal::STW2,
                 signal::kollmorgen::HOME_DIST,
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn a_telegram_with_parameters_leaves_its_channel_alone_and_keeps_its_words() {
+    fn a_telegram_with_a_parameter_channel_leaves_its_words_unchanged() {
         let ppo_2 = Telegram::find(102, DANFOSS).unwrap();
         let mut wiring = Wiring::of(ppo_2, DANFOSS).unwrap().with_words(Profile::DanfossFc);
         assert_eq!(wiring.chosen_words().collect::<Vec<_>>(), [2, 3, 4, 5]);

@@ -3,7 +3,7 @@
 use profile::catalogue::{Part, Scaling};
 use profile::unit::UnitChoice;
 
-use super::TasksTold;
+use super::TaskCoverage;
 use crate::text::{escape, unescape};
 use crate::{Drive, Identity};
 use profile::model::Model;
@@ -26,7 +26,7 @@ pub struct Header {
     /// Software revision, for example `V1.17.0`.
     pub software: String,
     /// What is said about the motion tasks as a whole.
-    pub tasks: TasksTold,
+    pub tasks: TaskCoverage,
 }
 
 impl Header {
@@ -44,7 +44,7 @@ impl Header {
             order_id: text(|identity| &identity.order_id),
             serial_number: text(|identity| &identity.serial_number),
             software: text(|identity| &identity.software_revision),
-            tasks: TasksTold::Nothing,
+            tasks: TaskCoverage::Nothing,
         }
     }
 
@@ -159,7 +159,7 @@ impl Header {
             "order number" => self.order_id = text(),
             "serial number" => self.serial_number = text(),
             "software" => self.software = text(),
-            "tasks" => self.tasks = TasksTold::parse(&text())?,
+            "tasks" => self.tasks = TaskCoverage::parse(&text())?,
             "scaling" => *scaling = Some(read_scaling(value)?),
             "units" => *units = Some(read_units(value)?),
             _ => return Err(format!("`{key}:` is no line of the head of a backup")),
@@ -269,7 +269,7 @@ mod tests {
             order_id: hostile.clone(),
             serial_number: "\n".to_owned() + &hostile,
             software: hostile.clone(),
-            tasks: TasksTold::LeftOut(hostile),
+            tasks: TaskCoverage::LeftOut(hostile),
             ..Header::default()
         };
         let lines = header.lines(None);

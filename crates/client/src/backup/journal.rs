@@ -243,7 +243,7 @@ impl Journal {
 }
 
 impl Journal {
-    fn told(&self, number: u16) -> String {
+    fn result_text(&self, number: u16) -> String {
         let planned = self.plan.tasks.iter().zip(&self.task_steps);
         let mut found = planned.filter(|(change, _)| change.number == number);
         found.next().map_or_else(String::new, |(change, step)| {
@@ -261,7 +261,7 @@ impl fmt::Display for Journal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.way_back
             .write(f, &self.remarks(), &|reading| self.comment(reading), &|number| {
-                self.told(number)
+                self.result_text(number)
             })
     }
 }

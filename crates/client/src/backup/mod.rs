@@ -50,7 +50,7 @@ pub use parse::{BackupError, MAX_TEXT, Problem};
 pub use pattern::{Pattern, PatternError};
 pub use plan::{Change, Choice, Plan, Skip, Skipped, TaskChange, TaskSkipped};
 pub(crate) use task::Window;
-pub use task::{Task, TaskDifference, TasksTold, compare_tasks};
+pub use task::{Task, TaskCoverage, TaskDifference, compare_tasks};
 
 use crate::Refusal;
 use profile::model::Model;

@@ -339,29 +339,31 @@ fn number(
     parameters: &Parameters,
     scaled: bool,
 ) -> Result<i64, String> {
-    let told = |problem: &dyn fmt::Display| format!("{label}: {problem}");
+    let problem_text = |problem: &dyn fmt::Display| format!("{label}: {problem}");
     let (text, raw) = match text.strip_suffix(')').and_then(|text| text.rsplit_once("(raw ")) {
         Some((text, raw)) => (
             text.trim(),
-            Some(raw_number(raw.trim(), parameter).map_err(|e| told(&e))?),
+            Some(raw_number(raw.trim(), parameter).map_err(|e| problem_text(&e))?),
         ),
         None => (text, None),
     };
     if text.starts_with("0x") || text.starts_with("0X") {
-        return raw_number(text, parameter).map_err(|error| told(&error));
+        return raw_number(text, parameter).map_err(|error| problem_text(&error));
     }
     if !scaled && !parameter.scale.is_fixed() {
-        return Err(told(&"the line `scaling:` of the head is needed to read it"));
+        return Err(problem_text(
+            &"the line `scaling:` of the head is needed to read it",
+        ));
     }
-    let quantity: Quantity = text.parse().map_err(|error| told(&error))?;
+    let quantity: Quantity = text.parse().map_err(|error| problem_text(&error))?;
     let value = parameter
         .quantity(&quantity, &parameters.scaling)
-        .map_err(|error| told(&error))?;
-    let nearest = nearest(value, parameter, &parameters.scaling).map_err(|error| told(&error))?;
+        .map_err(|error| problem_text(&error))?;
+    let nearest = nearest(value, parameter, &parameters.scaling).map_err(|error| problem_text(&error))?;
     match raw {
         None => Ok(nearest),
         Some(raw) if raw == nearest => Ok(raw),
-        Some(raw) => Err(told(&format!(
+        Some(raw) => Err(problem_text(&format!(
             "{text} is not the raw value beside it, which is {}: remove the one that is wrong",
             parameter.engineering(raw, &parameters.scaling)
         ))),
@@ -397,7 +399,7 @@ fn raw_number(text: &str, parameter: &Parameter) -> Result<i64, String> {
         digits.is_some_and(|d| d.len() <= 8),
         u32::try_from(raw),
     ) {
-        return Ok(parameter.alone(low)); // of a drive that knows the low half only
+        return Ok(parameter.low_word(low)); // of a drive that knows the low half only
     }
     let bits = 8 * u32::try_from(parameter.octets()).unwrap_or(8);
     if bits < 64 && raw >> bits != 0 {

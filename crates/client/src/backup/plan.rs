@@ -3,7 +3,7 @@
 use profile::catalogue::{Parameter, Phase, Role, Scaling};
 use profile::notation::Shown;
 
-use super::{Backup, Header, Pattern, Task, TasksTold, rule, selection, task};
+use super::{Backup, Header, Pattern, Task, TaskCoverage, rule, selection, task};
 use crate::Refusal;
 use profile::value::take_scale;
 use profile::value::{Content, Interpretation, Parameters, Reading, Selection};
@@ -250,7 +250,7 @@ impl Plan {
         for number in meant {
             let Some(new) = wanted.task(number) else { continue };
             let Some(old) = present.task(number) else {
-                if let TasksTold::LeftOut(why) = &present.header.tasks {
+                if let TaskCoverage::LeftOut(why) = &present.header.tasks {
                     self.tasks_left_out = Some(why.clone());
                 }
                 continue;
@@ -274,7 +274,7 @@ impl Plan {
     pub fn way_back(&self) -> Backup {
         let old = self.changes.iter().map(|change| Ok(change.old.clone()));
         let header = Header {
-            tasks: TasksTold::Nothing,
+            tasks: TaskCoverage::Nothing,
             ..self.header.clone()
         };
         let mut backup = Backup::new(header, self.parameters, old);

@@ -34,7 +34,7 @@ impl Backup {
         out: &mut dyn fmt::Write,
         remarks: &[String],
         comment: &dyn Fn(&Reading) -> String,
-        told: &dyn Fn(u16) -> String,
+        task_note: &dyn Fn(u16) -> String,
     ) -> fmt::Result {
         writeln!(out, "{MAGIC} {FORM}")?;
         let scaling = self.parameters.catalogue.map(|_| &self.parameters.scaling);
@@ -56,7 +56,7 @@ impl Backup {
         }
         for (number, task) in &self.tasks {
             let line = format!("{} = {}", Name(*number), task.text(&self.parameters));
-            match one_line(&told(*number)) {
+            match one_line(&task_note(*number)) {
                 words if words.is_empty() => writeln!(out, "{line}")?,
                 words => writeln!(out, "{line}  # {words}")?,
             }
@@ -163,7 +163,7 @@ fn comment(backup: &Backup, reading: &Reading) -> String {
         None => reading
             .word
             .as_ref()
-            .map_or_else(String::new, |told| told.join(", ")),
+            .map_or_else(String::new, |task_note| task_note.join(", ")),
     };
     let steps = if unit(parameter.unit).is_empty() && !parameter.unit.is_empty() {
         format!("in steps of {}", parameter.unit)

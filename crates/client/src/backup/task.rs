@@ -66,7 +66,7 @@ impl Window {
 
 /// What a file says about motion tasks as a whole.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub enum TasksTold {
+pub enum TaskCoverage {
     /// Nothing: only the lines that are there count.
     #[default]
     Nothing,
@@ -76,7 +76,7 @@ pub enum TasksTold {
     LeftOut(String),
 }
 
-impl TasksTold {
+impl TaskCoverage {
     pub(super) fn line(&self) -> Option<String> {
         match self {
             Self::Nothing => None,
@@ -290,7 +290,7 @@ impl Backup {
     pub fn task(&self, number: u16) -> Option<&Task> {
         match self.tasks.get(&number) {
             Some(task) => Some(task),
-            None if self.header.tasks == TasksTold::All => Some(&Task::Empty),
+            None if self.header.tasks == TaskCoverage::All => Some(&Task::Empty),
             None => None,
         }
     }
@@ -300,14 +300,14 @@ impl Backup {
     pub fn task_numbers(&self) -> Vec<u16> {
         let window = self.parameters.catalogue.and_then(Window::of);
         match (&self.header.tasks, window) {
-            (TasksTold::All, Some(window)) => window.rows().collect(),
+            (TaskCoverage::All, Some(window)) => window.rows().collect(),
             _ => self.tasks.keys().copied().collect(),
         }
     }
 
     /// Takes a motion task in.
     pub(crate) fn put_task(&mut self, number: u16, task: Task) {
-        if task == Task::Empty && self.header.tasks == TasksTold::All {
+        if task == Task::Empty && self.header.tasks == TaskCoverage::All {
             self.tasks.remove(&number);
         } else {
             self.tasks.insert(number, task);
@@ -396,7 +396,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_task_is_told() {
+    fn invalid_tasks_are_reported() {
         for (line, words) in [
             ("MT[129] = empty", "line 6: MT[129]: there are tasks 1 to 128"),
             ("MT[x] = empty", "write the number of the task"),
@@ -414,7 +414,7 @@ mod tests {
     }
 
     #[test]
-    fn tasks_differ_when_both_sides_tell() {
+    fn tasks_differ_only_when_both_sides_list_them() {
         let task = |speed: &str| format!("MT[1] = P 1, V {speed}, ACC 1000, DEC 1000");
         let one = file(&task("300 rpm")).unwrap();
         let other = file(&format!(
@@ -431,7 +431,7 @@ mod tests {
             .map(|one| one.number)
             .collect();
         assert_eq!(numbers, [1, 2]);
-        let untold = file("tasks: left out, the power stage is on").unwrap();
-        assert!(compare_tasks(&other, &untold).is_empty());
+        let check_reported = file("tasks: left out, the power stage is on").unwrap();
+        assert!(compare_tasks(&other, &check_reported).is_empty());
     }
 }

@@ -18,7 +18,7 @@ fn header() -> Header {
         order_id: "AKD-P00306-NBPN-0000".into(),
         serial_number: "V-000001".into(),
         software: "V1.17.0".into(),
-        tasks: TasksTold::Nothing,
+        tasks: TaskCoverage::Nothing,
     }
 }
 
@@ -130,8 +130,8 @@ fn a_value_that_its_unit_cannot_say_exactly_has_its_raw_number() {
 }
 
 #[test]
-fn mistakes_are_told_with_their_lines() {
-    for (lines, told) in [
+fn mistakes_are_reported_with_their_lines() {
+    for (lines, expected) in [
         (
             "p2108 DRV.DEC = 3000 rpm/s",
             "line 6: p2108 is DRV.ACC, not DRV.DEC",
@@ -182,9 +182,9 @@ fn mistakes_are_told_with_their_lines() {
         ("p65000 = 0x123", "line 6: `0x123`"),
     ] {
         let error = Backup::parse(&with_head(lines)).unwrap_err().to_string();
-        assert!(error.contains(told), "{lines:?}: {error}");
+        assert!(error.contains(expected), "{lines:?}: {error}");
     }
-    for (text, told) in [
+    for (text, expected) in [
         (
             "",
             "line 1: this is no backup: the first line is `profidrive backup 1`, not ``",
@@ -200,7 +200,7 @@ fn mistakes_are_told_with_their_lines() {
         ),
     ] {
         let error = Backup::parse(text).unwrap_err().to_string();
-        assert!(error.starts_with(told), "{text:?}: {error}");
+        assert!(error.starts_with(expected), "{text:?}: {error}");
     }
     let many = Backup::parse(&with_head(&"nonsense\n".repeat(1000))).unwrap_err();
     assert_eq!(many.problems.len(), 20);
@@ -277,7 +277,7 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
 }
 
 #[test]
-fn a_plan_says_what_it_leaves_out_and_why() {
+fn a_plan_lists_omissions_and_reasons() {
     let present = drive(Scaling::default(), &[]);
     let wanted = file(
         "p2108 = 5000 rpm/s\np2115 = 3000 rpm/s\np922 = 353\nDRV.CMDSOURCE = 0\nIP.MODE = 0\np930 = 2\nNSOLL_A = 5 rpm\nMOTOR.BRAKERLS = 1\n\

@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_that_is_never_ready_is_told_once() {
+    fn a_channel_that_is_never_ready_is_reported_once() {
         let error = Error::Record {
             drive: "akd-1".into(),
             what: "parameter access".into(),
@@ -348,10 +348,10 @@ mod tests {
                 },
             },
         };
-        let told = error.to_string();
+        let text = error.to_string();
         assert!(
-            told.starts_with("akd-1: parameter access: not ready within 10000 ms"),
-            "{told}"
+            text.starts_with("akd-1: parameter access: not ready within 10000 ms"),
+            "{text}"
         );
         assert!(
             error

@@ -112,7 +112,7 @@ pub(super) fn objections_text(objections: &[Objection]) -> String {
 }
 
 /// Most stations of a list in a message.
-const MOST_TOLD: usize = 8;
+const MOST_LISTED: usize = 8;
 
 /// Who answered instead; of many those next to what was looked for.
 pub(super) fn others(drive: &DriveAddress, stations: &[Station]) -> String {
@@ -120,7 +120,7 @@ pub(super) fn others(drive: &DriveAddress, stations: &[Station]) -> String {
         return "; nobody else answered either".into();
     }
     let mut nearest: Vec<&Station> = stations.iter().collect();
-    if nearest.len() > MOST_TOLD {
+    if nearest.len() > MOST_LISTED {
         nearest.sort_by_cached_key(|station| {
             let far = match drive {
                 DriveAddress::Name(name) => name_distance(name, &station.name) as u64,
@@ -131,8 +131,8 @@ pub(super) fn others(drive: &DriveAddress, stations: &[Station]) -> String {
             (far, station.name.clone(), station.mac)
         });
     }
-    let more = nearest.len().saturating_sub(MOST_TOLD);
-    let names: Vec<String> = nearest.into_iter().take(MOST_TOLD).map(describe).collect();
+    let more = nearest.len().saturating_sub(MOST_LISTED);
+    let names: Vec<String> = nearest.into_iter().take(MOST_LISTED).map(describe).collect();
     let list = names.join(", ");
     match more {
         0 => format!("; heard: {list}"),
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_stations_the_nearest_are_told() {
+    fn of_many_stations_the_nearest_are_listed() {
         for (drive, first) in [
             ("akd-64x", "akd-64 (02:50:4e:00:00:40, 10.0.0.64)"),
             ("10.0.0.99", "akd-80 (02:50:4e:00:00:50, 10.0.0.80)"),
@@ -203,12 +203,12 @@ mod tests {
                 drive: drive.parse().unwrap(),
                 heard: stations(count),
             };
-            let told = not_found(80).to_string();
+            let message = not_found(80).to_string();
             assert!(
-                told.contains(&format!("; heard 80, the nearest: {first}, ")),
-                "{told}"
+                message.contains(&format!("; heard 80, the nearest: {first}, ")),
+                "{message}"
             );
-            assert!(told.ends_with(" and 72 more"), "{told}");
+            assert!(message.ends_with(" and 72 more"), "{message}");
             let all = not_found(8).to_string();
             assert!(
                 all.contains("; heard: akd-1 (") && all.contains("akd-8 ("),

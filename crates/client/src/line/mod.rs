@@ -67,8 +67,8 @@ impl LineConfig {
     /// known, it is that of whose protocol it is.
     pub(crate) fn dialect(self, vendor: Option<u16>) -> PkwDialect {
         let texts = self.layout().pkw == PkwPart::Variable;
-        let makers = vendor.and_then(|vendor| PkwDialect::of_line(vendor, texts));
-        makers.unwrap_or(match self.protocol {
+        let by_vendor = vendor.and_then(|vendor| PkwDialect::of_line(vendor, texts));
+        by_vendor.unwrap_or(match self.protocol {
             Protocol::Fc => PkwDialect::DANFOSS_FC,
             Protocol::Uss => PkwDialect::SIEMENS_USS,
         })

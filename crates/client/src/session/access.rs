@@ -184,7 +184,7 @@ impl Session {
     }
 
     /// The ARUUIDs of the connections for records to a drive.
-    pub(super) fn record_relations(&self, drive: &Drive) -> Vec<Uuid> {
+    pub(super) fn record_ars(&self, drive: &Drive) -> Vec<Uuid> {
         let own = self.accesses(drive).into_iter();
         let client = self.client();
         own.filter_map(|ar| client.controller_ref().ar_uuid(ar)).collect()
@@ -216,7 +216,7 @@ impl Session {
             Some(_) => {
                 let details = String::new();
                 if route == Route::DeviceAccess {
-                    self.tell_route(drive, &RouteNotice::Taken { route, details });
+                    self.describe_route(drive, &RouteNotice::Taken { route, details });
                 }
                 Ok(Some(ar))
             }
@@ -306,7 +306,7 @@ impl Session {
     /// Releases a connection and waits for its end.
     pub(super) async fn release(&mut self, link: Link) -> Result<(), Error> {
         match link {
-            Link::Relation(ar) => self.release_within(ar, RELEASE_LIMIT).await,
+            Link::ArListEntry(ar) => self.release_within(ar, RELEASE_LIMIT).await,
             Link::Slave(slave) => {
                 self.client().forget(slave);
                 Ok(())
@@ -537,7 +537,7 @@ impl Session {
                 cause: cause.to_string(),
             };
         }
-        if is_of_another(&cause) {
+        if is_of_other_device(&cause) {
             return Error::SharedAddress {
                 drive: drive.label(),
                 ip: drive.station.ip.address,
@@ -554,14 +554,14 @@ impl Session {
 /// Somebody has the one cyclic connection.
 pub(super) fn is_owned(cause: &LostCause) -> bool {
     match cause {
-        LostCause::Service(ServiceError::Refused { status, .. }) => out_of_relations(*status),
-        LostCause::AbortedByPeer(status) => out_of_relations(*status),
+        LostCause::Service(ServiceError::Refused { status, .. }) => out_of_ars(*status),
+        LostCause::AbortedByPeer(status) => out_of_ars(*status),
         _ => false,
     }
 }
 
 /// The answer to a connect came from another device than the one meant.
-fn is_of_another(cause: &LostCause) -> bool {
+fn is_of_other_device(cause: &LostCause) -> bool {
     let LostCause::Service(ServiceError::Mismatch { field, .. }) = cause else {
         return false;
     };
@@ -569,7 +569,7 @@ fn is_of_another(cause: &LostCause) -> bool {
 }
 
 /// RPC "out of AR resources" or "out of provider, consumer or alarm resources": somebody has the one cyclic connection.
-const fn out_of_relations(status: PnioStatus) -> bool {
+const fn out_of_ars(status: PnioStatus) -> bool {
     status.code1 == 0x40 && matches!(status.code2, 0x04 | 0x07)
 }
 
@@ -586,8 +586,8 @@ mod tests {
                 field,
             })
         };
-        assert!(is_of_another(&mismatch(RESPONDER)));
-        assert!(!is_of_another(&mismatch("ARUUID")));
+        assert!(is_of_other_device(&mismatch(RESPONDER)));
+        assert!(!is_of_other_device(&mismatch("ARUUID")));
         let mac = |last| MacAddress([2, 0, 0, 0, 0, last]);
         let error = Error::SharedAddress {
             drive: "b-1".into(),

@@ -54,8 +54,12 @@ impl Session {
     /// [`Error::AtWork`] when it is at work, [`Error::Interrupted`] when the caller wants to stop.
     pub async fn check_idle(&mut self, drive: &mut Drive, undone: &'static str) -> Result<(), Error> {
         self.check_unowned(drive, undone).await?;
-        let told = answered(self.ask(drive, &[Part::Speed, Part::SpeedActual]).await)?;
-        let speed = told.and_then(|told| told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual)));
+        let readings = answered(self.ask(drive, &[Part::Speed, Part::SpeedActual]).await)?;
+        let speed = readings.and_then(|readings| {
+            readings
+                .rpm(Part::Speed)
+                .or_else(|| readings.rpm(Part::SpeedActual))
+        });
         let turns = speed.filter(|speed| speed.abs() >= STANDS).map(AtWork::Turns);
         let on = match turns {
             Some(_) => None,

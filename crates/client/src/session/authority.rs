@@ -85,13 +85,13 @@ impl Session {
     /// When the drive cannot be reached.
     pub async fn authority(&mut self, drive: &mut Drive) -> Result<Authority, Error> {
         let telegram = self.telegram_now(drive).await?;
-        let told = self
+        let readings = self
             .ask(
                 drive,
                 &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
             )
             .await?;
-        let word = zsw1_of(drive, &told, telegram);
+        let word = zsw1_of(drive, &readings, telegram);
         self.authority_by(drive, word).await
     }
 
@@ -108,8 +108,8 @@ impl Session {
             Some(word) if in_operation(word) => true,
             // stopped by itself, or commanded by what it does without its controller
             Some(word) if power_is_on(word) => {
-                let told = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
-                told.stands(STANDS) == Some(false)
+                let readings = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
+                readings.stands(STANDS) == Some(false)
             }
             _ => false,
         };
@@ -136,10 +136,10 @@ impl Session {
         let Some(tables) = drive.model.catalogue else {
             return Ok(LocalControl::Panel);
         };
-        let told = self.ask(drive, &[Part::ControlSite]).await?;
-        let excluded = told
+        let readings = self.ask(drive, &[Part::ControlSite]).await?;
+        let excluded = readings
             .find(Part::ControlSite)
-            .zip(told.raw(Part::ControlSite))
+            .zip(readings.raw(Part::ControlSite))
             .filter(|(_, raw)| tables.part_values(Part::ControlSite).contains(raw));
         if let Some((reading, raw)) = excluded {
             return Ok(LocalControl::Setting {

@@ -23,7 +23,7 @@ use crate::axis::{
 };
 use crate::client::AxisView;
 use crate::{Connection, Drive, Error, Link};
-use profile::value::{Beyond, is_another, is_rounding};
+use profile::value::{Beyond, is_other_value, is_rounding};
 use rest::Ending;
 
 pub use beside::{Samples, StopHandle};
@@ -101,7 +101,7 @@ impl AxisPlan {
     ///
     /// # Errors
     /// A speed that cannot be told: see [`Session::check_speed`].
-    pub fn speed_told(&self, drive: &Drive, speed: f64) -> Result<f64, Error> {
+    pub fn rounded_speed_for(&self, drive: &Drive, speed: f64) -> Result<f64, Error> {
         speed_setpoint(drive, &self.scale, speed).map(|raw| self.scale.speed(raw))
     }
 }
@@ -197,11 +197,11 @@ pub struct Axis {
     loss: Box<LossReaction>,
     /// Where the move under way leads, in turns.
     pub(super) target: Option<f64>,
-    taken: profinet::Instant,
+    begun: profinet::Instant,
     pub(super) watcher: Option<Watcher>,
     pub(super) warnings: Warnings,
     /// The trouble there is was returned to the caller.
-    told: bool,
+    reported: bool,
     /// What the one knows who brings it to rest.
     pub(super) ending: Arc<Ending>,
 }
@@ -231,11 +231,11 @@ pub(super) fn speed_setpoint(drive: &Drive, scale: &SpeedScale, speed: f64) -> R
             scaling: named.map(|name| (name, drive.parameters.scaling.velocity)),
         });
     };
-    let told = scale.speed(raw);
-    if !is_another(speed, told) {
+    let rounded = scale.speed(raw);
+    if !is_other_value(speed, rounded) {
         return Ok(raw);
     }
-    let beside = if told > speed {
+    let beside = if rounded > speed {
         raw.saturating_sub(1)
     } else {
         raw.saturating_add(1)
@@ -244,7 +244,7 @@ pub(super) fn speed_setpoint(drive: &Drive, scale: &SpeedScale, speed: f64) -> R
     Err(Error::SpeedStep {
         drive: drive.label(),
         wanted: speed,
-        nearest: [told.min(other), told.max(other)],
+        nearest: [rounded.min(other), rounded.max(other)],
         unit,
     })
 }
@@ -265,8 +265,8 @@ impl Axis {
     /// it cannot be told at all, which [`run`](Enabled::run) refuses.
     #[must_use]
     pub fn rounded_speed(&self, speed: f64) -> Option<f64> {
-        let told = self.scale.speed(self.scale.raw(speed)?);
-        is_rounding(speed, told).then_some(told)
+        let rounded = self.scale.speed(self.scale.raw(speed)?);
+        is_rounding(speed, rounded).then_some(rounded)
     }
 
     /// The drive.
@@ -320,7 +320,7 @@ impl Axis {
                 .filter(|_| matches!(view.goal, Goal::Traverse(_) | Goal::Pause)),
             position: view.seen.and_then(|seen| Some(self.turns(seen.xist_a?))),
             following_error: view.seen.and_then(|seen| Some(self.turns(seen.xist_error?))),
-            time: self.session.now() - self.taken,
+            time: self.session.now() - self.begun,
             lost: matches!(self.session.connection(self.link), Connection::Lost(_)),
         })
     }
@@ -329,7 +329,7 @@ impl Axis {
     #[must_use]
     pub fn statistics(&self) -> Option<CyclicStatistics> {
         match self.link {
-            Link::Relation(ar) => self.session.client().controller_ref().statistics(ar),
+            Link::ArListEntry(ar) => self.session.client().controller_ref().statistics(ar),
             Link::Slave(_) => None,
         }
     }
@@ -362,7 +362,7 @@ impl Axis {
     /// # Errors
     /// Trouble with the motion before that nobody was told of yet, and as [`ready`](Self::ready).
     pub async fn enable(&mut self) -> Result<Enabled<'_>, Error> {
-        self.untold().await?;
+        self.check_reported().await?;
         self.target = None;
         self.reach(Goal::Enabled).await?;
         Ok(Enabled::new(self))
@@ -416,8 +416,8 @@ impl Axis {
     #[must_use]
     pub fn coasts(&self) -> bool {
         let off = |view: &AxisView| view.seen.is_some_and(Seen::pulses_off);
-        let told = self.status().map(|status| status.view);
-        told.is_some_and(|view| !view.operated && view.turns && off(&view))
+        let view = self.status().map(|status| status.view);
+        view.is_some_and(|view| !view.operated && view.turns && off(&view))
     }
 
     /// Keeps what was reached for `time`.
@@ -455,13 +455,13 @@ impl Axis {
 
     pub(super) fn pursue(&mut self, goal: Goal) {
         let now = self.session.now();
-        self.told = false;
+        self.reported = false;
         self.session.client().pursue(now, self.link, goal);
     }
 
     /// An axis that stopped by itself meanwhile is not started again before the caller knows.
-    async fn untold(&mut self) -> Result<(), Error> {
-        if self.told {
+    async fn check_reported(&mut self) -> Result<(), Error> {
+        if self.reported {
             return Ok(());
         }
         self.look().await.map(|_| ())
@@ -553,7 +553,7 @@ impl Axis {
     /// Shows the axis, and tells what went wrong.
     pub(super) async fn look(&mut self) -> Result<AxisStatus, Error> {
         let status = self.show();
-        if self.ending.is_told() {
+        if self.ending.is_reported() {
             return Err(Error::Closed);
         }
         if let Some(error) = self.lost() {
@@ -567,7 +567,7 @@ impl Axis {
         self.session.hurry_on(self.link, &status.view);
         match status.view.progress {
             Progress::Failed(trouble) => {
-                self.told = true;
+                self.reported = true;
                 Err(Error::Axis {
                     drive: self.drive.label(),
                     trouble,

@@ -189,13 +189,13 @@ impl Session {
             return Ok(raw.map(|raw| raw & ENABLED != 0));
         }
         let telegram = self.telegram_now(drive).await?;
-        let told = self
+        let readings = self
             .ask(
                 drive,
                 &[Part::ControlWord, Part::StatusWord, Part::ControlProfile],
             )
             .await?;
-        let zsw1 = zsw1_of(drive, &told, telegram);
+        let zsw1 = zsw1_of(drive, &readings, telegram);
         // the motor turns as long as it is stopped too
         Ok(zsw1.map(power_is_on))
     }

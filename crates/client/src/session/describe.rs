@@ -19,7 +19,7 @@ pub struct Described {
     /// Unit of the limits.
     pub unit: &'static str,
     /// Lowest and highest value.
-    pub limits: DescribedLimits,
+    pub limits: ReportedLimits,
     /// Number of elements, 1 for what is no array.
     pub elements: u16,
     /// It cannot be written.
@@ -32,7 +32,7 @@ pub struct Described {
 
 /// Limits in a description.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum DescribedLimits {
+pub enum ReportedLimits {
     /// It tells none.
     None,
     /// No more than what fits the data type.
@@ -97,17 +97,17 @@ fn limits(
     values: Values,
     row: Option<&Parameter>,
     drive: &Drive,
-) -> DescribedLimits {
+) -> ReportedLimits {
     let Some((low, high)) = values.limits(description) else {
-        return DescribedLimits::None;
+        return ReportedLimits::None;
     };
     if values.kind == Kind::Float {
-        return DescribedLimits::Own(low, high);
+        return ReportedLimits::Own(low, high);
     }
     // Byte, Word and Double word have a sign that only the tables know
     let signed = row.map_or(values.kind == Kind::Signed, |row| row.signed);
     let Some((first, last)) = description.limits(values.octets, signed) else {
-        return DescribedLimits::None;
+        return ReportedLimits::None;
     };
     let (low, high) = row.map_or((low, high), |row| {
         let shown = |raw| row.engineering(raw, &drive.parameters.scaling);
@@ -120,8 +120,8 @@ fn limits(
         (0, (1_i64 << bits) - 1)
     };
     if (first, last) == fits {
-        DescribedLimits::OfType(low, high)
+        ReportedLimits::OfType(low, high)
     } else {
-        DescribedLimits::Own(low, high)
+        ReportedLimits::Own(low, high)
     }
 }

@@ -13,9 +13,9 @@ use crate::axis::{Evidence, Goal, Jog, Move, MovePlan, Progress, SpeedUnit, Trav
 use crate::{Connection, Error};
 
 /// How much longer than reckoned a move may take: this many times, and this much more.
-const PATIENCE: (u32, Duration) = (3, Duration::from_secs(10));
+const ALLOWANCE: (u32, Duration) = (3, Duration::from_secs(10));
 /// The same for coming up to a speed.
-const SPEED_PATIENCE: (u32, Duration) = (2, Duration::from_secs(5));
+const SPEED_TIMEOUT: (u32, Duration) = (2, Duration::from_secs(5));
 /// How near the speed has to be, as a share of it.
 const SPEED_NEAR: f64 = 0.03;
 /// How long an axis that had its speed may be away from it.
@@ -88,7 +88,7 @@ impl<'a> Enabled<'a> {
     /// When the axis does not come up to the speed, and as [`run`](Self::run).
     pub async fn reach_speed(&mut self, rpm: f64, limit: Option<Duration>) -> Result<(), Error> {
         self.run(rpm).await?;
-        let limit = limit.unwrap_or_else(|| self.speed_time(rpm) * SPEED_PATIENCE.0 + SPEED_PATIENCE.1);
+        let limit = limit.unwrap_or_else(|| self.speed_time(rpm) * SPEED_TIMEOUT.0 + SPEED_TIMEOUT.1);
         let begin = self.axis.session.now();
         let mut highest: Option<f64> = None;
         loop {
@@ -170,11 +170,11 @@ impl<'a> Enabled<'a> {
         let mut drive = self.axis.drive.clone();
         drive.scaled = false;
         let session = &mut self.axis.session;
-        let told = {
+        let scale = {
             let _meanwhile = session.bound_by(due);
             session.read_scaling(&mut drive).await
         };
-        match told {
+        match scale {
             Ok(()) => {}
             Err(Error::Interrupted) => return Err(Error::Interrupted),
             // a lost connection is seen by the exchange of data; a parameter channel that is busy is asked again
@@ -192,7 +192,7 @@ impl<'a> Enabled<'a> {
         })
     }
 
-    /// How long the ramp of the drive needs up to this speed, where it tells its ramp.
+    /// How long the ramp of the drive needs up to this speed, if the drive reports its ramp.
     #[must_use]
     pub fn speed_time(&self, rpm: f64) -> Duration {
         self.axis
@@ -263,8 +263,8 @@ impl<'a> Enabled<'a> {
     /// What holds an axis that stands though it was told to jog, as far as the drive says.
     pub async fn held_back(&mut self) -> Option<Evidence> {
         let status = self.axis.status()?;
-        let tells = status.view.mode == Mode::Position || status.speed_actual.is_some();
-        if status.view.turns || !tells {
+        let reports_rest = status.view.mode == Mode::Position || status.speed_actual.is_some();
+        if status.view.turns || !reports_rest {
             return None;
         }
         self.axis.gather().await;
@@ -303,7 +303,7 @@ impl<'a> Enabled<'a> {
         self.start(&plan).await?;
         let limit = plan
             .duration
-            .map(|seconds| Duration::from_secs_f64(seconds) * PATIENCE.0 + PATIENCE.1);
+            .map(|seconds| Duration::from_secs_f64(seconds) * ALLOWANCE.0 + ALLOWANCE.1);
         self.reach_target(limit).await
     }
 
@@ -410,8 +410,8 @@ impl<'a> Enabled<'a> {
 
     async fn homes_on_the_spot(&mut self) -> Result<bool, Error> {
         let mut drive = self.axis.drive.clone();
-        let told = self.axis.session.ask(&mut drive, &[Part::HomeMode]).await?;
-        let mode = told.raw(Part::HomeMode);
+        let readings = self.axis.session.ask(&mut drive, &[Part::HomeMode]).await?;
+        let mode = readings.raw(Part::HomeMode);
         Ok(mode.is_some_and(|mode| ON_THE_SPOT.contains(&mode)))
     }
 }
@@ -457,13 +457,13 @@ impl Moved {
             .seen
             .filter(|_| status.view.mode == Mode::Position && !slow);
         let turns = stopped.map(|_| status.view.turns);
-        for told in [position, speed, turns].into_iter().flatten() {
-            self.moved = Some(told || self.moved == Some(true));
+        for moved in [position, speed, turns].into_iter().flatten() {
+            self.moved = Some(moved || self.moved == Some(true));
         }
     }
 }
 
-/// The axis has this speed, by what its telegram tells best.
+/// The axis has this speed, by the best value of its telegram.
 fn has_speed(status: &AxisStatus, rpm: f64) -> bool {
     match status.speed_actual {
         Some(actual) => (actual - rpm).abs() <= (rpm.abs() * SPEED_NEAR).max(status.unit.near()),

@@ -30,28 +30,28 @@ impl Axis {
         let mut drive = self.drive.clone();
         // why it does not move is told beside what went wrong, never in its place
         let due = self.session.now() + BESIDE;
-        let told = {
+        let readings = {
             let _meanwhile = self.session.bound_by(due);
             self.session.ask(&mut drive, &PARTS).await
         };
-        let Ok(told) = told else {
+        let Ok(readings) = readings else {
             // asked once: the axis is to be looked at
             self.evidence = Some(Evidence::default());
             return;
         };
-        let current = told.number(Part::Current);
+        let current = readings.number(Part::Current);
         let limit = if current.is_some_and(|current| current < 0.0) {
             Part::NegativeCurrentLimit
         } else {
             Part::PositiveCurrentLimit
         };
-        let set = |part| told.flag(part) == Some(true);
+        let set = |part| readings.flag(part) == Some(true);
         self.evidence = Some(Evidence {
-            following_error: told
+            following_error: readings
                 .raw(Part::FollowingError)
                 .map(|raw| f64::from(raw as i32) / drive.counts_per_turn()),
             current,
-            current_limit: told.number(limit).filter(|&limit| limit != 0.0),
+            current_limit: readings.number(limit).filter(|&limit| limit != 0.0),
             limit_switch: set(Part::PositiveSwitch) || set(Part::NegativeSwitch),
             software_limit: set(Part::SoftwareLimitState),
         });
@@ -59,8 +59,8 @@ impl Axis {
 
     /// What went wrong, with what the drive said about it while it was still in operation.
     pub(super) fn with_evidence(&self, error: Error) -> Error {
-        let telling = self.evidence.filter(|evidence| evidence.cause().is_some());
-        match (&error, telling) {
+        let evident = self.evidence.filter(|evidence| evidence.cause().is_some());
+        match (&error, evident) {
             (
                 Error::Axis { .. }
                 | Error::NotInTime { .. }

@@ -7,7 +7,7 @@ use profile::parameter::pnu;
 
 use super::Session;
 use super::prepare::zsw1_of;
-use super::told::Told;
+use super::readings::Readings;
 use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
@@ -148,17 +148,17 @@ impl Session {
         let shape = self.fault_shape(drive).await?;
         let (counter, faults) = self.fault_buffer(drive, shape).await?;
         let telegram = self.telegram_now(drive).await?;
-        let told = self.ask(drive, &PARTS).await?;
+        let readings = self.ask(drive, &PARTS).await?;
         let mut faults = faults;
         // a drive may tell a fault by its bit before the buffer has it
-        for (number, _) in by_bits(drive, &told, false) {
+        for (number, _) in by_bits(drive, &readings, false) {
             let known = |fault: &FaultEntry| fault.situation == 0 && fault.number == number;
             if !faults.iter().any(known) {
                 faults.insert(0, FaultEntry::of(number, drive.model.catalogue));
             }
         }
         // a situation of the buffer may have fewer places than there are faults
-        for number in numbers(&told, Part::Fault).filter_map(|number| u16::try_from(number).ok()) {
+        for number in numbers(&readings, Part::Fault).filter_map(|number| u16::try_from(number).ok()) {
             let place = faults.iter().take_while(|fault| fault.situation == 0).count();
             let present = faults.get(..place).unwrap_or_default();
             if !present.iter().any(|fault| fault.number == number) {
@@ -175,9 +175,9 @@ impl Session {
             counting: drive.model.dialect.fault_counter,
             shape,
             faults,
-            warnings: warnings(drive, &told),
-            zsw1: zsw1_of(drive, &told, telegram).map(|word| word.0),
-            log: log(drive, &told),
+            warnings: warnings(drive, &readings),
+            zsw1: zsw1_of(drive, &readings, telegram).map(|word| word.0),
+            log: log(drive, &readings),
         })
     }
 
@@ -187,8 +187,8 @@ impl Session {
     /// When the drive cannot be reached.
     pub async fn warnings(&mut self, drive: &Drive) -> Result<Option<Vec<WarningEntry>>, Error> {
         let mut drive = drive.clone();
-        let told = self.ask(&mut drive, &[Part::Warning, Part::WarningWord]).await?;
-        Ok(warnings(&drive, &told))
+        let readings = self.ask(&mut drive, &[Part::Warning, Part::WarningWord]).await?;
+        Ok(warnings(&drive, &readings))
     }
 
     /// How the buffer is divided: as the tables say, else as the drive says if that fits its elements, else eight by
@@ -211,8 +211,8 @@ impl Session {
             .flatten()
             .filter_map(|reading| u16::try_from(reading.raw()?).ok())
             .collect();
-        let told = Shape::from_scaling(&values).filter(|shape| shape.elements() == elements);
-        Ok(told.unwrap_or_else(|| shape_of(elements)))
+        let readings = Shape::from_scaling(&values).filter(|shape| shape.elements() == elements);
+        Ok(readings.unwrap_or_else(|| shape_of(elements)))
     }
 
     async fn fault_buffer(
@@ -307,7 +307,7 @@ fn shape_of(elements: u16) -> Shape {
 }
 
 /// Faults or warnings that the bits of the drive's words say.
-fn by_bits(drive: &Drive, told: &Told, warning: bool) -> Vec<(u16, &'static Fault)> {
+fn by_bits(drive: &Drive, readings: &Readings, warning: bool) -> Vec<(u16, &'static Fault)> {
     let part = if warning {
         Part::WarningWord
     } else {
@@ -315,7 +315,7 @@ fn by_bits(drive: &Drive, told: &Told, warning: bool) -> Vec<(u16, &'static Faul
     };
     let rows = drive.model.catalogue.map_or(&[][..], |tables| tables.faults);
     let mut set = Vec::new();
-    for (word, first) in told.all(part).zip((0..).step_by(WORD.into())) {
+    for (word, first) in readings.all(part).zip((0..).step_by(WORD.into())) {
         let raw = word.raw().unwrap_or(0);
         let bits = (0..WORD).filter(|bit| raw >> bit & 1 == 1);
         for bit in bits.map(|bit| first + bit) {
@@ -330,22 +330,22 @@ fn by_bits(drive: &Drive, told: &Told, warning: bool) -> Vec<(u16, &'static Faul
 }
 
 /// The numbers that are told one by one.
-fn numbers(told: &Told, part: Part) -> impl Iterator<Item = u32> {
-    let numbers = told.all(part);
+fn numbers(readings: &Readings, part: Part) -> impl Iterator<Item = u32> {
+    let numbers = readings.all(part);
     let numbers = numbers.filter_map(|reading| u32::try_from(reading.raw()?).ok());
     numbers.filter(|number| *number != 0)
 }
 
 /// Warnings by number and by bit; `None` where the drive has neither.
-fn warnings(drive: &Drive, told: &Told) -> Option<Vec<WarningEntry>> {
-    let words = told.find(Part::Warning).or(told.find(Part::WarningWord));
+fn warnings(drive: &Drive, readings: &Readings) -> Option<Vec<WarningEntry>> {
+    let words = readings.find(Part::Warning).or(readings.find(Part::WarningWord));
     words?;
     let tables = drive.model.catalogue;
-    let by_number = numbers(told, Part::Warning).map(|number| {
+    let by_number = numbers(readings, Part::Warning).map(|number| {
         let short = u16::try_from(number).ok();
         (number, short.and_then(|number| tables?.fault(number, true)))
     });
-    let by_bit = by_bits(drive, told, true)
+    let by_bit = by_bits(drive, readings, true)
         .into_iter()
         .map(|(number, row)| (u32::from(number), Some(row)));
     Some(
@@ -360,12 +360,12 @@ fn warnings(drive: &Drive, told: &Told) -> Option<Vec<WarningEntry>> {
     )
 }
 
-fn log(drive: &Drive, told: &Told) -> Vec<LoggedFault> {
+fn log(drive: &Drive, readings: &Readings) -> Vec<LoggedFault> {
     let beside = |part, index| {
-        let mut all = told.all(part);
+        let mut all = readings.all(part);
         all.find(|reading| reading.index == index).and_then(Reading::raw)
     };
-    let codes = told.all(Part::FaultLog);
+    let codes = readings.all(Part::FaultLog);
     let entries = codes.filter_map(|reading| {
         let number = u16::try_from(reading.raw()?).ok().filter(|number| *number != 0)?;
         let row = drive

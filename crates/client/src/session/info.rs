@@ -5,12 +5,12 @@ use profile::parameter::pnu;
 use profile::telegram::signal;
 use profinet::MacAddress;
 use profinet::controller::RecordAddress;
-use profinet::wire::record::{IdentifiedModule, Im0, ImText, PortPeer, PortReal, decode_relations, index};
+use profinet::wire::record::{IdentifiedModule, Im0, ImText, PortPeer, PortReal, decode_ar_list, index};
 use profinet::wire::{DecodeError, Reader, Uuid};
 
 use super::Session;
+use super::readings::places;
 use super::route::Route;
-use super::told::places;
 use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
@@ -127,9 +127,9 @@ impl Session {
             Err(
                 error @ (Error::NoRoute { .. } | Error::ParametersOwned { .. } | Error::NotADrive { .. }),
             ) => {
-                let told = error.to_string();
-                if !info.refused.contains(&told) {
-                    info.refused.push(told);
+                let message = error.to_string();
+                if !info.refused.contains(&message) {
+                    info.refused.push(message);
                 }
                 Vec::new()
             }
@@ -222,7 +222,7 @@ impl Session {
         };
         match self.read_record(drive, at).await {
             Ok(data) => {
-                let own = self.record_relations(drive);
+                let own = self.record_ars(drive);
                 Ok(controller_of(&data, &own))
             }
             // many devices do not report it
@@ -283,11 +283,11 @@ impl Info {
 /// another form.
 pub(super) fn controller_of(data: &[u8], own: &[Uuid]) -> Option<Option<String>> {
     const DEVICE_ACCESS: u16 = 6;
-    let relations = decode_relations(&mut Reader::new(data)).ok()??;
-    let owner = relations
+    let ars = decode_ar_list(&mut Reader::new(data)).ok()??;
+    let owner = ars
         .iter()
-        .find(|relation| relation.ar_type != DEVICE_ACCESS && !own.contains(&relation.ar_uuid));
-    Some(owner.map(|relation| text(relation.station_name)))
+        .find(|ar| ar.ar_type != DEVICE_ACCESS && !own.contains(&ar.ar_uuid));
+    Some(owner.map(|ar| text(ar.station_name)))
 }
 
 fn take_im(identity: &mut Option<Identity>, number: u8, data: &[u8]) -> Result<(), DecodeError> {

@@ -57,8 +57,8 @@ impl Session {
             name: at.to_string(),
             ..Station::default()
         };
-        let mut nobody = Drive::new(station.clone());
-        nobody.slave = Some(slave);
+        let mut probe = Drive::new(station.clone());
+        probe.slave = Some(slave);
         let identification = Selection {
             pnu: pnu::IDENTIFICATION,
             first: 0,
@@ -71,30 +71,30 @@ impl Session {
         let dialects = self.dialects();
         for dialect in &dialects {
             self.speak(slave, *dialect);
-            let told = match self.read_strictly(&nobody, &[identification]).await {
+            let answer = match self.read_strictly(&probe, &[identification]).await {
                 // nothing came at all: another dialect would not be answered either
                 Err(error @ Error::Timeout { .. }) if self.gives_up(&error) => break,
                 // it does not understand
                 Err(Error::Channel { .. }) => continue,
-                told => told?,
+                answer => answer?,
             };
-            let words: Vec<u16> = told
+            let words: Vec<u16> = answer
                 .into_iter()
                 .flatten()
                 .filter_map(|reading| u16::try_from(reading.raw()?).ok())
                 .collect();
-            if let [maker, kind, ..] = words.as_slice() {
-                (vendor, unit) = (*maker, *kind);
+            if let [vendor_of, kind, ..] = words.as_slice() {
+                (vendor, unit) = (*vendor_of, *kind);
                 break;
             }
         }
         if let (0, Some(first)) = (vendor, dialects.first()) {
             self.speak(slave, *first);
         }
-        let maker = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
+        let vendor_of = |model: &Model| model.catalogue.map(|tables| tables.device.vendor_id);
         // another VLT speaks like the one with tables; older ones do not name their maker
         let speaks_fc =
-            |model: &Model| at.protocol == Protocol::Fc && (vendor == 0 || maker(model) == Some(vendor));
+            |model: &Model| at.protocol == Protocol::Fc && (vendor == 0 || vendor_of(model) == Some(vendor));
         let by_protocol = || Model::by_name(FC_MODEL).filter(speaks_fc);
         let model = Model::of_unit(vendor, unit).or_else(by_protocol);
         match model.and_then(|model| model.catalogue) {

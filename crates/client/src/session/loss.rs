@@ -6,7 +6,7 @@ use std::time::Duration;
 use profile::catalogue::{Catalogue, Part};
 
 use super::Session;
-use super::told::Told;
+use super::readings::Readings;
 use crate::{Action, Drive, Error};
 
 /// What an axis does when the controller of its drive is lost.
@@ -122,30 +122,33 @@ impl Session {
         let Some(tables) = drive.model.catalogue else {
             return Ok(LossReaction::UNKNOWN);
         };
-        let told = match self.ask(drive, &PARTS).await {
-            Ok(told) => told,
+        let readings = match self.ask(drive, &PARTS).await {
+            Ok(readings) => readings,
             Err(Error::Refused { .. } | Error::Record { .. } | Error::Channel { .. }) => {
                 return Ok(LossReaction::UNKNOWN);
             }
             Err(error) => return Err(error),
         };
-        Ok(reaction(tables, drive.is_on_line(), &told))
+        Ok(reaction(tables, drive.is_on_line(), &readings))
     }
 }
 
 /// What the values of [`PARTS`] come down to.
-pub(super) fn reaction(tables: &Catalogue, on_line: bool, told: &Told) -> LossReaction {
+pub(super) fn reaction(tables: &Catalogue, on_line: bool, readings: &Readings) -> LossReaction {
     // without a time of its own the reaction belongs to the watchdog of the network; a serial line has none
     if on_line && tables.part(Part::LossTime).is_none() {
         return LossReaction::UNKNOWN;
     }
-    let (Some(reading), Some(raw)) = (told.find(Part::LostController), told.raw(Part::LostController)) else {
+    let (Some(reading), Some(raw)) = (
+        readings.find(Part::LostController),
+        readings.raw(Part::LostController),
+    ) else {
         return LossReaction::UNKNOWN;
     };
     let means = |part: Part, raw: i64| tables.part_values(part).contains(&raw);
     let row = REACTIONS.iter().find(|(part, _)| means(*part, raw));
     let action = match row {
-        Some((Part::LossStopFunction, action)) => match told.raw(Part::StopFunction) {
+        Some((Part::LossStopFunction, action)) => match readings.raw(Part::StopFunction) {
             Some(function) if means(Part::StopFunction, function) => LossAction::Ramp,
             Some(_) => LossAction::Coast,
             None => *action,
@@ -165,7 +168,7 @@ pub(super) fn reaction(tables: &Catalogue, on_line: bool, told: &Told) -> LossRe
     LossReaction {
         action,
         setting: Some(reading.choice.map_or_else(|| raw.to_string(), str::to_owned)),
-        after: told
+        after: readings
             .number(Part::LossTime)
             .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
         parameter: Some(parameter),

@@ -24,13 +24,13 @@ mod neutral;
 mod parameters;
 mod plugged;
 mod prepare;
+mod readings;
 mod route;
 mod scaling;
 mod status;
 mod stop;
 mod takeover;
 mod tasks;
-mod told;
 mod unread;
 mod warnings;
 
@@ -54,7 +54,7 @@ pub use authority::{Authority, LocalControl};
 pub use axis::{
     Axis, AxisPlan, AxisSettings, AxisStatus, Rest, Samples, StopHandle, WarningWatcher, Watcher,
 };
-pub use describe::{Described, DescribedLimits};
+pub use describe::{Described, ReportedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
 pub use info::{Identity, Info, Peer};
@@ -128,7 +128,7 @@ struct Wishes {
 /// Somebody who waits for an answer.
 struct Silence {
     due: Instant,
-    tell: Box<dyn FnMut() + Send>,
+    notify: Box<dyn FnMut() + Send>,
 }
 
 /// How long a network that is left may still wait for each drive.
@@ -274,17 +274,17 @@ impl Session {
         work(self).await
     }
 
-    /// Carries out `work`, and says once with `tell` when it takes longer than `limit`: somebody does not answer. The
+    /// Carries out `work`, and says once with `notify` when it takes longer than `limit`: somebody does not answer. The
     /// work goes on, as a drive may still be there.
-    pub async fn telling_silence<T>(
+    pub async fn reporting_silence<T>(
         &mut self,
         limit: Duration,
         work: impl AsyncFnOnce(&mut Self) -> T,
-        tell: impl FnMut() + Send + 'static,
+        notify: impl FnMut() + Send + 'static,
     ) -> T {
         let due = self.now() + limit;
-        let tell = Box::new(tell);
-        let before = self.silence.replace(Silence { due, tell });
+        let notify = Box::new(notify);
+        let before = self.silence.replace(Silence { due, notify });
         let result = work(self).await;
         self.silence = before;
         result
@@ -313,7 +313,7 @@ impl Session {
         self.glance()?;
         let now = self.now();
         if let Some(mut silence) = self.silence.take_if(|silence| silence.due <= now) {
-            (silence.tell)();
+            (silence.notify)();
         }
         let until = until.min(now + GLANCE);
         let turn = self.engine.next_turn(until).await;

@@ -47,7 +47,7 @@ impl Session {
     /// # Errors
     /// When the drive cannot be reached.
     pub async fn snapshot(&mut self, drive: &mut Drive, more: &[Selection]) -> Result<Snapshot, Error> {
-        let told = self.ask(drive, &PARTS).await?;
+        let readings = self.ask(drive, &PARTS).await?;
         let numbers = self
             .read_numbers(drive, &[pnu::FAULT_COUNTER, pnu::TELEGRAM, pnu::OPERATING_MODE])
             .await?;
@@ -56,17 +56,19 @@ impl Session {
             let raw = found.and_then(Reading::raw);
             raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
         };
-        let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
+        let (control, status) = (readings.word(Part::ControlWord), readings.word(Part::StatusWord));
         let telegram = drive.telegram_in_use(word(pnu::TELEGRAM));
         let mode = drive.word_mode(word(pnu::OPERATING_MODE).map(i64::from), telegram);
-        let position = told.find(Part::Position).filter(|_| mode == Mode::Position);
+        let position = readings.find(Part::Position).filter(|_| mode == Mode::Position);
         Ok(Snapshot {
-            profile: told.profile(drive, telegram),
+            profile: readings.profile(drive, telegram),
             mode,
             stw1: control,
             zsw1: status,
-            speed_set: told.speed(Part::SpeedSetpoint),
-            speed_actual: told.speed(Part::SpeedActual).or_else(|| told.speed(Part::Speed)),
+            speed_set: readings.speed(Part::SpeedSetpoint),
+            speed_actual: readings
+                .speed(Part::SpeedActual)
+                .or_else(|| readings.speed(Part::Speed)),
             position: position.cloned(),
             fault_counter: word(pnu::FAULT_COUNTER),
             readings: self.read(drive, more).await?,

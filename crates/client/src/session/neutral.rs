@@ -67,13 +67,13 @@ impl Session {
         let plugged = Plugged::new(modules.pop().unwrap_or_default(), profile);
         let known = tables.filter(|_| !drive.model.learned);
         let known = known.map(|tables| &tables.device);
-        let Some(modules) = plugged.for_records(known, &drive.maker_modules) else {
+        let Some(modules) = plugged.for_records(known, &drive.vendor_modules) else {
             let reason = "the plugged modules are not known: the device does not report them".into();
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));
         };
         let least = TICK * u32::from(device.min_device_interval);
-        let cycle = Cycle::choose(&drive.maker_timings, least, None, None)?;
+        let cycle = Cycle::choose(&drive.vendor_timings, least, None, None)?;
         let slots: Vec<String> = modules
             .iter()
             .map(|module| format!("slot {} 0x{:08X}", module.slot, module.ident))
@@ -96,7 +96,7 @@ impl Session {
             Err(Error::OwnedByController { controller, .. }) => return Err(self.owned(drive, controller)),
             Err(error) => return Err(error),
         };
-        self.tell_route(drive, &RouteNotice::Taken { route, details });
+        self.describe_route(drive, &RouteNotice::Taken { route, details });
         self.try_start_up(drive, ar).await?;
         Ok(ar)
     }
@@ -161,7 +161,7 @@ impl Session {
             self.close_route(drive, Route::Controller, reason);
             return Err(self.no_route(drive));
         }
-        self.tell_route(drive, &RouteNotice::StartUpEnded);
+        self.describe_route(drive, &RouteNotice::StartUpEnded);
         let now = self.now();
         self.client().controller().end_start_up(now, ar)?;
         let end = self

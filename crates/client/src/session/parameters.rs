@@ -140,8 +140,8 @@ impl Session {
                 }
                 // sizes nobody knew made the answer too long: this one again, alone
                 Answer::Error(error) if error.number == ErrorNumber(0x15) && part.len() > 1 => {
-                    let alone = [*item];
-                    Box::pin(self.read_group(drive, selections, &alone, 0..1, results)).await?;
+                    let single = [*item];
+                    Box::pin(self.read_group(drive, selections, &single, 0..1, results)).await?;
                 }
                 Answer::Error(error) => {
                     let channel = self.channel_refusal(answered.cause(at));

@@ -7,7 +7,7 @@ use profinet::wire::block::BlockType;
 use profinet::wire::record::{Identification, IdentifiedModule, IdentifiedSubmodule, decode_apis, index};
 
 use super::Session;
-use crate::modules::{MakerModule, PLACE, UNKNOWN, modules_of, place_of};
+use crate::modules::{PLACE, UNKNOWN, VendorModule, modules_of, place_of};
 use crate::{Drive, Error};
 use profile::model::PROFIDRIVE_API;
 
@@ -115,7 +115,7 @@ impl Plugged {
     pub(super) fn for_records(
         &self,
         device: Option<&Device>,
-        makers: &[MakerModule],
+        vendor_modules: &[VendorModule],
     ) -> Option<Vec<ModuleConfig>> {
         let of_tables = device.map(|device| ModuleConfig {
             api: 0,
@@ -137,7 +137,7 @@ impl Plugged {
         self.take_access_point(&mut access_point);
         let mut modules = vec![access_point];
         if let Some(module) = &self.drive {
-            modules.extend(known_module(device, makers, module));
+            modules.extend(known_module(device, vendor_modules, module));
         }
         Some(modules)
     }
@@ -204,7 +204,7 @@ impl Plugged {
     /// those of the tables.
     pub(super) fn layout_of(
         &self,
-        makers: &[MakerModule],
+        vendor_modules: &[VendorModule],
         device: &Device,
         telegram: &TelegramModule,
     ) -> Option<Layout> {
@@ -212,7 +212,7 @@ impl Plugged {
             return None;
         }
         let lengths = (telegram.outputs, telegram.inputs);
-        let module = makers
+        let module = vendor_modules
             .iter()
             .find(|module| module.telegram == telegram.telegram && module.lengths() == lengths)?;
         let mut access_point = modules_of(device, telegram).into_iter().next()?;
@@ -241,7 +241,7 @@ impl Plugged {
 /// A plugged module with the lengths of its data, one entry for each API; empty where they are not known.
 fn known_module(
     device: Option<&Device>,
-    makers: &[MakerModule],
+    vendor_modules: &[VendorModule],
     module: &IdentifiedModule,
 ) -> Vec<ModuleConfig> {
     let has = |subslot, ident| {
@@ -269,12 +269,15 @@ fn known_module(
             submodules: submodules.collect(),
         }];
     }
-    let plugged = makers.iter().find(|maker| {
-        let here = maker.modules.iter().filter(|config| config.slot == module.slot);
+    let plugged = vendor_modules.iter().find(|module_set| {
+        let here = module_set
+            .modules
+            .iter()
+            .filter(|config| config.slot == module.slot);
         let mut ours = here.filter(|config| config.api == module.api && config.ident == module.ident);
         ours.any(|config| config.submodules.iter().all(|sub| has(sub.subslot, sub.ident)))
     });
-    plugged.map_or_else(Vec::new, |maker| maker.modules.clone())
+    plugged.map_or_else(Vec::new, |module_set| module_set.modules.clone())
 }
 
 /// A submodule without cyclic data.
@@ -315,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tables_count_where_the_drive_has_their_modules_or_tells_nothing() {
+    fn tables_are_used_when_the_drive_has_their_modules_or_reports_none() {
         let device = &AKD.device;
         let nine = device.telegram(9).unwrap();
         let one = device.telegram(1).unwrap();

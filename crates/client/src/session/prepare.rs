@@ -8,7 +8,7 @@ use profile::telegram::Telegram;
 
 use super::mode::mode_of;
 use super::plugged::{Layout, Plugged};
-use super::told::Told;
+use super::readings::Readings;
 use super::{Authority, AxisSettings, Session, takeover};
 use crate::axis::{
     Choice, ModuloRange, MotionFacts, Move, MovePlan, Purpose, ReportedTelegram, SpeedScale, SpeedUnit,
@@ -143,27 +143,27 @@ impl Session {
     /// # Errors
     /// When the drive cannot be reached.
     pub async fn motion_facts(&mut self, drive: &mut Drive) -> Result<MotionFacts, Error> {
-        let told = self.ask(drive, &MOTION).await?;
-        let (number, raw) = (|part| told.number(part), |part| told.raw(part));
+        let readings = self.ask(drive, &MOTION).await?;
+        let (number, raw) = (|part| readings.number(part), |part| readings.raw(part));
         let telegram = self.telegram_now(drive).await?;
-        let zsw1 = zsw1_of(drive, &told, telegram);
+        let zsw1 = zsw1_of(drive, &readings, telegram);
         let on = raw(Part::SoftwareLimitsOn).unwrap_or(0);
         // the signal wraps at 32 bits and has a sign, the table of the manual calls it unsigned
         let position = raw(Part::Position).map(|raw| f64::from(raw as i32) / drive.counts_per_turn());
-        let [forward, backward] = speed_limits(&told);
+        let [forward, backward] = speed_limits(&readings);
         let mut facts = MotionFacts {
             position,
             homed: zsw1.map(|word| word.has(Zsw1::HOMED)),
             fault: zsw1.map(|word| word.has(Zsw1::FAULT)),
-            modulo: told.flag(Part::Modulo) == Some(true),
+            modulo: readings.flag(Part::Modulo) == Some(true),
             forward_limit: forward.map(|(limit, _)| limit),
             backward_limit: backward.map(|(limit, _)| limit),
             forward_by: forward.map(|(_, part)| part),
             backward_by: backward.map(|(_, part)| part),
-            negative_switch: told.flag(Part::NegativeSwitch),
-            positive_switch: told.flag(Part::PositiveSwitch),
-            acceleration: told.ramp(Part::Acceleration, Part::RampUpTime),
-            deceleration: told.ramp(Part::Deceleration, Part::RampDownTime),
+            negative_switch: readings.flag(Part::NegativeSwitch),
+            positive_switch: readings.flag(Part::PositiveSwitch),
+            acceleration: readings.ramp(Part::Acceleration, Part::RampUpTime),
+            deceleration: readings.ramp(Part::Deceleration, Part::RampDownTime),
             ..MotionFacts::default()
         };
         let units = units_per_turn(raw);
@@ -209,13 +209,13 @@ impl Session {
         settings: &AxisSettings,
     ) -> Result<Prepared, Error> {
         let purpose = settings.purpose;
-        let (told_mode, reported) = self.mode_and_telegram(drive).await?;
-        let told = self.ask(drive, &CONTROL).await?;
+        let (reported_mode, reported) = self.mode_and_telegram(drive).await?;
+        let readings = self.ask(drive, &CONTROL).await?;
         let telegram = drive.telegram_in_use(reported.number);
-        let word = zsw1_of(drive, &told, telegram);
+        let word = zsw1_of(drive, &readings, telegram);
         self.free(drive, word, purpose).await?;
         let kept = takeover::is_kept(word);
-        let mode = self.mode_for(drive, told_mode, purpose)?;
+        let mode = self.mode_for(drive, reported_mode, purpose)?;
         if drive.is_on_line() {
             let wiring = process_words(device, purpose).map_err(|problem| Error::Telegram {
                 drive: drive.label(),
@@ -228,9 +228,9 @@ impl Session {
                     possible: vec![wiring.telegram()],
                 });
             }
-            let profile = told.profile(drive, Some(wiring.telegram()));
+            let profile = readings.profile(drive, Some(wiring.telegram()));
             check_jog(drive, purpose, profile)?;
-            let (scale, ramps) = scale_of(drive, &told, wiring.telegram(), settings)?;
+            let (scale, ramps) = scale_of(drive, &readings, wiring.telegram(), settings)?;
             return Ok(Prepared {
                 mode,
                 wiring: wiring.with_words(profile),
@@ -248,17 +248,17 @@ impl Session {
             ..reported
         };
         let (mut choice, layout) = self.telegram_for(drive, device, settings, mode, (&plugged, &reported))?;
-        let alone: Vec<u16> = choice.wiring.left_alone().collect();
-        for reading in self.read_numbers(drive, &alone).await? {
+        let uncommanded: Vec<u16> = choice.wiring.uncommanded().collect();
+        for reading in self.read_numbers(drive, &uncommanded).await? {
             if let Some(raw) = reading.raw() {
                 // a number that does not fit its signal stays 0
                 let _ = choice.wiring.preset(reading.pnu, raw);
             }
         }
         let telegram = Telegram::find(choice.wiring.telegram(), drive.station.vendor_id);
-        let profile = drive.model.words.of(telegram, told.raw(Part::ControlProfile));
+        let profile = drive.model.words.of(telegram, readings.raw(Part::ControlProfile));
         check_jog(drive, purpose, profile)?;
-        let (scale, ramps) = scale_of(drive, &told, choice.wiring.telegram(), settings)?;
+        let (scale, ramps) = scale_of(drive, &readings, choice.wiring.telegram(), settings)?;
         Ok(Prepared {
             mode,
             wiring: choice.wiring.with_words(profile),
@@ -300,7 +300,7 @@ impl Session {
         // what a maker's file says is surer than that the module plugged is the one of PNU 922
         let layout = |choice: &Choice| {
             plugged
-                .layout_of(&drive.maker_modules, device, &choice.module)
+                .layout_of(&drive.vendor_modules, device, &choice.module)
                 .or_else(|| plugged.layout(device, &choice.module, reported.number))
         };
         if self.unread().is_some() && depends_on_settings(drive, &choice) {
@@ -329,9 +329,9 @@ impl Session {
         wiring: &mut Wiring,
     ) -> Result<(), Error> {
         let indices: Vec<u16> = wiring.chosen_words().collect();
-        let told = self.ask(drive, &[Part::ChosenSetpoints]).await?;
+        let mapping = self.ask(drive, &[Part::ChosenSetpoints]).await?;
         let number = |index: u16| -> Option<u16> {
-            let mut all = told.all(Part::ChosenSetpoints);
+            let mut all = mapping.all(Part::ChosenSetpoints);
             let reading = all.find(|reading| reading.index == Some(index))?;
             reading
                 .raw()
@@ -386,8 +386,8 @@ impl Session {
     }
 
     /// The mode, if it is the one that the purpose needs.
-    fn mode_for(&self, drive: &Drive, told: Option<u16>, purpose: Purpose) -> Result<Mode, Error> {
-        let present = told.map(|number| mode_of(i64::from(number)));
+    fn mode_for(&self, drive: &Drive, readings: Option<u16>, purpose: Purpose) -> Result<Mode, Error> {
+        let present = readings.map(|number| mode_of(i64::from(number)));
         let needed = purpose.mode();
         match (present, needed) {
             // a drive that does not tell is taken at the caller's word
@@ -399,7 +399,7 @@ impl Session {
                 drive: drive.label(),
                 needed: needed.unwrap_or_default(),
                 present: present.map_or_else(
-                    || format!("a mode of its maker (PNU 930 = 0x{:04X})", told.unwrap_or(0)),
+                    || format!("a mode of its maker (PNU 930 = 0x{:04X})", readings.unwrap_or(0)),
                     |mode| mode_words(mode).to_owned(),
                 ),
             }),
@@ -443,16 +443,16 @@ pub(super) fn ownerless(drive: &Drive) -> Error {
 }
 
 /// The status word of a drive in the bits of the profile.
-pub(super) fn zsw1_of(drive: &Drive, told: &Told, telegram: Option<u16>) -> Option<Zsw1> {
-    let status = told.word(Part::StatusWord)?;
-    let sent = told.word(Part::ControlWord).unwrap_or_default();
-    Some(told.profile(drive, telegram).zsw1(status, sent))
+pub(super) fn zsw1_of(drive: &Drive, readings: &Readings, telegram: Option<u16>) -> Option<Zsw1> {
+    let status = readings.word(Part::StatusWord)?;
+    let sent = readings.word(Part::ControlWord).unwrap_or_default();
+    Some(readings.profile(drive, telegram).zsw1(status, sent))
 }
 
 /// What the numbers of the speeds in a telegram mean, and the ramps up and down in that unit a second.
 fn scale_of(
     drive: &Drive,
-    told: &Told,
+    readings: &Readings,
     telegram: u16,
     settings: &AxisSettings,
 ) -> Result<(SpeedScale, [Option<f64>; 2]), Error> {
@@ -460,8 +460,8 @@ fn scale_of(
     let converter = tables.is_none_or(|tables| tables.part(Part::Reference).is_some());
     let own = Telegram::find(telegram, drive.station.vendor_id).and_then(|telegram| telegram.full_speed);
     let full = own.unwrap_or(PERCENT_100);
-    let highest = settings.reference_speed.or_else(|| told.reference());
-    let lowest = told
+    let highest = settings.reference_speed.or_else(|| readings.reference());
+    let lowest = readings
         .reference_at(Part::LowestReference)
         .filter(|_| own.is_some())
         .unwrap_or(0.0);
@@ -470,8 +470,8 @@ fn scale_of(
         wanted: settings.unit,
     };
     let ramps = [
-        told.ramp(Part::Acceleration, Part::RampUpTime),
-        told.ramp(Part::Deceleration, Part::RampDownTime),
+        readings.ramp(Part::Acceleration, Part::RampUpTime),
+        readings.ramp(Part::Deceleration, Part::RampDownTime),
     ];
     match (settings.unit, highest.filter(|_| converter)) {
         (SpeedUnit::Rpm, Some(highest)) => {
@@ -494,11 +494,11 @@ fn scale_of(
 const PERCENT_100: u16 = 0x4000;
 
 /// The lowest of the limits of the speed in each direction, and what sets it.
-fn speed_limits(told: &Told) -> [Option<(f64, Part)>; 2] {
-    let of = |part| told.rpm(part).map(|limit| (limit.abs(), part));
+fn speed_limits(readings: &Readings) -> [Option<(f64, Part)>; 2] {
+    let of = |part| readings.rpm(part).map(|limit| (limit.abs(), part));
     let forward = of(Part::ForwardLimit);
-    let reference = told.reference().map(|limit| (limit, Part::Reference));
-    let only = |part, at| (told.raw(part) == Some(at)).then_some((0.0, part));
+    let reference = readings.reference().map(|limit| (limit, Part::Reference));
+    let only = |part, at| (readings.raw(part) == Some(at)).then_some((0.0, part));
     let lowest = |limits: [Option<(f64, Part)>; 4]| {
         let limits = limits.into_iter().flatten();
         limits.min_by(|(one, _), (other, _)| one.total_cmp(other))

@@ -160,7 +160,7 @@ impl Session {
     /// Notes that a way is closed for the rest of the session.
     pub(super) fn close_route(&mut self, drive: &Drive, route: Route, reason: String) {
         let closed = ClosedRoute { route, reason };
-        self.tell_route(drive, &RouteNotice::Closed(closed.clone()));
+        self.describe_route(drive, &RouteNotice::Closed(closed.clone()));
         self.routes_to(drive, |routes| routes.closed.push(closed));
     }
 
@@ -174,11 +174,11 @@ impl Session {
         let known = self.routes_to(drive, |routes| std::mem::replace(&mut routes.implicit, true));
         if !known {
             let (route, details) = (Route::Implicit, String::new());
-            self.tell_route(drive, &RouteNotice::Taken { route, details });
+            self.describe_route(drive, &RouteNotice::Taken { route, details });
         }
     }
 
-    pub(super) fn tell_route(&mut self, drive: &Drive, notice: &RouteNotice) {
+    pub(super) fn describe_route(&mut self, drive: &Drive, notice: &RouteNotice) {
         (self.wishes().route_follower)(&drive.label(), notice);
     }
 

@@ -17,8 +17,8 @@ impl Session {
         // what is read here scales nothing itself: asked again, nothing would be read
         drive.scaled = true;
         // reading looks at the scaling first: the two call each other
-        let told = match Box::pin(self.ask(drive, &SCALING)).await {
-            Ok(told) => told,
+        let readings = match Box::pin(self.ask(drive, &SCALING)).await {
+            Ok(readings) => readings,
             Err(error) => {
                 drive.scaled = false;
                 return Err(error);
@@ -27,12 +27,12 @@ impl Session {
         drive.scaled = self.unread().is_none();
         for part in SCALING {
             // of several parameters with one value the first counts
-            if let Some((reading, number)) = told.find(part).and_then(|one| Some((one, one.number()?))) {
+            if let Some((reading, number)) = readings.find(part).and_then(|one| Some((one, one.number()?))) {
                 let at = (reading.pnu, reading.index);
                 take_scale(tables, &mut drive.parameters.scaling, at, number);
             }
         }
-        if let Some(reference) = told.reference() {
+        if let Some(reference) = readings.reference() {
             drive.parameters.scaling.reference = Some(reference);
         }
         Ok(())

@@ -51,16 +51,16 @@ impl Session {
     /// When the drive cannot be reached.
     pub async fn status(&mut self, drive: &mut Drive) -> Result<DriveStatus, Error> {
         let controller = self.owner(drive).await?;
-        let readings = self.read_numbers(drive, &PROFILE).await?;
-        let told = self.ask(drive, &[&PARTS[..], &loss::PARTS[..]].concat()).await?;
+        let profile_values = self.read_numbers(drive, &PROFILE).await?;
+        let parts = self.ask(drive, &[&PARTS[..], &loss::PARTS[..]].concat()).await?;
         let word = |pnu| {
-            let found = readings.iter().find(|reading| reading.pnu == pnu);
+            let found = profile_values.iter().find(|reading| reading.pnu == pnu);
             let raw = found.and_then(Reading::raw);
             raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok())
         };
         let telegram = drive.telegram_in_use(word(pnu::TELEGRAM));
-        let profile = told.profile(drive, telegram);
-        let (control, status) = (told.word(Part::ControlWord), told.word(Part::StatusWord));
+        let profile = parts.profile(drive, telegram);
+        let (control, status) = (parts.word(Part::ControlWord), parts.word(Part::StatusWord));
         let zsw1 = status.map(|status| profile.zsw1(status, control.unwrap_or_default()));
         // a serial line has one master, and this one commands nothing
         let controller = controller.or(drive.is_on_line().then_some(None));
@@ -78,10 +78,10 @@ impl Session {
             Some(word) => Some(self.local_control(drive, word).await?),
             None => None,
         };
-        let wiring = wiring(drive, &readings);
+        let wiring = wiring(drive, &profile_values);
         let carries = |signal| wiring.as_ref().map(|wiring| wiring.commands(signal));
         let turns = |part: Part| {
-            let raw = told.raw(part)?;
+            let raw = parts.raw(part)?;
             Some(f64::from(raw as i32) / drive.counts_per_turn())
         };
         let mode = match word(pnu::OPERATING_MODE) {
@@ -89,10 +89,10 @@ impl Session {
             Some(2) => Some(Mode::Position),
             _ => None,
         };
-        let speed_actual = told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual));
+        let speed_actual = parts.rpm(Part::Speed).or_else(|| parts.rpm(Part::SpeedActual));
         Ok(DriveStatus {
             drive: drive.label(),
-            make: drive.model.name,
+            model: drive.model.name,
             profile,
             word_mode: drive.word_mode(word(pnu::OPERATING_MODE).map(i64::from), telegram),
             control_word: control,
@@ -106,30 +106,32 @@ impl Session {
             carries_tasks: carries(signal::SATZANW),
             mode: word(pnu::OPERATING_MODE),
             motions: drive.motions(mode, zsw1.is_some_and(|word| word.has(Zsw1::HOMED)), profile),
-            command_source: told.word(Part::CommandSource),
-            command_source_text: told.find(Part::CommandSource).and_then(|reading| reading.choice),
-            disable_sources: told.word(Part::DisableSources),
-            motion_disable_sources: told.word(Part::MotionDisableSources),
-            motion: told.double_word(Part::MotionStatus),
-            torque_allowed: told.flag(Part::TorqueAllowed),
-            negative_switch: told.flag(Part::NegativeSwitch),
-            positive_switch: told.flag(Part::PositiveSwitch),
-            software_limits: told.word(Part::SoftwareLimitState),
-            bus_voltage: told.number(Part::BusVoltage),
-            bus_lowest: told.number(Part::BusLowest),
-            brake_fitted: told.flag(Part::Brake),
-            brake_released: told.flag(Part::BrakeReleased),
+            command_source: parts.word(Part::CommandSource),
+            command_source_text: parts.find(Part::CommandSource).and_then(|reading| reading.choice),
+            disable_sources: parts.word(Part::DisableSources),
+            motion_disable_sources: parts.word(Part::MotionDisableSources),
+            motion: parts.double_word(Part::MotionStatus),
+            torque_allowed: parts.flag(Part::TorqueAllowed),
+            negative_switch: parts.flag(Part::NegativeSwitch),
+            positive_switch: parts.flag(Part::PositiveSwitch),
+            software_limits: parts.word(Part::SoftwareLimitState),
+            bus_voltage: parts.number(Part::BusVoltage),
+            bus_lowest: parts.number(Part::BusLowest),
+            brake_fitted: parts.flag(Part::Brake),
+            brake_released: parts.flag(Part::BrakeReleased),
             faults,
             warnings,
-            speed_set: told
+            speed_set: parts
                 .rpm(Part::SpeedSetpoint)
                 .filter(|_| carries(signal::NSOLL_A) == Some(true)),
             speed_actual,
-            speed_percent: told.percent(Part::SpeedActual).filter(|_| speed_actual.is_none()),
+            speed_percent: parts
+                .percent(Part::SpeedActual)
+                .filter(|_| speed_actual.is_none()),
             loss: drive
                 .model
                 .catalogue
-                .map(|tables| loss::reaction(tables, drive.is_on_line(), &told)),
+                .map(|tables| loss::reaction(tables, drive.is_on_line(), &parts)),
             position: turns(Part::Position),
             following_error: turns(Part::FollowingError),
         })
@@ -137,9 +139,9 @@ impl Session {
 }
 
 /// The telegram in use, by the signals that the drive tells.
-fn wiring(drive: &Drive, readings: &[Reading]) -> Option<Wiring> {
+fn wiring(drive: &Drive, parts: &[Reading]) -> Option<Wiring> {
     let words = |pnu| {
-        readings
+        parts
             .iter()
             .filter(move |reading| reading.pnu == pnu)
             .filter_map(|reading| reading.raw())

@@ -185,7 +185,7 @@ impl Session {
                 StopMeans::Owned(controller) => {
                     return Err(Error::NoStopBeside {
                         drive: drive.label(),
-                        make: drive.model.name,
+                        model: drive.model.name,
                         controller,
                     });
                 }
@@ -306,11 +306,11 @@ impl Session {
     /// How the axis is; `off` when its telegram has said that the power stage is off, for a drive without a status word.
     async fn look_at(&mut self, drive: &mut Drive, way: StopWay, off: bool) -> Result<StopOutcome, Error> {
         let enabled = self.is_enabled(drive).await?.or(off.then_some(false));
-        let told = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
-        let speed = told.rpm(Part::Speed);
-        let percent = told.percent(Part::SpeedActual).filter(|_| speed.is_none());
+        let readings = self.ask(drive, &[Part::Speed, Part::SpeedActual]).await?;
+        let speed = readings.rpm(Part::Speed);
+        let percent = readings.percent(Part::SpeedActual).filter(|_| speed.is_none());
         // of a drive that reports no speed the power stage is all there is to know
-        let stands = told.stands(STANDS).unwrap_or(enabled == Some(false));
+        let stands = readings.stands(STANDS).unwrap_or(enabled == Some(false));
         Ok(StopOutcome {
             sent: false,
             speed_before: speed,

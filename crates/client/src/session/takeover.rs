@@ -26,19 +26,21 @@ impl Session {
         before: Option<u16>,
         scale: &SpeedScale,
     ) -> Result<Command, Error> {
-        let told = self.ask(drive, &PRESENT).await?;
-        let same_words = told.profile(drive, before) == wiring.words();
-        let obeyed = told
+        let readings = self.ask(drive, &PRESENT).await?;
+        let same_words = readings.profile(drive, before) == wiring.words();
+        let obeyed = readings
             .word(Part::ControlWord)
             .filter(|_| same_words)
             .map(|word| (word, wiring.words().orders(word, State::S4).stw1))
             // a word without control is not the one that is in force
             .filter(|(_, stw1)| stw1.has(Stw1::CONTROL_BY_PLC));
-        let speed = told.rpm(Part::Speed).or_else(|| told.rpm(Part::SpeedActual));
+        let speed = readings
+            .rpm(Part::Speed)
+            .or_else(|| readings.rpm(Part::SpeedActual));
         let actual = speed
             .filter(|_| scale.unit() == SpeedUnit::Rpm)
             .and_then(|speed| scale.raw(speed))
-            .or_else(|| told.line_speed());
+            .or_else(|| readings.line_speed());
         let Some((word, stw1)) = obeyed else {
             // it is in operation, so that was commanded; the direction is that of the axis
             return Ok(Command {
@@ -48,7 +50,7 @@ impl Session {
             });
         };
         wiring.keep_bits(word);
-        let commanded = told
+        let commanded = readings
             .word(Part::SpeedSetpoint)
             .filter(|_| before == Some(wiring.telegram()))
             .map(u16::cast_signed);

@@ -7,7 +7,7 @@ use profile::parameter::{Format, plan_changes};
 use super::Session;
 use super::parameters::Outgoing;
 use crate::axis::Objection;
-use crate::backup::{Backup, Journal, Step, Task, TaskChange, TasksTold, Window};
+use crate::backup::{Backup, Journal, Step, Task, TaskChange, TaskCoverage, Window};
 use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
@@ -40,15 +40,15 @@ impl Session {
         match result {
             Ok(tasks) => {
                 backup.header.tasks = if window.rows().eq(numbers.iter().copied()) {
-                    TasksTold::All
+                    TaskCoverage::All
                 } else {
-                    TasksTold::Nothing
+                    TaskCoverage::Nothing
                 };
                 for (&number, task) in numbers.iter().zip(tasks) {
                     backup.put_task(number, task);
                 }
             }
-            Err(why) => backup.header.tasks = TasksTold::LeftOut(why),
+            Err(why) => backup.header.tasks = TaskCoverage::LeftOut(why),
         }
         Ok(())
     }

@@ -15,12 +15,12 @@ const AGAIN: Duration = Duration::from_secs(1);
 #[derive(Default)]
 pub(super) struct Warnings {
     watcher: Option<WarningWatcher>,
-    told: Told,
+    reported: Reported,
 }
 
 /// What was told since the warning bit came.
 #[derive(Debug, Default, PartialEq)]
-enum Told {
+enum Reported {
     /// There is no warning.
     #[default]
     Nothing,
@@ -33,7 +33,7 @@ enum Told {
 impl Warnings {
     pub(super) fn watch(&mut self, watcher: WarningWatcher) {
         self.watcher = Some(watcher);
-        self.told = Told::Nothing;
+        self.reported = Reported::Nothing;
     }
 }
 
@@ -44,16 +44,16 @@ impl Axis {
             return;
         }
         if !status.view.seen.is_some_and(crate::axis::Seen::warning) {
-            self.warnings.told = Told::Nothing;
+            self.warnings.reported = Reported::Nothing;
             return;
         }
         let now = self.session.now();
         let mut before = Vec::new();
-        match &mut self.warnings.told {
-            Told::TheBit => return,
-            Told::Numbers(_, asked) if now - *asked < AGAIN => return,
-            Told::Numbers(numbers, _) => before = std::mem::take(numbers),
-            Told::Nothing => {}
+        match &mut self.warnings.reported {
+            Reported::TheBit => return,
+            Reported::Numbers(_, asked) if now - *asked < AGAIN => return,
+            Reported::Numbers(numbers, _) => before = std::mem::take(numbers),
+            Reported::Nothing => {}
         }
         let drive = &self.drive;
         let asked = {
@@ -74,7 +74,7 @@ impl Axis {
             if still && before.is_empty() {
                 watcher(status, &[]);
             }
-            self.warnings.told = Told::TheBit;
+            self.warnings.reported = Reported::TheBit;
             return;
         };
         let new: Vec<_> = present
@@ -86,6 +86,6 @@ impl Axis {
             watcher(status, &new);
         }
         let numbers = present.iter().map(|warning| warning.number).collect();
-        self.warnings.told = Told::Numbers(numbers, self.session.now());
+        self.warnings.reported = Reported::Numbers(numbers, self.session.now());
     }
 }

@@ -1,8 +1,8 @@
 //! How a drive is, and in one sentence why it does not run.
 
-mod makes;
 mod notes;
 mod rules;
+mod vendors;
 
 use std::fmt;
 
@@ -20,7 +20,7 @@ pub struct DriveStatus {
     /// The drive, for the commands in the advice.
     pub drive: String,
     /// Name of its model.
-    pub make: &'static str,
+    pub model: &'static str,
     /// Whose bits its control and status word have; [`stw1`](Self::stw1) and [`zsw1`](Self::zsw1) say the same in those
     /// of the profile.
     pub profile: Profile,

@@ -3,7 +3,7 @@
 use profile::state::Zsw1;
 
 use super::rules::{self, RULES};
-use super::{Cause, DriveStatus, makes};
+use super::{Cause, DriveStatus, vendors};
 use crate::{Advice, WarningEntry};
 
 /// Causes that are told beside another one too: what the controller does is no news then, what is at the drive is.
@@ -27,10 +27,10 @@ pub struct Note {
     pub next: Option<Advice>,
 }
 
-/// Everything beside the cause `told`.
-pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
+/// Everything beside the cause `main`.
+pub(super) fn beside(main: Cause, status: &DriveStatus) -> Vec<Note> {
     let mut notes = Vec::new();
-    let mut causes = vec![told];
+    let mut causes = vec![main];
     for rule in RULES {
         if !NOTED.contains(&rule.cause) || causes.contains(&rule.cause) || !(rule.applies)(status) {
             continue;
@@ -42,12 +42,12 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
             next: rules::advice(rule, status),
         });
     }
-    let moved = Cause::MovedFromOutside;
-    if told != moved && rules::turns(status) && status.unpowered() {
+    let moved = Cause::MovedExternally;
+    if main != moved && rules::turns(status) && status.unpowered() {
         notes.push(Note {
             id: moved.id(),
             sentence: rules::moved(status),
-            next: Some(rules::moved_advice(status.make).into()),
+            next: Some(rules::moved_advice(status.model).into()),
         });
     }
     if status.brake_fitted == Some(true) && status.brake_released == Some(false) && status.unpowered() {
@@ -61,13 +61,13 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
         });
     }
     let new = |warning: &&WarningEntry| {
-        let says = makes::causes(status.make, warning);
+        let says = vendors::causes(status.model, warning);
         !says.iter().any(|cause| causes.contains(cause))
     };
     notes.extend(status.warnings.iter().filter(new).map(|warning| {
         Note {
             id: "warning",
-            sentence: format!("warning {}", self::told(warning)),
+            sentence: format!("warning {}", warning_text(warning)),
             next: warning
                 .remedy
                 .filter(|remedy| !remedy.is_empty())
@@ -86,7 +86,7 @@ pub(super) fn beside(told: Cause, status: &DriveStatus) -> Vec<Note> {
 }
 
 pub(super) fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
-    let (command, advice) = makes::disable(status.make)?;
+    let (command, advice) = vendors::disable(status.model)?;
     let inputs = status
         .disable_sources
         .is_some_and(|sources| sources & rules::AT_INPUTS != 0);
@@ -109,7 +109,7 @@ pub(super) fn switched_off_beside(status: &DriveStatus) -> Option<Note> {
 }
 
 /// `n107 Positive limit reached: limit switch or software limit`
-pub(super) fn told(warning: &WarningEntry) -> String {
+pub(super) fn warning_text(warning: &WarningEntry) -> String {
     format!(
         "n{} {}",
         warning.number,

@@ -3,7 +3,7 @@
 use profile::catalogue::Cleared;
 use profile::state::{Start, State, Stw1, Zsw1};
 
-use super::{Diagnosis, DriveStatus, Verdict, makes, notes};
+use super::{Diagnosis, DriveStatus, Verdict, notes, vendors};
 use crate::{Action, Advice, FaultEntry, LossReaction};
 
 /// Speed below which an axis counts as standing, rpm.
@@ -78,21 +78,21 @@ causes! {
         "remove the cause, then {acknowledge}, or acknowledge from its controller (STW1 bit 7)";
     /// Safe torque off.
     Sto = "sto", Held,
-        |s| s.torque_allowed == Some(false) || makes::warned(s, Cause::Sto).is_some(),
-        |s| match makes::warned(s, Cause::Sto) {
-            Some(warning) if s.torque_allowed.is_none() => format!("safe torque off is active: {}", notes::told(warning)),
+        |s| s.torque_allowed == Some(false) || vendors::warned(s, Cause::Sto).is_some(),
+        |s| match vendors::warned(s, Cause::Sto) {
+            Some(warning) if s.torque_allowed.is_none() => format!("safe torque off is active: {}", notes::warning_text(warning)),
             _ => "safe torque off: the STO input is open (STO.STATE is 0)".into(),
         },
         "close the safety circuit";
     /// The DC bus has too little voltage.
     NoPower = "no-power", Held,
-        |s| !s.has(Zsw1::OPERATION_ENABLED) && (bus_is_low(s) || makes::warned(s, Cause::NoPower).is_some()),
-        |s| match (s.bus_voltage, s.bus_lowest, makes::warned(s, Cause::NoPower)) {
+        |s| !s.has(Zsw1::OPERATION_ENABLED) && (bus_is_low(s) || vendors::warned(s, Cause::NoPower).is_some()),
+        |s| match (s.bus_voltage, s.bus_lowest, vendors::warned(s, Cause::NoPower)) {
             (Some(volts), Some(least), _) if bus_is_low(s) && least > 0.0 => format!(
                 "its DC bus has {volts:.0} V, it needs {least:.0} V: mains are off, missing a phase or too low"
             ),
             (Some(volts), ..) if bus_is_low(s) => format!("its DC bus has {volts:.0} V: mains are off or missing"),
-            (_, _, Some(warning)) => format!("its DC bus has too little voltage: {}", notes::told(warning)),
+            (_, _, Some(warning)) => format!("its DC bus has too little voltage: {}", notes::warning_text(warning)),
             _ => "its DC bus has too little voltage".into(),
         },
         "switch the mains on; check contactor, fuses and supply";
@@ -139,7 +139,7 @@ causes! {
         ),
         "{write 930=1} (speed) or {write 930=2} (position) while it is disabled";
     /// Nobody is connected, and it stands in operation.
-    EnabledAlone = "enabled-alone", Held,
+    EnabledOwnerless = "enabled-alone", Held,
         |s| s.controller == Some(None) && s.state() == Some(State::S4) && !turns(s),
         |s| format!("its power stage is on though no controller is connected: {}", in_force(s)),
         "";
@@ -149,12 +149,12 @@ causes! {
         |s| format!("nobody commands it: no controller is connected{}", stands_in(s)),
         "start the controller";
     /// Nobody is connected, its power stage is off, and it turns.
-    MovedFromOutside = "moved-from-outside", Held,
+    MovedExternally = "moved-from-outside", Held,
         |s| s.controller == Some(None) && s.unpowered(),
         moved,
         MOVED_NEXT;
     /// Nobody is connected, and it turns.
-    TurnsAlone = "turns-alone", Held,
+    TurnsOwnerless = "turns-alone", Held,
         |s| s.controller == Some(None),
         |s| format!(
             "it turns at {} though no controller is connected: {}",
@@ -379,7 +379,7 @@ pub(super) fn first(status: &DriveStatus) -> Diagnosis {
 
 /// What to do about a cause as actions.
 fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
-    let by_parameter = makes::disable(status.make).is_some();
+    let by_parameter = vendors::disable(status.model).is_some();
     // a stop by parameter leaves the power stage on
     let stop = if by_parameter {
         Action::Disable
@@ -387,7 +387,7 @@ fn actions(cause: Cause, status: &DriveStatus) -> Vec<Action> {
         Action::Stop
     };
     match cause {
-        Cause::TurnsAlone | Cause::EnabledAlone => {
+        Cause::TurnsOwnerless | Cause::EnabledOwnerless => {
             let remedy = status.loss.as_ref().and_then(|loss| loss.remedy.clone());
             [Some(stop), remedy].into_iter().flatten().collect()
         }
@@ -407,8 +407,8 @@ pub(super) fn advice(rule: &Rule, status: &DriveStatus) -> Option<Advice> {
     if rule.cause == Cause::NoController && !status.motions.is_empty() {
         return Some(taking(rule.next, &status.motions));
     }
-    let own = makes::advice(rule.cause, status.make);
-    let general = || makes::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
+    let own = vendors::advice(rule.cause, status.model);
+    let general = || vendors::in_words_of(status, rule.next).unwrap_or_else(|| rule.next.to_owned());
     let next = own.map_or_else(general, str::to_owned);
     if rule.cause == Cause::Fault {
         return Some(fault_advice(status, &next));
@@ -450,8 +450,8 @@ const MOVED_NEXT: &str = "keep clear: no command stops it; let it come to rest, 
 
 /// What to do about an axis of this make that something outside turns.
 #[must_use]
-pub fn moved_advice(make: &str) -> &'static str {
-    makes::advice(Cause::MovedFromOutside, make).unwrap_or(MOVED_NEXT)
+pub fn moved_advice(model: &str) -> &'static str {
+    vendors::advice(Cause::MovedExternally, model).unwrap_or(MOVED_NEXT)
 }
 
 pub(super) fn moved(status: &DriveStatus) -> String {

@@ -5,7 +5,7 @@ use super::*;
 fn running() -> DriveStatus {
     DriveStatus {
         drive: "akd-1".into(),
-        make: "AKD",
+        model: "AKD",
         controller: Some(Some("plc".into())),
         stw1: Some(Stw1(0x047F)),
         zsw1: Some(Zsw1(0x0337)),
@@ -143,19 +143,19 @@ const VELOCITY: &[(Cause, Verdict, Change, &str)] = &[
         "no controller is connected (the drive is in S1",
     ),
     (
-        Cause::TurnsAlone,
+        Cause::TurnsOwnerless,
         Verdict::Held,
         |s| s.controller = Some(None),
         "59.7 rpm though no controller",
     ),
     (
-        Cause::EnabledAlone,
+        Cause::EnabledOwnerless,
         Verdict::Held,
         |s| (s.controller, s.speed_actual) = (Some(None), Some(0.0)),
         "its power stage is on though no controller is connected",
     ),
     (
-        Cause::MovedFromOutside,
+        Cause::MovedExternally,
         Verdict::Held,
         |s| {
             words(s, 0x0000, 0x0240);
@@ -433,7 +433,7 @@ fn what_weighs_more_wins() {
 }
 
 #[test]
-fn a_drive_that_tells_next_to_nothing() {
+fn a_drive_that_reports_almost_nothing() {
     let silent = DriveStatus::default();
     assert_eq!(diagnose(&silent).cause, Cause::Silent);
     let only_a_word = DriveStatus {
@@ -453,7 +453,7 @@ fn the_advice_names_the_drive() {
 }
 
 /// Nobody has a connection, the power stage is off, the axis stands.
-fn alone() -> DriveStatus {
+fn ownerless() -> DriveStatus {
     let mut status = running();
     words(&mut status, 0, 0x0240);
     (status.controller, status.speed_actual) = (Some(None), Some(0.0));
@@ -466,9 +466,9 @@ fn ids(status: &DriveStatus) -> (Cause, Vec<&'static str>) {
 }
 
 #[test]
-fn what_stands_in_the_way_is_told_beside_the_cause() {
-    assert_eq!(ids(&alone()), (Cause::NoController, vec![]));
-    let mut status = alone();
+fn further_obstacles_are_listed_with_the_cause() {
+    assert_eq!(ids(&ownerless()), (Cause::NoController, vec![]));
+    let mut status = ownerless();
     status.positive_switch = Some(true);
     status.software_limits = Some(2);
     status.brake_fitted = Some(true);
@@ -513,10 +513,10 @@ fn what_stands_in_the_way_is_told_beside_the_cause() {
 
 #[test]
 fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
-    let mut status = alone();
+    let mut status = ownerless();
     status.speed_actual = Some(-404.6);
     let found = diagnose(&status);
-    assert_eq!(found.cause, Cause::MovedFromOutside);
+    assert_eq!(found.cause, Cause::MovedExternally);
     let next = found.next.unwrap().to_string();
     assert!(
         next.contains("MOTOR.BRAKE") && !next.contains("profidrive stop"),
@@ -528,21 +528,24 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
     // and what nobody commands any more can be stopped
     words(&mut status, 0, 0x0337);
     let found = diagnose(&status);
-    assert_eq!(found.cause, Cause::TurnsAlone);
+    assert_eq!(found.cause, Cause::TurnsOwnerless);
     assert_eq!(found.actions, [Action::Disable]);
     // standing in operation it is no drive that waits
     status.speed_actual = Some(0.0);
     let found = diagnose(&status);
-    assert_eq!((found.cause, found.verdict), (Cause::EnabledAlone, Verdict::Held));
+    assert_eq!(
+        (found.cause, found.verdict),
+        (Cause::EnabledOwnerless, Verdict::Held)
+    );
     assert_eq!(found.actions, [Action::Disable]);
 }
 
 /// Followed to the letter, what is told about a VLT that does not start must not start it: 0x047E is a start there.
 #[test]
-fn no_word_of_another_profile_is_told() {
+fn no_bit_names_of_another_profile_appear() {
     let with = |profile: Profile, stw1: u16, zsw1: u16| DriveStatus {
         drive: "vlt-1".into(),
-        make: "VLT",
+        model: "VLT",
         profile,
         control_word: Some(profile.control(Stw1(stw1))),
         controller: Some(Some("plc".into())),
@@ -575,8 +578,8 @@ fn no_word_of_another_profile_is_told() {
     for profile in [Profile::DanfossFc, Profile::VaconPpo] {
         for zsw1 in (0..0x4000_u16).map(|bits| (bits >> 11 << 12) | (bits & 0x7FF)) {
             for stw1 in [0, 0x047C, 0x047E, 0x047F, 0x0477, 0x043F] {
-                let told = diagnose(&with(profile, stw1, zsw1));
-                let next = told.next.unwrap_or_default().to_string();
+                let diagnosis = diagnose(&with(profile, stw1, zsw1));
+                let next = diagnosis.next.unwrap_or_default().to_string();
                 for word in ["STW1", "0x047E", "0x047F"] {
                     let own = [Stw1::READY, Stw1::RUN].map(|stw1| format!("0x{:04X}", profile.control(stw1)));
                     assert!(!next.contains(word) || own.contains(&word.to_owned()), "{next}");
@@ -587,10 +590,10 @@ fn no_word_of_another_profile_is_told() {
 }
 
 #[test]
-fn other_makes_are_told_in_their_own_words() {
+fn other_vendors_are_described_with_their_own_bit_names() {
     let base = DriveStatus {
         drive: "vlt-1".into(),
-        make: "VLT",
+        model: "VLT",
         profile: Profile::DanfossFc,
         control_word: Some(0x0438),
         controller: Some(Some("plc".into())),
@@ -627,7 +630,7 @@ fn other_makes_are_told_in_their_own_words() {
     );
     assert!(found.next.unwrap().to_string().contains("terminal 37"));
     let unpowered = DriveStatus {
-        make: "VACON",
+        model: "VACON",
         profile: Profile::Profidrive,
         bus_voltage: Some(3.0),
         ..base

@@ -94,7 +94,7 @@ fn a_drive_with_a_controller_is_neither_reset_nor_renamed() {
 
 /// What cannot be asked is reset: that may be the way to reach it again.
 #[test]
-fn a_drive_that_cannot_be_asked_is_reset() {
+fn a_drive_that_does_not_answer_is_reset() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, "DRV.ACC=7000");

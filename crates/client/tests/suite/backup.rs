@@ -303,7 +303,7 @@ fn switched_on_in_the_midst_of_it() {
 
 /// A drive that changes a value by itself: it is told, and not saved.
 #[test]
-fn what_reads_back_another_value_is_told_and_not_saved() {
+fn a_value_that_reads_back_differently_is_reported_and_not_saved() {
     let wanted = other();
     let mut bench = bench();
     let mut journal = bench.journal(&wanted, &Choice::default());
@@ -330,7 +330,7 @@ fn what_reads_back_another_value_is_told_and_not_saved() {
 }
 
 #[test]
-fn what_the_drive_refuses_is_told_and_the_rest_is_done() {
+fn refused_values_are_reported_and_the_rest_is_written() {
     let mut bench = bench();
     let text = bench.backup().to_string();
     let text = text

@@ -39,7 +39,7 @@ fn home(session: &mut Bench, drive: &mut Drive) {
 
 /// An axis that is not homed, a task that is not there: known from status word and table, without a connection.
 #[test]
-fn a_task_is_checked_before_the_axis_is_taken() {
+fn a_task_is_checked_before_the_client_takes_control() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, "930=2");
@@ -100,7 +100,7 @@ fn a_jog_turns_with_every_telegram_the_drive_had() {
 
 /// A limit switch in the way of a jog is a fact of the drive.
 #[test]
-fn a_limit_switch_in_the_way_is_known() {
+fn an_active_limit_switch_is_detected() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     with_drive(&session, ids[0], |drive| {

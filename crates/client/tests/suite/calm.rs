@@ -79,7 +79,7 @@ fn a_default_connection_outlives_a_busy_pc() {
 
 /// The delays of the PC are known before the power stage is on, and judged by the cycle that is asked for.
 #[test]
-fn a_cycle_that_the_pc_does_not_hold_is_known_before_anything_is_enabled() {
+fn a_cycle_the_pc_cannot_keep_is_detected_before_enabling() {
     let strained = |late, cycle, watchdog, purpose| {
         let (medium, config, ids) = parts_of(stations());
         let mut session = On::new(Network::on(Busy { medium, late }, config));
@@ -127,7 +127,7 @@ fn update_times_are_those_of_the_device_description() {
         times.collect::<Option<Vec<_>>>().expect("update times")
     };
     for (allowed, cycle) in [(times(&[1, 2, 4, 8]), MS * 8), (times(&[32, 64]), MS * 32)] {
-        drive.maker_timings = allowed;
+        drive.vendor_timings = allowed;
         let axis = session
             .take_axis(&mut drive, AxisSettings::default())
             .wait()

@@ -141,9 +141,9 @@ fn found(world: &World, subject: &Subject, transport: Transport, seed: u64) -> (
 
 /// What takes an axis for this: a drive that does not tell its reference is told it.
 fn settings_for(drive: &Drive, purpose: Purpose) -> AxisSettings {
-    let told = drive.model.catalogue.is_some() && !drive.is_on_line();
+    let known = drive.model.catalogue.is_some() && !drive.is_on_line();
     AxisSettings {
-        reference_speed: (!told).then_some(1500.0),
+        reference_speed: (!known).then_some(1500.0),
         ..AxisSettings::for_purpose(purpose)
     }
 }
@@ -309,7 +309,7 @@ fn try_out(case: &Case<'_>, at: &str) -> f64 {
             break;
         }
         // what has no power coasts, and that is what is said of it
-        assert_eq!(diagnosis.cause, Cause::MovedFromOutside, "{at}: {last}");
+        assert_eq!(diagnosis.cause, Cause::MovedExternally, "{at}: {last}");
         world.pass(SECOND * 10);
         assert!(world.fastest() <= before + 1.0, "{at}: faster by itself");
     }
@@ -324,7 +324,7 @@ fn try_out(case: &Case<'_>, at: &str) -> f64 {
 
 /// What it cannot do is refused before anything is sent, and `status` does not recommend it.
 #[test]
-fn a_vacon_at_a_line_neither_jogs_nor_is_told_to() {
+fn a_vacon_on_a_serial_line_receives_no_jog_bits() {
     for transport in [Fc, Uss] {
         let world = World::new(&model::VACON, transport, 1);
         let (mut session, mut drive) = world.client("vacon", transport, 1).expect("found");

@@ -59,7 +59,7 @@ fn every_kind_of_value_comes_as_over_a_network() {
 }
 
 #[test]
-fn a_write_arrives_and_is_read_back_and_refusals_are_told() {
+fn a_write_is_verified_and_refusals_are_reported() {
     let (mut session, bus) = bench(Protocol::Fc, &[1, 2], Line::default());
     let mut drive = find(&mut session, "fc:/dev/ttyX/2").unwrap();
     let outcomes = session
@@ -81,9 +81,9 @@ fn a_write_arrives_and_is_read_back_and_refusals_are_told() {
         .map(|drive| drive.counters().replies)
         .collect();
     assert_eq!(replies[0], 0, "the other drive was not asked");
-    let nobody = find(&mut session, "fc:/dev/ttyX/9").unwrap_err();
+    let missing = find(&mut session, "fc:/dev/ttyX/9").unwrap_err();
     assert_eq!(
-        nobody.to_string(),
+        missing.to_string(),
         "no answer from fc:/dev/ttyX/9; others answer on this line"
     );
 }
@@ -182,7 +182,7 @@ fn noise_halves_and_echo_change_no_value() {
 }
 
 #[test]
-fn a_line_that_is_cut_is_told_soon_and_the_drive_stops() {
+fn a_cut_line_is_reported_soon_and_the_drive_stops() {
     let (mut session, bus) = bench(Protocol::Fc, &[1], Line::default());
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     let mut axis = session
@@ -219,7 +219,7 @@ fn a_line_that_is_cut_is_told_soon_and_the_drive_stops() {
 }
 
 #[test]
-fn a_drive_that_does_not_hear_for_a_moment_is_told_to_stop_when_it_does() {
+fn a_stop_reaches_a_drive_that_missed_frames() {
     let (mut session, bus) = bench(Protocol::Fc, &[1], Line::default());
     // a drive whose time-out is not set runs on by itself
     {
@@ -246,7 +246,7 @@ fn a_drive_that_does_not_hear_for_a_moment_is_told_to_stop_when_it_does() {
 }
 
 #[test]
-fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
+fn a_vlt_reports_numbers_texts_and_refusals_over_the_fc_protocol() {
     let (mut session, bus) = bench_of(&model::VLT, Protocol::Fc, &[1], Line::default());
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     assert_eq!(drive.model.name, "VLT");
@@ -255,11 +255,11 @@ fn a_vlt_tells_numbers_texts_and_refusals_over_its_own_protocol() {
         .map(|text| select(&drive, text))
         .collect();
     let readings = session.read(&mut drive, &wanted).wait().unwrap();
-    let told: Vec<String> = readings
+    let texts: Vec<String> = readings
         .iter()
         .map(|reading| format!("{:?}", reading.as_ref().unwrap().content))
         .collect();
-    assert!(told[3].starts_with("Text("), "{told:?}");
+    assert!(texts[3].starts_with("Text("), "{texts:?}");
     let number = |text: &str, session: &mut Bench, drive: &mut Drive| {
         let selection = select(drive, text);
         session.read(drive, &[selection]).wait().unwrap()[0]
@@ -372,7 +372,7 @@ fn converters_at_a_line_are_stopped_and_acknowledged_by_control_word() {
     ] {
         let (mut session, bus) = bench_of(model, protocol, &[1], Line::default());
         let found = find(&mut session, name).unwrap();
-        let mut drive = found.taken_for(Model::by_name(model.catalogue.model).unwrap());
+        let mut drive = found.as_model(Model::by_name(model.catalogue.model).unwrap());
         let settings = AxisSettings::for_purpose(Purpose::Speed);
         let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
         let mut enabled = axis.enable().wait().unwrap();
@@ -504,7 +504,7 @@ fn what_the_channel_cannot_carry_is_not_called_refused() {
     ] {
         let (mut session, bus) = bench_of(model, protocol, &[1], Line::default());
         let found = find(&mut session, name).unwrap();
-        let mut drive = found.taken_for(Model::by_name(model.catalogue.model).unwrap());
+        let mut drive = found.as_model(Model::by_name(model.catalogue.model).unwrap());
         let selection = select(&drive, parameter);
         let sent = |bus: &AtLine| bus.0.borrow().drives[0].counters().replies;
         let before = sent(&bus);

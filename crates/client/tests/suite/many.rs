@@ -401,7 +401,7 @@ fn an_owner_starts_nothing_once_the_network_is_left() {
 
 /// Nor does it get an axis that nobody would end.
 #[test]
-fn no_axis_is_taken_once_the_network_is_left() {
+fn take_axis_fails_after_the_network_is_left() {
     let (network, ids) = plant();
     let world = network.world();
     let mut session = Session::clone(&network);

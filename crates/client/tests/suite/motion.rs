@@ -7,7 +7,7 @@ use crate::bench::{bench, drive_at, find, is_at_rest, other_controller, with_dri
 use profidrive_client::axis::{Move, Objection, Purpose, Trouble};
 use profidrive_client::status::{Cause, Verdict, diagnose, switched_off_beside};
 use profidrive_client::{
-    Action, Axis, AxisSettings, Drive, Enabled, Error, LocalControl, MakerModule, Session, StopWay, Wait,
+    Action, Axis, AxisSettings, Drive, Enabled, Error, LocalControl, Session, StopWay, VendorModule, Wait,
     WriteMode,
 };
 use profile::notation::Position;
@@ -54,7 +54,7 @@ fn cause(session: &mut Session, drive: &mut Drive) -> (Cause, Verdict) {
 }
 
 #[test]
-fn a_drive_in_another_mode_is_left_alone() {
+fn a_drive_in_another_mode_is_not_changed() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     for purpose in [Purpose::Move, Purpose::Task, Purpose::Home] {
@@ -163,7 +163,7 @@ fn a_free_telegram_runs_by_its_mapping() {
 }
 
 #[test]
-fn signals_that_nobody_commands_keep_the_values_of_the_drive() {
+fn uncommanded_signals_keep_the_values_of_the_drive() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(
@@ -222,7 +222,7 @@ fn why_it_does_not_run_from_first_contact_to_operation() {
 }
 
 #[test]
-fn stop_beside_another_controller_stops_and_says_whose_it_is() {
+fn stop_beside_another_controller_stops_and_names_it() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let (host, ar) = other_controller();
     let plc = (session.medium().segment_mut().attach(host), ar);
@@ -260,7 +260,7 @@ fn stop_beside_another_controller_stops_and_says_whose_it_is() {
 }
 
 #[test]
-fn a_move_is_planned_with_what_the_drive_says_and_reads_only() {
+fn a_move_is_planned_from_drive_values_without_writing() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(
@@ -285,7 +285,7 @@ fn a_move_is_planned_with_what_the_drive_says_and_reads_only() {
 }
 
 /// A module of a device description as a controller expects it.
-fn maker_module(telegram: &TelegramModule) -> MakerModule {
+fn vendor_module(telegram: &TelegramModule) -> VendorModule {
     let submodules = telegram.module.submodules.iter();
     let module = ModuleConfig {
         api: 0x3A00,
@@ -300,7 +300,7 @@ fn maker_module(telegram: &TelegramModule) -> MakerModule {
             })
             .collect(),
     };
-    MakerModule {
+    VendorModule {
         telegram: telegram.telegram,
         place: (telegram.slot, telegram.subslot),
         modules: vec![module],
@@ -308,7 +308,7 @@ fn maker_module(telegram: &TelegramModule) -> MakerModule {
 }
 
 #[test]
-fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
+fn ident_numbers_of_a_vendor_file_come_from_the_drive() {
     let (mut session, ids) = crate::bench::bench_from("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = connected(&mut session, &mut drive);
@@ -347,10 +347,10 @@ fn ident_numbers_of_a_maker_file_are_taken_from_the_drive() {
     );
     // but in the maker's file, whatever telegram PNU 922 has meanwhile
     write(&mut session, &mut drive, &["922=9"]);
-    drive.maker_modules = crate::bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
+    drive.vendor_modules = crate::bench::description("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml")
         .telegrams
         .iter()
-        .map(maker_module)
+        .map(vendor_module)
         .collect();
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Home))
@@ -390,7 +390,7 @@ fn an_axis_that_turns_without_power_is_not_called_at_rest() {
 
 /// What another program does by parameter is told as that, and not as an input that is open.
 #[test]
-fn an_axis_that_another_program_disables_is_told_by_what() {
+fn an_axis_disabled_by_another_program_reports_the_cause() {
     for (by_parameter, torque_off) in [(true, false), (false, true)] {
         let (mut session, ids) = bench(&[("akd-1", 1)]);
         let mut drive = find(&mut session, "akd-1").expect("there");
@@ -454,7 +454,7 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
         .expect("time passes");
     assert_eq!(
         cause(&mut session, &mut drive),
-        (Cause::MovedFromOutside, Verdict::Held)
+        (Cause::MovedExternally, Verdict::Held)
     );
     for way in [StopWay::Stop, StopWay::Disable] {
         let outcome = session
@@ -472,14 +472,14 @@ fn an_axis_that_its_load_turns_is_not_sent_to_a_stop() {
         found
             .notes
             .iter()
-            .any(|note| note.id == Cause::MovedFromOutside.id()),
+            .any(|note| note.id == Cause::MovedExternally.id()),
         "{found:?}"
     );
 }
 
 /// A ramp that takes longer than its setting says: the quick stop that ends it is told.
 #[test]
-fn a_quick_stop_in_place_of_the_ramp_is_told() {
+fn a_quick_stop_instead_of_the_ramp_is_reported() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = connected(&mut session, &mut drive);
@@ -568,7 +568,7 @@ fn a_speed_counts_from_when_it_is_reached_and_is_not_claimed() {
 
 /// Local operation: refused before anything is sent, whatever the axis is wanted for.
 #[test]
-fn local_operation_is_refused_before_control_is_taken() {
+fn local_operation_is_refused_before_taking_control() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     write(&mut session, &mut drive, &["DRV.CMDSOURCE=0"]);
@@ -640,7 +640,7 @@ fn ramps_that_a_telegram_rounds_are_put_back() {
 
 /// The cable is cut: the state shown is what the drive said last, not what it was sent.
 #[test]
-fn a_state_is_what_the_drive_said() {
+fn a_state_is_the_state_the_drive_reported() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     let shown = Shared::new(Vec::new());
@@ -721,7 +721,7 @@ fn a_scale_changed_under_a_running_axis_stops_it() {
 
 /// An axis that had its speed and is slowed down beside its controller is not called a success.
 #[test]
-fn a_speed_that_is_lost_is_told() {
+fn a_lost_speed_is_reported() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = connected(&mut session, &mut drive);
@@ -798,13 +798,13 @@ fn a_refusal_names_the_controller_that_has_the_drive() {
         .wait()
         .map(|_| ())
         .expect_err("refused");
-    let told = error.to_string();
-    assert!(told.contains("controller \"plc\" owns it"), "{told}");
+    let message = error.to_string();
+    assert!(message.contains("controller \"plc\" owns it"), "{message}");
 }
 
 /// A speed between two steps of the setpoint is told as the one that is sent.
 #[test]
-fn the_step_that_a_speed_becomes_is_known() {
+fn the_rounded_speed_is_reported() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = connected(&mut session, &mut drive);

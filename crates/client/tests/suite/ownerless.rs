@@ -43,7 +43,7 @@ fn set(world: &World, text: &str) {
 }
 
 /// A client runs the drive and is killed.
-fn desert(world: &World, model: &str, transport: Transport, speed: f64) {
+fn kill_client(world: &World, model: &str, transport: Transport, speed: f64) {
     let (mut session, mut drive) = world.client(model, transport, 1).expect("found");
     let wanted = settings(&drive, Purpose::Speed);
     let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
@@ -67,7 +67,7 @@ fn stop_takes_over_an_ownerless_drive_without_a_jump() {
             for (speed, way) in [(600.0, StopWay::Stop), (900.0, StopWay::Disable)] {
                 let world = World::new(virtual_model, transport, 7);
                 set(&world, setting);
-                desert(&world, name, transport, speed);
+                kill_client(&world, name, transport, speed);
                 world.pass(SECOND * 5);
                 let before = world.speed();
                 let at = format!("{name} {transport:?} {speed}: {before}");
@@ -133,7 +133,7 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
         for &transport in transports(name) {
             let world = World::new(virtual_model, transport, 7);
             set(&world, setting);
-            desert(&world, name, transport, 600.0);
+            kill_client(&world, name, transport, 600.0);
             world.pass(SECOND * 3);
             let before = world.speed();
             let (mut session, mut drive) = world.client(name, transport, 2).expect("found");
@@ -162,7 +162,7 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
             );
             let status = session.status(&mut drive).wait().expect("read");
             let found = diagnose(&status);
-            let turns = [Cause::TurnsAlone, Cause::EnabledAlone];
+            let turns = [Cause::TurnsOwnerless, Cause::EnabledOwnerless];
             assert!(turns.contains(&found.cause), "{name} {transport:?}: {found:?}");
             assert_eq!(found.actions[0], Action::Stop, "{name}: {found:?}");
         }
@@ -171,7 +171,7 @@ fn a_motion_is_not_begun_on_an_ownerless_drive() {
 
 /// The time-out function commands the axis, not the last control word; a motion is begun in no case.
 #[test]
-fn what_a_drive_does_by_itself_is_told_and_not_begun_upon() {
+fn motion_of_an_ownerless_drive_is_reported_before_control() {
     let cases = [
         ("8-04=2", "8-04 is Stop"),
         ("8-04=3", "8-04 is Jogging"),
@@ -183,13 +183,13 @@ fn what_a_drive_does_by_itself_is_told_and_not_begun_upon() {
             set(&world, setting);
             // 3-42: 60 s to the speed of the motor
             set(&world, "3-42=6000");
-            desert(&world, "vlt", transport, 900.0);
+            kill_client(&world, "vlt", transport, 900.0);
             world.pass(SECOND * 3);
             let at = format!("{transport:?} {setting}: {} rpm", world.speed());
             let (mut session, mut drive) = world.client("vlt", transport, 2).expect("found");
             let status = session.status(&mut drive).wait().expect("read");
             let found = diagnose(&status);
-            assert_eq!(found.cause, Cause::TurnsAlone, "{at}: {found:?}");
+            assert_eq!(found.cause, Cause::TurnsOwnerless, "{at}: {found:?}");
             assert!(
                 found.notes.iter().all(|note| note.id != "moved-from-outside"),
                 "{at}"
@@ -219,7 +219,7 @@ fn what_a_drive_does_by_itself_is_told_and_not_begun_upon() {
 
 /// What a servo drive has no panel for is not sent to one.
 #[test]
-fn local_operation_is_told_in_the_words_of_the_drive() {
+fn local_operation_is_reported_with_the_terms_of_the_drive() {
     let world = World::new(&model::AKD, Transport::Profinet, 7);
     world.look(|drive| drive.inject("local=on".parse().expect("an injection")));
     world.pass(SECOND);
@@ -313,7 +313,7 @@ fn local_control_is_refused_with_who_has_it() {
 fn an_ownerless_drive_without_tables_is_stopped() {
     let world = World::new(&model::VACON, Transport::Profinet, 7);
     set(&world, "ID733=0");
-    desert(&world, "vacon", Transport::Profinet, 600.0);
+    kill_client(&world, "vacon", Transport::Profinet, 600.0);
     world.pass(SECOND * 2);
     let (mut session, mut drive) = world.client("standard", Transport::Profinet, 2).expect("found");
     session.find_channel(&mut drive).wait().expect("it has one");
@@ -332,7 +332,7 @@ fn an_ownerless_drive_without_tables_is_stopped() {
 
 /// What a lost connection means for this drive is read before, and said with the loss.
 #[test]
-fn the_message_of_a_loss_says_what_this_drive_does() {
+fn a_connection_loss_message_describes_the_reaction_of_the_drive() {
     let cases: [(&Virtual, &str, &str, LossAction, &str); 13] = [
         (
             &model::AKD,
@@ -565,7 +565,7 @@ fn a_carrier_that_fails_is_a_lost_connection_of_the_axis() {
 fn a_drive_that_is_to_be_taken_over_needs_raw_frames() {
     let world = World::new(&model::VLT, Transport::Profinet, 7);
     set(&world, "8-04=0");
-    desert(&world, "vlt", Transport::Profinet, 600.0);
+    kill_client(&world, "vlt", Transport::Profinet, 600.0);
     world.pass(SECOND);
     let (session, _) = world.client("vlt", Transport::Profinet, 2).expect("found");
     let mut session = session.without_discovery();
@@ -601,7 +601,7 @@ fn a_fault_is_acknowledged_while_the_axis_still_coasts() {
     for transport in [Transport::Profinet, Transport::Fc, Transport::Uss] {
         let world = World::new(&model::VLT, transport, 7);
         set(&world, "8-04=5");
-        desert(&world, "vlt", transport, 1400.0);
+        kill_client(&world, "vlt", transport, 1400.0);
         let tripped = |world: &World| world.look(|drive| !drive.is_enabled());
         while !tripped(&world) {
             world.pass(SECOND / 20);
@@ -638,7 +638,7 @@ fn a_ramp_that_ends_in_coasting_is_no_rest() {
     for stage_goes in [true, false] {
         let world = World::new(&model::VLT, Transport::Profinet, 7);
         set(&world, "8-04=2");
-        desert(&world, "vlt", Transport::Profinet, 1400.0);
+        kill_client(&world, "vlt", Transport::Profinet, 1400.0);
         let turned = world.speed();
         while world.speed() > turned - 100.0 {
             world.pass(SECOND / 20);
@@ -670,7 +670,7 @@ fn a_vacon_at_a_line_is_seen_by_its_replies() {
         let snapshot = session.snapshot(&mut drive, &[]).wait().expect("read");
         assert_eq!(snapshot.zsw1.map(|word| word & 0x0004), Some(0), "{snapshot:?}");
         set(&world, "ID733=0");
-        desert(&world, "vacon", transport, 600.0);
+        kill_client(&world, "vacon", transport, 600.0);
         world.pass(SECOND * 2);
         let (mut session, mut drive) = world.client("vacon", transport, 2).expect("found");
         let snapshot = session.snapshot(&mut drive, &[]).wait().expect("read");
@@ -684,7 +684,7 @@ fn a_vacon_at_a_line_is_seen_by_its_replies() {
             "{status:?}"
         );
         let found = diagnose(&status);
-        assert_eq!(found.cause, Cause::TurnsAlone);
+        assert_eq!(found.cause, Cause::TurnsOwnerless);
         assert!(found.sentence.contains("% of its reference"), "{found:?}");
         let speed = snapshot.speed_actual.expect("in every reply");
         assert!(speed.unit == "%" && near(speed.number()), "{speed:?}");

@@ -132,13 +132,13 @@ fn a_modulo_axis_is_planned_inside_its_range_whichever_end_comes_first() {
         write(&mut bench.0, &mut bench.2, &ends);
         write(&mut bench.0, &mut bench.2, &["PL.MODPEN=1"]);
         let (session, _, drive) = &mut bench;
-        let outside = session.plan_move(drive, &to(4.0), 3000.0).wait().expect("a plan");
+        let out_of_range = session.plan_move(drive, &to(4.0), 3000.0).wait().expect("a plan");
         let range = Objection::ModuloRange {
             target: 4.0,
             low: 0.0,
             high: 3.0,
         };
-        assert_eq!(outside.objections, [range]);
+        assert_eq!(out_of_range.objections, [range]);
         with_axis(&mut bench, Purpose::Move, |axis| {
             axis.move_to(&to(2.0)).wait().expect("inside the range");
             let by = Move::by(Position::Turns(2.0), 300.0).with_ramps(Some(3052.0), Some(3052.0));
@@ -240,7 +240,7 @@ fn change_on_the_fly_pause_resume_and_halt() {
 }
 
 #[test]
-fn software_limits_are_told_before_anything_is_sent() {
+fn software_limits_are_reported_before_sending() {
     let mut bench = homed();
     let (session, id, drive) = &mut bench;
     write(
@@ -648,7 +648,7 @@ fn leave(session: &mut Bench, id: StationId, drive: &mut Drive, door: Door, flag
 }
 
 #[test]
-fn a_blocked_axis_is_told() {
+fn a_blocked_axis_is_reported() {
     let mut bench = homed();
     let id = bench.1;
     let world = bench.0.world();

@@ -9,7 +9,7 @@ use crate::remote_io::remote_io;
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive_client::{
-    AxisSettings, Client, Drive, Error, MakerModule, Network, Route, RouteNotice, StopWay, Wait, WriteMode,
+    AxisSettings, Client, Drive, Error, Network, Route, RouteNotice, StopWay, VendorModule, Wait, WriteMode,
     modules_of,
 };
 use profile::parameter::{Keep, ParameterAccess};
@@ -41,7 +41,7 @@ const IM0: RecordAddress = RecordAddress {
 };
 
 /// The ramp of each make, which is changed, and how it is put into local operation with the motor turning.
-const MAKES: [(&Model, &str, &str); 3] = [
+const MODELS: [(&Model, &str, &str); 3] = [
     (&model::AKD, "DRV.ACC", "4000"),
     (&model::VLT, "3-41", "5"),
     (&model::VACON, "ID103", "5"),
@@ -110,8 +110,8 @@ fn events(session: &mut Bench, id: StationId) -> Vec<StationEvent> {
     std::iter::from_fn(|| station.poll_event()).collect()
 }
 
-fn relations(session: &Bench, id: StationId) -> usize {
-    drive_at(session, id).device().relations()
+fn ars(session: &Bench, id: StationId) -> usize {
+    drive_at(session, id).device().ars()
 }
 
 /// What a read or a write must not change.
@@ -142,13 +142,13 @@ fn look(session: &Bench, id: StationId) -> Seen {
 
 #[test]
 fn device_access_is_the_first_way_and_nothing_else_is_tried() {
-    for (model, name, value) in MAKES {
+    for (model, name, value) in MODELS {
         let (mut session, mut drive, id, notices) = reach(model, Refusals::default());
         session.read_record(&drive, IM0).wait().expect("I&M0");
         write(&mut session, &mut drive, name, value).expect("written");
         assert_eq!(steps(&notices), [(Route::DeviceAccess, true)]);
         assert_eq!(session.route(&drive), Some(Route::DeviceAccess));
-        assert_eq!(relations(&session, id), 1);
+        assert_eq!(ars(&session, id), 1);
         session.close().wait().expect("closed");
     }
 }
@@ -157,7 +157,7 @@ fn device_access_is_the_first_way_and_nothing_else_is_tried() {
 #[test]
 fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_controller_connection() {
     for status in [NO_AR_TYPE, NO_ALARM_CR, PnioStatus::connect(0x40, 0x04)] {
-        for (model, name, value) in MAKES {
+        for (model, name, value) in MODELS {
             let refusals = Refusals {
                 device_access: Some(status),
                 ..Refusals::default()
@@ -170,7 +170,7 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
             let implicit = [(Route::DeviceAccess, false), (Route::Implicit, true)];
             assert_eq!(steps(&notices), implicit, "the choice holds");
             assert_eq!(session.route(&drive), Some(Route::Implicit));
-            assert_eq!(relations(&session, id), 0, "no connection for that");
+            assert_eq!(ars(&session, id), 0, "no connection for that");
             assert!(session.closed_routes(&drive)[0].reason.starts_with("connect: "));
 
             events(&mut session, id);
@@ -181,7 +181,7 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
             );
             let all = [implicit.to_vec(), vec![(Route::Controller, true)]].concat();
             assert_eq!(steps(&notices), all);
-            assert_eq!(relations(&session, id), 1);
+            assert_eq!(ars(&session, id), 1);
             {
                 let station = drive_at(&session, id);
                 let device = station.device();
@@ -195,7 +195,7 @@ fn a_device_without_device_access_is_read_implicitly_and_its_parameters_over_a_c
             assert_eq!(look(&session, id), before);
             session.close().wait().expect("closed");
             session.pass(Duration::from_secs(5)).wait().expect("time passes");
-            assert_eq!(relations(&session, id), 0, "released");
+            assert_eq!(ars(&session, id), 0, "released");
             assert_eq!(look(&session, id), before, "{}", model.catalogue.model);
             for event in events(&mut session, id) {
                 let harmless = matches!(
@@ -231,7 +231,7 @@ fn turn_locally(session: &mut Bench, id: StationId, model: &Model) {
 
 #[test]
 fn a_drive_that_turns_by_its_panel_or_service_channel_goes_on_undisturbed() {
-    for (model, name, value) in MAKES {
+    for (model, name, value) in MODELS {
         let refusals = Refusals {
             device_access: Some(NO_AR_TYPE),
             ..Refusals::default()
@@ -322,10 +322,10 @@ fn a_vlt_that_turns_on_without_its_controller_is_not_touched_by_a_read() {
         panic!("{error}")
     };
     assert_eq!((controller.as_deref(), closed.len()), (Some("plc"), 1), "{error}");
-    let told = error.to_string();
+    let message = error.to_string();
     assert!(
-        told.contains("controller \"plc\" has its only connection"),
-        "{told}"
+        message.contains("controller \"plc\" has its only connection"),
+        "{message}"
     );
     let hint = error.advice().expect("what is possible").to_string();
     assert!(
@@ -336,7 +336,7 @@ fn a_vlt_that_turns_on_without_its_controller_is_not_touched_by_a_read() {
     assert!(info.identity.is_some() && info.modules.len() == 2);
     assert_eq!(info.controller, Some(Some("plc".into())));
     assert!(info.readings.is_empty() && info.refused.iter().any(|text| text.contains("plc")));
-    assert_eq!(relations(&session, id), 1, "the controller's alone");
+    assert_eq!(ars(&session, id), 1, "the controller's alone");
 
     session.medium().segment_mut().detach(plc.0);
     session.pass(Duration::from_secs(5)).wait().expect("time passes");
@@ -352,7 +352,7 @@ fn a_vlt_that_turns_on_without_its_controller_is_not_touched_by_a_read() {
 /// The worst that may be: the device wants data first, and gets outputs that say nothing.
 #[test]
 fn a_device_that_takes_jobs_only_with_data_gets_invalid_outputs_that_move_nothing() {
-    for (model, name, value) in MAKES {
+    for (model, name, value) in MODELS {
         let refusals = Refusals {
             device_access: Some(NO_ALARM_CR),
             start_up_write: Some(NOT_NOW),
@@ -387,7 +387,7 @@ fn without_implicit_reads_everything_goes_over_the_controller_connection() {
         implicit_read: Some(NO_IMPLICIT),
         ..Refusals::default()
     };
-    for (model, name, value) in MAKES {
+    for (model, name, value) in MODELS {
         let (mut session, mut drive, id, notices) = reach(model, refusals);
         let before = look(&session, id);
         session.read_record(&drive, IM0).wait().expect("I&M0");
@@ -427,20 +427,20 @@ fn a_device_that_refuses_everything_is_reported_with_every_answer() {
     let routes: Vec<Route> = closed.iter().map(|closed| closed.route).collect();
     assert_eq!(routes, [Route::DeviceAccess, Route::Implicit, Route::Controller]);
     let error = session.read_record(&drive, IM0).wait().expect_err("no way");
-    let told = error.to_string();
+    let message = error.to_string();
     for part in [
         "no way to its records",
         "device access: connect: ",
         "implicit reads: record read: ",
         "connection as IO controller: connect: ",
     ] {
-        assert!(told.contains(part), "{part}: {told}");
+        assert!(message.contains(part), "{part}: {message}");
     }
     assert!(error.advice().is_some());
     // what is known by discovery is still shown
     let info = session.info(&mut drive).wait().expect("no error");
     assert!(info.identity.is_none() && info.refused.iter().any(|text| text.contains("no way")));
-    assert_eq!(relations(&session, id), 0);
+    assert_eq!(ars(&session, id), 0);
 }
 
 #[test]
@@ -474,11 +474,11 @@ fn the_device_description_completes_modules_that_are_not_in_the_tables() {
         ip: ip(1),
         ..Stored::default()
     };
-    let makers: Vec<MakerModule> = config
+    let vendor_modules: Vec<VendorModule> = config
         .description
         .telegrams
         .iter()
-        .map(|telegram| MakerModule {
+        .map(|telegram| VendorModule {
             telegram: telegram.telegram,
             place: (telegram.slot, telegram.subslot),
             modules: vec![ModuleConfig {
@@ -499,11 +499,11 @@ fn the_device_description_completes_modules_that_are_not_in_the_tables() {
             }],
         })
         .collect();
-    for (makers, complete) in [(makers, true), (Vec::new(), false)] {
+    for (vendor_modules, complete) in [(vendor_modules, true), (Vec::new(), false)] {
         let (mut session, ids) = bench_of(vec![Box::new(Host::new(Station::new(config.clone())))]);
         let notices = follow(&mut session);
         let mut drive = find(&mut session, "drive-1").expect("there");
-        drive.maker_modules = makers;
+        drive.vendor_modules = vendor_modules;
         let plugged = drive_at(&session, ids[0]).device().plugged(1);
         write(&mut session, &mut drive, "DRV.ACC", "4000").expect("written");
         let expected = notices.borrow().iter().any(|notice| {
@@ -547,7 +547,7 @@ fn an_axis_takes_the_place_of_the_connection_for_parameters() {
     session.close().wait().expect("closed");
     session.pass(Duration::from_secs(1)).wait().expect("time passes");
     assert!(!drive_at(&session, id).drive().has_fault(), "no F702");
-    assert_eq!(relations(&session, id), 0);
+    assert_eq!(ars(&session, id), 0);
 }
 
 #[test]
@@ -643,7 +643,7 @@ fn every_way_stands_lost_frames() {
             .wait()
             .unwrap_or_else(|error| panic!("{seed}: {error}"));
         session.pass(Duration::from_secs(60)).wait().expect("time passes");
-        assert_eq!(relations(&session, id), 0, "{seed}");
+        assert_eq!(ars(&session, id), 0, "{seed}");
         assert!(!drive_at(&session, id).drive().is_enabled(), "{seed}");
     }
 }

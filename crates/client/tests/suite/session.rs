@@ -23,7 +23,7 @@ use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
 #[test]
-fn nobody_one_or_two_of_a_name() {
+fn no_one_or_two_stations_with_a_name() {
     let (mut session, _) = bench(&[("akd-1", 1), ("akd-2", 2), ("akd-2", 3)]);
     for text in ["akd-1", "10.0.0.1", "02:00:00:00:00:01"] {
         assert_eq!(find(&mut session, text).expect(text).station.name, "akd-1");
@@ -64,7 +64,7 @@ fn a_station_that_answers_late_is_found() {
 }
 
 #[test]
-fn without_discovery_the_endpoint_mapper_tells_who_it_is() {
+fn without_discovery_the_endpoint_mapper_identifies_the_device() {
     let (session, _) = bench(&[("akd-1", 1)]);
     let mut session = session.without_discovery();
     let mut drive = find(&mut session, "10.0.0.1").expect("by address");
@@ -113,7 +113,7 @@ fn a_parameter_written_twice_is_a_mistake() {
 }
 
 #[test]
-fn what_the_present_state_forbids_is_told_for_each_parameter() {
+fn refusals_of_the_present_state_are_reported_per_parameter() {
     let (mut session, _) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (text, advice) in [
@@ -165,28 +165,28 @@ fn reboot_is_executed_and_not_read_back() {
 }
 
 #[test]
-fn a_silent_drive_is_told_while_it_is_waited_for() {
+fn a_silent_drive_is_reported_while_waiting() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
-    let told = Shared::new(0);
+    let reports = Shared::new(0);
     let look = |session: &mut Bench, drive: &mut Drive| {
-        let told = told.clone();
+        let reports = reports.clone();
         session
-            .telling_silence(
+            .reporting_silence(
                 Duration::from_secs(1),
                 async |session: &mut Session| {
                     session.snapshot(drive, &[]).await.map(|snapshot| snapshot.zsw1)
                 },
-                move || told.set(told.get() + 1),
+                move || reports.set(reports.get() + 1),
             )
             .wait()
     };
     assert_eq!(look(&mut session, &mut drive).expect("answers"), Some(0x0240));
     session.pass(Duration::from_secs(5)).wait().expect("time passes");
-    assert_eq!(told.get(), 0, "a drive that answers is not called silent");
+    assert_eq!(reports.get(), 0, "a drive that answers is not called silent");
     session.medium().segment_mut().detach(ids[0]);
     look(&mut session, &mut drive).expect_err("gone");
-    assert_eq!(told.get(), 1, "once");
+    assert_eq!(reports.get(), 1, "once");
     let begin = session.now();
     session.forget(&drive);
     session.close().wait().expect("nobody to say farewell to");
@@ -410,16 +410,16 @@ fn a_session_that_is_left_closes_its_connections() {
         .wait()
         .expect("there");
     session.open(&drive).wait().expect("open");
-    let relations = || {
+    let ars = || {
         let medium = kept.borrow();
         let host = medium.segment().station::<Host<Station>>(id).expect("the drive");
-        host.endpoint().device().relations()
+        host.endpoint().device().ars()
     };
-    assert_eq!(relations(), 1);
+    assert_eq!(ars(), 1);
     // as an error does that leaves a command by the shortest way, while the caller wants to stop
     session.interrupt_with(|| true);
     drop(session);
-    assert_eq!(relations(), 0);
+    assert_eq!(ars(), 0);
 }
 
 #[test]
@@ -429,7 +429,7 @@ fn an_interrupted_connect_leaves_nothing_at_the_drive() {
     session.close().wait().expect("closed");
     flag.set(false);
     session.pass(Duration::from_secs(1)).wait().expect("passes");
-    assert_eq!(drive_at(&session, id).device().relations(), 0);
+    assert_eq!(drive_at(&session, id).device().ars(), 0);
 }
 
 #[test]
@@ -582,7 +582,7 @@ fn inputs_that_become_bad_stop_the_axis() {
 }
 
 #[test]
-fn an_axis_that_stopped_by_itself_is_not_started_again_before_the_caller_knows() {
+fn an_axis_that_stopped_by_itself_restarts_only_after_the_caller_was_informed() {
     let (mut session, id, bad) = muddled();
     let mut drive = find(&mut session, "akd-1").expect("there");
     let mut axis = session

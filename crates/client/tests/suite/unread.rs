@@ -162,7 +162,7 @@ fn a_ramp_longer_than_the_limit_is_waited_for_where_the_drive_reports_it() {
 
 /// Whose bits the words at a line have shows in the status word where 8-10 cannot be read.
 #[test]
-fn the_words_of_a_line_are_told_apart_by_the_status_word() {
+fn the_profile_on_a_line_is_recognised_by_the_status_word() {
     for transport in [Transport::Fc, Transport::Uss] {
         let world = left_running(&model::VLT, "vlt", &[(810, 1), (804, 0)], transport, None);
         world.answer(AnswerFault::Silent);
@@ -315,7 +315,7 @@ fn a_drive_enabled_by_its_service_channel_is_not_called_stopped() {
 
 /// The wait that was made is the one that is told.
 #[test]
-fn a_request_that_was_given_up_says_when() {
+fn an_abandoned_request_has_its_time() {
     let world = left_running(&model::VLT, "vlt", &[(804, 0)], Transport::Profinet, None);
     world.answer(AnswerFault::Silent);
     let (outcome, _) = stopped(&world, Transport::Profinet, "vlt");
@@ -325,7 +325,7 @@ fn a_request_that_was_given_up_says_when() {
 
 /// Over a line that carries no speed parameter of a Vacon the speed is that of its replies.
 #[test]
-fn a_stop_at_a_line_tells_the_speed_of_the_replies() {
+fn stop_on_a_line_reports_the_speed_of_the_replies() {
     for transport in [Transport::Fc, Transport::Uss] {
         let world = left_running(&model::VACON, "vacon", &[(733, 0)], transport, None);
         let (outcome, _) = stopped(&world, transport, "vacon");
@@ -337,7 +337,7 @@ fn a_stop_at_a_line_tells_the_speed_of_the_replies() {
 
 /// Whoever interrupts a stop is told which drive that was, and how it was seen last.
 #[test]
-fn an_interrupted_stop_says_how_the_drive_was_seen_last() {
+fn an_interrupted_stop_reports_the_last_state_of_the_drive() {
     let mut seen = 0;
     for after in [0, 50, 100, 200, 500].map(Duration::from_millis) {
         let world = left_running(&model::VLT, "vlt", &[(804, 0)], Transport::Profinet, None);

@@ -19,7 +19,7 @@ use crate::Weight;
 /// Topic of the events.
 const TOPIC: &str = "alarm";
 /// Time for the acknowledgement of an alarm, longer than any controller takes.
-const PATIENCE: Duration = Duration::from_secs(5);
+const ACK_TIMEOUT: Duration = Duration::from_secs(5);
 /// Most pairs of stations whose last PDU is remembered.
 const MAX_PAIRS: usize = 4096;
 
@@ -50,7 +50,7 @@ impl Alarms {
                     let sequence = pdu.send_sequence;
                     let text = format!("alarm PDU 0x{sequence:04X} sent again: it was not confirmed (ACK)");
                     let trouble = Trouble::Repeated { sequence };
-                    sink.tell(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
+                    sink.report(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
                     return Ok(());
                 }
                 match pdu.alarm()? {
@@ -72,7 +72,7 @@ impl Alarms {
                     status: Some(number(status)),
                     ..event::Alarm::default()
                 };
-                sink.tell(weight, TOPIC, format!("{how}: {status}"), Detail::Alarm(detail));
+                sink.report(weight, TOPIC, format!("{how}: {status}"), Detail::Alarm(detail));
             }
             RtaType::Nack => {
                 let detail = event::Alarm {
@@ -81,13 +81,13 @@ impl Alarms {
                     ..event::Alarm::default()
                 };
                 let text = "alarm sequence not expected (NACK)";
-                sink.tell(Weight::Warning, TOPIC, text, Detail::Alarm(detail));
+                sink.report(Weight::Warning, TOPIC, text, Detail::Alarm(detail));
             }
             RtaType::Ack => {}
             RtaType::Other(kind) => {
                 let text = format!("unknown RTA type {kind}");
                 let trouble = Trouble::Unknown { service: kind.into() };
-                sink.tell(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
+                sink.report(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
             }
         }
         Ok(())
@@ -106,7 +106,7 @@ impl Alarms {
                 sent: 1,
                 waited,
             };
-            sink.tell_of(
+            sink.report_of(
                 waiting.origin,
                 Weight::Warning,
                 TOPIC,
@@ -164,7 +164,7 @@ impl Alarms {
             diagnosis: found,
             status: None,
         };
-        sink.tell(weight, TOPIC, text, Detail::Alarm(detail));
+        sink.report(weight, TOPIC, text, Detail::Alarm(detail));
         let waiting = Waiting {
             origin: sink.origin(),
             what: format!("alarm {what} at {place}"),
@@ -178,7 +178,7 @@ impl Alarms {
             alarm.subslot,
             alarm.specifier.sequence(),
         );
-        self.open.insert(key, sink.at + PATIENCE, waiting);
+        self.open.insert(key, sink.at + ACK_TIMEOUT, waiting);
         Ok(())
     }
 
@@ -209,11 +209,11 @@ impl Alarms {
             diagnosis: Vec::new(),
             status: Some(number(ack.status)),
         };
-        sink.tell(weight, TOPIC, text, Detail::Alarm(detail));
+        sink.report(weight, TOPIC, text, Detail::Alarm(detail));
         if self.open.remove(&key).is_none() {
             let what = format!("alarm {}", ack.alarm_type);
             let text = format!("acknowledgement of an {what} that is not in the capture");
-            sink.tell(
+            sink.report(
                 Weight::Warning,
                 TOPIC,
                 text,

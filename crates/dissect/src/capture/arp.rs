@@ -84,7 +84,7 @@ impl Arp {
             count.flooding = true;
             let text = format!("ARP flood: {FLOOD} frames within 1 s");
             let trouble = Trouble::ArpFlood { frames: FLOOD };
-            sink.tell(Weight::Error, "ARP", text, Detail::Trouble(trouble));
+            sink.report(Weight::Error, "ARP", text, Detail::Trouble(trouble));
         }
     }
 }

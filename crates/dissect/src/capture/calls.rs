@@ -8,7 +8,7 @@ use profinet::wire::rpc::{Header, PacketType, reject};
 use profinet::wire::{DecodeError, Reader, Uuid};
 
 use super::assembly::Assembly;
-use super::cyclic::Relations;
+use super::cyclic::CyclicArs;
 use super::event::{Detail, Origin, Sink, Trouble};
 use super::jobs::Jobs;
 use super::names::{Names, seconds};
@@ -48,7 +48,7 @@ struct Call {
 
 impl Call {
     /// True for a request that has the number of this call and is not its repetition.
-    fn is_another(&self, header: &Header, digest: u64) -> bool {
+    fn is_other_value(&self, header: &Header, digest: u64) -> bool {
         self.request.is_done() && !header.flags.is_fragment() && self.digest != digest
     }
 }
@@ -56,7 +56,7 @@ impl Call {
 /// What the services of a call work with.
 pub struct Scene<'a> {
     pub jobs: &'a mut Jobs,
-    pub relations: &'a mut Relations,
+    pub ars: &'a mut CyclicArs,
     pub names: &'a mut Names,
 }
 
@@ -70,7 +70,7 @@ impl Calls {
     pub fn datagram(
         &mut self,
         datagram: &Datagram<'_>,
-        relations: &mut Relations,
+        ars: &mut CyclicArs,
         names: &mut Names,
         sink: &mut Sink<'_>,
     ) -> Result<(), DecodeError> {
@@ -98,11 +98,7 @@ impl Calls {
         };
         let key = (client, server, header.activity, header.sequence);
         let Self { open, jobs, .. } = self;
-        let mut scene = Scene {
-            jobs,
-            relations,
-            names,
-        };
+        let mut scene = Scene { jobs, ars, names };
         match header.packet_type {
             PacketType::Request => {
                 let call = requested(open, key, &header, body, sink);
@@ -126,7 +122,7 @@ impl Calls {
                 let status = Reader::new(body).u32_in(header.order, "reject status")?;
                 let words = reject::words(status).unwrap_or("unknown reason");
                 let text = format!("call refused: {words} (0x{status:08X})");
-                sink.tell(
+                sink.report(
                     Weight::Error,
                     "RPC",
                     text,
@@ -135,7 +131,7 @@ impl Calls {
             }
             PacketType::NoCall => {
                 let trouble = Trouble::Rejected { status: 0 };
-                sink.tell(
+                sink.report(
                     Weight::Warning,
                     "RPC",
                     "the receiver does not know this call (NOCALL)",
@@ -163,7 +159,7 @@ impl Calls {
                 sent: call.sent,
                 waited,
             };
-            sink.tell_of(call.origin, Weight::Error, "RPC", text, Detail::Trouble(trouble));
+            sink.report_of(call.origin, Weight::Error, "RPC", text, Detail::Trouble(trouble));
         }
         self.jobs.give_up(now, sink);
     }
@@ -182,7 +178,7 @@ fn requested<'c>(
     let digest = hasher.finish();
     if open
         .get_mut(&key)
-        .is_some_and(|call| call.is_another(header, digest))
+        .is_some_and(|call| call.is_other_value(header, digest))
     {
         open.remove(&key);
     }
@@ -209,7 +205,7 @@ fn answered(call: &Call, header: &Header, sink: &mut Sink<'_>) {
         let what = services::operation_name(header);
         let text = format!("answer to a {what} that is not in the capture");
         let trouble = Trouble::Unasked { what: what.into() };
-        sink.tell(Weight::Warning, "RPC", text, Detail::Trouble(trouble));
+        sink.report(Weight::Warning, "RPC", text, Detail::Trouble(trouble));
     } else if call.sent > 1 {
         let waited = sink.at.saturating_sub(call.origin.at);
         let text = format!(
@@ -223,7 +219,7 @@ fn answered(call: &Call, header: &Header, sink: &mut Sink<'_>) {
             sent: call.sent,
             waited,
         };
-        sink.tell(Weight::Warning, "RPC", text, Detail::Trouble(trouble));
+        sink.report(Weight::Warning, "RPC", text, Detail::Trouble(trouble));
     }
 }
 

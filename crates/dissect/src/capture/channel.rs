@@ -33,15 +33,15 @@ impl Channel {
         self.last = now;
         if output {
             if changed && now.request_code() != RequestCode::NONE {
-                let told = pkw::request(drive, dialect, now, None);
-                tell(told, dialect, now, "request", sink);
+                let line = pkw::request(drive, dialect, now, None);
+                report(line, dialect, now, "request", sink);
             }
             return;
         }
         if now.reply_code().info().spontaneous {
             if changed {
-                let told = pkw::reply(drive, dialect, now, None);
-                tell(told, dialect, now, "response", sink);
+                let line = pkw::reply(drive, dialect, now, None);
+                report(line, dialect, now, "response", sink);
             }
             return;
         }
@@ -56,24 +56,24 @@ impl Channel {
         let known = sent.request_code() != RequestCode::NONE;
         let fits = known && pkw::answers(dialect, sent, now);
         // without its request, as at the start of a capture, a reply is told when it comes
-        let alone = !known
+        let unsolicited = !known
             && changed
             && now.reply_code() != ReplyCode::NONE
             && sent == Pkw::ZERO
             && before == Pkw::ZERO;
-        if (fits && fresh && !self.answered) || alone {
+        if (fits && fresh && !self.answered) || unsolicited {
             self.answered = true;
             if let Some(reading) = pkw::reading(drive, dialect, now) {
                 drive.learn_from(&reading);
             }
-            let told = pkw::reply(drive, dialect, now, None);
-            tell(told, dialect, now, "response", sink);
+            let line = pkw::reply(drive, dialect, now, None);
+            report(line, dialect, now, "response", sink);
         }
     }
 }
 
 /// Reports a request or a reply, with the numbers that are in it.
-fn tell(
+fn report(
     (weight, text): (Weight, String),
     dialect: &PkwDialect,
     words: Pkw,
@@ -92,7 +92,7 @@ fn tell(
         job,
         request_frame: None,
     };
-    sink.tell(weight, "PKW", text, Detail::Job(detail));
+    sink.report(weight, "PKW", text, Detail::Job(detail));
 }
 
 #[cfg(test)]
@@ -149,14 +149,14 @@ mod tests {
     }
 
     #[test]
-    fn a_request_and_its_reply_are_told_once() {
+    fn a_request_and_its_reply_are_reported_once() {
         let mut line = Line::new();
         assert!(line.cycle(ZERO, ZERO).is_empty());
-        let told = line.cycle(READ, ZERO);
-        assert_eq!(told, ["request value: Motor Speed High Limit [Hz] (4-14)"]);
+        let lines = line.cycle(READ, ZERO);
+        assert_eq!(lines, ["request value: Motor Speed High Limit [Hz] (4-14)"]);
         assert!(line.cycle(READ, ZERO).is_empty());
-        let told = line.cycle(READ, value(100));
-        assert!(told[0].contains("(4-14) = 10 Hz"), "{told:?}");
+        let lines = line.cycle(READ, value(100));
+        assert!(lines[0].contains("(4-14) = 10 Hz"), "{lines:?}");
         // the drive refreshes the value
         assert!(line.cycle(READ, value(101)).is_empty());
         assert!(line.cycle(READ, value(102)).is_empty());
@@ -172,24 +172,24 @@ mod tests {
         // the next change while the reply of the first still stands
         assert_eq!(line.cycle(write(2), value(1)).len(), 1);
         assert!(line.cycle(write(2), value(1)).is_empty());
-        let told = line.cycle(write(2), value(2));
-        assert!(told[0].contains("= 0.2 Hz"), "{told:?}");
+        let lines = line.cycle(write(2), value(2));
+        assert!(lines[0].contains("= 0.2 Hz"), "{lines:?}");
         // the same value again: no frame shows when it is the new reply
         line.cycle(write(3), value(2));
         assert!(line.cycle(write(3), value(3))[0].contains("0.3 Hz"));
         line.cycle([0x61, 0x9E, 0, 0, 0, 0, 0, 0], value(3));
-        let told = line.cycle([0x61, 0x9E, 0, 0, 0, 0, 0, 0], [0x71, 0x9E, 0, 0, 0, 0, 0, 4]);
-        assert!(told[0].contains("refused: 4 "), "{told:?}");
+        let lines = line.cycle([0x61, 0x9E, 0, 0, 0, 0, 0, 0], [0x71, 0x9E, 0, 0, 0, 0, 0, 4]);
+        assert!(lines[0].contains("refused: 4 "), "{lines:?}");
     }
 
     #[test]
     fn what_is_read_scales_other_values() {
         let mut line = Line::new();
         line.cycle([0x11, 0x2F, 0, 0, 0, 0, 0, 0], ZERO);
-        let told = line.cycle(
+        let lines = line.cycle(
             [0x11, 0x2F, 0, 0, 0, 0, 0, 0],
             [0x21, 0x2F, 0, 0, 0, 0x2D, 0xC6, 0xC0],
         );
-        assert!(told[0].contains("Maximum Reference (3-03) = 3000"), "{told:?}");
+        assert!(lines[0].contains("Maximum Reference (3-03) = 3000"), "{lines:?}");
     }
 }

@@ -4,7 +4,7 @@ use profinet::wire::alarm::DiagnosisItems;
 use profinet::wire::block::{Block, BlockType, ModuleDiff};
 use profinet::wire::record::{
     DiagnosisHeader, Identification, Im0, ImText, InterfaceReal, LogData, PortReal, RecordInput, decode_apis,
-    decode_relations,
+    decode_ar_list,
 };
 use profinet::wire::{DecodeError, Reader};
 use serde_json::{Value, json};
@@ -34,7 +34,7 @@ pub fn describe(index: u16, data: &[u8]) -> Option<Content> {
         0xE002 => module_diff(data),
         0x8028 => input(data),
         0x802A | 0x8080 | 0xF831 | 0xF841 => ports(data),
-        0xF020 | 0xF820 => relations(data),
+        0xF020 | 0xF820 => ar_list(data),
         0xF821 => apis(data),
         0xF830 => log(data),
         0xF840 => filter(data),
@@ -331,20 +331,14 @@ fn port_block(
     Ok(())
 }
 
-fn relations(data: &[u8]) -> Result<Content, DecodeError> {
-    let Some(found) = decode_relations(&mut Reader::new(data))? else {
+fn ar_list(data: &[u8]) -> Result<Content, DecodeError> {
+    let Some(found) = decode_ar_list(&mut Reader::new(data))? else {
         let text = "connections in another version of the record".to_owned();
         return Ok(normal(text, json!({ "connections": null })));
     };
     let texts: Vec<String> = found
         .iter()
-        .map(|relation| {
-            format!(
-                "AR type {} of {}",
-                relation.ar_type,
-                padded(relation.station_name)
-            )
-        })
+        .map(|ar| format!("AR type {} of {}", ar.ar_type, padded(ar.station_name)))
         .collect();
     let text = if texts.is_empty() {
         "no connection".to_owned()
@@ -353,7 +347,7 @@ fn relations(data: &[u8]) -> Result<Content, DecodeError> {
     };
     let rows: Vec<Value> = found
         .iter()
-        .map(|relation| json!({ "ar_type": relation.ar_type, "name": padded(relation.station_name) }))
+        .map(|ar| json!({ "ar_type": ar.ar_type, "name": padded(ar.station_name) }))
         .collect();
     Ok(normal(text, json!({ "connections": rows })))
 }

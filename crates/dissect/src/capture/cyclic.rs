@@ -30,7 +30,7 @@ const GONE: Duration = Duration::from_secs(10);
 /// The API of the drive profile.
 const PROFIDRIVE: u32 = 0x3A00;
 /// Frames after which a connection that began before the capture is described: its cycle is known then.
-const DESCRIBED: u64 = 3;
+const DESCRIBE_AFTER: u64 = 3;
 /// How often streams are looked at that may have fallen silent.
 const LOOK: Duration = Duration::from_millis(20);
 /// Least time between two reports of lost frames of a stream.
@@ -40,7 +40,7 @@ const SILENCE: Duration = Duration::from_millis(100);
 
 /// The cyclic connections of a capture.
 #[derive(Debug, Default)]
-pub struct Relations {
+pub struct CyclicArs {
     streams: Vec<Stream>,
     /// Of connects that are not answered yet: devices send inputs before their answer is on the wire.
     announced: Vec<Stream>,
@@ -119,7 +119,7 @@ struct Stream {
     reported: Option<Duration>,
 }
 
-impl Relations {
+impl CyclicArs {
     /// Expects the cyclic data of a connect request.
     pub fn announce(&mut self, asked: &Asked, mac: MacAddress, device: Ipv4Addr, drive: &JobDrive) {
         let Some(ar) = &asked.ar else { return };
@@ -257,14 +257,14 @@ impl Relations {
         stream.note_step(step, sink);
         stream.last = sink.origin();
         if stream.data_length.is_none() {
-            if stream.frames == DESCRIBED {
+            if stream.frames == DESCRIBE_AFTER {
                 stream.describe(data.len(), trailer.data_status, sink);
                 stream.status = Some(trailer.data_status);
                 if self.devices.len() < MAX_STREAMS {
                     self.devices.entry(stream.sender).or_default().earlier = true;
                 }
             }
-            if stream.frames < DESCRIBED {
+            if stream.frames < DESCRIBE_AFTER {
                 return Some(Belongs::Earlier);
             }
         }
@@ -340,8 +340,13 @@ impl Relations {
                 break;
             };
             let gap = sink.at.saturating_sub(stream.last.at);
-            let described = stream.data_length.is_some() || stream.frames >= DESCRIBED;
-            if stream.frames > 0 && described && !stream.silent && !stream.closed && gap > stream.patience() {
+            let described = stream.data_length.is_some() || stream.frames >= DESCRIBE_AFTER;
+            if stream.frames > 0
+                && described
+                && !stream.silent
+                && !stream.closed
+                && gap > stream.silence_limit()
+            {
                 stream.note_silence(gap, sink);
                 self.count_loss(at);
             }
@@ -456,7 +461,7 @@ impl Stream {
     }
 
     /// Time without a frame that is reported.
-    fn patience(&self) -> Duration {
+    fn silence_limit(&self) -> Duration {
         if self.watchdog.is_zero() {
             SILENCE.max(3 * self.cycle)
         } else {
@@ -467,7 +472,7 @@ impl Stream {
     /// Reports that this frame comes after the watchdog has expired, unless that was reported. True if it was not.
     fn note_gap(&mut self, sink: &mut Sink<'_>) -> bool {
         let gap = sink.at.saturating_sub(self.last.at);
-        let late = self.frames > 0 && !self.cycle.is_zero() && gap > self.patience();
+        let late = self.frames > 0 && !self.cycle.is_zero() && gap > self.silence_limit();
         if !late || self.silent || self.closed {
             return false;
         }
@@ -487,7 +492,7 @@ impl Stream {
             let frames = std::mem::take(&mut self.lost);
             self.reported = Some(sink.at);
             let text = format!("{frames} cyclic frame{} lost", if frames == 1 { "" } else { "s" });
-            sink.tell(
+            sink.report(
                 Weight::Warning,
                 TOPIC,
                 text,
@@ -512,7 +517,7 @@ impl Stream {
             gap,
             watchdog: self.watchdog,
         };
-        sink.tell_of(self.last, Weight::Error, TOPIC, text, Detail::Trouble(trouble));
+        sink.report_of(self.last, Weight::Error, TOPIC, text, Detail::Trouble(trouble));
     }
 
     /// Describes a connection that began before the capture by its frames.
@@ -530,7 +535,7 @@ impl Stream {
             cycle: Some(self.cycle.as_secs_f64()),
             ..Connect::default()
         };
-        sink.tell(status_weight(status), TOPIC, text, Detail::Connect(detail));
+        sink.report(status_weight(status), TOPIC, text, Detail::Connect(detail));
     }
 }
 
@@ -568,7 +573,7 @@ fn note_status(before: Option<DataStatus>, status: DataStatus, sink: &mut Sink<'
         problem: Some(status.has_problem()),
         ..Cyclic::default()
     };
-    sink.tell(status_weight(status), TOPIC, text, Detail::Cyclic(detail));
+    sink.report(status_weight(status), TOPIC, text, Detail::Cyclic(detail));
 }
 
 impl Asked {

@@ -17,7 +17,7 @@ use crate::Weight;
 /// Topic of the events.
 const TOPIC: &str = "DCP";
 /// Time for an answer beyond the delay that an Identify request allows.
-const PATIENCE: Duration = Duration::from_secs(1);
+const TIMEOUT: Duration = Duration::from_secs(1);
 /// Unit of the ResponseDelayFactor.
 const DELAY: Duration = Duration::from_millis(10);
 /// Most Identify requests remembered that nobody answered.
@@ -73,15 +73,15 @@ impl Services {
                     Ok(value(&filter))
                 }))?;
                 let text = format!("who is {filters}?");
-                let patience = DELAY * u32::from(pdu.delay_factor) + PATIENCE;
-                self.asked(frame, &pdu, &text, patience, Change::default(), sink);
-                sink.tell(Weight::Normal, TOPIC, text, Detail::Dcp(detail));
+                let timeout = DELAY * u32::from(pdu.delay_factor) + TIMEOUT;
+                self.asked(frame, &pdu, &text, timeout, Change::default(), sink);
+                sink.report(Weight::Normal, TOPIC, text, Detail::Dcp(detail));
             }
             (ServiceId::Get, ServiceType::Request) => {
                 let wanted = list(pdu.requested().map(|option| Ok(option?.to_string())))?;
                 let text = format!("get {wanted}");
-                self.asked(frame, &pdu, &text, PATIENCE, Change::default(), sink);
-                sink.tell(Weight::Normal, TOPIC, text, Detail::Dcp(detail("get", &pdu)));
+                self.asked(frame, &pdu, &text, TIMEOUT, Change::default(), sink);
+                sink.report(Weight::Normal, TOPIC, text, Detail::Dcp(detail("get", &pdu)));
             }
             (ServiceId::Set, ServiceType::Request) => self.set(frame, &pdu, sink)?,
             (ServiceId::Set, ServiceType::Success) => self.results(frame, &pdu, names, sink)?,
@@ -89,14 +89,14 @@ impl Services {
             (service, ServiceType::NotSupported) => {
                 self.answered(frame, &pdu, sink);
                 let text = format!("{service:?} is not supported");
-                sink.tell(Weight::Error, TOPIC, text, Detail::Dcp(detail("", &pdu)));
+                sink.report(Weight::Error, TOPIC, text, Detail::Dcp(detail("", &pdu)));
             }
             (service, kind) => {
                 let text = format!("unknown service {service:?}, type {kind:?}");
                 let trouble = Trouble::Unknown {
                     service: u8::from(service).into(),
                 };
-                sink.tell(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
+                sink.report(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
             }
         }
         Ok(())
@@ -124,7 +124,7 @@ impl Services {
                 sent: service.sent,
                 waited,
             };
-            sink.tell_of(
+            sink.report_of(
                 service.origin,
                 Weight::Warning,
                 TOPIC,
@@ -140,13 +140,13 @@ impl Services {
         frame: &Frame<'_>,
         pdu: &Pdu<'_>,
         what: &str,
-        patience: Duration,
+        timeout: Duration,
         change: Change,
         sink: &Sink<'_>,
     ) {
         let station = Some(frame.destination).filter(|mac| !mac.is_multicast());
         let key = (frame.source, pdu.xid, station);
-        let deadline = sink.at + patience;
+        let deadline = sink.at + timeout;
         if let Some(service) = self.open.get_mut(&key)
             && !service.answered
             && service.what == what
@@ -181,7 +181,7 @@ impl Services {
             let trouble = Trouble::Unasked {
                 what: format!("DCP {what}"),
             };
-            sink.tell(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
+            sink.report(Weight::Warning, TOPIC, text, Detail::Trouble(trouble));
             return None;
         };
         service.answered = true;
@@ -208,8 +208,8 @@ impl Services {
             Ok(setting(block.option, qualifier, &set))
         }))?;
         let text = format!("set {settings}");
-        self.asked(frame, pdu, &text, PATIENCE, change, sink);
-        sink.tell(Weight::Normal, TOPIC, text, Detail::Dcp(detail));
+        self.asked(frame, pdu, &text, TIMEOUT, change, sink);
+        sink.report(Weight::Normal, TOPIC, text, Detail::Dcp(detail));
         Ok(())
     }
 
@@ -251,7 +251,7 @@ impl Services {
                 error: error.into(),
             });
             let text = format!("set {option}: {}", block_error(error));
-            sink.tell(weight, TOPIC, text, Detail::Dcp(detail));
+            sink.report(weight, TOPIC, text, Detail::Dcp(detail));
         }
         Ok(())
     }
@@ -294,7 +294,7 @@ impl Services {
             }
             Ok(value(&answer))
         }))?;
-        sink.tell(
+        sink.report(
             Weight::Normal,
             TOPIC,
             format!("{verb}: {answers}"),
@@ -311,7 +311,7 @@ impl Services {
                 mac: frame.source,
                 other: None,
             };
-            sink.tell(Weight::Error, "conflict", text, Detail::Trouble(trouble));
+            sink.report(Weight::Error, "conflict", text, Detail::Trouble(trouble));
         }
         Ok(())
     }

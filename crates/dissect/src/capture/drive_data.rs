@@ -113,9 +113,9 @@ impl DriveData {
         });
         if let Some(bad) = provider.filter(|provider| !provider.is_good()) {
             let text = format!("slot {}: data marked bad ({bad})", self.slot);
-            sink.tell(Weight::Warning, "cyclic", text, detail);
+            sink.report(Weight::Warning, "cyclic", text, detail);
         } else if self.provider.is_some() {
-            sink.tell(
+            sink.report(
                 Weight::Normal,
                 "cyclic",
                 format!("slot {}: data good", self.slot),
@@ -140,7 +140,7 @@ impl DriveData {
                 SpeedStep::Settled => format!("{words}, the same for {SETTLED} frames"),
             };
             let sample = self.sample(half, raw);
-            sink.tell(Weight::Normal, "drive", text, Detail::Sample(sample));
+            sink.report(Weight::Normal, "drive", text, Detail::Sample(sample));
             self.speed.reported = speed;
         }
     }
@@ -175,7 +175,7 @@ impl DriveData {
         } else {
             Detail::State(state)
         };
-        sink.tell(weight, "drive", text, detail);
+        sink.report(weight, "drive", text, detail);
         self.word = Some(word);
     }
 

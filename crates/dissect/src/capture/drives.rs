@@ -43,8 +43,8 @@ impl Drives {
 
     /// The object of a call tells which vendor and device are at an address.
     pub fn called(&mut self, ip: Ipv4Addr, object: &Uuid) {
-        if let Some(told) = JobDrive::of_object(object) {
-            self.take(ip, told);
+        if let Some(reported) = JobDrive::of_object(object) {
+            self.take(ip, reported);
         }
     }
 
@@ -55,10 +55,10 @@ impl Drives {
         }
     }
 
-    fn take(&mut self, ip: Ipv4Addr, told: JobDrive) {
+    fn take(&mut self, ip: Ipv4Addr, reported: JobDrive) {
         let known = self.at(ip);
-        if !known.is_like(&told) {
-            *known = told;
+        if !known.is_like(&reported) {
+            *known = reported;
         }
     }
 }

@@ -482,7 +482,7 @@ pub struct Sink<'a> {
 
 impl Sink<'_> {
     /// Adds an event of this frame. The names of the parties are filled in when the frame is done.
-    pub fn tell(&mut self, weight: Weight, topic: &'static str, text: impl Into<String>, detail: Detail) {
+    pub fn report(&mut self, weight: Weight, topic: &'static str, text: impl Into<String>, detail: Detail) {
         self.events.push(Event {
             frame: self.frame,
             at: self.at,
@@ -498,7 +498,7 @@ impl Sink<'_> {
     }
 
     /// Adds an event of an earlier frame: of a request that is given up now.
-    pub fn tell_of(
+    pub fn report_of(
         &mut self,
         origin: Origin,
         weight: Weight,
@@ -506,7 +506,7 @@ impl Sink<'_> {
         text: impl Into<String>,
         detail: Detail,
     ) {
-        self.tell(weight, topic, text, detail);
+        self.report(weight, topic, text, detail);
         if let Some(event) = self.events.last_mut() {
             event.frame = origin.frame;
             event.source = origin.source;

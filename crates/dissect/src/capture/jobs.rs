@@ -15,7 +15,7 @@ use crate::Weight;
 use crate::job::{self, Decoded, JobDrive};
 
 /// Time for the answer to a request: clients read it again and again for some 10 s.
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Longest request that is remembered for its answer; those of drives have 240 octets.
 const MAX_REQUEST: usize = 4096;
@@ -50,7 +50,7 @@ impl Jobs {
         data: &[u8],
         sink: &mut Sink<'_>,
     ) {
-        tell(job::request_job(drive, data), None, sink);
+        report(job::request_job(drive, data), None, sink);
         let channel = (at, write.ar_uuid, write.slot, write.subslot, write.index);
         let asked = Asked {
             origin: sink.origin(),
@@ -59,7 +59,7 @@ impl Jobs {
                 .unwrap_or_default()
                 .to_vec(),
         };
-        self.open.insert(channel, sink.at + PATIENCE, asked);
+        self.open.insert(channel, sink.at + TIMEOUT, asked);
     }
 
     /// An answer of a drive was read, or refused.
@@ -78,11 +78,11 @@ impl Jobs {
                 let asked = self.open.remove(&channel);
                 let request = asked.as_ref().map(|asked| asked.data.as_slice());
                 let frame = asked.as_ref().map(|asked| asked.origin.frame);
-                tell(job::response_job(drive, data, request), frame, sink);
+                report(job::response_job(drive, data, request), frame, sink);
                 if asked.is_none() {
                     let what = "parameter request".to_owned();
                     let text = format!("answer to a {what} that is not in the capture");
-                    sink.tell(
+                    sink.report(
                         Weight::Warning,
                         "parameter",
                         text,
@@ -104,7 +104,7 @@ impl Jobs {
                     ..Record::default()
                 };
                 let text = format!("answer refused: {status}");
-                sink.tell(Weight::Error, "parameter", text, Detail::Record(detail));
+                sink.report(Weight::Error, "parameter", text, Detail::Record(detail));
             }
         }
     }
@@ -124,7 +124,7 @@ impl Jobs {
                 sent: 1,
                 waited,
             };
-            sink.tell_of(
+            sink.report_of(
                 asked.origin,
                 Weight::Warning,
                 "parameter",
@@ -136,7 +136,7 @@ impl Jobs {
 }
 
 /// Reports a job, one event for each of its lines; its numbers are in the first.
-fn tell(decoded: Decoded, request_frame: Option<u64>, sink: &mut Sink<'_>) {
+fn report(decoded: Decoded, request_frame: Option<u64>, sink: &mut Sink<'_>) {
     let mut fields = Some(decoded.fields);
     for (weight, line) in decoded.lines {
         let detail = Job {
@@ -144,6 +144,6 @@ fn tell(decoded: Decoded, request_frame: Option<u64>, sink: &mut Sink<'_>) {
             job: fields.take().unwrap_or_default(),
             request_frame,
         };
-        sink.tell(weight, "parameter", line, Detail::Job(detail));
+        sink.report(weight, "parameter", line, Detail::Job(detail));
     }
 }

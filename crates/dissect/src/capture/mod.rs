@@ -43,7 +43,7 @@ use crate::Weight;
 use alarms::Alarms;
 use arp::Arp;
 use calls::Calls;
-use cyclic::{Belongs, Relations};
+use cyclic::{Belongs, CyclicArs};
 use dcp::Services;
 use drives::Drives;
 use event::{Detail, Sink, Trouble};
@@ -82,7 +82,7 @@ pub struct Walker {
     names: Names,
     services: Services,
     calls: Calls,
-    relations: Relations,
+    ars: CyclicArs,
     alarms: Alarms,
     neighbours: Neighbours,
     arp: Arp,
@@ -126,12 +126,12 @@ impl Walker {
             events: &mut events,
         };
         self.give_up(self.now, &mut sink);
-        self.relations.look(&mut sink);
+        self.ars.look(&mut sink);
         if let Err((protocol, error)) = self.dispatch(bytes, &mut sink) {
             self.counts.malformed += 1;
             let trouble = Trouble::Malformed { offset: error.offset };
             let text = format!("{protocol}{error}");
-            sink.tell(Weight::Error, "malformed", text, Detail::Trouble(trouble));
+            sink.report(Weight::Error, "malformed", text, Detail::Trouble(trouble));
         }
         self.finish(&mut events);
         events
@@ -148,14 +148,14 @@ impl Walker {
             events: &mut events,
         };
         self.give_up(Duration::MAX, &mut sink);
-        self.relations.end(&mut sink);
+        self.ars.end(&mut sink);
         self.finish(&mut events);
         events
     }
 
     /// Forgets the times that were measured: the summary is about what follows.
     pub fn restart_summary(&mut self) {
-        self.relations.restart();
+        self.ars.restart();
         self.incidents.clear();
     }
 
@@ -232,7 +232,7 @@ impl Walker {
             let before = self.calls.seen();
             let result = self
                 .calls
-                .datagram(&datagram, &mut self.relations, &mut self.names, sink);
+                .datagram(&datagram, &mut self.ars, &mut self.names, sink);
             self.counts.rpc += self.calls.seen() - before;
             return result.map_err(|error| ("", error));
         }
@@ -255,7 +255,7 @@ impl Walker {
                     .map_err(|error| ("DCP: ", error))
             }
             _ if frame.frame_id.is_cyclic() => {
-                match self.relations.cyclic(frame, &mut self.names, sink) {
+                match self.ars.cyclic(frame, &mut self.names, sink) {
                     Some(Belongs::Known) => self.counts.cyclic += 1,
                     Some(Belongs::Earlier) | None => self.counts.cyclic_unknown += 1,
                 }
@@ -268,7 +268,7 @@ impl Walker {
                     |event: &&Event| matches!(&event.detail, Detail::Alarm(alarm) if alarm.step == "abort");
                 if let Some(event) = sink.events.last().filter(ends) {
                     let lost = event.weight == Weight::Error;
-                    self.relations.aborted(frame.source, frame.destination, lost);
+                    self.ars.aborted(frame.source, frame.destination, lost);
                 }
                 Ok(())
             }

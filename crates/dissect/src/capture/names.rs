@@ -111,7 +111,7 @@ impl Names {
                 other,
                 ago,
             };
-            tell_shared(ago, [duplicate, moved], trouble, sink);
+            report_shared(ago, [duplicate, moved], trouble, sink);
         }
     }
 
@@ -130,7 +130,7 @@ impl Names {
                 mac,
                 other: Some(other),
             };
-            tell_shared(ago, [duplicate, moved], trouble, sink);
+            report_shared(ago, [duplicate, moved], trouble, sink);
         }
     }
 
@@ -180,13 +180,13 @@ fn claim<K: std::hash::Hash + Eq>(
 }
 
 /// Reports what two stations use: at nearly the same time it is a duplicate, later it may have moved.
-fn tell_shared(ago: Duration, [duplicate, moved]: [String; 2], trouble: Trouble, sink: &mut Sink<'_>) {
+fn report_shared(ago: Duration, [duplicate, moved]: [String; 2], trouble: Trouble, sink: &mut Sink<'_>) {
     let (weight, text) = if ago < RECENT {
         (Weight::Error, duplicate)
     } else {
         (Weight::Warning, moved)
     };
-    sink.tell(weight, "conflict", text, Detail::Trouble(trouble));
+    sink.report(weight, "conflict", text, Detail::Trouble(trouble));
 }
 
 fn put<K: std::hash::Hash + Eq>(map: &mut HashMap<K, String>, key: K, name: &str) {

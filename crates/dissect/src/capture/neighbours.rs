@@ -26,19 +26,19 @@ impl Neighbours {
         names: &mut Names,
         sink: &mut Sink<'_>,
     ) -> Result<(), DecodeError> {
-        let told = Lldpdu::decode(Reader::new(payload))?;
-        let (port, station) = told.profinet_names();
+        let lldpdu = Lldpdu::decode(Reader::new(payload))?;
+        let (port, station) = lldpdu.profinet_names();
         let words = |octets: &[u8]| String::from_utf8_lossy(octets).into_owned();
-        let address = told.management.and_then(|management| management.ipv4());
-        let mut text = match (told.ttl, station) {
+        let address = lldpdu.management.and_then(|management| management.ipv4());
+        let mut text = match (lldpdu.ttl, station) {
             (0, _) => format!("{} goes", words(port)),
             (_, b"") => format!("is here with {}, without a name", words(port)),
             (_, station) => format!("is here with {} of {}", words(port), words(station)),
         };
-        if let Some(address) = address.filter(|_| told.ttl > 0) {
+        if let Some(address) = address.filter(|_| lldpdu.ttl > 0) {
             text = format!("{text}, {address}");
         }
-        if told.chassis_mac.is_some() && !station.is_empty() {
+        if lldpdu.chassis_mac.is_some() && !station.is_empty() {
             // a PROFINET station: the name is the one it has
             names.seen(source, address, Some(station), sink);
         }
@@ -47,9 +47,9 @@ impl Neighbours {
                 port: words(port),
                 station: words(station),
                 ip: address,
-                ttl: told.ttl,
+                ttl: lldpdu.ttl,
             };
-            sink.tell(Weight::Normal, "LLDP", text.as_str(), Detail::Neighbour(detail));
+            sink.report(Weight::Normal, "LLDP", text.as_str(), Detail::Neighbour(detail));
             if self.0.len() < MAX_SENDERS || self.0.contains_key(&source) {
                 self.0.insert(source, text);
             }
@@ -68,7 +68,7 @@ mod tests {
     use crate::capture::Walker;
 
     #[test]
-    fn a_neighbour_is_told_once_and_when_it_goes() {
+    fn a_neighbour_is_reported_on_arrival_and_departure() {
         let own = |value| Id {
             subtype: LOCALLY_ASSIGNED,
             value,

@@ -66,7 +66,7 @@ pub fn request(
         operation::CONNECT => {
             let asked = connect::request(reader)?;
             for (text, detail) in asked.words(scene.names.drives.at(drive)) {
-                sink.tell(Weight::Normal, "connect", text, Detail::Connect(detail));
+                sink.report(Weight::Normal, "connect", text, Detail::Connect(detail));
             }
             if let Some(ar) = &asked.ar {
                 let source = Some(*datagram.source.ip());
@@ -76,7 +76,7 @@ pub fn request(
             }
             if let Some(mac) = sink.target.mac {
                 let model = scene.names.drives.at(drive);
-                scene.relations.announce(&asked, mac, drive, model);
+                scene.ars.announce(&asked, mac, drive, model);
             }
             (name, Context::Connect(drive, Box::new(asked)))
         }
@@ -101,7 +101,7 @@ pub fn request(
         other => {
             let text = format!("unknown operation {other}");
             let trouble = super::event::Trouble::Unknown { service: other };
-            sink.tell(Weight::Warning, "RPC", text, Detail::Trouble(trouble));
+            sink.report(Weight::Warning, "RPC", text, Detail::Trouble(trouble));
             (name, Context::None)
         }
     })
@@ -119,7 +119,7 @@ fn control(
         let block = block?;
         if block.block_type == BlockType::MODULE_DIFF {
             for (weight, text, detail) in diff::lines(&ModuleDiff::decode(block.body)?) {
-                sink.tell(weight, "connect", text, Detail::Connect(detail));
+                sink.report(weight, "connect", text, Detail::Connect(detail));
             }
         } else if let Ok(control) = ControlBlock::decode(block.block_type, block.body) {
             let what = command(control.command, block.block_type);
@@ -133,7 +133,7 @@ fn control(
                 command: Some(control.command.0),
                 ..Connect::default()
             };
-            sink.tell(Weight::Normal, "connect", what, Detail::Connect(detail));
+            sink.report(Weight::Normal, "connect", what, Detail::Connect(detail));
             let context = match control.command {
                 ControlCommand::RELEASE => Context::Release(drive, control.ar_uuid),
                 _ => Context::Control(what),
@@ -206,7 +206,7 @@ fn note_write(at: Ipv4Addr, write: &WriteRequest, data: &[u8], scene: &mut Scene
         content: content.map_or(Value::Null, |content| content.fields),
         ..Record::default()
     };
-    sink.tell(Weight::Normal, "record", text, Detail::Record(detail));
+    sink.report(Weight::Normal, "record", text, Detail::Record(detail));
 }
 
 /// Reports an answer. `asked` is the frame of its request.
@@ -224,18 +224,18 @@ pub fn response(
         Context::Connect(drive, request) if ndr.status.is_ok() => {
             let response = ConnectResponse::decode(reader)?;
             for (weight, text, detail) in request.answer(&response) {
-                sink.tell(weight, "connect", text, Detail::Connect(detail));
+                sink.report(weight, "connect", text, Detail::Connect(detail));
             }
             if let Some(server) = &response.server {
                 let mac = response.ar.responder_mac;
                 scene.names.seen(mac, None, Some(&server.station_name), sink);
             }
             let station = scene.names.drives.at(drive);
-            scene.relations.open(&request, &response, drive, station);
+            scene.ars.open(&request, &response, drive, station);
         }
         Context::Connect(_, request) => {
             if let Some(ar) = &request.ar {
-                scene.relations.withdraw(ar.ar_uuid);
+                scene.ars.withdraw(ar.ar_uuid);
             }
             refused_connect("connect", ndr.status, sink);
         }
@@ -267,7 +267,7 @@ pub fn response(
                 }
             }
         }
-        Context::Release(drive, ar) if ndr.status.is_ok() => scene.relations.close(drive, ar),
+        Context::Release(drive, ar) if ndr.status.is_ok() => scene.ars.close(drive, ar),
         Context::Release(..) => refused_connect("release", ndr.status, sink),
         Context::Control(what) if !ndr.status.is_ok() => refused_connect(what, ndr.status, sink),
         // an answer without its request: its status is all that it says
@@ -323,7 +323,7 @@ fn note_read(
             None => format!("{what} {place}: {}", records::content(data)),
         },
     };
-    sink.tell(weight, "record", text, Detail::Record(detail));
+    sink.report(weight, "record", text, Detail::Record(detail));
 }
 
 fn refused_write(
@@ -353,7 +353,7 @@ fn refused_write(
 
 fn refused(what: &str, status: PnioStatus, detail: Record, sink: &mut Sink<'_>) {
     let text = format!("{what} refused: {status}");
-    sink.tell(Weight::Error, "refused", text, Detail::Record(detail));
+    sink.report(Weight::Error, "refused", text, Detail::Record(detail));
 }
 
 fn refused_connect(what: &str, status: PnioStatus, sink: &mut Sink<'_>) {
@@ -363,7 +363,7 @@ fn refused_connect(what: &str, status: PnioStatus, sink: &mut Sink<'_>) {
         ..Connect::default()
     };
     let text = format!("{what} refused: {status}");
-    sink.tell(Weight::Error, "refused", text, Detail::Connect(detail));
+    sink.report(Weight::Error, "refused", text, Detail::Connect(detail));
 }
 
 /// A status as one number, ErrorCode first.

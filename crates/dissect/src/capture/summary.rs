@@ -92,10 +92,10 @@ pub(super) fn devices(walker: &Walker) -> Vec<DeviceSummary> {
         })
     };
     let mut rows: Vec<DeviceSummary> = Vec::new();
-    for (&(sender, receiver, _), track) in walker.relations.tracks() {
+    for (&(sender, receiver, _), track) in walker.ars.tracks() {
         let mac = track.device;
         let at = rows.iter().position(|row| row.mac == mac).unwrap_or_else(|| {
-            let device = walker.relations.device(mac);
+            let device = walker.ars.device(mac);
             let incidents = walker.incidents.get(&mac).copied().unwrap_or_default();
             rows.push(DeviceSummary {
                 device: label(mac),

@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_that_nobody_agreed_on_is_that_of_the_counter() {
+    fn a_cycle_without_a_connect_is_derived_from_the_counter() {
         let mut timing = Timing::default();
         for (at, counter) in [(0, 65_024), (16, 0), (32, 512)] {
             timing.add(ms(at), counter);

@@ -135,7 +135,7 @@ mod tests {
     use profile::parameter::Format;
 
     #[test]
-    fn a_description_says_type_limits_and_unit() {
+    fn a_description_has_type_limits_and_unit() {
         let description = Description {
             identifier: Identifier(Identifier::TEXT | u16::from(Format(6).0)),
             size_index: 28,

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use crate::fields;
 
 /// Makers with error numbers of their own, in parameter jobs and in a parameter channel.
-const MAKERS: [(&str, ErrorNames, PkwErrorNames); 2] = [
+const VENDORS: [(&str, ErrorNames, PkwErrorNames); 2] = [
     ("Danfoss", ErrorNames::Danfoss, PkwErrorNames::Danfoss),
     ("Vacon", ErrorNames::Vacon, PkwErrorNames::Profile),
 ];
@@ -18,34 +18,34 @@ const MAKERS: [(&str, ErrorNames, PkwErrorNames); 2] = [
 pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>) -> Map<String, Value> {
     let error = ErrorNumber(number);
     let own = model.map(|model| model.dialect.error_names);
-    let makers = || {
-        MAKERS
+    let vendors = || {
+        VENDORS
             .iter()
             .filter(move |(_, names, _)| own.is_none_or(|own| own == *names))
     };
     // of one make its own word comes first
-    let told = own.filter(|_| number >= OWN).and_then(|names| error.info(names));
-    let meaning = told.map_or_else(
+    let known = own.filter(|_| number >= OWN).and_then(|names| error.info(names));
+    let meaning = known.map_or_else(
         || error.to_string(),
         |info| format!("0x{number:02X} {}", info.meaning),
     );
     output.push(format!("parameter error {meaning}"));
     let mut fields = fields! { "as": "error", "raw": number, "meaning": meaning };
-    if let Some(info) = told.or_else(|| error.info(ErrorNames::Profile)) {
+    if let Some(info) = known.or_else(|| error.info(ErrorNames::Profile)) {
         output.push(format!("  do     {}", info.remedy));
         fields.insert("remedy".into(), info.remedy.into());
     }
-    for (maker, names, _) in makers().filter(|_| number >= OWN && told.is_none()) {
+    for (vendor, names, _) in vendors().filter(|_| number >= OWN && known.is_none()) {
         if let Some(info) = error.info(*names) {
-            output.push(format!("  {maker:<6} {}", info.meaning));
-            fields.insert(maker.to_lowercase(), info.meaning.into());
+            output.push(format!("  {vendor:<6} {}", info.meaning));
+            fields.insert(vendor.to_lowercase(), info.meaning.into());
         }
     }
-    for (maker, _, names) in makers() {
+    for (vendor, _, names) in vendors() {
         let channel = names.rows().iter().find(|row| row.number == number);
         if let Some(row) = channel {
             output.push(format!(
-                "  in a parameter channel (PKW) of {maker}: {}; {}",
+                "  in a parameter channel (PKW) of {vendor}: {}; {}",
                 row.meaning, row.remedy
             ));
             fields.insert("channel".into(), row.meaning.into());

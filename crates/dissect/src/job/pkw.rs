@@ -63,11 +63,11 @@ pub fn decode(
             reply(drive, dialect, pkw, characters)
         };
         let who = if side { "request" } else { "reply" };
-        let mut told = fields! { "side": who, "text": text.as_str() };
+        let mut entry = fields! { "side": who, "text": text.as_str() };
         if !side {
-            told.extend(refusal_json(dialect, pkw));
+            entry.extend(refusal_json(dialect, pkw));
         }
-        sides.push(Value::Object(told));
+        sides.push(Value::Object(entry));
         lines.push((weight, format!("as a {who:<8} {text}")));
     }
     let fields = fields! {
@@ -85,14 +85,14 @@ pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[
     if info.action == Action::Nothing {
         return (Weight::Normal, "no request".into());
     }
-    let mut told = format!("{}: {}", info.name, label(drive, dialect, pkw, info.array));
+    let mut line = format!("{}: {}", info.name, label(drive, dialect, pkw, info.array));
     match (info.action, info.width) {
         (Action::Change, Some(width)) => {
-            told = format!("{told} = {}", number(drive, dialect, pkw, width));
+            line = format!("{line} = {}", number(drive, dialect, pkw, width));
         }
         (Action::ReadDescription | Action::ChangeDescription, _) => {
             let element = description::element(subindex(dialect, pkw));
-            told = format!("{}: {element} of {}", info.name, whole(drive, dialect, pkw));
+            line = format!("{}: {element} of {}", info.name, whole(drive, dialect, pkw));
         }
         (Action::Text, _) => {
             let code = pkw.address(dialect).map_or(0, |address| address.text);
@@ -102,15 +102,15 @@ pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[
                 TEXT_WRITE => "change text",
                 _ => info.name,
             };
-            told = format!("{verb} of {}", label(drive, dialect, pkw, false));
+            line = format!("{verb} of {}", label(drive, dialect, pkw, false));
             if let Some(text) = text.filter(|text| writes && !text.is_empty()) {
-                told = format!("{told} = {}", quoted(text));
+                line = format!("{line} = {}", quoted(text));
             }
         }
         _ => {}
     }
     if pkw.is_request_of(dialect) {
-        return (Weight::Normal, told);
+        return (Weight::Normal, line);
     }
     let ind = if dialect.knows(code) {
         format!(" with IND 0x{:04X}", pkw.ind)
@@ -120,7 +120,7 @@ pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[
     (
         Weight::Warning,
         format!(
-            "{told} (no request of {}: AK {}{ind}, refused with {})",
+            "{line} (no request of {}: AK {}{ind}, refused with {})",
             dialect.name, code.0, dialect.unknown_request.0
         ),
     )
@@ -156,7 +156,7 @@ pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8
         ReplyCode::NO_RIGHTS => (Weight::Error, format!("{label}: refused: {}", info.name)),
         ReplyCode::DESCRIPTION => {
             let number = subindex(dialect, pkw);
-            let mut told = format!(
+            let mut line = format!(
                 "{} of {} = 0x{:X}",
                 description::element(number),
                 whole(drive, dialect, pkw),
@@ -164,9 +164,9 @@ pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8
             );
             if number == 1 {
                 let words = description::identifier(Identifier(pkw.pwe_low()), drive.code_space());
-                told = format!("{told} ({words})");
+                line = format!("{line} ({words})");
             }
-            normal(told)
+            normal(line)
         }
         ReplyCode::ELEMENTS => normal(format!(
             "{} has {} elements",
@@ -324,22 +324,22 @@ mod tests {
 
     #[test]
     fn the_examples_of_the_fc_protocol() {
-        let told = |octets| request(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
-        let (_, text) = told([0x15, 0xFA, 0, 1, 0, 0, 0, 0]);
+        let decoded = |octets| request(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
+        let (_, text) = decoded([0x15, 0xFA, 0, 1, 0, 0, 0, 0]);
         assert_eq!(text, "request value: Fault Log: Error Code (15-30[1])");
-        let (_, text) = told([0xE1, 0x9E, 0, 0, 0, 0, 0x03, 0xE8]);
+        let (_, text) = decoded([0xE1, 0x9E, 0, 0, 0, 0, 0x03, 0xE8]);
         assert!(
             text.starts_with(
                 "change value (word) in RAM and EEPROM: Motor Speed High Limit [Hz] (4-14) = 100 Hz"
             ),
             "{text}"
         );
-        let (_, text) = told([0xF6, 0x04, 0x04, 0, 0, 0, 0, 0]);
+        let (_, text) = decoded([0xF6, 0x04, 0x04, 0, 0, 0, 0, 0]);
         assert!(
             text.starts_with("read text of ") && text.contains("(15-40"),
             "{text}"
         );
-        let (weight, text) = told([0x61, 0x9E, 0, 0, 0, 0, 0, 0]);
+        let (weight, text) = decoded([0x61, 0x9E, 0, 0, 0, 0, 0, 0]);
         assert_eq!(weight, Weight::Warning);
         assert!(
             text.contains("no request of Danfoss FC protocol: AK 6, refused with 253"),
@@ -347,7 +347,7 @@ mod tests {
         );
         // IND of AK 15 is 0x0400 or 0x0500
         for ind in [0, 6] {
-            let (weight, text) = told([0xF0, 0x25, ind, 0, 0, 0, 0, 0]);
+            let (weight, text) = decoded([0xF0, 0x25, ind, 0, 0, 0, 0, 0]);
             assert_eq!(weight, Weight::Warning, "{text}");
             let refused = format!("AK 15 with IND 0x{ind:02X}00, refused with 253");
             assert!(
@@ -355,8 +355,8 @@ mod tests {
                 "{text}"
             );
         }
-        let told = |octets| reply(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
-        let (weight, text) = told([0x75, 0xFA, 0, 1, 0, 0, 0, 0x11]);
+        let decoded = |octets| reply(&vlt(), &PkwDialect::DANFOSS_FC, pkw(octets), None);
+        let (weight, text) = decoded([0x75, 0xFA, 0, 1, 0, 0, 0, 0x11]);
         assert_eq!(weight, Weight::Error);
         assert!(
             text.starts_with(
@@ -364,7 +364,7 @@ mod tests {
             ),
             "{text}"
         );
-        let (_, text) = told([0x30, 0x01, 0, 1, 0, 0, 0x04, 0x05]);
+        let (_, text) = decoded([0x30, 0x01, 0, 1, 0, 0, 0x04, 0x05]);
         assert_eq!(
             text,
             "description element 1 (identifier) of Language (0-01) = 0x405 (Unsigned8, has texts)"
@@ -373,7 +373,7 @@ mod tests {
 
     #[test]
     fn a_text_block_has_characters_in_the_place_of_pwe() {
-        let told = |octets: &[u8], from_controller| {
+        let text_of = |octets: &[u8], from_controller| {
             let decoded = decode(&vlt(), &PkwDialect::DANFOSS_FC, octets, Some(from_controller)).unwrap();
             assert!(decoded.fields["pwe"].is_null(), "{octets:02X?}");
             decoded.lines[0].1.clone()
@@ -396,7 +396,7 @@ mod tests {
             ),
             (b"\xF0\x25\x04\0", true, "as a request  read text of 0-37"),
         ] {
-            let text = told(octets, from_controller);
+            let text = text_of(octets, from_controller);
             let text = text.replace("Display Text 1 (0-37)", "0-37");
             assert_eq!(text, words, "{octets:02X?}");
         }
@@ -469,7 +469,7 @@ mod tests {
 
     proptest::proptest! {
         #[test]
-        fn any_octets_are_told(octets: [u8; 8], text in proptest::option::of(proptest::collection::vec(proptest::prelude::any::<u8>(), 0..40))) {
+        fn any_octets_are_decoded(octets: [u8; 8], text in proptest::option::of(proptest::collection::vec(proptest::prelude::any::<u8>(), 0..40))) {
             for drive in [vlt(), JobDrive::default(), JobDrive::of(0, 0)] {
                 for dialect in [&PkwDialect::DANFOSS_FC, &PkwDialect::DANFOSS_PPO, &PkwDialect::SIEMENS_USS, &PkwDialect::STANDARD] {
                     request(&drive, dialect, pkw(octets), text.as_deref());

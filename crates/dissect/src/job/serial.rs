@@ -67,20 +67,20 @@ pub fn decode(
             continue;
         }
         let channel = pkw::block(&dialect, parts.pkw);
-        let mut told = Vec::new();
-        told.extend(channel.map(|block| parameter(drive, &dialect, parts.pkw, block, side)));
-        told.extend(process(drive, parts.pzd, side));
+        let mut parts_lines = Vec::new();
+        parts_lines.extend(channel.map(|block| parameter(drive, &dialect, parts.pkw, block, side)));
+        parts_lines.extend(process(drive, parts.pzd, side));
         let who = if side { "controller" } else { "drive" };
         if output.is_none() {
             lines.push((Weight::Normal, format!("  if from the {who}")));
         }
         let mut fields = fields! {
-            "from": who, "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
+            "from": who, "lines": parts_lines.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
         };
         let reply = channel.filter(|_| !side);
         fields.extend(reply.and_then(|(pkw, _)| pkw::refusal_json(&dialect, pkw)));
         sides.push(Value::Object(fields));
-        lines.extend(told);
+        lines.extend(parts_lines);
     }
     let fields: Map<String, Value> = fields! {
         "protocol": carrier.name.to_ascii_lowercase(), "model": drive.name(), "address": telegram.address.0,
@@ -101,7 +101,7 @@ fn parameter(
     (pkw, text): (Pkw, Option<&[u8]>),
     output: bool,
 ) -> (Weight, String) {
-    let (weight, told) = if output {
+    let (weight, line) = if output {
         pkw::request(drive, dialect, pkw, text)
     } else {
         pkw::reply(drive, dialect, pkw, text)
@@ -113,7 +113,7 @@ fn parameter(
     } else {
         String::new()
     };
-    (weight, row("PKW", &format!("{told}{note}")))
+    (weight, row("PKW", &format!("{line}{note}")))
 }
 
 /// Control or status word and speed, then further words.
@@ -162,7 +162,7 @@ mod tests {
             .collect()
     }
 
-    fn told(protocol: Protocol, text: &str, output: Option<bool>) -> String {
+    fn decoded(protocol: Protocol, text: &str, output: Option<bool>) -> String {
         let drive = match protocol {
             Protocol::Fc => JobDrive::of(0x0080, 1),
             Protocol::Uss => JobDrive::of(0, 0),
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn the_worked_examples_of_the_fc_protocol() {
-        let text = told(Protocol::Fc, "02 06 81 04 7C 20 00 DD", Some(true));
+        let text = decoded(Protocol::Fc, "02 06 81 04 7C 20 00 DD", Some(true));
         assert!(
             text.starts_with(
                 "FC telegram, address 0x81 (slave 1), 4 octets of data, check octet DD is right\n"
@@ -189,16 +189,16 @@ mod tests {
             "{text}"
         );
         let read = "02 0E 81 15 FA 00 01 00 00 00 00 00 00 00 00 63";
-        let text = told(Protocol::Fc, read, Some(true));
+        let text = decoded(Protocol::Fc, read, Some(true));
         assert!(
             text.contains("PKW      request value: Fault Log: Error Code (15-30[1])"),
             "{text}"
         );
         let write = "02 0E 81 E1 9E 00 00 00 00 03 E8 00 00 00 00 19";
-        let text = told(Protocol::Fc, write, Some(true));
+        let text = decoded(Protocol::Fc, write, Some(true));
         assert!(text.contains("(4-14) = 100 Hz"), "{text}");
         let refused = "02 0E 81 75 FA 00 01 00 00 00 00 06 03 00 00 06";
-        let text = told(Protocol::Fc, refused, None);
+        let text = decoded(Protocol::Fc, refused, None);
         assert!(
             text.contains("if from the controller") && text.contains("if from the drive"),
             "{text}"
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_told_with_its_place() {
+    fn damage_is_reported_with_its_position() {
         let drive = JobDrive::of(0x0080, 1);
         let error = |text| decode(&drive, Protocol::Fc, &octets(text), None).unwrap_err();
         assert_eq!(

@@ -174,9 +174,12 @@ impl Half<'_> {
             value.extend(assumed.map(|assumed| ("assumed".to_owned(), assumed.into())));
             values.push(value.into());
         }
-        let told = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
+        let shown = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
         let fields = self.image().map_or(&[][..], |image| image.fields);
-        for field in fields.iter().filter(|field| !told.contains(&field.signal.number)) {
+        for field in fields
+            .iter()
+            .filter(|field| !shown.contains(&field.signal.number))
+        {
             let Some(octets) = part(data, field) else { continue };
             let Some(address) = self.address(field, octets) else {
                 continue;
@@ -203,11 +206,11 @@ impl Half<'_> {
         let (Some(telegram), Some(image)) = (self.telegram, self.image()) else {
             return Vec::new();
         };
-        let told = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
+        let shown = [signal::STW1, signal::ZSW1, signal::NSOLL_A, signal::NIST_A];
         let others = image
             .fields
             .iter()
-            .filter(|field| !told.contains(&field.signal.number));
+            .filter(|field| !shown.contains(&field.signal.number));
         let signals = others.filter_map(|field| {
             let octets = part(data, field)?;
             Some((
@@ -280,16 +283,16 @@ pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>
             Weight::Normal,
             format!("{} telegram {telegram} {from}", drive.name()),
         ));
-        let told = half.lines(data);
+        let half_lines = half.lines(data);
         let mut fields = fields! {
             "from": if side { "controller" } else { "drive" },
-            "lines": told.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
+            "lines": half_lines.iter().map(|(_, line)| line.trim_start()).collect::<Vec<_>>(),
             "word": half.word(data), "speed": half.speed(data), "values": half.values_json(data),
         };
         let reply = half.pkw(data).filter(|_| !side);
         fields.extend(reply.and_then(|pkw| pkw::refusal_json(drive.ppo(), pkw)));
         halves.push(Value::Object(fields));
-        lines.extend(told);
+        lines.extend(half_lines);
     }
     let fields: Map<String, Value> =
         fields! { "model": drive.name(), "telegram": telegram, "hex": hex_bytes(data), "halves": halves };
@@ -397,18 +400,18 @@ mod tests {
     }
 
     #[test]
-    fn a_value_of_an_assumed_scale_says_so_beside_it() {
+    fn a_value_of_an_assumed_scale_is_marked() {
         let drive = JobDrive::of(0x0105, 1);
-        let told = decode(&drive, 1, &[0x04, 0x7F, 0x00, 0xA4], Some(true)).unwrap();
-        let value = &told.fields["halves"][0]["values"][0];
+        let decoded = decode(&drive, 1, &[0x04, 0x7F, 0x00, 0xA4], Some(true)).unwrap();
+        let value = &decoded.fields["halves"][0]["values"][0];
         assert_eq!(
             (&value["name"], &value["unit"]),
             (&"NSOLL_A".into(), &"rpm".into())
         );
         assert_eq!(value["assumed"], "PN.VELSCALING 1638");
         let data = [0; 20];
-        let told = decode(&drive, 9, &data, Some(true)).unwrap();
-        let values = told.fields["halves"][0]["values"].as_array().unwrap();
+        let decoded = decode(&drive, 9, &data, Some(true)).unwrap();
+        let values = decoded.fields["halves"][0]["values"].as_array().unwrap();
         let of = |name: &str| values.iter().find(|value| value["name"] == name).unwrap();
         assert!(of("MDI_VELOCITY").get("assumed").is_none(), "{values:?}");
         assert_eq!(of("MDI_TARPOS")["assumed"], "PNU 1002 16");
@@ -416,11 +419,11 @@ mod tests {
     }
 
     #[test]
-    fn the_length_tells_the_direction() {
+    fn the_length_determines_the_direction() {
         let drive = JobDrive::of(0x0105, 1);
         let from = |octets: usize, output| -> Vec<String> {
-            let told = decode(&drive, 9, &vec![0; octets], output).unwrap();
-            let halves = told.fields["halves"].as_array().unwrap().clone();
+            let decoded = decode(&drive, 9, &vec![0; octets], output).unwrap();
+            let halves = decoded.fields["halves"].as_array().unwrap().clone();
             let sides = halves
                 .iter()
                 .map(|half| half["from"].as_str().unwrap().to_owned());
@@ -462,7 +465,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_lengths_and_numbers_are_told() {
+    fn wrong_lengths_and_numbers_are_reported() {
         let drive = JobDrive::of(0x0080, 1);
         let error = decode(&drive, 101, &[0; 11], Some(true)).unwrap_err();
         assert_eq!(error, "telegram 101 has 12 octets to the drive, there are 11");

@@ -124,7 +124,7 @@ fn answered(drive: &mut JobDrive, request: &str, response: &str) -> String {
 }
 
 #[test]
-fn scales_are_taken_from_what_is_read_and_written() {
+fn scales_are_learnt_from_reads_and_writes() {
     let mut drive = JobDrive::default();
     let speed = ("01 01 00 01 10 01 00 05 00 00", "01 01 00 01 42 01 05 3E");
     let text = answered(&mut drive, speed.0, speed.1);
@@ -175,7 +175,7 @@ fn scales_are_taken_from_what_is_read_and_written() {
 }
 
 #[test]
-fn another_makers_drive_has_other_parameters() {
+fn a_drive_of_another_vendor_has_other_parameters() {
     let mut drive = JobDrive::of(0x0002, 0x0001);
     let text = answered(
         &mut drive,
@@ -216,8 +216,8 @@ fn a_request_with_a_mistake_is_a_request() {
     ] {
         let mut drive = JobDrive::new(profile::model::Model::by_name("akd").unwrap());
         let decoded = decode(&mut drive, &octets(hex), None, None).unwrap();
-        let told = decoded.lines.iter().any(|(_, line)| line.contains(words));
-        assert!(told, "{hex}: {:?}", decoded.lines);
+        let found = decoded.lines.iter().any(|(_, line)| line.contains(words));
+        assert!(found, "{hex}: {:?}", decoded.lines);
     }
 }
 
@@ -329,11 +329,11 @@ fn a_request_cut_off_has_the_answer_of_the_drive() {
 /// A drive can have a parameter that no table has: no error, but a word on the answer if it does not.
 #[test]
 fn a_parameter_that_no_table_has_is_no_mistake() {
-    let told = |model: &str, hex: &str| {
+    let line_and_value = |model: &str, hex: &str| {
         let drive = JobDrive::new(profile::model::Model::by_name(model).unwrap());
         request_job(&drive, &octets(hex))
     };
-    let unknown = told("vacon", "01 01 01 01 10 01 27 11 FF FF");
+    let unknown = line_and_value("vacon", "01 01 01 01 10 01 27 11 FF FF");
     assert_eq!(
         unknown.lines,
         [(
@@ -345,10 +345,10 @@ fn a_parameter_that_no_table_has_is_no_mistake() {
     );
     assert_eq!(unknown.fields["not_in_tables"][0]["error"], 0x6C);
     assert!(!unknown.fields.contains_key("not_allowed"));
-    let unknown = told("standard", "01 01 01 01 10 01 27 11 FF FF");
+    let unknown = line_and_value("standard", "01 01 01 01 10 01 27 11 FF FF");
     assert_eq!(unknown.lines.len(), 1, "{:?}", unknown.lines);
     assert!(!unknown.lines[0].1.contains("not"), "{:?}", unknown.lines);
-    let (_, described) = told("vacon", "09 01 01 01 20 EA 27 11 13 88")
+    let (_, described) = line_and_value("vacon", "09 01 01 01 20 EA 27 11 13 88")
         .lines
         .pop()
         .expect("a line");
@@ -385,7 +385,7 @@ fn a_response_that_repeats_the_address() {
 }
 
 #[test]
-fn nonsense_is_told_as_such() {
+fn invalid_input_is_reported() {
     for bytes in [&[][..], &[1], &[1, 1, 0, 5, 0x42], &[1, 1, 0, 1, 0x42, 9, 1]] {
         assert!(decode(&mut JobDrive::default(), bytes, None, None).is_err());
     }
@@ -393,8 +393,8 @@ fn nonsense_is_told_as_such() {
 
 /// The same numbers mean something else to another make: formats, errors, requests, who a parameter is.
 #[test]
-fn jobs_of_the_other_makes() {
-    let told = |model: &str, request: &str, response: Option<&str>| {
+fn jobs_of_the_other_vendors() {
+    let explained = |model: &str, request: &str, response: Option<&str>| {
         let mut drive = JobDrive::new(profile::model::Model::by_name(model).unwrap());
         match response {
             Some(response) => answered(&mut drive, request, response),
@@ -406,18 +406,18 @@ fn jobs_of_the_other_makes() {
         }
     };
     let read = "07 01 00 01 10 01 01 9E 00 00";
-    let text = told("vlt", read, Some("07 01 00 01 06 01 03 E8"));
+    let text = explained("vlt", read, Some("07 01 00 01 06 01 03 E8"));
     assert!(
         text.contains("Motor Speed High Limit [Hz] (4-14) = 100 Hz   [Unsigned16 03 E8]"),
         "{text}"
     );
-    let text = told("vlt", read, Some("07 81 00 01 44 01 00 65"));
+    let text = explained("vlt", read, Some("07 81 00 01 44 01 00 65"));
     assert!(text.contains("refused: 0x65 wrong axis"), "{text}");
     for (id, verb) in [
         ("42", "change request (kept)"),
         ("52", "change request (double words)"),
     ] {
-        let text = told(
+        let text = explained(
             "vlt",
             &format!("07 {id} 00 01 10 01 01 9E 00 00 43 01 00 00 03 E8"),
             None,
@@ -427,13 +427,13 @@ fn jobs_of_the_other_makes() {
             "{text}"
         );
     }
-    let text = told(
+    let text = explained(
         "vlt",
         "07 51 00 01 10 01 01 9E 00 00",
         Some("07 01 00 01 43 01 00 00 03 E8"),
     );
     assert!(text.contains("(4-14) = 100 Hz   [Double word"), "{text}");
-    let text = told(
+    let text = explained(
         "vlt",
         "08 01 00 01 10 06 06 04 00 00",
         Some("08 01 00 01 09 06 46 43 2D 33 30 32"),
@@ -442,13 +442,13 @@ fn jobs_of_the_other_makes() {
     let description = "09 01 00 01 20 01 01 9E 00 00";
     let octets = "00 06 00 00 00 00 00 00 1C FF 00 00 00 00 4D 6F 74 6F 72 20 53 70 65 65 64 20 48 69 67 68 \
                   00 00 00 00 00 00 05 28 00 00 00 00 00 00 00 00";
-    let text = told("vlt", description, Some(&format!("09 01 00 01 0A 2E {octets}")));
+    let text = explained("vlt", description, Some(&format!("09 01 00 01 0A 2E {octets}")));
     assert!(
         text.contains("description of Motor Speed High Limit [Hz] (4-14) = \"Motor Speed High\", Unsigned16, 0 to 132 Hz"),
         "{text}"
     );
     let texts = "0A 01 00 01 30 02 00 64 00 00";
-    let text = told(
+    let text = explained(
         "vlt",
         texts,
         Some(&format!(
@@ -460,12 +460,12 @@ fn jobs_of_the_other_makes() {
     assert!(text.contains("= \"Speed open loop\", \"Torque\""), "{text}");
     // OPTEA p. 119: an application id stands in the subindex of PNU 10001
     let read = "03 01 01 01 10 01 27 11 00 67";
-    let text = told("vacon", read, Some("03 01 01 01 42 01 00 32"));
+    let text = explained("vacon", read, Some("03 01 01 01 42 01 00 32"));
     assert!(
         text.contains("Acceleration time 1 (ID 103) = 5 s   [Word 00 32]"),
         "{text}"
     );
-    let text = told("vacon", read, Some("03 81 01 01 44 01 00 66"));
+    let text = explained("vacon", read, Some("03 81 01 01 44 01 00 66"));
     assert!(text.contains("refused: 0x66 "), "{text}");
     assert!(!text.contains("unknown service"), "{text}");
 }
@@ -560,7 +560,7 @@ fn the_refusal_of_an_unknown_request_answers_it() {
 
 /// The AKD manual 3.6 reserves the attribute 0x00: no response begins with such a format.
 #[test]
-fn a_request_with_an_attribute_that_does_not_exist_is_known_without_a_side() {
+fn a_request_with_an_unknown_attribute_is_recognised_without_a_direction() {
     for (hex, attribute) in [
         ("05 01 00 01 00 01 03 A2 00 00", "0x00"),
         ("05 01 00 01 50 01 03 A2 00 00", "0x50"),

@@ -380,7 +380,7 @@ fn every_rule_is_looked_at() {
 }
 
 #[test]
-fn order_is_told_with_both_names() {
+fn order_errors_name_both_elements() {
     let text = sound();
     let (start, end) = (
         text.find("<VirtualSubmoduleList>").unwrap(),
@@ -446,7 +446,7 @@ fn the_report_is_bounded_and_never_hides_what_forbids_the_use() {
 }
 
 #[test]
-fn no_gsdml_is_told_as_such() {
+fn a_file_that_is_not_gsdml_is_rejected() {
     for (text, rule) in [
         ("", Rule::Xml),
         ("<a/>", Rule::Root),

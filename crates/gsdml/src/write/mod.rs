@@ -216,7 +216,7 @@ mod tests {
         }
 
         #[test]
-        fn a_file_that_is_cut_off_is_told_at_its_end(at: prop::sample::Index) {
+        fn a_truncated_file_is_reported_at_its_end(at: prop::sample::Index) {
             let mut text = description().to_xml();
             // the declaration is complete, the last element is not
             let (first, last) = (text.find('\n').unwrap(), text.trim_end().len() - 1);
@@ -228,7 +228,7 @@ mod tests {
         }
 
         #[test]
-        fn any_damage_is_told_or_harmless(at: prop::sample::Index, octet: u8, cut: bool) {
+        fn any_damage_is_reported_or_harmless(at: prop::sample::Index, octet: u8, cut: bool) {
             let mut octets = description().to_xml().into_bytes();
             let at = at.index(octets.len());
             if cut {

@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn a_name_that_is_a_link_is_not_taken() {
+    fn a_name_that_is_a_link_is_rejected() {
         let link = std::env::temp_dir().join(format!("network-beside-{}", std::process::id()));
         std::os::unix::fs::symlink("nowhere", &link).unwrap();
         let error = name(&File::open("/proc/self/stat").unwrap(), &link).unwrap_err();

@@ -38,11 +38,11 @@ mod os {
 
     /// True for a file of this user that has no other name.
     pub fn is_own(file: &Metadata) -> io::Result<bool> {
-        let alone = !file.is_file() || file.nlink() == 1;
+        let exclusive = !file.is_file() || file.nlink() == 1;
         // the owner of its entry in /proc is the user this program runs as
         #[cfg(target_os = "linux")]
-        let alone = alone && file.uid() == std::fs::metadata("/proc/self")?.uid();
-        Ok(alone)
+        let exclusive = exclusive && file.uid() == std::fs::metadata("/proc/self")?.uid();
+        Ok(exclusive)
     }
 }
 

@@ -10,7 +10,7 @@ use super::dhcp::Dhcp;
 use super::link_local::{Heard, LinkLocal, Step};
 
 /// For so long a DHCP server alone is waited for; ours, no source says how long an AKD waits.
-const PATIENCE: Duration = Duration::from_secs(5);
+const DHCP_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// What the stack has to do.
 #[derive(Debug, PartialEq, Eq)]
@@ -43,7 +43,7 @@ impl Acquire {
             mac,
             dhcp: Dhcp::new(now, mac),
             leased: false,
-            fall_back: Some(now + PATIENCE),
+            fall_back: Some(now + DHCP_TIMEOUT),
             link_local: None,
         }
     }
@@ -86,7 +86,7 @@ impl Acquire {
             }
             Some(None) if self.leased => {
                 self.leased = false;
-                self.fall_back = Some(now + PATIENCE);
+                self.fall_back = Some(now + DHCP_TIMEOUT);
                 return Some(Action::Use(IpSuite::NONE));
             }
             _ => {}

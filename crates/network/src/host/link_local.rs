@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn an_address_of_somebody_else_is_not_taken() {
+    fn an_address_in_use_is_not_chosen() {
         let mut auto = LinkLocal::new(Instant::ZERO, MAC);
         let first = auto.address;
         let probe = Heard {

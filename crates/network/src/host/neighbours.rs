@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn asks_five_times_then_gives_up() {
+    fn sends_five_requests_then_gives_up() {
         let mut table = Neighbours::default();
         assert_eq!(table.resolve(at(0), IP), Resolution::Unknown);
         assert_eq!(table.wait(IP, vec![1]), 0);
@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn strangers_are_not_learnt_and_known_ones_not_diverted() {
+    fn unknown_hosts_are_not_learnt_and_known_ones_not_redirected() {
         let mut table = Neighbours::default();
         assert!(table.learn(at(0), IP, MAC, false).is_empty());
         assert!(table.entries.is_empty());

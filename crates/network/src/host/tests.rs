@@ -273,7 +273,7 @@ fn resolves_then_sends_what_waited() {
 }
 
 #[test]
-fn asks_the_gateway_for_what_is_far() {
+fn sends_remote_traffic_to_the_gateway() {
     let mut host = settled();
     host.endpoint_mut().outbox.push((
         SocketAddrV4::new(Ipv4Addr::new(192, 168, 1, 1), 1),
@@ -336,7 +336,7 @@ proptest! {
     }
 
     #[test]
-    fn what_one_host_sends_another_receives(payload in prop::collection::vec(any::<u8>(), 0..=1472), port in 1u16..) {
+    fn one_host_receives_what_another_sends(payload in prop::collection::vec(any::<u8>(), 0..=1472), port in 1u16..) {
         let mut sender = settled();
         sender.handle_frame(at(3000), &hex(DATAGRAM));
         sender.endpoint_mut().outbox.push((SocketAddrV4::new(PEER_IP, RPC_PORT), port, payload.clone()));
@@ -351,15 +351,15 @@ proptest! {
 }
 
 #[test]
-fn neighbours_are_heard_without_an_address() {
+fn neighbours_are_received_without_an_address() {
     let mut host = Host::new(Probe::default());
-    let told = padded("0180c200000e 02504e000099 88cc 0202 0761 0402 0762 0602 0014 0000");
-    host.handle_frame(at(0), &told);
-    assert_eq!(host.endpoint().frames, [told]);
+    let lldp = padded("0180c200000e 02504e000099 88cc 0202 0761 0402 0762 0602 0014 0000");
+    host.handle_frame(at(0), &lldp);
+    assert_eq!(host.endpoint().frames, [lldp]);
 }
 
 #[test]
-fn a_port_is_open_when_the_endpoint_wants_it() {
+fn a_port_is_open_while_the_endpoint_uses_it() {
     let mut host = settled();
     // to port 161, without a checksum
     let mut question = hex(DATAGRAM);
@@ -373,7 +373,7 @@ fn a_port_is_open_when_the_endpoint_wants_it() {
 }
 
 #[test]
-fn the_endpoint_is_told_of_every_frame_of_its_own() {
+fn the_endpoint_is_notified_of_every_sent_frame() {
     let mut host = settled();
     host.endpoint_mut().traffic.clear();
     let echo = hex(ECHO_REQUEST);
@@ -518,7 +518,7 @@ fn a_server_that_comes_late_replaces_the_link_local_address() {
 }
 
 #[test]
-fn a_link_local_address_of_somebody_else_is_not_taken() {
+fn a_link_local_address_in_use_is_not_chosen() {
     let mut host = Host::new(Seeker::default());
     let mut first = None;
     let owned = std::cell::Cell::new(None::<[u8; 4]>);

@@ -73,7 +73,7 @@ fn reads_legacy_files_of_either_order_and_precision() {
 }
 
 #[test]
-fn says_what_is_wrong() {
+fn errors_name_the_cause() {
     let good = written(&[(0, vec![1; 60]), (1, vec![2; 60])]);
     let frame_at = |n: usize| 48 + 44 + n * 92;
     assert!(matches!(read(Vec::new()), Err(ReadError::NotACapture)));
@@ -131,7 +131,7 @@ fn power_of_two_resolutions_and_offsets_count() {
 }
 
 #[test]
-fn a_failing_source_is_told() {
+fn a_failing_source_is_reported() {
     struct Failing(usize, Cursor<Vec<u8>>);
     impl Read for Failing {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {

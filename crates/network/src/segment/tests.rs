@@ -159,7 +159,7 @@ fn same_seed_same_trace_other_seed_other_trace() {
 }
 
 #[test]
-fn faults_happen_as_often_as_asked() {
+fn faults_occur_at_the_configured_rate() {
     let faults = Conditions {
         loss: 0.01,
         duplicate: 0.02,

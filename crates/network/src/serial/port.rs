@@ -15,13 +15,13 @@ use super::opening;
 use crate::system::{Calls, now, wait_for_octets, wait_for_room};
 
 /// How long the port may take no octets at all.
-const PATIENCE: Duration = Duration::from_millis(500);
+const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
 
 /// How long reading and writing may take: nothing, where waiting is a call of its own.
 #[cfg(unix)]
 const TIMEOUT: Duration = Duration::ZERO;
 #[cfg(not(unix))]
-const TIMEOUT: Duration = PATIENCE;
+const TIMEOUT: Duration = WRITE_TIMEOUT;
 
 /// Errors of a port that was unplugged.
 #[cfg(unix)]
@@ -154,7 +154,7 @@ impl Port {
     /// # Errors
     /// When the port is gone, or takes nothing for that long.
     pub fn write(&mut self, mut octets: &[u8]) -> Result<(), Error> {
-        let end = now() + PATIENCE;
+        let end = now() + WRITE_TIMEOUT;
         while !octets.is_empty() {
             match self.tty.write(octets) {
                 Ok(0) if cfg!(unix) => return Err(self.gone()),
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_is_unplugged_is_told_at_once() {
+    fn an_unplugged_line_is_reported_at_once() {
         let (near, name) = Port::pair().unwrap();
         let mut far = Port::open(&name, Settings::new(9600)).unwrap();
         let began = now();
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_port_that_nobody_reads_is_told_and_does_not_hang() {
+    fn a_port_without_a_reader_is_reported_and_does_not_hang() {
         let (mut near, name) = Port::pair().unwrap();
         let _far = Port::open(&name, Settings::new(9600)).unwrap();
         let error = (0..1000).find_map(|_| near.write(&[0; 512]).err()).unwrap();
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_opened_is_told_with_what_to_do() {
+    fn an_open_error_has_a_hint() {
         let open = |name: &str| Port::open(name, Settings::new(9600)).unwrap_err();
         let error = open("/dev/ttyNOWHERE7");
         assert_eq!(error.to_string(), "there is no serial port /dev/ttyNOWHERE7");

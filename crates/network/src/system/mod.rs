@@ -35,4 +35,4 @@ pub use medium::{ServerPort, UdpMedium};
 pub use os::now;
 pub(crate) use os::{wait_for_octets, wait_for_room};
 pub(crate) use stop::Calls;
-pub use stop::{Bell, Patience, Stop};
+pub use stop::{Bell, ForcedExit, Stop};

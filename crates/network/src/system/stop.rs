@@ -48,7 +48,7 @@ impl Inner {
 
 /// Which signal ends the program at once, as without a handler. Signals within a second count as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Patience {
+pub enum ForcedExit {
     /// The second one.
     Second,
     /// The third one: the second makes the flag [urgent](Stop::is_urgent), for a program whose end may take long.
@@ -129,20 +129,20 @@ impl Stop {
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
     pub fn on_signals() -> io::Result<Self> {
-        Self::on_signals_with(Patience::Second)
+        Self::on_signals_with(ForcedExit::Second)
     }
 
-    /// The same, and `patience` says which signal ends the program at once.
+    /// The same, and `forced_exit` says which signal ends the program at once.
     ///
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
-    pub fn on_signals_with(patience: Patience) -> io::Result<Self> {
+    pub fn on_signals_with(forced_exit: ForcedExit) -> io::Result<Self> {
         let stop = Self::new()?;
         // The event must stay as long as a signal may come: for ever.
         std::mem::forget(stop.clone());
-        stop.inner.event.on_signals(match patience {
-            Patience::Second => 2,
-            Patience::Third => 3,
+        stop.inner.event.on_signals(match forced_exit {
+            ForcedExit::Second => 2,
+            ForcedExit::Third => 3,
         })?;
         Ok(stop)
     }
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bell_is_heard_once_for_any_number_of_rings() {
+    fn a_bell_wakes_once_for_any_number_of_rings() {
         let bell = Bell::new().unwrap();
         assert!(!bell.heard());
         bell.clone().ring();

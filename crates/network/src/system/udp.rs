@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn an_occupied_port_is_told_by_number() {
+    fn an_occupied_port_is_reported_by_number() {
         let taken = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let number = taken.local_addr().unwrap().port();
         let home = Ipv4Addr::LOCALHOST;

@@ -8,7 +8,7 @@ use std::time::Duration;
 use profinet::controller::Station;
 
 use super::{ControlSocketError, InjectRequest, Request, Response, namespace, segment, send, sockets};
-use crate::happening::{Happening, HappeningError};
+use crate::event::{ScenarioEvent, ScenarioEventError};
 
 /// Why something did not happen to a drive of a running simulation. Texts of the other process are foreign text.
 #[derive(Debug, thiserror::Error)]
@@ -16,10 +16,10 @@ use crate::happening::{Happening, HappeningError};
 pub enum InjectError {
     /// Nothing of this kind can happen.
     #[error(transparent)]
-    Happening(#[from] HappeningError),
+    ScenarioEvent(#[from] ScenarioEventError),
     /// It has no end, so a duration has no meaning for it.
     #[error("`{0}` has no end, so a duration has no meaning for it")]
-    NoEnd(Happening),
+    NoEnd(ScenarioEvent),
     /// The folder of the control sockets cannot be used.
     #[error(transparent)]
     Socket(#[from] ControlSocketError),
@@ -60,21 +60,21 @@ pub enum InjectError {
 }
 
 impl InjectRequest {
-    /// A request of this process: `happenings` happen to `drive`, in this order, and end after `lasts`.
+    /// A request of this process: `events` happen to `drive`, in this order, and end after `lasts`.
     ///
     /// # Errors
-    /// When one of `happenings` is not valid, or has no end where it is to have one.
-    pub fn new(drive: &str, happenings: &[String], lasts: Option<Duration>) -> Result<Self, InjectError> {
-        for text in happenings {
-            let happening: Happening = text.parse()?;
-            if lasts.is_some() && happening.undo().is_none() {
-                return Err(InjectError::NoEnd(happening));
+    /// When one of `events` is not valid, or has no end where it is to have one.
+    pub fn new(drive: &str, events: &[String], lasts: Option<Duration>) -> Result<Self, InjectError> {
+        for text in events {
+            let event: ScenarioEvent = text.parse()?;
+            if lasts.is_some() && event.undo().is_none() {
+                return Err(InjectError::NoEnd(event));
             }
         }
         Ok(Self {
             drive: drive.to_owned(),
             from: namespace(),
-            happenings: happenings.to_vec(),
+            events: events.to_vec(),
             lasts: lasts.map(|lasts| u64::try_from(lasts.as_nanos()).unwrap_or(u64::MAX)),
         })
     }
@@ -116,7 +116,7 @@ impl Target {
 pub fn target(request: &InjectRequest) -> Result<Target, InjectError> {
     let drive = &request.drive;
     let probe = Request::Inject(InjectRequest {
-        happenings: Vec::new(),
+        events: Vec::new(),
         lasts: None,
         ..request.clone()
     });
@@ -214,6 +214,6 @@ mod tests {
         let request = |text: &str| InjectRequest::new("a", &[text.into()], Some(Duration::from_secs(2)));
         assert_eq!(request("cable=pulled").unwrap().lasts, Some(2_000_000_000));
         assert!(matches!(request("clear=439"), Err(InjectError::NoEnd(_))));
-        assert!(matches!(request("hello"), Err(InjectError::Happening(_))));
+        assert!(matches!(request("hello"), Err(InjectError::ScenarioEvent(_))));
     }
 }

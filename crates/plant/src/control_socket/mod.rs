@@ -55,7 +55,7 @@ pub struct InjectRequest {
     /// The network namespace of the sender.
     pub from: u64,
     /// What, in the notation of scenarios; empty to find out who has the drive.
-    pub happenings: Vec<String>,
+    pub events: Vec<String>,
     /// How long, in nanoseconds.
     pub lasts: Option<u64>,
 }
@@ -102,8 +102,8 @@ impl InjectRequest {
         if let Some(nanos) = self.lasts {
             text += &format!("for {nanos}\n");
         }
-        for happening in &self.happenings {
-            text += &format!("do {happening}\n");
+        for event in &self.events {
+            text += &format!("do {event}\n");
         }
         text + "end\n"
     }
@@ -113,7 +113,7 @@ impl InjectRequest {
         let mut request = Self {
             drive: lines.next()?.ok()?.strip_prefix("drive ")?.to_owned(),
             from: lines.next()?.ok()?.strip_prefix("from ")?.parse().ok()?,
-            happenings: Vec::new(),
+            events: Vec::new(),
             lasts: None,
         };
         for line in lines {
@@ -124,7 +124,7 @@ impl InjectRequest {
             {
                 None => return Some(request), // end
                 Some((word, rest)) if word == "for" => request.lasts = Some(rest.parse().ok()?),
-                Some((word, rest)) if word == "do" => request.happenings.push(rest),
+                Some((word, rest)) if word == "do" => request.events.push(rest),
                 Some(_) => return None,
             }
         }
@@ -298,7 +298,7 @@ mod tests {
         let request = InjectRequest {
             drive: "akd-1".into(),
             from: namespace(),
-            happenings: vec!["fault=439!".into(), "answers=late 500ms".into()],
+            events: vec!["fault=439!".into(), "answers=late 500ms".into()],
             lasts: Some(2_000_000_000),
         };
         let request = Request::Inject(request);

@@ -232,7 +232,7 @@ mod tests {
 
     /// The kernel keeps 128 connections that are not accepted; more block the next one.
     #[test]
-    fn clients_that_say_nothing_hold_up_nobody() {
+    fn silent_clients_do_not_block_others() {
         let path = path("slow");
         let (socket, listen) = ControlSocket::at(path.clone(), Bell::new().unwrap()).unwrap();
         spawn(listen);

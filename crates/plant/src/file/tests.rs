@@ -94,7 +94,7 @@ fn refused(line: &str, by: &str) -> (usize, String) {
 }
 
 #[test]
-fn mistakes_are_told_with_their_line() {
+fn mistakes_are_reported_with_their_line() {
     for (line, by, at, words) in [
         (r#"duration = "20s""#, r#"duration = "20""#, 3, "needs its unit"),
         (r#"sample = "100ms""#, r#"sample = "0s""#, 4, "time between"),

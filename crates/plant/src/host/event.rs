@@ -12,7 +12,7 @@ use virtual_drive::model::Model;
 use virtual_drive::station::StationEvent;
 
 use super::duplicate_check::Duplicate;
-use crate::happening::Happening;
+use crate::event::ScenarioEvent;
 use crate::timeline::Played;
 use crate::trace::What;
 
@@ -93,7 +93,7 @@ pub enum DriveEvent {
     /// A request of the control socket happened at a serial line.
     Injected(String),
     /// Something that was to last for a time has ended.
-    Ended(Happening),
+    Ended(ScenarioEvent),
     /// The station of this model reported something.
     Station(&'static Model, StationEvent),
     /// Its state was saved, or not.
@@ -202,7 +202,7 @@ impl fmt::Display for DriveEvent {
             Self::ReadyAtLine(number) => write!(f, "ready: address {number}"),
             Self::Played(played) => What::Happened(*played).fmt(f),
             Self::Injected(text) => f.write_str(text),
-            Self::Ended(happening) => happening.fmt(f),
+            Self::Ended(event) => event.fmt(f),
             Self::Station(model, event) => {
                 f.write_str(event.words(model.catalogue).as_deref().unwrap_or_default())
             }
@@ -305,7 +305,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_receiver_that_takes_nothing_holds_up_nobody_and_learns_what_it_missed() {
+    fn a_slow_receiver_blocks_no_sender_and_gets_the_number_of_missed_events() {
         let (sender, mut events) = channel(2);
         for number in 0..10 {
             sender.drive(&"akd-1".into(), Duration::ZERO, DriveEvent::ReadyAtLine(number));

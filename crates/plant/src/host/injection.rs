@@ -10,7 +10,7 @@ use virtual_drive::station::Station;
 
 use super::Host;
 use crate::control_socket::{InjectRequest, Response, namespace, segment};
-use crate::happening::{Happening, HappeningError, Unit};
+use crate::event::{ScenarioEvent, ScenarioEventError, Unit};
 use crate::text::station_text;
 
 impl Host {
@@ -61,19 +61,19 @@ impl Host {
             }
         };
         let here = request.from == namespace();
-        if request.happenings.is_empty() {
+        if request.events.is_empty() {
             let drive = self.in_words(id);
             return Response::Done { drive, here };
         }
         let Some(running) = self.drives.get_mut(&id) else {
             return Response::NotHere(Vec::new());
         };
-        match happenings(request, running.drive.model) {
+        match events(request, running.drive.model) {
             Err(error) => Response::Refused(error.to_string()),
-            Ok(happenings) => {
+            Ok(events) => {
                 let lasts = request.lasts.map(Duration::from_nanos);
-                for happening in happenings {
-                    running.timeline.add(now(), happening, lasts);
+                for event in events {
+                    running.timeline.add(now(), event, lasts);
                 }
                 let drive = running.drive.key.to_string();
                 Response::Done { drive, here }
@@ -103,10 +103,13 @@ fn is_meant(station: &Station, drive: &str) -> bool {
 }
 
 /// What a request asks for, if it can happen to a drive of this model.
-pub(super) fn happenings(request: &InjectRequest, model: &Model) -> Result<Vec<Happening>, HappeningError> {
+pub(super) fn events(
+    request: &InjectRequest,
+    model: &Model,
+) -> Result<Vec<ScenarioEvent>, ScenarioEventError> {
     let read = |text: &String| {
-        let happening: Happening = text.parse()?;
-        happening.fits(model).map(|()| happening)
+        let event: ScenarioEvent = text.parse()?;
+        event.fits(model).map(|()| event)
     };
-    request.happenings.iter().map(read).collect()
+    request.events.iter().map(read).collect()
 }

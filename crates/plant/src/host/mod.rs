@@ -34,8 +34,8 @@ use virtual_drive::model::Model;
 use virtual_drive::station::StationConfig;
 
 use crate::control_socket::{ControlSocket, Request};
+use crate::event::Unit;
 use crate::file::DrivePlan;
-use crate::happening::Unit;
 use crate::timeline::Timeline;
 
 pub use description::{DescriptionError, ForeignDescription};

@@ -113,8 +113,8 @@ impl SerialHost {
             self.step()?;
             self.answer_requests();
             self.deliver_saves();
-            for (drive, happening) in self.line.end(now()) {
-                let ended = DriveEvent::Ended(happening);
+            for (drive, event) in self.line.end(now()) {
+                let ended = DriveEvent::Ended(event);
                 self.events.drive(&drive, now() - self.start, ended);
             }
             self.handle_events();

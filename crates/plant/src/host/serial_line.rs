@@ -11,16 +11,16 @@ use virtual_drive::station::AnswerFault;
 
 use super::HostedDrive;
 use super::event::DriveEvent;
-use super::injection::happenings;
+use super::injection::events;
 use crate::control_socket::{InjectRequest, Response};
-use crate::happening::Happening;
+use crate::event::ScenarioEvent;
 
 /// The drives of a line and what is still to happen to them.
 pub struct SerialLine {
     place: Place,
     pub drives: Vec<(Arc<HostedDrive>, SerialStation)>,
     /// What ends again, when, and of which drive.
-    ends: Vec<(Instant, usize, Happening)>,
+    ends: Vec<(Instant, usize, ScenarioEvent)>,
 }
 
 impl SerialLine {
@@ -47,7 +47,7 @@ impl SerialLine {
             Err(response) => (response, None),
             Ok(at) => {
                 let key = self.drives.get(at).map(|(hosted, _)| Arc::clone(&hosted.key));
-                let what = DriveEvent::Injected(request.happenings.join(" "));
+                let what = DriveEvent::Injected(request.events.join(" "));
                 let drive = self.name(at);
                 (Response::Done { drive, here: true }, key.map(|key| (key, what)))
             }
@@ -61,23 +61,22 @@ impl SerialLine {
         let Some((hosted, station)) = self.drives.get_mut(at) else {
             return Err(Response::NotHere(Vec::new()));
         };
-        if request.happenings.is_empty() {
+        if request.events.is_empty() {
             return Err(Response::Done {
                 drive: format!("{name} ({}), process {}", hosted.key, std::process::id()),
                 here: true,
             });
         }
-        let happenings =
-            happenings(request, hosted.model).map_err(|error| Response::Refused(error.to_string()))?;
-        if let Some(other) = happenings.iter().find(|happening| !is_on_line(happening)) {
+        let events = events(request, hosted.model).map_err(|error| Response::Refused(error.to_string()))?;
+        if let Some(other) = events.iter().find(|event| !is_on_line(event)) {
             return Err(Response::Refused(format!(
                 "`{other}` is of a network, the drive is at a serial line"
             )));
         }
         let lasts = request.lasts.map(Duration::from_nanos);
-        for happening in happenings {
-            apply(happening, station);
-            if let (Some(lasts), Some(end)) = (lasts, happening.undo()) {
+        for event in events {
+            apply(event, station);
+            if let (Some(lasts), Some(end)) = (lasts, event.undo()) {
                 self.ends.push((now + lasts, at, end));
             }
         }
@@ -111,19 +110,19 @@ impl SerialLine {
     }
 
     /// Ends what was to last until `now`; returns it, each with its drive.
-    pub fn end(&mut self, now: Instant) -> Vec<(Arc<str>, Happening)> {
-        let due: Vec<(usize, Happening)> = self
+    pub fn end(&mut self, now: Instant) -> Vec<(Arc<str>, ScenarioEvent)> {
+        let due: Vec<(usize, ScenarioEvent)> = self
             .ends
             .iter()
             .filter(|(at, ..)| *at <= now)
-            .map(|(_, drive, happening)| (*drive, *happening))
+            .map(|(_, drive, event)| (*drive, *event))
             .collect();
         self.ends.retain(|(at, ..)| *at > now);
         let mut ended = Vec::new();
-        for (drive, happening) in due {
+        for (drive, event) in due {
             if let Some((hosted, station)) = self.drives.get_mut(drive) {
-                apply(happening, station);
-                ended.push((Arc::clone(&hosted.key), happening));
+                apply(event, station);
+                ended.push((Arc::clone(&hosted.key), event));
             }
         }
         ended
@@ -132,19 +131,19 @@ impl SerialLine {
 
 /// True for what can happen to a drive at a serial line. Its parameter channel can refuse; the other faults of answers are
 /// those of records.
-const fn is_on_line(happening: &Happening) -> bool {
+const fn is_on_line(event: &ScenarioEvent) -> bool {
     matches!(
-        happening,
-        Happening::Drive(_) | Happening::Answers(AnswerFault::None | AnswerFault::Error(_))
+        event,
+        ScenarioEvent::Drive(_) | ScenarioEvent::Answers(AnswerFault::None | AnswerFault::Error(_))
     )
 }
 
 /// Makes happen to a drive what [`is_on_line`] allows.
-fn apply(happening: Happening, station: &mut SerialStation) {
-    match happening {
-        Happening::Drive(injection) => station.drive_mut().inject(injection),
-        Happening::Answers(fault) => station.refuse_all(fault.in_channel()),
-        Happening::Cable { .. } | Happening::Link(_) => {}
+fn apply(event: ScenarioEvent, station: &mut SerialStation) {
+    match event {
+        ScenarioEvent::Drive(injection) => station.drive_mut().inject(injection),
+        ScenarioEvent::Answers(fault) => station.refuse_all(fault.in_channel()),
+        ScenarioEvent::Cable { .. } | ScenarioEvent::Link(_) => {}
     }
 }
 

@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_state_of_an_earlier_version_has_no_checksum_and_is_taken() {
+    fn a_state_of_an_earlier_version_without_checksum_is_accepted() {
         let text = encode(&example());
         let lines: Vec<&str> = text.lines().filter(|line| !line.contains(CHECKSUM)).collect();
         assert_eq!(lines.len() + 1, text.lines().count());
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn a_state_that_no_drive_can_have_is_not_taken() {
+    fn an_impossible_state_is_rejected() {
         let long = "a".repeat(5000);
         for (field, value, why) in [
             ("name", "../../etc/passwd", "the name is not valid"),

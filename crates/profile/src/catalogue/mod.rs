@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn halves_of_wide_values_are_nobody_elses_numbers() {
+    fn halves_of_wide_values_have_unique_numbers() {
         let wide = AKD.parameters.iter().filter(|parameter| parameter.wide);
         assert_eq!(wide.clone().count(), 121);
         for parameter in wide {
@@ -390,7 +390,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_and_warnings_are_told_apart() {
+    fn faults_and_warnings_are_distinct() {
         assert!(AKD.faults.windows(2).all(|pair| pair[0].number <= pair[1].number));
         assert!(
             AKD.fault(702, false)
@@ -403,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_says_what_it_does_and_what_to_do() {
+    fn every_fault_has_a_reaction_and_a_remedy() {
         for fault in AKD.faults {
             assert_eq!(fault.warning, fault.reaction == Reaction::None, "{fault:?}");
             assert_eq!(fault.warning, fault.cleared == Cleared::ByItself, "{fault:?}");

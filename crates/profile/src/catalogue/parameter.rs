@@ -262,7 +262,7 @@ impl Parameter {
 
     /// What the low half of a 64-bit value means when it comes alone: with the sign of the parameter.
     #[must_use]
-    pub const fn alone(&self, low: u32) -> i64 {
+    pub const fn low_word(&self, low: u32) -> i64 {
         if self.signed {
             low.cast_signed() as i64
         } else {
@@ -455,11 +455,11 @@ mod tests {
         let limit = AKD.by_name("SWLS.LIMIT1").unwrap();
         assert_eq!((limit.high(), limit.range()), (Some(2386), i64::MIN..=i64::MAX));
         assert_eq!(limit.raw_default(&Scaling::default()), 1 << 36);
-        assert_eq!((limit.whole(0x10, 0), limit.alone(0xFFFF_FFFF)), (1 << 36, -1));
+        assert_eq!((limit.whole(0x10, 0), limit.low_word(0xFFFF_FFFF)), (1 << 36, -1));
         let stop = AKD.by_name("CS.DEC").unwrap();
         assert_eq!((stop.wide, stop.signed), (true, false));
         assert_eq!(
-            (stop.whole(u32::MAX, 0), stop.alone(u32::MAX)),
+            (stop.whole(u32::MAX, 0), stop.low_word(u32::MAX)),
             (i64::MAX, 0xFFFF_FFFF)
         );
         assert_eq!(AKD.by_name("DRV.OPMODE").unwrap().high(), None);
@@ -483,7 +483,7 @@ mod tests {
     }
 
     #[test]
-    fn every_rule_is_told() {
+    fn every_rule_is_described() {
         let fine = Scaling {
             position: 1,
             ..Scaling::default()

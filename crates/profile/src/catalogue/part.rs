@@ -257,7 +257,7 @@ mod tests {
     use alloc::vec::Vec;
 
     #[test]
-    fn every_row_is_a_parameter_and_every_make_has_its_words() {
+    fn every_row_is_a_parameter_and_every_model_has_control_and_status_words() {
         for tables in [&AKD, &VLT, &VACON] {
             for row in tables.parts {
                 assert!(tables.by_address(row.pnu, row.base).is_some(), "{row:?}");

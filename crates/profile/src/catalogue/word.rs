@@ -71,7 +71,7 @@ impl Field {
         self.first <= bit && bit <= self.last
     }
 
-    fn told(&self, word: u64) -> String {
+    fn describe(&self, word: u64) -> String {
         let number = self.of(word);
         let choice = self
             .choices
@@ -89,26 +89,26 @@ impl Word {
     /// something, a few bits that are a number by its text. Empty when no bit says anything. `profile` is whose words the
     /// drive has now.
     #[must_use]
-    pub fn told(&self, value: u64, profile: Profile, mode: Mode) -> Vec<String> {
+    pub fn describe(&self, value: u64, profile: Profile, mode: Mode) -> Vec<String> {
         let table = match self.kind {
             WordKind::Control => profile.control_bits(mode),
             WordKind::Status => profile.status_bits(mode),
             WordKind::Own => return self.own(value),
         };
         let low = u16::try_from(value & 0xFFFF).unwrap_or_default();
-        bits::told(table, low).map(ToOwned::to_owned).collect()
+        bits::texts(table, low).map(ToOwned::to_owned).collect()
     }
 
     fn own(&self, value: u64) -> Vec<String> {
-        let mut told: Vec<String> = self.fields.iter().map(|field| field.told(value)).collect();
+        let mut texts: Vec<String> = self.fields.iter().map(|field| field.describe(value)).collect();
         for bit in (0..64).filter(|bit| value >> bit & 1 == 1) {
             if self.fields.iter().any(|field| field.has(bit)) {
                 continue;
             }
             let text = self.bits.iter().find(|row| row.value == i32::from(bit));
-            told.push(text.map_or_else(|| format!("bit {bit}"), |row| row.text.to_owned()));
+            texts.push(text.map_or_else(|| format!("bit {bit}"), |row| row.text.to_owned()));
         }
-        told
+        texts
     }
 }
 
@@ -117,11 +117,11 @@ mod tests {
     use super::super::AKD;
     use super::*;
 
-    fn told(name: &str, value: u64) -> Vec<String> {
+    fn describe(name: &str, value: u64) -> Vec<String> {
         let pnu = AKD.by_name(name).unwrap().pnu;
         AKD.word(pnu)
             .unwrap()
-            .told(value, Profile::Profidrive, Mode::Position)
+            .describe(value, Profile::Profidrive, Mode::Position)
     }
 
     #[test]
@@ -147,9 +147,9 @@ mod tests {
     }
 
     #[test]
-    fn bits_fields_and_what_nobody_named() {
+    fn bits_fields_and_unnamed_bits() {
         assert_eq!(
-            told("MT.CNTL", 0x0_0011),
+            describe("MT.CNTL", 0x0_0011),
             [
                 "Task type: Relative to PL.CMD",
                 "Start of the following task: At once after stopping",
@@ -158,23 +158,23 @@ mod tests {
             ]
         );
         assert_eq!(
-            told("MT.CNTL", 0x0204)[..2],
+            describe("MT.CNTL", 0x0204)[..2],
             [
                 "Task type: 4",
                 "Start of the following task: Change on the fly, reaches the target at the present speed"
             ]
         );
-        assert_eq!(told("DRV.DISSOURCES", 0x8002), ["Fault present", "bit 15"]);
-        assert_eq!(told("DRV.MOTIONDISSOURCES", 1), ["bit 0"]);
-        assert!(told("DRV.MOTIONSTAT", 0).is_empty());
-        assert_eq!(told("DRIVE_MOTION_STATUS", 1), told("DRV.MOTIONSTAT", 1));
-        assert_eq!(told("DRIVE_INPUTS", 0x40), ["Torque allowed (STO.STATE)"]);
+        assert_eq!(describe("DRV.DISSOURCES", 0x8002), ["Fault present", "bit 15"]);
+        assert_eq!(describe("DRV.MOTIONDISSOURCES", 1), ["bit 0"]);
+        assert!(describe("DRV.MOTIONSTAT", 0).is_empty());
+        assert_eq!(describe("DRIVE_MOTION_STATUS", 1), describe("DRV.MOTIONSTAT", 1));
+        assert_eq!(describe("DRIVE_INPUTS", 0x40), ["Torque allowed (STO.STATE)"]);
     }
 
     #[test]
-    fn inverse_bits_are_told_where_they_stop_something() {
+    fn inverse_bits_are_listed_when_they_stop_something() {
         let position = ["ON", "EN_OP", "NO_REJECT", "NO_INT_STOP", "CTRL_PLC"];
-        assert_eq!(told("STW1", 0x043F), position);
-        assert!(told("STW1", 0x043D).contains(&"OFF2: coast stop, pulses off at once".into()));
+        assert_eq!(describe("STW1", 0x043F), position);
+        assert!(describe("STW1", 0x043D).contains(&"OFF2: coast stop, pulses off at once".into()));
     }
 }

@@ -128,11 +128,11 @@ mod tests {
             }
             assert_eq!(shape.place(shape.elements()), None);
         }
-        let outside = Place {
+        let out_of_range = Place {
             situation: 0,
             position: 8,
         };
-        assert_eq!(Shape::EIGHT_BY_EIGHT.index(outside), None);
+        assert_eq!(Shape::EIGHT_BY_EIGHT.index(out_of_range), None);
     }
 
     #[test]

@@ -494,7 +494,7 @@ mod tests {
     }
 
     #[test]
-    fn names_in_words_are_taken_as_their_maker_writes_them() {
+    fn names_of_words_are_accepted_in_vendor_spelling() {
         use crate::catalogue::{VACON, VLT};
         let mut seen = 0;
         for tables in [&VLT, &VACON] {

@@ -52,7 +52,7 @@ pub enum Forbidden {
     /// A change of texts.
     TextChange,
     /// The description (attribute 0x20) of a parameter that has none.
-    Undescribed,
+    NoDescription,
     /// An element of the description that does not exist.
     DescriptionElement(u16),
     /// Several elements of a description at once.
@@ -171,7 +171,7 @@ impl fmt::Display for Forbidden {
                 )
             }
             Self::TextChange => f.write_str("texts (attribute 0x30) cannot be changed"),
-            Self::Undescribed => f.write_str("the parameter has no description (attribute 0x20)"),
+            Self::NoDescription => f.write_str("the parameter has no description (attribute 0x20)"),
             Self::DescriptionElement(number) => write!(f, "a description does not have the element {number}"),
             Self::DescriptionElements { elements, subindex } => write!(
                 f,

@@ -171,11 +171,11 @@ impl<'a> Response<'a> {
         dialect: &Dialect,
     ) -> Option<ParameterError> {
         let (block, used) = ValueBlock::parse(bytes, HEADER, dialect.code_space).ok()?;
-        let alone = HEADER + used == bytes.len();
-        let whole = (alone && parameters != 1) || !id.is_answered_by(found_id);
+        let single = HEADER + used == bytes.len();
+        let whole = (single && parameters != 1) || !id.is_answered_by(found_id);
         let is_request_id = matches!(RequestId::from_octet(found_id & 0x7F), RequestId::Other(_))
             || !matches!(id, RequestId::Read | RequestId::Change);
-        (block.format == Format::ERROR && whole && (alone || is_request_id)).then(|| error_of(&block))
+        (block.format == Format::ERROR && whole && (single || is_request_id)).then(|| error_of(&block))
     }
 
     fn check(&self) -> Result<(), DecodeError> {

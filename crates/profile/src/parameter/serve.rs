@@ -9,7 +9,7 @@ use super::error::{ErrorNumber, ParameterError};
 use super::format::{CodeSpace, Format, Kind};
 use super::objection::{Denial, Forbidden};
 use super::request::Request;
-use super::span::{Span, at, check_described};
+use super::span::{Span, at, check_description};
 use super::{DecodeError, Wrong};
 
 /// A request that gets no response block: the record write is refused instead.
@@ -205,8 +205,8 @@ impl Job<'_> {
     fn error(&mut self, error: ParameterError, left: usize) -> Result<(), Refusal> {
         self.failed = true;
         let [high, low] = error.number.0.to_be_bytes();
-        let told = self.dialect.error_info && self.room(left) >= 6;
-        match error.info.filter(|_| told) {
+        let has_info = self.dialect.error_info && self.room(left) >= 6;
+        match error.info.filter(|_| has_info) {
             Some(info) => {
                 let [info_high, info_low] = info.to_be_bytes();
                 self.out
@@ -285,14 +285,14 @@ impl Job<'_> {
                 let mut description = match drive.description(pnu) {
                     Some(description) => description,
                     None if drive.exists(pnu) => {
-                        return Err(Forbidden::Undescribed.refused(ErrorNumber::NO_DESCRIPTION));
+                        return Err(Forbidden::NoDescription.refused(ErrorNumber::NO_DESCRIPTION));
                     }
                     None => return Err(Forbidden::unknown(pnu).refused(ErrorNumber::UNKNOWN_PARAMETER)),
                 };
                 description.identifier = description.identifier.in_space(self.dialect.code_space);
                 let octets = description.encode();
                 if let Some(facts) = drive.attributes(pnu, 0) {
-                    check_described(&facts, elements, subindex)?;
+                    check_description(&facts, elements, subindex)?;
                 }
                 let element = Description::element(subindex).ok_or(
                     Forbidden::DescriptionElement(subindex).refused(at(ErrorNumber::SUBINDEX, subindex)),

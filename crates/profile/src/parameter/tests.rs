@@ -4,9 +4,9 @@ mod converter;
 mod edge;
 mod examples;
 mod formats;
-mod makers;
 mod properties;
 mod vacon;
+mod vendors;
 
 use alloc::borrow::ToOwned;
 use alloc::vec;
@@ -522,7 +522,7 @@ fn description_elements() {
 }
 
 #[test]
-fn wrong_responses_are_told_apart() {
+fn wrong_responses_are_distinguished() {
     let one = [ParameterAddress::value(930, 0)];
     let parse = |bytes: &str| {
         let bytes = hex(bytes);

@@ -302,11 +302,11 @@ impl Client {
         let request = self.standing();
         let info = request.request_code().info();
         let code = reply.reply_code();
-        let (asked, told) = (request.address(&self.dialect)?, reply.address(&self.dialect)?);
+        let (asked, replied) = (request.address(&self.dialect)?, reply.address(&self.dialect)?);
         let nameless = !self.dialect.refusal_names_pnu
             && code == ReplyCode::REFUSED
             && reply.pke & self.dialect.pnu_mask() == 0;
-        if !nameless && !same(&self.dialect, asked, told) {
+        if !nameless && !same(&self.dialect, asked, replied) {
             return None;
         }
         if info.refusals.contains(&code) {
@@ -339,10 +339,10 @@ impl Client {
 }
 
 /// A reply mirrors PNU and IND; of the text code only what the layout has.
-fn same(dialect: &PkwDialect, asked: PkwAddress, told: PkwAddress) -> bool {
-    asked.pnu == told.pnu
-        && asked.subindex == told.subindex
-        && (dialect.ind != IndLayout::TextIndex || asked.text == told.text)
+fn same(dialect: &PkwDialect, asked: PkwAddress, replied: PkwAddress) -> bool {
+    asked.pnu == replied.pnu
+        && asked.subindex == replied.subindex
+        && (dialect.ind != IndLayout::TextIndex || asked.text == replied.text)
 }
 
 /// The fixed part and the characters.

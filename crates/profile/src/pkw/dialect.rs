@@ -112,7 +112,7 @@ const PROFILE_REPLIES: u16 = 0x1FFF;
 const TEXT: u16 = 1 << 15;
 
 /// Makers with a channel of their own at serial lines: with texts, and without.
-static MAKERS: [(u16, PkwDialect, PkwDialect); 1] =
+static VENDORS: [(u16, PkwDialect, PkwDialect); 1] =
     [(DANFOSS, PkwDialect::DANFOSS_FC, PkwDialect::DANFOSS_WORDS)];
 
 impl PkwDialect {
@@ -193,7 +193,7 @@ impl PkwDialect {
     /// ```
     #[must_use]
     pub fn of_line(vendor: u16, texts: bool) -> Option<Self> {
-        let (_, with, without) = MAKERS.iter().find(|(maker, ..)| *maker == vendor)?;
+        let (_, with, without) = VENDORS.iter().find(|(of, ..)| *of == vendor)?;
         Some(if texts { *with } else { *without })
     }
 

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_worded_and_no_maker_repeats_a_common_number() {
+    fn rows_have_texts_and_no_vendor_repeats_a_common_number() {
         for names in [
             PkwErrorNames::Profile,
             PkwErrorNames::Danfoss,
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_refused_acyclically_is_refused_here_with_a_number_the_maker_has() {
+    fn acyclic_refusals_map_to_numbers_of_the_vendor() {
         for names in [
             PkwErrorNames::Profile,
             PkwErrorNames::Danfoss,

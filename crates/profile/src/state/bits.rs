@@ -117,7 +117,7 @@ pub fn describe(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = Bi
 /// let told: Vec<_> = bits::told(bits::stw1(Mode::Velocity), 0x047D).collect();
 /// assert_eq!(told[..2], ["ON", "OFF2: coast stop, pulses off at once"]);
 /// ```
-pub fn told(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = &'static str> {
+pub fn texts(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = &'static str> {
     describe(table, word).filter_map(|bit| match (bit.inverse, bit.set) {
         (false, true) => Some(bit.name),
         (true, false) => Some(bit.meaning),
@@ -387,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn modes_differ_where_the_manual_says_so() {
+    fn modes_differ_as_in_the_manual() {
         let differing = |a: &[Bit; 16], b: &[Bit; 16]| -> Vec<u8> {
             a.iter()
                 .zip(b)

@@ -217,7 +217,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_that_every_drive_engineer_knows() {
+    fn common_control_and_status_words() {
         let held = Stw1::NO_COAST_STOP | Stw1::NO_QUICK_STOP | Stw1::ENABLE_OPERATION;
         let channel = Stw1::ENABLE_RAMP | Stw1::UNFREEZE_RAMP | Stw1::ENABLE_SETPOINT;
         let ready = held | channel | Stw1::CONTROL_BY_PLC;

@@ -477,7 +477,7 @@ mod tests {
     }
 
     #[test]
-    fn one_number_two_makers() {
+    fn one_number_of_two_vendors() {
         assert_eq!(akd(352).setpoint.octets, 24);
         assert_eq!(Telegram::find(352, SIEMENS).unwrap().setpoint.octets, 12);
         assert_eq!(Telegram::find(354, SIEMENS), None);
@@ -531,7 +531,7 @@ mod tests {
     }
 
     #[test]
-    fn misuse_is_told_and_changes_nothing() {
+    fn misuse_is_reported_and_changes_nothing() {
         let image = &akd(1).setpoint;
         let mut data = [0x55; 4];
         assert_eq!(

@@ -261,14 +261,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_told_is_what_was_meant(quantity in 0..QUANTITIES.len(), unit: prop::sample::Index, exponent in -9_i8..=9) {
+        fn units_round_trip_through_variable_attributes(quantity in 0..QUANTITIES.len(), unit: prop::sample::Index, exponent in -9_i8..=9) {
             let quantity = &QUANTITIES[quantity];
             let (unit, _) = quantity.units[unit.index(quantity.units.len())];
             if let Some(variable) = Variable::of(unit, exponent) {
-                let (told, power) = variable.unit();
+                let (unit, power) = variable.unit();
                 // the same quantity, perhaps in another unit of it: the values in SI agree
                 let si = |unit: &str, power: i8| Variable::of(unit, power).unwrap();
-                prop_assert_eq!(si(told, power), variable);
+                prop_assert_eq!(si(unit, power), variable);
             }
         }
 

@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_told() {
+    fn text_that_is_not_a_number_is_rejected() {
         let (low, high) = (Linear::N4.raw(f64::NEG_INFINITY), Linear::N4.raw(f64::INFINITY));
         assert!(low.saturated && high.saturated);
         assert_eq!((low.value, high.value), Width::I32.range());

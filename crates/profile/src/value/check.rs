@@ -79,7 +79,7 @@ const SAME: f64 = 1e-6;
 
 /// True when `held` is no rounding of `asked` but another value.
 #[must_use]
-pub fn is_another(asked: f64, held: f64) -> bool {
+pub fn is_other_value(asked: f64, held: f64) -> bool {
     (held - asked).abs() > asked.abs() * MOST_ROUNDING * (1.0 + 1e-9)
 }
 
@@ -210,7 +210,7 @@ impl Parameters {
         }
         let raw = parameter.raw(value, &self.scaling);
         let held = parameter.engineering(raw, &self.scaling);
-        if !is_another(value, held) {
+        if !is_other_value(value, held) {
             return Ok((raw, value));
         }
         let other = parameter.engineering(if held > value { raw - 1 } else { raw + 1 }, &self.scaling);
@@ -271,7 +271,7 @@ impl Parameters {
         let (minimum, maximum) = parameter.limits_in(&self.scaling);
         let inside = |limit: f64, upwards: bool| {
             let step = fits(parameter.raw_limit(limit, upwards, &self.scaling));
-            if is_another(limit, step) { step } else { limit }
+            if is_other_value(limit, step) { step } else { limit }
         };
         (
             minimum.map_or(low, |limit| inside(limit, true).max(low)),
@@ -483,8 +483,8 @@ mod tests {
             ),
         ] {
             let problem = check(text).unwrap_err();
-            let told = problem.to_string();
-            assert!(told.contains(words), "{text}: {told}");
+            let message = problem.to_string();
+            assert!(message.contains(words), "{text}: {message}");
             assert!(problem.hint().is_some());
         }
         let radians = Parameters {
@@ -499,10 +499,10 @@ mod tests {
         };
         let quarter: Assignment = "HOME.DIST=90deg".parse().unwrap();
         let selection = radians.select(&quarter.reference).unwrap();
-        let told = radians.check(&selection, &quarter.value).unwrap_err().to_string();
+        let message = radians.check(&selection, &quarter.value).unwrap_err().to_string();
         assert!(
-            told.ends_with("90 deg is not representable: the nearest values are 1 rad and 2 rad"),
-            "{told}"
+            message.ends_with("90 deg is not representable: the nearest values are 1 rad and 2 rad"),
+            "{message}"
         );
     }
 

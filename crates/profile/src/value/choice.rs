@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beginning_of_several_texts_is_told_with_them() {
+    fn an_ambiguous_prefix_is_reported_with_its_candidates() {
         let mut rows = VLT.parameters.iter().flat_map(|row| {
             let first = row.choices.iter().map(|choice| choice.text.to_lowercase());
             let texts: Vec<String> = first.collect();

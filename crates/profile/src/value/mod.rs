@@ -7,7 +7,7 @@ mod scaling;
 mod select;
 
 pub use check::{Assignment, CheckedValue, MOST_ROUNDING};
-pub use check::{is_another, is_rounding};
+pub use check::{is_other_value, is_rounding};
 pub use choice::Given;
 pub use reading::{Beyond, Content, Interpretation, Reading};
 pub use scaling::{SCALING, is_scaling, take_scale};

@@ -38,7 +38,7 @@ pub struct Reading {
     pub decimals: u8,
     /// Text of the value of an enumeration.
     pub choice: Option<&'static str>,
-    /// What the bits say, for a word: see [`Word::told`](crate::catalogue::Word::told). `None` for all others.
+    /// What the bits say, for a word: see [`Word::word_of`](crate::catalogue::Word::told). `None` for all others.
     pub word: Option<Vec<String>>,
     /// Name of the 64-bit value whose high half this is.
     pub high_half_of: Option<&'static str>,
@@ -256,7 +256,7 @@ impl Parameters {
             let one = words.map_or(Some(Profile::default()), |words| words.only());
             one.or_else(|| (word.kind == WordKind::Own).then(Profile::default))
         });
-        Some(word.told(whole(octets), profile?, mode))
+        Some(word.describe(whole(octets), profile?, mode))
     }
 
     fn content(
@@ -353,13 +353,13 @@ mod tests {
 
     #[test]
     fn words_by_their_bits() {
-        let told = |text, octets: &[u8]| read(text, Interpretation::Plain, octets).word;
+        let word_of = |text, octets: &[u8]| read(text, Interpretation::Plain, octets).word;
         assert_eq!(
-            told("ZSW1", &[0x02, 0x71]),
+            word_of("ZSW1", &[0x02, 0x71]),
             Some(vec!["READY_ON".into(), "INHIBIT".into(), "CTRL_REQ".into()])
         );
-        assert_eq!(told("DRV.MOTIONSTAT", &[0, 0, 0, 0]), Some(vec![]));
-        assert_eq!(told("DRV.ACC", &[0, 0, 0, 1]), None);
+        assert_eq!(word_of("DRV.MOTIONSTAT", &[0, 0, 0, 0]), Some(vec![]));
+        assert_eq!(word_of("DRV.ACC", &[0, 0, 0, 1]), None);
         let drive = Parameters {
             catalogue: Some(&AKD),
             scaling: Scaling::default(),

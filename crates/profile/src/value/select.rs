@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn one_parameter_in_every_spelling_of_its_maker() {
+    fn one_parameter_in_every_spelling_of_its_vendor() {
         let of = |catalogue| {
             move |text: &str| {
                 let drive = Parameters {

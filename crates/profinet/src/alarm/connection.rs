@@ -95,7 +95,7 @@ impl Side {
     }
 
     /// Hands the next alarm to the channel if none is unanswered.
-    fn start_next(&mut self, now: Instant, patience: Duration) {
+    fn start_next(&mut self, now: Instant, timeout: Duration) {
         if self.active.is_some() {
             return;
         }
@@ -105,7 +105,7 @@ impl Side {
         let mut block = Vec::with_capacity(alarm.len());
         alarm.encode(&mut block);
         self.channel.send(block);
-        self.active = Some((alarm, now + patience));
+        self.active = Some((alarm, now + timeout));
     }
 }
 
@@ -174,7 +174,7 @@ impl Alarms {
         }
     }
 
-    fn patience(&self) -> Duration {
+    fn timeout(&self) -> Duration {
         self.config.timeout * (u32::from(self.config.retries) + 1) * 10
     }
 
@@ -196,7 +196,7 @@ impl Alarms {
         } else {
             alarm.alarm_type.priority()
         };
-        let patience = self.patience();
+        let timeout = self.timeout();
         let side = self.side(alarm.priority);
         if side.waiting.len() >= WAITING {
             return Err(AlarmError::Full);
@@ -205,7 +205,7 @@ impl Alarms {
         side.sequence = (sequence + 1) & 0x07FF;
         alarm.specifier = alarm.specifier.with_sequence(sequence);
         side.waiting.push_back(alarm);
-        side.start_next(now, patience);
+        side.start_next(now, timeout);
         Ok(sequence)
     }
 
@@ -247,7 +247,7 @@ impl Alarms {
             RtaType::Data => Some(pdu.alarm().ok()?),
             _ => None,
         };
-        let patience = self.patience();
+        let timeout = self.timeout();
         let side = self.side(priority);
         if side.channel.handle(&pdu) != Received::New {
             return None;
@@ -266,7 +266,7 @@ impl Alarms {
                     return None;
                 }
                 side.active = None;
-                side.start_next(now, patience);
+                side.start_next(now, timeout);
                 Some(AlarmEvent::Acknowledged(ack))
             }
         }
@@ -274,7 +274,7 @@ impl Alarms {
 
     /// Does what is due; call until it gives nothing.
     pub fn handle_timeout(&mut self, now: Instant) -> Option<AlarmEvent> {
-        let patience = self.patience();
+        let timeout = self.timeout();
         for priority in [Priority::High, Priority::Low] {
             let side = self.side(priority);
             if side.channel.check(now).is_err() {
@@ -285,7 +285,7 @@ impl Alarms {
                     .active
                     .take()
                     .map_or(0, |(alarm, _)| alarm.specifier.sequence());
-                side.start_next(now, patience);
+                side.start_next(now, timeout);
                 return Some(AlarmEvent::Unanswered { priority, sequence });
             }
         }

@@ -420,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn captured_answers_are_understood() {
+    fn captured_answers_decode() {
         let who = identity("ff22fb8075848cb3eb6d6e2549f1b98f", 0xF26D);
         let mac = MacAddress([2, 0x50, 0x4e, 0, 0, 1]);
         let agreement = check_response(&reply(P_NET), &who, &config(), Some(mac), FrameId(0xC001)).unwrap();

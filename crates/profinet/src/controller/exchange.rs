@@ -229,7 +229,7 @@ impl Controller {
 
     /// Whether the device takes the outputs of a submodule: its IOCS.
     #[must_use]
-    pub fn output_taken(&self, ar: ArId, slot: u16, subslot: u16) -> Option<Iops> {
+    pub fn output_consumed(&self, ar: ArId, slot: u16, subslot: u16) -> Option<Iops> {
         self.get(ar)?.consumer.as_ref()?.iocs(slot, subslot)
     }
 

@@ -163,7 +163,7 @@ impl Provider {
     }
 
     /// How long a following provider waits for the peer's frame beyond its own time.
-    fn patience(&self) -> Duration {
+    fn follow_wait(&self) -> Duration {
         (self.interval() / 16).min(Duration::from_millis(1))
     }
 
@@ -186,7 +186,7 @@ impl Provider {
         let cycle_counter = self.counter(due);
         self.next = due + Duration::from_nanos(period);
         if core::mem::take(&mut self.following) {
-            self.put_off(self.patience());
+            self.put_off(self.follow_wait());
         }
         let trailer = Trailer {
             cycle_counter,
@@ -457,7 +457,7 @@ mod tests {
     }
 
     #[test]
-    fn data_goes_where_the_layout_says() {
+    fn data_is_placed_as_in_the_layout() {
         let mut p = provider(timing(32, 1, 1), Instant::ZERO, Instant::ZERO);
         assert!(p.set_data(1, 1, &[1, 2, 3, 4], Iops::GOOD));
         assert!(!p.set_data(1, 1, &[1, 2, 3], Iops::GOOD));

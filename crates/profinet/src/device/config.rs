@@ -172,7 +172,7 @@ pub struct DeviceConfig {
     pub max_alarm_data: u16,
     /// Slots that the ModuleDiffBlock names even when nothing differs there: proper module, substitute submodules. The
     /// Danfoss VLT does so.
-    pub always_told: Vec<u16>,
+    pub always_listed: Vec<u16>,
     /// Refuses another name and a reset by DCP (block error 6, "in operation") while the application
     /// [operates](super::Device::set_operating) under a controller: both would end the connection.
     pub refuses_in_operation: bool,
@@ -211,7 +211,7 @@ impl DeviceConfig {
             neighbourhood: true,
             output_frame_ids: [0xC000, 0x8000],
             max_alarm_data: 200,
-            always_told: Vec::new(),
+            always_listed: Vec::new(),
             refuses_in_operation: true,
             ready_order: ByteOrder::Big,
             ready_arguments: 1024,

@@ -27,7 +27,7 @@ use crate::wire::{PnioStatus, Reader, Uuid, Writer};
 use crate::{Instant, MAX_FRAME, RPC_PORT};
 
 /// A relation for record access that was silent for so long gives way to a new one of its own initiator.
-const FORSAKEN: Duration = Duration::from_secs(2);
+const ABANDONED: Duration = Duration::from_secs(2);
 
 fn same_initiator(a: &ArRequest, b: &ArRequest) -> bool {
     a.initiator_mac == b.initiator_mac && a.initiator_object == b.initiator_object
@@ -129,10 +129,10 @@ impl Device {
         self.finish_response(&ar, vendor, &mut out);
         check_room(&out, room)?;
         if self.tools.len() >= self.config.max_device_access {
-            let (forsaken, cause) = self
-                .forsaken(now, source, &ar)
+            let (evictable, cause) = self
+                .evictable(now, source, &ar)
                 .ok_or(PnioStatus::connect(RPC, 4))?;
-            self.abort(now, forsaken, cause);
+            self.abort(now, evictable, cause);
         }
         let key = self.new_key();
         let station = text(&ar.station_name);
@@ -156,16 +156,16 @@ impl Device {
     /// The standard leaves the choice to the device. A tool that crashed keeps its relation until the activity time is
     /// over, which may be 100 s; started again it must not be shut out by its former lives. So the relation that has been
     /// silent for longest ends if it is the same initiator's (address, MAC address, object and station name) and was
-    /// silent for [`FORSAKEN`], else if it was silent for more than half of its activity time. A relation whose record
+    /// silent for [`ABANDONED`], else if it was silent for more than half of its activity time. A relation whose record
     /// is being worked on stays in any case.
-    fn forsaken(&self, now: Instant, source: SocketAddrV4, ar: &ArRequest) -> Option<(ArKey, u8)> {
+    fn evictable(&self, now: Instant, source: SocketAddrV4, ar: &ArRequest) -> Option<(ArKey, u8)> {
         let silent = |tool: &&AccessAr| !self.has_job(tool.key);
         let longest = |tool: &&AccessAr| tool.activity.idle(now);
         let same = |tool: &&AccessAr| {
             same_initiator(&tool.request, ar)
                 && tool.request.station_name == ar.station_name
                 && tool.host == *source.ip()
-                && tool.activity.idle(now).is_some_and(|idle| idle >= FORSAKEN)
+                && tool.activity.idle(now).is_some_and(|idle| idle >= ABANDONED)
         };
         let silent = || self.tools.iter().filter(silent);
         let own = silent().filter(same).max_by_key(longest);
@@ -201,7 +201,7 @@ impl Device {
         };
         let diff = self
             .slots
-            .adapt(&self.config.modules, &cyclic.expected, &self.config.always_told);
+            .adapt(&self.config.modules, &cyclic.expected, &self.config.always_listed);
         let key = self.new_key();
         let [class_1, class_2] = self.config.output_frame_ids;
         let output_frame = match output.request.frame_id {
@@ -433,12 +433,12 @@ impl Device {
     }
 
     /// Ends the relation with cyclic data, with or without a last word to the controller.
-    pub(super) fn close_controller(&mut self, now: Instant, cause: PnioStatus, tell: bool) {
+    pub(super) fn close_controller(&mut self, now: Instant, cause: PnioStatus, notify: bool) {
         let Some(ar) = self.controller.take() else { return };
         if let Some(call) = ar.ready_call {
             self.client.cancel(call);
         }
-        if tell {
+        if notify {
             let mut frame = vec![0; MAX_FRAME];
             if let Some(length) = emit_error(&mut frame, ar.alarms.config(), cause) {
                 frame.truncate(length);

@@ -433,7 +433,7 @@ impl Device {
             .filter(|_| subslot == self.port_subslot());
         let peers: Vec<PortPeer<'_>> = peers
             .filter_map(|neighbour| {
-                let (port, station) = neighbour.told()?.profinet_names();
+                let (port, station) = neighbour.lldpdu()?.profinet_names();
                 Some(PortPeer {
                     port,
                     station,
@@ -492,7 +492,7 @@ impl Device {
     }
 
     fn ar_data(&self, by_api: bool, api: u32, out: &mut Vec<u8>) {
-        let mut relations = Vec::new();
+        let mut ars = Vec::new();
         if let Some(io) = &self.controller {
             let mut apis: Vec<u32> = io.expected.modules.iter().map(|module| module.api).collect();
             apis.dedup();
@@ -510,7 +510,7 @@ impl Device {
                 apdu_status: [counter[0], counter[1], io.consumer.status().0, 0],
             };
             if !by_api || apis.contains(&api) {
-                relations.push(ArData {
+                ars.push(ArData {
                     ar_uuid: io.request.ar_uuid,
                     initiator_object: io.request.initiator_object,
                     properties: io.request.properties.0,
@@ -528,7 +528,7 @@ impl Device {
         }
         let tools = if by_api { &[][..] } else { &self.tools[..] };
         for tool in tools {
-            relations.push(ArData {
+            ars.push(ArData {
                 ar_uuid: tool.request.ar_uuid,
                 initiator_object: tool.request.initiator_object,
                 properties: tool.request.properties.0,
@@ -540,7 +540,7 @@ impl Device {
                 apis: Vec::new(),
             });
         }
-        encode_ar_data(&relations, out);
+        encode_ar_data(&ars, out);
     }
 }
 

@@ -43,7 +43,7 @@ impl Device {
 
     /// Relations that are open, with cyclic data or for record access.
     #[must_use]
-    pub fn relations(&self) -> usize {
+    pub fn ars(&self) -> usize {
         usize::from(self.controller.is_some()) + self.tools.len()
     }
 

@@ -68,8 +68,8 @@ struct Row<'a> {
 
 impl<'a> Row<'a> {
     /// What its neighbour says.
-    fn told(&self) -> Option<Lldpdu<'a>> {
-        self.neighbour.and_then(Neighbour::told)
+    fn lldpdu(&self) -> Option<Lldpdu<'a>> {
+        self.neighbour.and_then(Neighbour::lldpdu)
     }
 }
 
@@ -134,7 +134,7 @@ impl View<'_> {
     fn neighbour_row<'a>(&self, rows: Rows, neighbour: &'a Neighbour) -> Option<Row<'a>> {
         let mut index = vec![self.ticks(neighbour.since), PORT, neighbour.index];
         if rows == Rows::NeighbourAddress {
-            let management = neighbour.told()?.management?;
+            let management = neighbour.lldpdu()?.management?;
             index.extend([u32::from(management.family), management.address.len() as u32]);
             index.extend(management.address.iter().copied().map(u32::from));
         }
@@ -257,14 +257,14 @@ objects! {
     }
     // this station
     [1, 0, 8802, 1, 1, 2, 1, 3] {
-        [1] Scalar |v, _| v.device.with_lldpdu(|told| Value::Integer(told.chassis.subtype.into()));
-        [2] Scalar |v, _| v.device.with_lldpdu(|told| text(told.chassis.value));
+        [1] Scalar |v, _| v.device.with_lldpdu(|lldpdu| Value::Integer(lldpdu.chassis.subtype.into()));
+        [2] Scalar |v, _| v.device.with_lldpdu(|lldpdu| text(lldpdu.chassis.value));
         [3] Scalar |v, _| text(v.device.name.as_bytes());
         [4] Scalar |v, _| text(system_identification(&v.device.config.identity).as_bytes());
-        [5] Scalar |v, _| v.device.with_lldpdu(|told| capabilities(told.capabilities.map(|c| c.0)));
-        [6] Scalar |v, _| v.device.with_lldpdu(|told| capabilities(told.capabilities.map(|c| c.1)));
-        [7, 1, 2] Port |v, _| v.device.with_lldpdu(|told| Value::Integer(told.port.subtype.into()));
-        [7, 1, 3] Port |v, _| v.device.with_lldpdu(|told| text(told.port.value));
+        [5] Scalar |v, _| v.device.with_lldpdu(|lldpdu| capabilities(lldpdu.capabilities.map(|c| c.0)));
+        [6] Scalar |v, _| v.device.with_lldpdu(|lldpdu| capabilities(lldpdu.capabilities.map(|c| c.1)));
+        [7, 1, 2] Port |v, _| v.device.with_lldpdu(|lldpdu| Value::Integer(lldpdu.port.subtype.into()));
+        [7, 1, 3] Port |v, _| v.device.with_lldpdu(|lldpdu| text(lldpdu.port.value));
         [7, 1, 4] Port |v, _| text(port_name(v.device.port_subslot()).as_bytes());
         // family and address
         [8, 1, 3] Management |_, _| Value::Integer(5);
@@ -274,23 +274,23 @@ objects! {
     }
     // neighbours
     [1, 0, 8802, 1, 1, 2, 1, 4, 1, 1] {
-        [4] Neighbour |_, r| Value::Integer(r.told().map_or(0, |told| told.chassis.subtype.into()));
-        [5] Neighbour |_, r| optional(r.told().map(|told| told.chassis.value));
-        [6] Neighbour |_, r| Value::Integer(r.told().map_or(0, |told| told.port.subtype.into()));
-        [7] Neighbour |_, r| optional(r.told().map(|told| told.port.value));
-        [8] Neighbour |_, r| optional(r.told().and_then(|told| told.port_description));
-        [9] Neighbour |_, r| optional(r.told().and_then(|told| told.system_name));
-        [10] Neighbour |_, r| optional(r.told().and_then(|told| told.system_description));
-        [11] Neighbour |_, r| capabilities(r.told().and_then(|told| told.capabilities).map(|c| c.0));
-        [12] Neighbour |_, r| capabilities(r.told().and_then(|told| told.capabilities).map(|c| c.1));
+        [4] Neighbour |_, r| Value::Integer(r.lldpdu().map_or(0, |lldpdu| lldpdu.chassis.subtype.into()));
+        [5] Neighbour |_, r| optional(r.lldpdu().map(|lldpdu| lldpdu.chassis.value));
+        [6] Neighbour |_, r| Value::Integer(r.lldpdu().map_or(0, |lldpdu| lldpdu.port.subtype.into()));
+        [7] Neighbour |_, r| optional(r.lldpdu().map(|lldpdu| lldpdu.port.value));
+        [8] Neighbour |_, r| optional(r.lldpdu().and_then(|lldpdu| lldpdu.port_description));
+        [9] Neighbour |_, r| optional(r.lldpdu().and_then(|lldpdu| lldpdu.system_name));
+        [10] Neighbour |_, r| optional(r.lldpdu().and_then(|lldpdu| lldpdu.system_description));
+        [11] Neighbour |_, r| capabilities(r.lldpdu().and_then(|lldpdu| lldpdu.capabilities).map(|c| c.0));
+        [12] Neighbour |_, r| capabilities(r.lldpdu().and_then(|lldpdu| lldpdu.capabilities).map(|c| c.1));
     }
     [1, 0, 8802, 1, 1, 2, 1, 4, 2, 1] {
         [3] NeighbourAddress |_, r| {
-            let numbering = r.told().and_then(|told| told.management).map_or(1, |m| m.numbering);
+            let numbering = r.lldpdu().and_then(|lldpdu| lldpdu.management).map_or(1, |m| m.numbering);
             Value::Integer(numbering.into())
         };
         [4] NeighbourAddress |_, r| {
-            let number = r.told().and_then(|told| told.management).map_or(0, |m| m.interface);
+            let number = r.lldpdu().and_then(|lldpdu| lldpdu.management).map_or(0, |m| m.interface);
             Value::Integer(i32::try_from(number).unwrap_or(i32::MAX))
         };
     }

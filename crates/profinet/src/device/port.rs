@@ -133,14 +133,14 @@ pub(super) struct Port {
     /// An LLDP frame goes out as soon as possible.
     due: bool,
     /// Chassis id and port id told last: taken back when they change.
-    told: Vec<u8>,
+    lldpdu: Vec<u8>,
 }
 
 impl Port {
     pub(super) fn handle_timeout(&mut self, now: Instant, mac: MacAddress) {
         if now >= self.next {
             // stations that start together are not to speak together for ever
-            let early = if self.told.is_empty() {
+            let early = if self.lldpdu.is_empty() {
                 SPREAD * u32::from(mac.0[5] % 64)
             } else {
                 Duration::ZERO
@@ -235,7 +235,7 @@ impl Device {
             interface: IF_INDEX,
             object: &OBJECT_OCTETS,
         };
-        let told = Lldpdu {
+        let lldpdu = Lldpdu {
             ttl: INTERVAL.as_secs() as u16 * HOLD,
             system_name: Some(self.name.as_bytes()).filter(|name| !name.is_empty()),
             system_description: Some(identification.as_bytes()),
@@ -252,7 +252,7 @@ impl Device {
             max_frame: Some(MAX_FRAME),
             ..Lldpdu::new(chassis, port)
         };
-        write(&told)
+        write(&lldpdu)
     }
 
     /// Writes the LLDP frame that is due: first one that takes back what is no longer so, then one with what is.
@@ -261,27 +261,27 @@ impl Device {
             return None;
         }
         let mut ids = Text::<{ 2 * MAX_NAME + 8 }>::new();
-        self.with_lldpdu(|told| {
+        self.with_lldpdu(|lldpdu| {
             let mut out = SliceWriter::new(&mut ids.octets);
-            told.encode_ids(&mut out);
+            lldpdu.encode_ids(&mut out);
             ids.length = out.position();
         });
         let mut out = SliceWriter::new(buffer);
         out.bytes(&GROUP.0);
         out.bytes(&self.config.mac.0);
         out.u16(ETHERTYPE);
-        if self.port.told.is_empty() || self.port.told == ids.as_bytes() {
-            self.with_lldpdu(|told| told.encode(&mut out));
+        if self.port.lldpdu.is_empty() || self.port.lldpdu == ids.as_bytes() {
+            self.with_lldpdu(|lldpdu| lldpdu.encode(&mut out));
         } else {
             // no time to live, then the end
-            out.bytes(&self.port.told);
+            out.bytes(&self.port.lldpdu);
             out.bytes(&[0x06, 2, 0, 0, 0, 0]);
             self.port.due = true;
         }
         let length = out.finish().ok()?;
-        self.port.told.clear();
+        self.port.lldpdu.clear();
         if !self.port.due {
-            self.port.told.extend_from_slice(ids.as_bytes());
+            self.port.lldpdu.extend_from_slice(ids.as_bytes());
         }
         self.port.neighbours.note_sent();
         Some(crate::wire::ethernet::pad(buffer, length))

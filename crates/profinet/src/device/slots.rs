@@ -144,12 +144,12 @@ impl Slots {
     }
 
     /// Plugs what a controller expects where the catalogue allows it, and says what differs then; of the slots
-    /// `always_told` also what does not.
+    /// `always_listed` also what does not.
     pub(super) fn adapt(
         &mut self,
         catalogue: &[ModuleDescription],
         expected: &[ExpectedModule],
-        always_told: &[u16],
+        always_listed: &[u16],
     ) -> ModuleDiff {
         for module in expected {
             self.plug_expected(catalogue, expected, module.slot, module.ident);
@@ -161,12 +161,12 @@ impl Slots {
                 None => (ModuleState::NO_MODULE, Vec::new()),
                 Some(real) if real.ident != module.ident => (ModuleState::WRONG, Vec::new()),
                 Some(real) => {
-                    let told = always_told.contains(&module.slot);
+                    let listed = always_listed.contains(&module.slot);
                     let different: Vec<_> = module
                         .submodules
                         .iter()
                         .filter_map(|s| {
-                            compare(real, module.api, s).or(told.then_some(DiffSubmodule {
+                            compare(real, module.api, s).or(listed.then_some(DiffSubmodule {
                                 subslot: s.subslot,
                                 ident: s.ident,
                                 state: SubmoduleState::SUBSTITUTE,

@@ -74,7 +74,7 @@ fn the_whole_way_at_every_interval_and_in_both_start_ups() {
             let cycles = Duration::from_millis(10 << power);
             p.run(cycles);
             assert_eq!(p.a.input(ar, 1, 1), Some((&[1, 2, 3, 4][..], Iops::GOOD)));
-            assert_eq!(p.a.output_taken(ar, 1, 1), Some(Iops::GOOD));
+            assert_eq!(p.a.output_consumed(ar, 1, 1), Some(Iops::GOOD));
             let (own, other) = (p.a.statistics(ar).unwrap(), p.b.device.statistics().unwrap());
             assert_eq!((own.missed, other.missed), (0, 0));
             assert!(own.received >= 10 && other.received >= 10);
@@ -91,7 +91,7 @@ fn the_whole_way_at_every_interval_and_in_both_start_ups() {
 }
 
 #[test]
-fn a_record_written_at_once_after_the_start_up_is_taken() {
+fn a_record_written_right_after_start_up_is_accepted() {
     let mut p = pair();
     let ar = p.a.connect(p.now, target(), config(512)).unwrap();
     assert_eq!(event(&mut p, SECOND), Some(Event::Connected { ar, diff: None }));
@@ -284,7 +284,7 @@ fn a_broken_link_ends_it_on_both_sides_and_both_recover() {
 }
 
 #[test]
-fn a_controller_that_starts_anew_is_taken_at_once() {
+fn a_restarted_controller_is_accepted_at_once() {
     let mut p = pair();
     connected(&mut p, config(512));
     // the program is killed and started again: nothing was released

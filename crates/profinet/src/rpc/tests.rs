@@ -480,7 +480,7 @@ fn a_long_request_may_take_long_as_long_as_it_goes_on() {
 }
 
 #[test]
-fn an_answer_that_was_not_acknowledged_is_kept_for_a_client_that_asks() {
+fn an_unacknowledged_answer_is_kept_for_repeated_requests() {
     let (mut server, mut now) = (server(), Instant::ZERO);
     let call = server.handle(now, CLIENT, &pdu(&header(1, 0), b"")).unwrap();
     server.respond(now, call.key, vec![1; 3000]);

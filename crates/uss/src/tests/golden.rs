@@ -68,7 +68,7 @@ fn telegrams_of_the_fc_protocol() {
 }
 
 #[test]
-fn no_flipped_bit_and_no_cut_telegram_is_taken() {
+fn flipped_bits_and_truncated_telegrams_are_rejected() {
     for (.., octets) in EXAMPLES {
         let octets = hex(octets);
         for bit in 0..8 * octets.len() {
@@ -131,7 +131,7 @@ proptest! {
     }
 
     #[test]
-    fn any_octets_are_taken_or_refused(octets in prop::collection::vec(any::<u8>(), 0..300)) {
+    fn any_octets_are_accepted_or_rejected(octets in prop::collection::vec(any::<u8>(), 0..300)) {
         if let Ok(telegram) = Telegram::decode(&octets) {
             prop_assert_eq!(super::telegram(telegram.address, telegram.data), octets);
         }

@@ -179,12 +179,8 @@ impl Line {
                     data == [0, 1, 2, 3] || matches!(data[..], [_, 0x55, 0xAA, _])
                 };
                 if reply != expected {
-                    let another = (0..self.slaves.len()).any(genuine);
-                    *(if another {
-                        &mut self.wrong
-                    } else {
-                        &mut self.spoiled
-                    }) += 1;
+                    let other = (0..self.slaves.len()).any(genuine);
+                    *(if other { &mut self.wrong } else { &mut self.spoiled }) += 1;
                 }
                 // other data each time, so that a reply to those before is seen
                 self.serial = self.serial.wrapping_add(1);
@@ -241,7 +237,7 @@ fn rounds_keep_their_distance() {
 }
 
 #[test]
-fn a_dead_slave_is_told_once_and_costs_the_others_little() {
+fn a_dead_slave_is_reported_once_and_delays_the_others_little() {
     let mut line = Line::new(&[1, 2, 3], 2, CLEAN);
     line.run(Duration::from_secs(2), |slave| slave != 1);
     assert_eq!(line.losses, [0, 1, 0]);
@@ -258,7 +254,7 @@ fn a_dead_slave_is_told_once_and_costs_the_others_little() {
 }
 
 #[test]
-fn a_broadcast_reaches_all_and_nobody_answers() {
+fn a_broadcast_reaches_all_and_none_answers() {
     for address in [Address::FC_BROADCAST, Address::BROADCAST] {
         let mut line = Line::new(&[1, 2, 3], 3, CLEAN);
         line.run(Duration::from_millis(100), |_| true);

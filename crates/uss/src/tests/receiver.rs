@@ -58,7 +58,7 @@ fn silence_ends_whatever_was_wrong() {
 
 /// What looks like a telegram inside of a damaged one is none: nobody sent it.
 #[test]
-fn the_inside_of_a_damaged_telegram_is_not_taken() {
+fn a_telegram_inside_a_damaged_one_is_ignored() {
     let inner = process(3);
     let outer = telegram(
         Address(0x81),

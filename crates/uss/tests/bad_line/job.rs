@@ -71,14 +71,14 @@ impl Asked {
                 tally.answered += 1;
                 let name = u32::from(self.pnu) + u32::from(self.element.unwrap_or(0));
                 let own = value & 0xFF00_0000 == Named::name(self.number, name);
-                let told = Duration::from_millis((value & 0x00FF_FFFF).into());
+                let stamp = Duration::from_millis((value & 0x00FF_FFFF).into());
                 match self.pnu {
                     1..=3 => {
                         own && drive.had(self.pnu, &value.to_be_bytes(), self.begun)
                             && self.written.is_none_or(|(written, _)| written == value)
                     }
                     _ => {
-                        tally.old += u32::from(own && told + Duration::from_millis(1) < self.begun);
+                        tally.old += u32::from(own && stamp + Duration::from_millis(1) < self.begun);
                         own && matches!(self.pnu, 4 | 5)
                     }
                 }

@@ -376,7 +376,7 @@ fn commands_of_a_servo_give_no_current() {
 }
 
 #[test]
-fn a_plate_tells_the_poles_and_another_motor_may_come_while_it_turns() {
+fn a_nameplate_gives_the_poles_and_may_change_while_running() {
     let plate = Induction::from_plate(1500.0, 400.0, 50.0, 3.4, 1420.0);
     assert_eq!(plate.pole_pairs, 2);
     near(plate.synchronous_speed(), 1500.0, 1e-9);

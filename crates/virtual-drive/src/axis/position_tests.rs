@@ -208,7 +208,7 @@ fn set_position_moves_nothing() {
 }
 
 #[test]
-fn forced_switches_read_what_they_are_told() {
+fn forced_switches_read_the_forced_state() {
     let mut axis = Axis::new(Plant::default());
     axis.set_limit_switch(true, Some(true));
     axis.set_home_switch(Some(true));

@@ -220,8 +220,8 @@ impl Profile {
                 let begin = start.speed * start.speed;
                 let last = end(highest) * end(highest);
                 let peak = (2.0 * up * down * way + down * begin + up * last) / (up + down);
-                let alone = begin + 2.0 * up * way;
-                if peak < last { alone.min(last) } else { peak }
+                let single = begin + 2.0 * up * way;
+                if peak < last { single.min(last) } else { peak }
                     .sqrt()
                     .min(highest)
             };

@@ -73,7 +73,7 @@ fn commands() -> impl Strategy<Value = Command> {
 proptest! {
     /// What is said about the stop beforehand comes true.
     #[test]
-    fn it_stops_where_it_says(
+    fn it_stops_at_the_planned_position(
         speed in -2900.0..2900.0_f64,
         acceleration in 100.0..30_000.0_f64,
         deceleration in 100.0..30_000.0_f64,

@@ -32,7 +32,7 @@ impl Bench {
     }
 
     /// Lets a time in ms pass without a controller.
-    pub fn alone(&mut self, milliseconds: usize) {
+    pub fn without_controller(&mut self, milliseconds: usize) {
         for _ in 0..milliseconds / 4 {
             self.now += CYCLE;
             self.drive.tick(self.now, None, &mut []);

@@ -82,7 +82,7 @@ fn counters_and_log_survive_and_what_was_not_saved_does_not() {
 }
 
 #[test]
-fn a_save_on_request_keeps_the_counters_and_is_told_as_one() {
+fn a_requested_save_includes_the_counters_in_one_event() {
     let mut bench = Bench::new(&VLT, 1);
     bench.send(0x047E, 0, 400);
     assert_eq!(texts(&mut bench.drive), [], "not in the first second");

@@ -62,7 +62,7 @@ fn the_strongest_of_several_reactions_counts() {
 }
 
 #[test]
-fn ten_faults_of_one_situation_are_known_and_eight_are_in_the_buffer() {
+fn ten_simultaneous_faults_are_present_and_eight_buffered() {
     let mut bench = Bench::new();
     bench.send(0x047E, 0, 2);
     for number in 401..=412 {
@@ -343,7 +343,7 @@ fn undervoltage_by_mode() {
 }
 
 #[test]
-fn a_drive_alone_is_looked_after_when_something_happens_to_it() {
+fn a_drive_without_a_controller_handles_injected_events() {
     let mut drive = Drive::new(&crate::model::AKD);
     assert_eq!(drive.next_tick(), None);
     drive.inject(Injection::Mains(false));

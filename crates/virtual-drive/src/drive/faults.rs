@@ -88,7 +88,7 @@ pub(super) enum Keeper {
     /// Motion: tasks, homing, software limits.
     Motion = 2,
     /// Put there from outside.
-    Outside = 4,
+    ExternalInputs = 4,
     /// A fault that its FAULTn.ACTION made a warning.
     Action = 8,
 }
@@ -397,7 +397,7 @@ impl Drive {
         if !self.faults.any() || !self.a_cause_lasts() {
             self.clear_requested = true;
             let status = self.decide();
-            self.process.status = self.told(status);
+            self.process.status = self.in_profile_bits(status);
             return;
         }
         let mut back = Numbers::<MOST_ACTIVE>::NONE;
@@ -482,7 +482,7 @@ impl Drive {
     }
 
     /// A number is wrong from outside: as if the drive had found it.
-    pub(super) fn raise_from_outside(&mut self, number: u16, lasting: bool) {
+    pub(super) fn raise_external(&mut self, number: u16, lasting: bool) {
         if lasting {
             self.faults.lasting.push(number);
         }
@@ -490,14 +490,14 @@ impl Drive {
     }
 
     /// A warning from outside is there, or is gone.
-    pub(super) fn warn_from_outside(&mut self, number: u16, active: bool) {
-        self.keep(number, Keeper::Outside, active);
+    pub(super) fn warn_external(&mut self, number: u16, active: bool) {
+        self.keep(number, Keeper::ExternalInputs, active);
     }
 
     /// The cause of a lasting fault from outside is gone, and a warning from outside with the same number too.
     pub(super) fn end_cause(&mut self, number: u16) {
         self.faults.lasting.remove(number);
-        self.keep(number, Keeper::Outside, false);
+        self.keep(number, Keeper::ExternalInputs, false);
         self.keep(number, Keeper::Action, false);
     }
 

@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_tell_what_can_stand_there() {
+    fn mistakes_list_the_accepted_values() {
         for (text, words) in [
             ("fault", "write KEY=VALUE"),
             ("", "keys: fault, warning"),

@@ -193,7 +193,7 @@ impl Inverter {
                 flying_start: roles.flying_start != 0 && read.raw(roles.flying_start) != 0,
                 ..InverterTuning::default()
             },
-            own_words: model.known.words.makers(choice),
+            own_words: model.known.words.vendor_profile(choice),
             not_by_bus: site != 0 && read.raw(site) == kept_off,
             thermal_warning: protection == Some(warning),
             thermal_trip: protection == Some(trip),

@@ -57,7 +57,7 @@ impl Drive {
         }
         fresh.rotary = self.rotary;
         fresh.last = self.last;
-        fresh.outside = self.outside;
+        fresh.external = self.external;
         fresh.terminals = self.terminals;
         std::mem::swap(&mut fresh.axis, &mut self.axis);
         fresh.take_lengths(&self.free);
@@ -71,7 +71,7 @@ impl Drive {
         }
         self.apply();
         for number in lasting {
-            self.raise_from_outside(number, true);
+            self.raise_external(number, true);
         }
         self.restless = RESTLESS;
     }

@@ -55,7 +55,7 @@ fn only_what_is_marked_and_saved_survives() {
 }
 
 #[test]
-fn load_and_reset_leave_the_saved_alone() {
+fn load_and_reset_do_not_change_saved_values() {
     let mut bench = Bench::new();
     bench.write("DRV.ACC", 5_000_000).unwrap();
     bench.write("DRV.NVSAVE", 1).unwrap();

@@ -1,16 +1,16 @@
 //! One drive: control word in, status word out, an axis that turns, parameters that answer. Knows no PROFINET.
 
 mod address;
-mod another;
+mod alias;
+mod control_timeout;
 mod counters;
-mod deserted;
+mod external;
 mod faults;
 mod history;
 mod injection;
 mod inverter;
 mod memory;
 mod motion;
-mod outside;
 mod panel;
 mod parameters;
 mod position;
@@ -42,11 +42,11 @@ pub use settings::Mode;
 use crate::axis::{Axis, Plant};
 use crate::model::{Live, Model};
 use crate::store::Values;
+use control_timeout::ControllerLoss;
 use counters::Meter;
-use deserted::Alone;
+use external::ExternalInputs;
 use faults::{Faults, Keeper};
 use history::History;
-use outside::Outside;
 use parameters::Half;
 use position::Positioning;
 use saving::Saving;
@@ -57,7 +57,7 @@ use telegrams::FreeTelegram;
 use terminals::Terminals;
 
 /// How often a drive that moves without a connection has to be looked after.
-const ALONE: Duration = Duration::from_millis(4);
+const OWNERLESS_PERIOD: Duration = Duration::from_millis(4);
 
 /// For how many ticks a drive at rest is looked after when something happened to it: two seconds, until its bus has
 /// settled.
@@ -218,9 +218,9 @@ pub struct Drive {
     /// Reaction to the faults that came since the last step of the machine.
     reaction: Option<FaultReaction>,
     /// Without its controller, and not yet stopped by that.
-    alone: Option<Alone>,
+    controller_loss: Option<ControllerLoss>,
     faults: Faults,
-    outside: Outside,
+    external: ExternalInputs,
     /// Position of the rotary switches, where they give the address as delivered.
     rotary: Option<u8>,
     terminals: Terminals,
@@ -270,9 +270,9 @@ impl Drive {
             history: History::new(model),
             channel: SetpointChannel::default(),
             reaction: None,
-            alone: None,
+            controller_loss: None,
             faults: Faults::new(model.fault_buffer, model.known.dialect.fault_counter),
-            outside: Outside::default(),
+            external: ExternalInputs::default(),
             rotary: None,
             terminals: Terminals::default(),
             axis: Axis::new(model.plant),
@@ -293,7 +293,7 @@ impl Drive {
             events: VecDeque::with_capacity(MOST_EVENTS),
         };
         drive.fit_motor();
-        drive.process.status = drive.told(drive.process.status);
+        drive.process.status = drive.in_profile_bits(drive.process.status);
         drive
     }
 
@@ -325,7 +325,7 @@ impl Drive {
         if !self.choose_telegram(telegram) {
             return Err(UnknownTelegram(telegram));
         }
-        if self.alone.is_some_and(Alone::holds) {
+        if self.controller_loss.is_some_and(ControllerLoss::holds) {
             // The last control word counts until this controller takes control, and so does the setpoint beside it.
             (self.process.speed, self.process.current) = in_force;
         }
@@ -385,7 +385,7 @@ impl Drive {
         }
         status = self.look_after(status);
         self.position_settle();
-        self.process.status = self.told(status);
+        self.process.status = self.in_profile_bits(status);
         self.meter.count(passed, self.is_enabled(), &self.axis);
         self.watch_history();
         self.give_inputs(inputs);
@@ -395,14 +395,14 @@ impl Drive {
     /// the input frames ticks it.
     #[must_use]
     pub fn next_tick(&self) -> Option<Instant> {
-        let waits = matches!(self.alone, Some(Alone::Waits(_)));
+        let waits = matches!(self.controller_loss, Some(ControllerLoss::Waits(_)));
         let pending =
             waits || self.reaction.is_some() || self.disable_requested || self.service == Service::Starting;
         let idle = !self.is_enabled() && self.axis.is_at_rest() && !pending && self.restless == 0;
         if idle || self.link.is_cyclic() {
             None
         } else {
-            Some(self.last + ALONE)
+            Some(self.last + OWNERLESS_PERIOD)
         }
     }
 
@@ -508,8 +508,6 @@ mod counter_tests;
 #[cfg(test)]
 mod fault_tests;
 #[cfg(test)]
-mod makers_tests;
-#[cfg(test)]
 mod memory_tests;
 #[cfg(test)]
 mod objection_tests;
@@ -529,5 +527,7 @@ mod tests;
 mod vacon_tests;
 #[cfg(test)]
 mod velocity_tests;
+#[cfg(test)]
+mod vendors_tests;
 #[cfg(test)]
 mod vlt_tests;

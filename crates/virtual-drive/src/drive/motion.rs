@@ -22,7 +22,7 @@ impl Drive {
             standstill: self.axis.is_standing(self.settings.standstill),
             fault: self.reaction.take(),
             cause_present: self.a_cause_lasts(),
-            coast_stop: self.outside.hardware_disable,
+            coast_stop: self.external.hardware_disable,
             quick_stop: self.is_stopped_by_input(),
             acknowledge: core::mem::take(&mut self.clear_requested),
             ..Inputs::default()
@@ -141,7 +141,7 @@ impl Drive {
             Motion::FollowSetpoint if self.service == Service::Off => {
                 let panel = self.panel_command();
                 let command = panel
-                    .or_else(|| self.deserted_command())
+                    .or_else(|| self.timeout_command())
                     .unwrap_or_else(|| self.velocity_operation());
                 self.kept_off_switches(command)
             }
@@ -159,7 +159,7 @@ impl Drive {
     }
 
     /// The status word for a state, with the bits that depend on the axis, in the words of the telegram in use.
-    pub(super) fn told(&self, status: u16) -> u16 {
+    pub(super) fn in_profile_bits(&self, status: u16) -> u16 {
         let profile = self.profile();
         let status = Zsw1(status | self.application_status());
         if profile == Profile::Profidrive {

@@ -56,7 +56,7 @@ fn both(model: &'static Model, hex: &str) -> [Option<u16>; 2] {
 }
 
 #[test]
-fn what_is_forbidden_is_answered_with_the_number_that_is_said() {
+fn forbidden_writes_answer_with_the_documented_error() {
     let cases: &[(&'static Model, &str, Option<u16>)] = &[
         (&AKD, "01 02 00 01 10 01 03 A2 00 00 42 01 00 02", None),
         // no format, and none that a value has
@@ -196,7 +196,7 @@ proptest! {
 
     /// What is said is answered, and what is answered was said, unless the state of the drive decides it.
     #[test]
-    fn whatever_is_asked_is_answered_as_it_is_said((model, request) in requests()) {
+    fn every_request_answers_as_documented((model, request) in requests()) {
         let (said, answered) = (said(model, &request), answered(model, &request));
         let whole = said.iter().find(|one| one.parameter.is_none());
         if let Some(whole) = whole {

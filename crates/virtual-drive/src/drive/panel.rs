@@ -34,22 +34,22 @@ impl Drive {
     /// The panel takes the drive and stops it, or gives it back.
     pub(super) fn press_local(&mut self, on: bool) {
         if self.key_works(if on { Key::Off } else { Key::Auto }) {
-            self.outside.panel = Panel { has: on, speed: None };
+            self.external.panel = Panel { has: on, speed: None };
         }
     }
 
     /// The panel takes the drive and runs it at a speed; without one it stops it.
     pub(super) fn press_speed(&mut self, speed: Option<f64>) {
         match speed {
-            Some(_) if self.key_works(Key::Hand) => self.outside.panel = Panel { has: true, speed },
-            None if self.outside.panel.has && self.key_works(Key::Off) => self.outside.panel.speed = None,
+            Some(_) if self.key_works(Key::Hand) => self.external.panel = Panel { has: true, speed },
+            None if self.external.panel.has && self.key_works(Key::Off) => self.external.panel.speed = None,
             _ => {}
         }
     }
 
     /// Ends the run that somebody at the drive commanded, who keeps control.
     pub(super) const fn end_local_speed(&mut self) {
-        self.outside.panel.speed = None;
+        self.external.panel.speed = None;
     }
 
     /// Keys can be switched off by parameters.
@@ -69,13 +69,13 @@ impl Drive {
     /// The panel has the drive, or a setting keeps the bus off it.
     pub(super) fn is_local(&self) -> bool {
         let inverter = self.settings.inverter.as_ref();
-        self.outside.panel.has || inverter.is_some_and(|inverter| inverter.not_by_bus)
+        self.external.panel.has || inverter.is_some_and(|inverter| inverter.not_by_bus)
     }
 
     /// Speed at which the panel runs the motor, rpm.
     fn panel_speed(&self) -> Option<f64> {
-        let speed = self.outside.panel.speed;
-        speed.filter(|_| self.outside.panel.has && self.settings.mode == Mode::Speed)
+        let speed = self.external.panel.speed;
+        speed.filter(|_| self.external.panel.has && self.settings.mode == Mode::Speed)
     }
 
     /// The control word of local operation, if anything but the bus has the drive. The service channel knows no OFF; a panel

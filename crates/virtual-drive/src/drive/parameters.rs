@@ -98,7 +98,7 @@ impl ParameterAccess for Drive {
                 Some(Half::Written { pnu: written, high }) if written == pnu => {
                     parameter.whole(high, raw as u32)
                 }
-                _ => parameter.alone(raw as u32),
+                _ => parameter.low_word(raw as u32),
             },
             (Size::Byte, true) => i64::from(raw as i8),
             (Size::Word, true) => i64::from(raw as i16),

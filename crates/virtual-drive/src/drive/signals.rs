@@ -205,8 +205,8 @@ impl Process {
 impl Drive {
     /// There is a control word that counts.
     pub(super) const fn is_running(&self) -> bool {
-        match self.alone {
-            Some(alone) => alone.holds(),
+        match self.controller_loss {
+            Some(controller_loss) => controller_loss.holds(),
             None => matches!(self.link, Link::Cyclic { running: true, .. }),
         }
     }
@@ -234,7 +234,7 @@ impl Drive {
         };
         *running = true;
         *exchanging = true;
-        self.is_not_alone();
+        self.controller_is_back();
         if let Some(control) = self.process.setpoint.get(outputs, signal::STW1) {
             self.process.control = Stw1(control as u16);
             self.process.set_signal(signal::STW1, control);

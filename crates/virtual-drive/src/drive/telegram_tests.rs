@@ -233,25 +233,25 @@ fn drv_acc_and_drv_dec_are_steps_of_acc_scaling() {
                 .collect::<Vec<_>>()
         };
         assert_eq!(ignored(&mut line), []);
-        for outside in highest {
+        for external in highest {
             line.set(108, 50);
             line.set(109, 3);
             line.cycle();
-            line.set(108, *outside);
-            line.set(109, *outside);
+            line.set(108, *external);
+            line.set(109, *external);
             line.cycles(3);
-            let told = [109, 108].map(|pnu| Event::Ignored { pnu, raw: *outside });
-            assert_eq!(ignored(&mut line), told, "each once");
+            let expected = [109, 108].map(|pnu| Event::Ignored { pnu, raw: *external });
+            assert_eq!(ignored(&mut line), expected, "each once");
             assert_eq!(
                 (line.read(2108), line.read(2115)),
                 (50_000 * scaling, 3000 * scaling)
             );
             assert_eq!((line.read(108), line.read(109)), (50, 3));
-            assert_eq!(line.drive.process.signal(108), *outside);
+            assert_eq!(line.drive.process.signal(108), *external);
         }
         line.drive.disconnect(Disconnect::Released);
-        for outside in highest {
-            assert_eq!(line.write(108, *outside), Err(ErrorNumber::LIMIT));
+        for external in highest {
+            assert_eq!(line.write(108, *external), Err(ErrorNumber::LIMIT));
         }
     }
 }
@@ -329,14 +329,14 @@ fn the_bits_of_drive_inputs() {
         Some(0x40),
         "torque is allowed, nothing else"
     );
-    for (happening, end, bit) in [
+    for (event, end, bit) in [
         ("limit-=on", "limit-=auto", 2),
         ("limit+=on", "limit+=auto", 3),
         ("hardware-disable=on", "hardware-disable=off", 4),
         ("controlled-stop=on", "controlled-stop=off", 5),
     ] {
-        drive.inject(happening.parse().unwrap());
-        assert_eq!(drive.parameter(106), Some(0x40 | 1 << bit), "{happening}");
+        drive.inject(event.parse().unwrap());
+        assert_eq!(drive.parameter(106), Some(0x40 | 1 << bit), "{event}");
         drive.inject(end.parse().unwrap());
     }
     // An axis at 0 between limits that are both 0 touches both.

@@ -75,7 +75,7 @@ fn an_external_fault_lasts_as_long_as_its_input_and_mode_one_clears_it() {
 }
 
 #[test]
-fn the_emergency_stop_ramps_down_then_disables_and_is_told() {
+fn the_emergency_stop_ramps_down_disables_and_is_reported() {
     let mut bench = running();
     write(&mut bench, "DIN4.MODE", 13);
     inject(&mut bench.drive, "input=4:on");
@@ -151,7 +151,7 @@ fn a_changed_parameter_is_no_edge_and_a_mode_without_meaning_does_nothing() {
 }
 
 #[test]
-fn the_stop_is_found_by_a_drive_that_nobody_ticks() {
+fn an_unticked_drive_still_finds_the_stop() {
     let mut drive = Drive::new(&AKD);
     drive
         .set_element(AKD.catalogue.position(2061).unwrap(), 0, 10)

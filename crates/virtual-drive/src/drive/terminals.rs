@@ -51,7 +51,7 @@ impl Drive {
 
     /// The controlled stop is commanded from outside.
     pub(super) const fn is_stopped_by_input(&self) -> bool {
-        self.outside.controlled_stop || self.terminals.stops
+        self.external.controlled_stop || self.terminals.stops
     }
 
     /// What inputs do for as long as they are active: after a new level, and after a parameter has changed.
@@ -76,7 +76,7 @@ impl Drive {
                 self.end_cause(gone);
             }
             if let Some(number) = fault {
-                self.raise_from_outside(number, true);
+                self.raise_external(number, true);
             }
         }
     }

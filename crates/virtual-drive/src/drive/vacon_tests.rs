@@ -144,7 +144,7 @@ fn the_fault_history_has_eight_entries() {
 }
 
 #[test]
-fn a_lost_fieldbus_is_what_id_733_says() {
+fn fieldbus_loss_follows_id_733() {
     for (response, trips, goes_on) in [
         (0, false, true),
         (1, false, true),
@@ -162,7 +162,7 @@ fn a_lost_fieldbus_is_what_id_733_says() {
             (trips, !trips)
         );
         assert_eq!(bench.read(37), if trips { 53 } else { 0 });
-        bench.alone(500);
+        bench.without_controller(500);
         let kept = bench.drive.axis().speed() > before * 0.95;
         assert_eq!(
             kept,

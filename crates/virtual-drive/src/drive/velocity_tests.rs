@@ -39,7 +39,7 @@ impl Bench {
 }
 
 #[test]
-fn the_status_word_tells_the_truth_at_every_cycle() {
+fn the_status_word_matches_the_axis_every_cycle() {
     let mut bench = Bench::new();
     let rpm = |raw: i16| f64::from(raw) * 1638.0 * 960_000.0 / 4_294_967_296.0;
     bench.truths(0x047E, 0, 0.0, 5);

@@ -47,7 +47,7 @@ fn start_up_of_the_profidrive_profile() {
 }
 
 #[test]
-fn before_its_first_tick_a_drive_tells_its_own_words() {
+fn before_the_first_tick_words_follow_the_drive_profile() {
     let mut drive = Drive::new(&VLT);
     let before = drive.status_word();
     drive.tick(Instant::from_millis(4), None, &mut []);
@@ -629,10 +629,10 @@ fn a_new_connection_leaves_the_last_word_and_setpoint_in_force() {
         let before = bench.drive.axis().speed();
         assert!(before.abs() > 100.0, "{before}");
         bench.drive.disconnect(Disconnect::Lost);
-        bench.alone(2000);
+        bench.without_controller(2000);
         bench.drive.connect(1, 3 * CYCLE).unwrap();
         // start-up takes its time, then data come that take no control
-        bench.alone(500);
+        bench.without_controller(500);
         bench.send(0, 0, 500);
         let after = bench.drive.axis().speed();
         assert!((after - before).abs() < 2.0, "{control:04X}: {before} -> {after}");

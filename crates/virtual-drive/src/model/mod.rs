@@ -20,7 +20,7 @@ pub use condition::{Cause, Condition, Delay, Limit, When};
 pub use inverter::{CounterRoles, InverterRoles, PanelRoles, PlateRoles, RampTo, SetUpRoles};
 pub use live::{Action, Bit, Live, Place, Quantity, Sensor, Table};
 pub use positioning::{HomeRoles, PositionRoles, TaskRoles, UnitRoles};
-pub use process::{Chosen, ControlTimeout, Deserted, Lost, ProcessFacts, Signals, Wire};
+pub use process::{Chosen, ControlTimeout, Lost, ProcessFacts, Signals, TimeoutAction, Wire};
 pub use terminal::{InputFunction, Terminal};
 pub use vacon::VACON;
 pub use vlt::VLT;

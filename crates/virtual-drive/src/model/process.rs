@@ -66,14 +66,14 @@ pub struct ControlTimeout {
     /// Parameter that says what becomes of the drive then.
     pub function: u16,
     /// Its values; one that is not here leaves the drive as it is.
-    pub actions: &'static [(i64, Deserted)],
-    /// Number of the warning while it does that, and of the fault of [`Deserted::Trips`] and [`Deserted::TripsCoasting`].
+    pub actions: &'static [(i64, TimeoutAction)],
+    /// Number of the warning while it does that, and of the fault of [`TimeoutAction::Trips`] and [`TimeoutAction::TripsCoasting`].
     pub number: u16,
 }
 
 /// What a drive does whose control word is out of date.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Deserted {
+pub enum TimeoutAction {
     /// It goes on with the last one, without a warning.
     GoesOn,
     /// It keeps the speed that it has.
@@ -98,7 +98,7 @@ pub struct Wire {
     /// Longest alarm it takes, octets.
     pub max_alarm_data: u16,
     /// Slots whose modules the ModuleDiffBlock names even when nothing differs.
-    pub always_told: &'static [u16],
+    pub always_listed: &'static [u16],
     /// Byte order of its ApplicationReady call: of the RPC header and of the NDR lengths.
     pub ready_order: ByteOrder,
     /// ArgsMaximum of its ApplicationReady call, octets.
@@ -110,7 +110,7 @@ impl Wire {
     pub const PLAIN: Self = Self {
         output_frame_ids: [0xC000, 0x8000],
         max_alarm_data: 200,
-        always_told: &[],
+        always_listed: &[],
         ready_order: ByteOrder::Big,
         ready_arguments: 1024,
     };

@@ -10,8 +10,8 @@ use profile::telegram::signal;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, ControlTimeout, Deserted, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts,
-    RampTo, Roles, SetUpRoles, Signals, Wire,
+    Chosen, ControlTimeout, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts, RampTo, Roles,
+    SetUpRoles, Signals, TimeoutAction, Wire,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -46,10 +46,10 @@ const FIELDBUS_FAULT: ControlTimeout = ControlTimeout {
     time: 0,
     function: 733,
     actions: &[
-        (0, Deserted::GoesOn),
-        (1, Deserted::GoesOn),
-        (2, Deserted::Trips),
-        (3, Deserted::TripsCoasting),
+        (0, TimeoutAction::GoesOn),
+        (1, TimeoutAction::GoesOn),
+        (2, TimeoutAction::Trips),
+        (3, TimeoutAction::TripsCoasting),
     ],
     number: 53,
 };

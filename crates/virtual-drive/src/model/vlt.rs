@@ -12,8 +12,8 @@ use profinet::wire::ByteOrder;
 use super::condition::{Cause, Condition, Limit, When};
 use super::live::{Action, Live, Quantity, Sensor, Table};
 use super::{
-    Chosen, ControlTimeout, CounterRoles, Deserted, InverterRoles, Lost, Model, PanelRoles, PlateRoles,
-    ProcessFacts, RampTo, Roles, SetUpRoles, Signals, Wire,
+    Chosen, ControlTimeout, CounterRoles, InverterRoles, Lost, Model, PanelRoles, PlateRoles, ProcessFacts,
+    RampTo, Roles, SetUpRoles, Signals, TimeoutAction, Wire,
 };
 use crate::axis::{Induction, Motor, Plant};
 
@@ -36,7 +36,7 @@ pub static VLT: Model = Model {
     wire: Wire {
         output_frame_ids: [0xC000, 0x8010],
         max_alarm_data: 1432,
-        always_told: &[1],
+        always_listed: &[1],
         ready_order: ByteOrder::Little,
         ready_arguments: 120,
     },
@@ -76,12 +76,12 @@ const CONTROL_TIMEOUT: ControlTimeout = ControlTimeout {
     time: 803,
     function: 804,
     actions: &[
-        (0, Deserted::GoesOn),
-        (1, Deserted::Freezes),
-        (2, Deserted::Stops),
-        (3, Deserted::Jogs),
-        (4, Deserted::RunsAtMaximum),
-        (5, Deserted::Trips),
+        (0, TimeoutAction::GoesOn),
+        (1, TimeoutAction::Freezes),
+        (2, TimeoutAction::Stops),
+        (3, TimeoutAction::Jogs),
+        (4, TimeoutAction::RunsAtMaximum),
+        (5, TimeoutAction::Trips),
     ],
     number: 17,
 };

@@ -300,8 +300,8 @@ fn a_telegram_chosen_at_the_line_does_not_change_its_words() {
     };
     for number in [101, 1, 108] {
         bench.job(drive, &mut client, write(number)).unwrap();
-        let told = bench.job(drive, &mut client, read).unwrap();
-        assert_eq!(told, Answer::Value(PkwValue::Word(number)));
+        let answer = bench.job(drive, &mut client, read).unwrap();
+        assert_eq!(answer, Answer::Value(PkwValue::Word(number)));
         bench.words(drive, 0x043C, 0);
         bench.run(SECOND);
         bench.words(drive, 0x047C, 0x2000);
@@ -329,8 +329,8 @@ fn a_telegram_chosen_at_the_line_does_not_change_its_words() {
         ..config
     })];
     let mut client = Client::new(PkwDialect::DANFOSS_FC, ClientTiming::SERIAL);
-    let told = bench.job(drive, &mut client, read).unwrap();
-    assert_eq!(told, Answer::Value(PkwValue::Word(108)));
+    let answer = bench.job(drive, &mut client, read).unwrap();
+    assert_eq!(answer, Answer::Value(PkwValue::Word(108)));
     bench.words(drive, 0x047C, 0x2000);
     bench.run(SECOND * 4);
     assert_eq!(bench.drives[0].drive().state(), State::S4);
@@ -338,7 +338,7 @@ fn a_telegram_chosen_at_the_line_does_not_change_its_words() {
 
 /// Whose channel it is does not depend on the protocol that carries it.
 #[test]
-fn the_parameter_channel_is_the_makers() {
+fn the_parameter_channel_is_vendor_specific() {
     let station = |model, slave| SerialStation::new(SerialConfig::new(model, slave));
     for (model, slave, name) in [
         (&model::VLT, SlaveConfig::fc(1, 9600), "Danfoss FC protocol"),

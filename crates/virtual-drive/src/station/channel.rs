@@ -107,7 +107,7 @@ impl fmt::Display for AnswerFault {
 /// The answer to the request of a connection, until it is read.
 #[derive(Debug)]
 struct Waiting<K> {
-    relation: K,
+    ar: K,
     /// It can be read from then on; `None` for never.
     ready: Option<Instant>,
     answer: Vec<u8>,
@@ -157,11 +157,11 @@ impl<K: Copy + PartialEq> Channels<K> {
     pub fn write(
         &mut self,
         now: Instant,
-        relation: K,
+        ar: K,
         request: &[u8],
         drive: &mut Drive,
     ) -> Result<(), PnioStatus> {
-        let busy = |waiting: &Waiting<K>| waiting.relation == relation && !waiting.is_ready(now);
+        let busy = |waiting: &Waiting<K>| waiting.ar == ar && !waiting.is_ready(now);
         if self.waiting.iter().any(busy) {
             return Err(PnioStatus::write(code1::STATE_CONFLICT));
         }
@@ -189,9 +189,9 @@ impl<K: Copy + PartialEq> Channels<K> {
             (change.save, self.sent(refused.get(..length).unwrap_or_default()))
         });
         let answer = self.sent(answer);
-        self.forget(relation);
+        self.forget(ar);
         self.waiting.push(Waiting {
-            relation,
+            ar,
             ready,
             answer,
             save,
@@ -225,11 +225,11 @@ impl<K: Copy + PartialEq> Channels<K> {
     }
 
     /// Gives the answer to the relation's request, once. "Not ready" (0xB5) while there is none.
-    pub fn read(&mut self, now: Instant, relation: Option<K>, most: usize) -> Result<Vec<u8>, PnioStatus> {
+    pub fn read(&mut self, now: Instant, ar: Option<K>, most: usize) -> Result<Vec<u8>, PnioStatus> {
         let place = self
             .waiting
             .iter()
-            .position(|waiting| Some(waiting.relation) == relation && waiting.is_ready(now));
+            .position(|waiting| Some(waiting.ar) == ar && waiting.is_ready(now));
         let place = place.ok_or(PnioStatus::read(code1::STATE_CONFLICT))?;
         let Waiting { answer, .. } = self.waiting.swap_remove(place);
         if answer.len() > most {
@@ -240,8 +240,8 @@ impl<K: Copy + PartialEq> Channels<K> {
     }
 
     /// The relation has ended.
-    pub fn forget(&mut self, relation: K) {
-        self.waiting.retain(|waiting| waiting.relation != relation);
+    pub fn forget(&mut self, ar: K) {
+        self.waiting.retain(|waiting| waiting.ar != ar);
     }
 }
 
@@ -290,7 +290,7 @@ mod tests {
     const NOT_READY: PnioStatus = PnioStatus::read(code1::STATE_CONFLICT);
 
     #[test]
-    fn an_answer_is_read_once_and_by_its_own_relation() {
+    fn an_answer_is_read_once_and_by_its_own_ar() {
         let mut drive = Drive::new(&AKD);
         let mut channels = Channels::default();
         assert_eq!(channels.read(NOW, Some(1), 240), Err(NOT_READY));
@@ -410,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sick_parameter_manager_answers_as_told() {
+    fn an_impaired_parameter_manager_answers_as_injected() {
         let answer = |fault: &str, wait: u64| {
             let mut drive = Drive::new(&AKD);
             let mut channels = Channels::default();

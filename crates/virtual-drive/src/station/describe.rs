@@ -24,7 +24,7 @@ pub(crate) fn device_config(config: &StationConfig) -> DeviceConfig {
         reset_modes: description.reset_modes.clone(),
         output_frame_ids: config.model.wire.output_frame_ids,
         max_alarm_data: config.model.wire.max_alarm_data,
-        always_told: config.model.wire.always_told.to_vec(),
+        always_listed: config.model.wire.always_listed.to_vec(),
         ready_order: config.model.wire.ready_order,
         ready_arguments: config.model.wire.ready_arguments,
         ..usual

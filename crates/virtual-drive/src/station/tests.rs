@@ -30,7 +30,7 @@ pub(super) struct Plant {
     pub(super) station: Station,
     pub(super) controller: Controller,
     pub(super) events: Vec<Event>,
-    happenings: Vec<StationEvent>,
+    station_events: Vec<StationEvent>,
     /// The cable is plugged.
     cable: bool,
 }
@@ -56,7 +56,7 @@ impl Plant {
             station: Station::new(config),
             controller: Controller::new(ControllerConfig::new(PLC, suite(2), "plc", 7)),
             events: Vec::new(),
-            happenings: Vec::new(),
+            station_events: Vec::new(),
             cable: true,
         }
     }
@@ -85,7 +85,7 @@ impl Plant {
         }
         self.events
             .extend(core::iter::from_fn(|| self.controller.poll_event()));
-        self.happenings
+        self.station_events
             .extend(core::iter::from_fn(|| self.station.poll_event()));
     }
 
@@ -95,7 +95,7 @@ impl Plant {
             StationEvent::PersistParameters { save, .. } => Some(*save),
             _ => None,
         };
-        self.happenings.iter().filter_map(save).collect()
+        self.station_events.iter().filter_map(save).collect()
     }
 
     /// Numbers of the saves of name and address.
@@ -104,7 +104,7 @@ impl Plant {
             StationEvent::PersistNetwork { save, .. } => Some(*save),
             _ => None,
         };
-        self.happenings.iter().filter_map(save).collect()
+        self.station_events.iter().filter_map(save).collect()
     }
 
     /// Lets time pass.
@@ -240,7 +240,7 @@ fn sixty_rpm_over_profinet() {
     let ar = plant.connect(1);
     assert!(
         plant
-            .happenings
+            .station_events
             .contains(&StationEvent::Exchanging { telegram: 1 })
     );
     assert_eq!(plant.send(ar, 0x047E, 0, 0.2).0 & 0x0077, 0x0031);
@@ -280,7 +280,7 @@ fn parameters_by_all_three_records() {
     ); // DRV.NVSAVE
     assert!(
         plant
-            .happenings
+            .station_events
             .iter()
             .any(|event| matches!(event, StationEvent::PersistParameters { .. }))
     );
@@ -300,7 +300,11 @@ fn a_pulled_cable_ends_in_fault_702_and_both_recover() {
             .iter()
             .any(|event| matches!(event, Event::Lost { .. }))
     );
-    assert!(plant.happenings.contains(&StationEvent::Fault { number: 702 }));
+    assert!(
+        plant
+            .station_events
+            .contains(&StationEvent::Fault { number: 702 })
+    );
     assert_eq!(plant.station.drive().state(), State::S1);
     assert!(plant.station.drive().axis().is_at_rest());
     let next = plant.station.poll_timeout();
@@ -337,7 +341,7 @@ fn another_telegram_is_plugged_by_the_controller() {
     plant.connect(350);
     assert!(
         plant
-            .happenings
+            .station_events
             .contains(&StationEvent::Exchanging { telegram: 350 })
     );
 }
@@ -355,7 +359,7 @@ fn named_and_addressed_and_both_are_kept() {
         .dcp_set_ip(plant.now, DRIVE, suite(9), true)
         .unwrap();
     plant.seconds(2.0);
-    let kept = plant.happenings.iter().rev().find_map(|event| match event {
+    let kept = plant.station_events.iter().rev().find_map(|event| match event {
         StationEvent::PersistNetwork { network, .. } => Some(network.clone()),
         _ => None,
     });
@@ -364,11 +368,11 @@ fn named_and_addressed_and_both_are_kept() {
     assert_eq!(plant.station.name(), "akd-7");
     plant.controller.dcp_signal(plant.now, DRIVE).unwrap();
     plant.seconds(2.0);
-    assert!(plant.happenings.contains(&StationEvent::Blink));
+    assert!(plant.station_events.contains(&StationEvent::Blink));
 }
 
 #[test]
-fn saved_parameters_come_back_and_damaged_ones_are_told() {
+fn saved_parameters_are_restored_and_damage_is_reported() {
     let mut drive = Drive::new(&AKD);
     drive.reset_to_delivery();
     let Some(crate::drive::Event::Save { text, .. }) = drive.poll_event() else {
@@ -427,12 +431,12 @@ fn a_drive_that_shall_not_use_the_address_of_dcp_starts_without_one() {
         },
     );
     station.settle(Instant::from_millis(1));
-    let happenings: Vec<StationEvent> = core::iter::from_fn(|| station.poll_event()).collect();
-    let text = happenings.iter().find_map(|event| match event {
+    let station_events: Vec<StationEvent> = core::iter::from_fn(|| station.poll_event()).collect();
+    let text = station_events.iter().find_map(|event| match event {
         StationEvent::PersistParameters { text, .. } => Some(text.clone()),
         _ => None,
     });
-    assert!(happenings.iter().any(
+    assert!(station_events.iter().any(
         |event| matches!(event, StationEvent::PersistNetwork { network, .. } if network.ip == suite(7))
     ));
     assert_eq!(Station::new(config(text.unwrap())).ip(), suite(1));
@@ -446,13 +450,13 @@ fn only_a_connection_that_exchanged_data_can_be_lost() {
         plant.begin(1);
         plant.run(Duration::from_micros(500) * cut);
         let known = plant
-            .happenings
+            .station_events
             .iter()
             .any(|event| matches!(event, StationEvent::Connected { .. }));
         plant.cable = false;
         plant.seconds(2.0);
         let exchanged = plant
-            .happenings
+            .station_events
             .iter()
             .any(|event| matches!(event, StationEvent::Exchanging { .. }));
         assert_eq!(
@@ -467,7 +471,7 @@ fn only_a_connection_that_exchanged_data_can_be_lost() {
 }
 
 #[test]
-fn resets_clear_what_their_mode_says() {
+fn resets_clear_by_mode() {
     for (mode, keeps_name, keeps_parameters) in [
         (ResetMode::ApplicationData, true, false),
         (ResetMode::Communication, false, true),
@@ -489,12 +493,12 @@ fn resets_clear_what_their_mode_says() {
             .station
             .device_event(now, DeviceEvent::FactoryReset { mode });
         plant.station.settle(now);
-        let happenings: Vec<StationEvent> = core::iter::from_fn(|| plant.station.poll_event()).collect();
-        let network = happenings.iter().rev().find_map(|event| match event {
+        let station_events: Vec<StationEvent> = core::iter::from_fn(|| plant.station.poll_event()).collect();
+        let network = station_events.iter().rev().find_map(|event| match event {
             StationEvent::PersistNetwork { network, .. } => Some(network.clone()),
             _ => None,
         });
-        let parameters = happenings.iter().rev().find_map(|event| match event {
+        let parameters = station_events.iter().rev().find_map(|event| match event {
             StationEvent::PersistParameters { text, .. } => Some(text.clone()),
             _ => None,
         });

@@ -368,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_told() {
+    fn damage_is_reported() {
         let text = Values::new(&AKD).image(&Scaling::default()).encode();
         assert!(matches!(Image::decode(b"\xFF"), Err(ImageError::NotText)));
         assert!(matches!(Image::decode(b""), Err(ImageError::Version { .. })));

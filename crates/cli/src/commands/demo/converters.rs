@@ -117,7 +117,7 @@ fn settings(
             .wait()?;
         let new = outcomes.first().and_then(|outcome| outcome.new.as_ref());
         if let Some(Ok(reading)) = new {
-            show.tell(&format!(
+            show.detail(&format!(
                 "{} {} = {}",
                 reading.shown(),
                 reading.name.unwrap_or_default(),
@@ -202,7 +202,7 @@ impl<'s> Line<'s> {
         if let Err(error) = connected.and_then(|()| line.pass(5 * CYCLE)) {
             return Err(line.end(Err(error)).err().unwrap_or(Error::Interrupted));
         }
-        show.tell(&format!(
+        show.detail(&format!(
             "connected with telegram {}, {} octets each way, words of {}",
             act.telegram,
             telegram.setpoint.octets,
@@ -395,7 +395,7 @@ impl<'s> Line<'s> {
         super::inject(&self.world, station, act.fault);
         let limit = Duration::from_secs(2);
         self.until("alarm", limit, |line, _| line.zsw1().has(Zsw1::FAULT))?;
-        let told = self
+        let word = self
             .input()
             .and_then(|data| self.half().word(data))
             .unwrap_or_default();
@@ -407,7 +407,7 @@ impl<'s> Line<'s> {
         let text = format!(
             "{} {}: alarm {} {meaning}",
             self.half().word_name(),
-            hex16(told),
+            hex16(word),
             act.fault
         );
         self.output(OFF, 0);

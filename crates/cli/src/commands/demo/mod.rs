@@ -436,7 +436,7 @@ fn fault(
     let (session, drive) = axis.session();
     let faults = session.faults(drive).wait()?;
     let present = faults.iter().find(|fault| fault.situation == 0);
-    let told = present.map(|fault| format!("F{} {}", fault.number, fault.meaning.unwrap_or_default()));
+    let fault_text = present.map(|fault| format!("F{} {}", fault.number, fault.meaning.unwrap_or_default()));
     let right = present.is_some_and(|fault| fault.number == FAULT);
     axis.acknowledge().wait()?;
     let zsw1 = axis
@@ -449,7 +449,11 @@ fn fault(
         .wait()?
         .iter()
         .any(|fault| fault.situation == 1 && fault.number == FAULT);
-    let text = format!("{}; acknowledged, ZSW1 {}", told.unwrap_or_default(), hex16(zsw1));
+    let text = format!(
+        "{}; acknowledged, ZSW1 {}",
+        fault_text.unwrap_or_default(),
+        hex16(zsw1)
+    );
     show.check(
         right && shifted && !words::has_fault(zsw1),
         text,
@@ -495,7 +499,7 @@ impl Show {
     }
 
     /// More about it.
-    fn tell(&self, text: &str) {
+    fn detail(&self, text: &str) {
         if !self.output.json() {
             self.output.line(&format!("    {text}"));
         }

@@ -32,7 +32,7 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
         }
         return in_no_table(&mut session, &drive, &selection, output);
     };
-    let told = session.described(&drive, &selection).wait()?;
+    let description = session.described(&drive, &selection).wait()?;
     let mut readings = session.read(&mut drive, &[selection]).wait()?;
     name_bits(&mut session, &mut drive, &mut readings)?;
     session.close().wait()?;
@@ -40,13 +40,13 @@ pub fn describe(args: &Describe, interface: &Interface, output: &Output) -> Resu
         let mut fields = fields! { "drive": drive.label(), "model": drive.model.name };
         fields.extend(parameter_json(tables, parameter, &drive.parameters));
         fields.insert("scaling".into(), parameter.rule(&drive.parameters.scaling).into());
-        fields.extend(limits::json(told.as_ref()));
+        fields.extend(limits::json(description.as_ref()));
         let values: Vec<Value> = readings.iter().map(reading_json).collect();
         fields.insert("values".into(), values.into());
         output.document("describe", fields);
         return Ok(());
     }
-    let limits = Limits::of(&drive.parameters, parameter, told.as_ref());
+    let limits = Limits::of(&drive.parameters, parameter, description.as_ref());
     output.line(&output.paint(
         Colour::Strong,
         &format!("{} ({})", parameter.name, number_of(tables, parameter)),
@@ -67,45 +67,56 @@ fn in_no_table(
     selection: &Selection,
     output: &Output,
 ) -> Result<(), Failure> {
-    let told = session.described(drive, selection).wait()?;
+    let description = session.described(drive, selection).wait()?;
     session.close().wait()?;
-    let Some(told) = told else {
+    let Some(description) = description else {
         let message = format!("{} is in no table of the {}", selection.label(), drive.model.name);
         return Err(Failure::new(Exit::Failed, message)
             .hint("the drive does not describe it; `profidrive read` may read it all the same"));
     };
     if output.json() {
         let mut fields = fields! {
-            "drive": drive.label(), "model": drive.model.name, "pnu": selection.pnu, "name": told.name.as_str(),
-            "unit": told.unit, "access": if told.read_only { "read" } else { "read, write" }, "elements": told.elements,
+            "drive": drive.label(), "model": drive.model.name, "pnu": selection.pnu, "name": description.name.as_str(),
+            "unit": description.unit, "access": if description.read_only { "read" } else { "read, write" }, "elements": description.elements,
         };
-        fields.extend(limits::json(Some(&told)));
+        fields.extend(limits::json(Some(&description)));
         output.document("describe", fields);
         return Ok(());
     }
-    let title = format!("{} ({})", told.name, selection.label());
+    let title = format!("{} ({})", description.name, selection.label());
     output.line(&output.paint(Colour::Strong, title.trim_start()));
-    for line in told_lines(&told) {
+    for line in reported_lines(&description) {
         output.line(&line);
     }
     Ok(())
 }
 
-fn told_lines(told: &Described) -> Vec<String> {
+fn reported_lines(description: &Described) -> Vec<String> {
     let line = |name: &str, text: &str| format!("  {name:<10} {text}");
-    let unit = if told.unit.is_empty() { "none" } else { told.unit };
-    let access = if told.read_only { "read" } else { "read, write" };
-    let size = match told.elements {
-        1 => told.data_type.unwrap_or("unknown").to_owned(),
-        count => format!("{}, {count} elements", told.data_type.unwrap_or("unknown")),
+    let unit = if description.unit.is_empty() {
+        "none"
+    } else {
+        description.unit
+    };
+    let access = if description.read_only {
+        "read"
+    } else {
+        "read, write"
+    };
+    let size = match description.elements {
+        1 => description.data_type.unwrap_or("unknown").to_owned(),
+        count => format!("{}, {count} elements", description.data_type.unwrap_or("unknown")),
     };
     let mut lines = vec![
         line("unit", unit),
-        line("limits", &Limits::told(told).words(told.unit)),
+        line(
+            "limits",
+            &Limits::description(description).words(description.unit),
+        ),
         line("access", access),
         line("size", &size),
     ];
-    let texts = told.texts.iter();
+    let texts = description.texts.iter();
     lines.extend(texts.map(|(value, text)| line("choice", &format!("{value} {text}"))));
     lines.push(line("source", "description that the drive gives of itself"));
     lines
@@ -239,7 +250,7 @@ mod tests {
     use profile::value::Parameters;
 
     #[test]
-    fn a_description_says_unit_and_limits() {
+    fn a_description_has_unit_and_limits() {
         let parameter = AKD.by_name("DRV.ACC").unwrap();
         let drive = Parameters {
             catalogue: Some(&AKD),

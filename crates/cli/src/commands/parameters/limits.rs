@@ -1,6 +1,6 @@
 //! Limits of a parameter in words, and whose they are: of the drive, of the tables, or only of the data type.
 
-use client::{Described, DescribedLimits};
+use client::{Described, ReportedLimits};
 use profile::catalogue::Parameter;
 use profile::value::Parameters;
 use serde_json::{Map, Value};
@@ -15,12 +15,12 @@ pub struct Limits<'a> {
     tables: (Option<f64>, Option<f64>),
     /// What fits the data type.
     size: Option<(f64, f64)>,
-    told: Option<&'a Described>,
+    description: Option<&'a Described>,
 }
 
 impl<'a> Limits<'a> {
     /// Of a parameter in the tables, and what the drive told of it.
-    pub fn of(drive: &Parameters, parameter: &Parameter, told: Option<&'a Described>) -> Self {
+    pub fn of(drive: &Parameters, parameter: &Parameter, description: Option<&'a Described>) -> Self {
         let (low, high) = drive.limits(parameter);
         let range = parameter.range();
         let shown = |raw: i64| parameter.engineering(raw, &drive.scaling);
@@ -34,19 +34,19 @@ impl<'a> Limits<'a> {
                 known
             },
             size: Some(size),
-            told,
+            description,
         }
     }
 
     /// Of a parameter that only the drive knows.
-    pub const fn told(told: &'a Described) -> Self {
+    pub const fn description(description: &'a Described) -> Self {
         Self {
             tables: (None, None),
-            size: match told.limits {
-                DescribedLimits::OfType(low, high) => Some((low, high)),
+            size: match description.limits {
+                ReportedLimits::OfType(low, high) => Some((low, high)),
                 _ => None,
             },
-            told: Some(told),
+            description: Some(description),
         }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Limits<'a> {
         let of_type = self
             .size
             .map(|(low, high)| format!("limits of the type: {}", span(low, high)));
-        if let Some(DescribedLimits::Own(low, high)) = self.told.map(|told| told.limits) {
+        if let Some(ReportedLimits::Own(low, high)) = self.description.map(|description| description.limits) {
             let own = span(low, high);
             return match self.tables {
                 (Some(first), Some(last)) if span(first, last) != own => {
@@ -77,7 +77,10 @@ impl<'a> Limits<'a> {
 
     /// Texts that the drive tells of values that the tables have none of.
     pub fn other_texts(&self, parameter: &'a Parameter) -> impl Iterator<Item = (i32, &'a str)> {
-        let texts = self.told.into_iter().flat_map(|told| &told.texts);
+        let texts = self
+            .description
+            .into_iter()
+            .flat_map(|description| &description.texts);
         texts
             .filter(|(value, _)| parameter.choices.iter().all(|choice| choice.value != *value))
             .map(|(value, text)| (*value, text.as_str()))
@@ -85,22 +88,22 @@ impl<'a> Limits<'a> {
 }
 
 /// What the drive told: its limits, null where it has none of its own, and its texts.
-pub fn json(told: Option<&Described>) -> Map<String, Value> {
-    let Some(told) = told else {
+pub fn json(description: Option<&Described>) -> Map<String, Value> {
+    let Some(description) = description else {
         return fields! { "told": Value::Null };
     };
-    let (low, high) = match told.limits {
-        DescribedLimits::Own(low, high) => (Some(low), Some(high)),
+    let (low, high) = match description.limits {
+        ReportedLimits::Own(low, high) => (Some(low), Some(high)),
         _ => (None, None),
     };
-    let texts = told.texts.iter();
+    let texts = description.texts.iter();
     let texts: Vec<Value> = texts
         .map(|(value, text)| Value::Object(fields! { "value": *value, "text": text.as_str() }))
         .collect();
-    let told = fields! {
-        "minimum": low, "maximum": high, "unit": told.unit, "changed": told.changed, "texts": texts,
+    let description = fields! {
+        "minimum": low, "maximum": high, "unit": description.unit, "changed": description.changed, "texts": texts,
     };
-    fields! { "told": told }
+    fields! { "told": description }
 }
 
 #[cfg(test)]

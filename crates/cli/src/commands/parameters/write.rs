@@ -70,11 +70,11 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
             table.row(row);
         }
         for (assignment, outcome) in assignments.iter().zip(&outcomes) {
-            let told = raw_told(assignment, outcome)
+            let note = raw_note(assignment, outcome)
                 .or_else(|| rounded(assignment, outcome))
                 .or_else(|| blanks_lost(assignment, outcome));
-            if let Some(told) = told {
-                output.say(&told);
+            if let Some(note) = note {
+                output.say(&note);
             }
         }
         for line in table.lines() {
@@ -83,7 +83,7 @@ pub fn write(args: &Write, interface: &Interface, output: &Output) -> Result<(),
         if args.dry_run {
             output.say("dry run: nothing was written");
         } else {
-            tell_kept(&drive, &outcomes, save, output);
+            report_saved(&drive, &outcomes, save, output);
         }
     }
     let mut problems: Vec<Failure> = Vec::new();
@@ -238,7 +238,7 @@ fn is_saved(drive: &Drive, outcome: &ChangeOutcome, save: Save) -> bool {
 }
 
 /// Reports which of the new values outlive the power of the drive, and which do not.
-fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: Save, output: &Output) {
+fn report_saved(drive: &Drive, outcomes: &[ChangeOutcome], save: Save, output: &Output) {
     let new = outcomes.iter().filter(|outcome| keeps(outcome));
     let (kept, lost): (Vec<_>, Vec<_>) = new.partition(|outcome| can_keep(drive, outcome) != Some(false));
     let names = |outcomes: &[&ChangeOutcome]| -> Vec<String> {
@@ -270,11 +270,11 @@ fn tell_kept(drive: &Drive, outcomes: &[ChangeOutcome], save: Save, output: &Out
         ));
     }
     if !lost.is_empty() {
-        let told = lost_words(&lost);
+        let note = lost_words(&lost);
         if save == Save::No {
-            output.say(&told);
+            output.say(&note);
         } else {
-            output.warn(&told);
+            output.warn(&note);
         }
     }
 }
@@ -332,7 +332,7 @@ fn listed(names: &[String]) -> String {
 }
 
 /// A number in hexadecimal is the one on the wire: what that is in the unit of the parameter.
-fn raw_told(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
+fn raw_note(assignment: &Assignment, outcome: &ChangeOutcome) -> Option<String> {
     let raw = assignment.value.raw()?;
     let value = outcome.change.value.number()?;
     (!value.unit.is_empty()).then(|| {
@@ -469,7 +469,7 @@ mod tests {
     use profinet::controller::Station;
 
     fn drive(model: &str) -> Drive {
-        Drive::new(Station::default()).taken_for(Model::by_name(model).unwrap())
+        Drive::new(Station::default()).as_model(Model::by_name(model).unwrap())
     }
 
     fn outcome(drive: &Drive, text: &str, written: Result<(), ErrorNumber>) -> ChangeOutcome {
@@ -562,7 +562,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mode_and_the_telegram_that_are_so_are_left_alone() {
+    fn mode_and_telegram_already_set_are_not_written() {
         let role = |pnu| Some(AKD.backup_rule(pnu).role);
         assert!(is_plain(role(930), true) && is_plain(role(930), false));
         assert!(is_plain(role(922), true) && !is_plain(role(922), false));
@@ -574,7 +574,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_kept_is_said() {
+    fn unsaved_values_are_reported() {
         let names = ["922".to_owned(), "HOME.V".to_owned()];
         assert_eq!(
             lost_words(&names),

@@ -32,16 +32,16 @@ pub fn read(
     for reason in &description.import.left_out {
         output.warn(&format!("not simulated: {}", clean(reason)));
     }
-    let taken = &description.import.description;
-    let mut telegrams: Vec<u16> = taken.telegrams.iter().map(|t| t.telegram).collect();
+    let imported = &description.import.description;
+    let mut telegrams: Vec<u16> = imported.telegrams.iter().map(|t| t.telegram).collect();
     telegrams.sort_unstable();
     telegrams.dedup();
     let telegrams: Vec<String> = telegrams.iter().map(u16::to_string).collect();
     output.say(&format!(
         "{name}: {} {}, device 0x{:04X}, telegrams {}",
         clean(&identity.vendor),
-        taken.identity.station_type,
-        taken.identity.device_id,
+        imported.identity.station_type,
+        imported.identity.device_id,
         telegrams.join(", ")
     ));
     Ok(Some(description))

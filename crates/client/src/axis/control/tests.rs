@@ -225,7 +225,7 @@ fn a_quick_stop_is_not_taken_back_by_another_wish_to_stop() {
 }
 
 #[test]
-fn local_operation_is_said() {
+fn local_operation_is_reported() {
     let mut bench = Bench::new();
     bench.local();
     bench.pursue(Goal::Run { setpoint: 100 });

@@ -153,7 +153,7 @@ impl Session {
                 } else {
                     self.client().attach_axis(ar, slot, subslot, wiring, control);
                 }
-                Link::Relation(ar)
+                Link::ArListEntry(ar)
             }
             (None, Some(slave)) => {
                 self.client().attach_slave(slave, wiring, control);
@@ -175,10 +175,10 @@ impl Session {
             evidence: None,
             loss,
             target: None,
-            taken: now,
+            begun: now,
             watcher: None,
             warnings: Default::default(),
-            told: false,
+            reported: false,
             ending: Ending::new(settings.stop),
             session: self.clone(),
         };
@@ -246,7 +246,7 @@ impl Session {
 /// Update time and watchdog for a drive: those asked for, else calm ones that its tables and description allow.
 fn cycle_of(drive: &Drive, device: &Device, settings: &AxisSettings) -> Result<Cycle, Error> {
     let least = TICK * u32::from(device.min_device_interval);
-    let cycle = Cycle::choose(&drive.maker_timings, least, settings.cycle, settings.watchdog)?;
+    let cycle = Cycle::choose(&drive.vendor_timings, least, settings.cycle, settings.watchdog)?;
     Ok(cycle)
 }
 
@@ -269,7 +269,7 @@ impl Axis {
         let drive = self.drive.clone();
         self.session.running(&drive, self.link).await?;
         self.session.under_control = Some((drive.label(), self.loss.clone()));
-        if let Link::Relation(ar) = self.link {
+        if let Link::ArListEntry(ar) = self.link {
             self.session.share(&drive, ar);
         }
         if let Some((ar, slot, subslot, mut wiring, control)) = waiting {
@@ -283,7 +283,7 @@ impl Axis {
             // the connection is open and nothing is enabled: frames are sent as they will be later
             self.strained = chosen.judge(self.session.longest_delay().await?);
         }
-        self.taken = self.session.now();
+        self.begun = self.session.now();
         // a device that does not report its connections says only now that nobody else had it
         let seen = self.status().and_then(|status| status.view.seen);
         if measures && takeover::is_kept(seen.map(|seen| seen.zsw1)) {

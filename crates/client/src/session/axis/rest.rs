@@ -27,7 +27,7 @@ const FAR: Duration = Duration::from_secs(3600);
 /// What an axis and the one who ends it both know.
 #[derive(Debug)]
 pub(in crate::session) struct Ending {
-    told: AtomicBool,
+    reported: AtomicBool,
     done: AtomicBool,
     open: Mutex<Open>,
 }
@@ -44,7 +44,7 @@ struct Open {
 impl Ending {
     pub(super) fn new(stop: Duration) -> Arc<Self> {
         Arc::new(Self {
-            told: AtomicBool::new(false),
+            reported: AtomicBool::new(false),
             done: AtomicBool::new(false),
             open: Mutex::new(Open {
                 fastest: 0.0,
@@ -71,12 +71,12 @@ impl Ending {
         self.open().result.take()
     }
 
-    pub(super) fn tell(&self) {
-        self.told.store(true, Ordering::Release);
+    pub(super) fn report(&self) {
+        self.reported.store(true, Ordering::Release);
     }
 
-    pub(super) fn is_told(&self) -> bool {
-        self.told.load(Ordering::Acquire)
+    pub(super) fn is_reported(&self) -> bool {
+        self.reported.load(Ordering::Acquire)
     }
 
     /// How long a ramp stop from this speed may take, where the speed is not known from the fastest one asked for.
@@ -112,7 +112,7 @@ impl Place {
     /// It is on the way to its rest.
     pub(in crate::session) fn is_ending(&self) -> bool {
         let ending = self.ending.upgrade();
-        ending.is_some_and(|ending| ending.is_told() && !ending.done.load(Ordering::Acquire))
+        ending.is_some_and(|ending| ending.is_reported() && !ending.done.load(Ordering::Acquire))
     }
 
     pub(in crate::session) fn is_over(&self) -> bool {
@@ -140,7 +140,7 @@ impl Closer {
     pub(super) async fn attend(mut self) {
         let _meanwhile = self.session.unstoppable();
         let engine = self.session.engine().clone();
-        while !self.ending.is_told() && !engine.is_closing() {
+        while !self.ending.is_reported() && !engine.is_closing() {
             // what the wire does meanwhile is the owner's to know
             if let Err(Error::Closed) = engine.next_turn(engine.now() + FAR).await {
                 return;
@@ -153,7 +153,7 @@ impl Closer {
 
     async fn shut_down(&mut self) -> Result<Rest, Error> {
         // where the network is left, the owner may still be at work in another thread
-        self.ending.tell();
+        self.ending.report();
         self.session.client().only_stop(self.link);
         if self.session.connection(self.link) == Connection::Silent {
             self.call_again().await;
@@ -304,7 +304,7 @@ impl Axis {
     /// As [`release`](Self::release).
     pub async fn release_and_look(mut self) -> Result<Rest, Error> {
         let _meanwhile = self.session.unstoppable();
-        self.ending.tell();
+        self.ending.report();
         loop {
             if let Some(result) = self.ending.take_result() {
                 return result;
@@ -333,7 +333,7 @@ impl Axis {
             client.allow_stop(self.link, limit);
             client.pursue(now, self.link, Goal::Stop);
         }
-        self.told = false;
+        self.reported = false;
         self.session.engine().stir();
     }
 
@@ -360,7 +360,7 @@ impl Axis {
 
 impl Drop for Axis {
     fn drop(&mut self) {
-        self.ending.tell();
+        self.ending.report();
         self.session.engine().stir();
     }
 }

@@ -529,7 +529,7 @@ mod tests {
     }
 
     #[test]
-    fn values_travel_in_the_formats_of_their_make() {
+    fn values_are_sent_in_the_formats_of_their_vendor() {
         let vlt = |text: &str| sent(&outcome_of(&VLT, text), &Model::by_name("vlt").unwrap());
         assert_eq!(vlt("3-41=5s"), (Format::UNSIGNED32, vec![0, 0, 0x01, 0xF4]));
         assert_eq!(vlt("8-10=1"), (Format::UNSIGNED8, vec![1]));

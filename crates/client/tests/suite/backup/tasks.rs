@@ -2,7 +2,7 @@
 
 use crate::bench::shared::Shared;
 use profidrive_client::Wait;
-use profidrive_client::backup::{Task, TasksTold, compare_tasks};
+use profidrive_client::backup::{Task, TaskCoverage, compare_tasks};
 
 use super::*;
 
@@ -46,7 +46,7 @@ fn they_are_in_the_backup_and_their_window_is_as_it_was() {
     let before = bench.window();
     let backup = bench.backup();
     assert_eq!(bench.window(), before);
-    assert_eq!(backup.header.tasks, TasksTold::All);
+    assert_eq!(backup.header.tasks, TaskCoverage::All);
     assert_eq!(backup.task_count(), 3);
     let text = backup.to_string();
     let line = "\nMT[1] = P 196608 counts, V 300 rpm, ACC 3000 rpm/s, DEC 2000 rpm/s, CNTL 0x00000010, MTNEXT 6, TNEXT 250 ms, TNUM 0\n";
@@ -70,7 +70,7 @@ fn a_window_that_shows_an_empty_task_shows_it_again() {
 }
 
 #[test]
-fn a_drive_that_is_switched_on_is_left_alone() {
+fn a_drive_that_is_switched_on_is_not_restored() {
     let mut bench = with_tasks();
     bench.set(2113, 0); // DRV.CMDSOURCE
     bench.set(2127, 1); // DRV.EN
@@ -94,7 +94,7 @@ fn a_drive_that_is_switched_on_is_left_alone() {
 }
 
 #[test]
-fn somebody_else_at_the_window_is_not_disturbed() {
+fn another_client_of_the_task_window_is_not_disturbed() {
     let mut bench = with_tasks();
     let mut seen = 0;
     bench.on_each_step(move |_, wire| {
@@ -109,7 +109,7 @@ fn somebody_else_at_the_window_is_not_disturbed() {
     let backup = bench.backup();
     assert_eq!(
         backup.header.tasks,
-        TasksTold::LeftOut("somebody else works with MT.NUM".into())
+        TaskCoverage::LeftOut("somebody else works with MT.NUM".into())
     );
 }
 

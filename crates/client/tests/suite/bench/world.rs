@@ -77,7 +77,7 @@ impl fmt::Display for Gone {
 impl std::error::Error for Gone {}
 
 /// Somebody who hears frames and does nothing.
-fn nobody() -> Engine {
+fn idle_engine() -> Engine {
     Engine::new(Client::new(ControllerConfig::new(
         CLIENT,
         IpSuite::NONE,
@@ -127,7 +127,7 @@ impl World {
     pub fn client(&self, model: &str, transport: Transport, seed: u64) -> Result<(On<Self>, Drive), Error> {
         let (mut session, address) = self.session(transport, seed);
         let drive = session.find(&address).wait()?;
-        Ok((session, drive.taken_for(Model::by_name(model).expect("a model"))))
+        Ok((session, drive.as_model(Model::by_name(model).expect("a model"))))
     }
 
     /// A new client, and the address of the drive.
@@ -163,9 +163,9 @@ impl World {
     /// Lets time pass without a client.
     pub fn pass(&self, time: Duration) {
         let until = Wire::now(self) + time;
-        let mut nobody = nobody();
+        let mut idle_engine = idle_engine();
         while Wire::now(self) < until {
-            self.0.borrow_mut().go(&mut nobody, until);
+            self.0.borrow_mut().go(&mut idle_engine, until);
         }
     }
 

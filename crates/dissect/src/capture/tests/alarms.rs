@@ -65,7 +65,7 @@ const fn diagnosis(channel: u16, properties: u16, extended: Option<(u16, u32)>) 
 
 /// Every specifier is read, not only "appears"; channel and extended error are shown.
 #[test]
-fn the_specifier_of_a_diagnosis_is_what_it_says() {
+fn the_specifier_of_a_diagnosis_is_decoded() {
     let extended = Some((0x8001, 5));
     for (properties, weight, words) in [
         (

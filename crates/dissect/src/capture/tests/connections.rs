@@ -130,7 +130,7 @@ fn inputs_before_the_answer_belong_to_the_connect() {
 }
 
 #[test]
-fn frames_belong_to_their_sender_and_to_nobody_after_the_release() {
+fn frames_belong_to_their_sender_and_to_none_after_release() {
     let mut capture = Capture::default();
     connect(&mut capture, 0);
     let input = |from| cyclic(from, PLC, INPUTS, &[0x02, 0x40, 0, 0, 0x80], 0, GOOD);

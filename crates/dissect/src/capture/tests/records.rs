@@ -160,7 +160,7 @@ fn interface_and_ports_are_decoded() {
 }
 
 #[test]
-fn a_parameter_request_whose_answer_nobody_reads_is_reported() {
+fn a_parameter_request_without_a_read_is_reported() {
     let job = [0x2A, 1, 1, 1, 0x10, 1, 3, 0xC4, 0, 0];
     let write = WriteRequest {
         sequence: 1,

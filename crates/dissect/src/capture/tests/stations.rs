@@ -79,7 +79,7 @@ fn arp(from: u8, sender_ip: u8, target_ip: u8) -> Vec<u8> {
 }
 
 #[test]
-fn a_duplicate_name_is_reported_and_its_holders_are_told_apart() {
+fn a_duplicate_name_is_reported_with_both_holders() {
     let mut capture = Capture::default();
     capture.at(0, &who(b"akd-1"));
     capture.at(1, &here(2, b"akd-1", 2));
@@ -119,7 +119,7 @@ fn a_replaced_device_is_no_error() {
 }
 
 #[test]
-fn a_refused_name_renames_nobody() {
+fn a_refused_name_renames_no_station() {
     let mut capture = Capture::default();
     capture.at(0, &set_name(b"akd-9"));
     assert_eq!(capture.last().to, "02:00:00:00:00:02", "not confirmed yet");

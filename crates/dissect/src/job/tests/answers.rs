@@ -124,12 +124,12 @@ fn the_refusal_of_an_incomplete_request_answers_it() {
 /// An element of a description is not a value: it has no unit, no scale, no subindex, and cannot be written.
 #[test]
 fn elements_of_a_description_have_no_unit() {
-    let told = |model: &str, request: &str, response: &str| {
+    let line_and_value = |model: &str, request: &str, response: &str| {
         let decoded = decode(&mut drive(model), &octets(response), None, Some(&octets(request))).unwrap();
         let value = decoded.fields["parameters"][0]["values"][0].clone();
         (decoded.lines[1].1.clone(), value)
     };
-    let (line, value) = told("vlt", "01 01 00 01 20 01 00 78 00 01", "01 01 00 01 0A 02 00 07");
+    let (line, value) = line_and_value("vlt", "01 01 00 01 20 01 00 78 00 01", "01 01 00 01 0A 02 00 07");
     assert!(
         line.contains("description element 1 (identifier) of Motor Power [kW] (1-20) = 00 07"),
         "{line}"
@@ -141,9 +141,9 @@ fn elements_of_a_description_have_no_unit() {
         (&false.into(), &Value::Null)
     );
     // the limit of a speed is not scaled like one, and not a control word in words
-    let (line, value) = told("akd", "01 01 00 01 20 01 00 05 00 02", "01 01 00 01 42 01 00 07");
+    let (line, value) = line_and_value("akd", "01 01 00 01 20 01 00 05 00 02", "01 01 00 01 42 01 00 07");
     assert!(line.contains("= 7   [") && !line.contains("if "), "{line}");
     assert_eq!((&value["value"], &value["unit"]), (&7.0.into(), &"".into()));
-    let (line, _) = told("akd", "01 01 00 01 20 01 00 01 00 02", "01 01 00 01 42 01 00 07");
+    let (line, _) = line_and_value("akd", "01 01 00 01 20 01 00 01 00 02", "01 01 00 01 42 01 00 07");
     assert!(line.contains("= 7   ["), "{line}");
 }

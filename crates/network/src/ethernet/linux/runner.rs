@@ -263,7 +263,7 @@ impl Runner {
                 let checked = self.socket.check(events);
                 self.note(checked);
             }
-            self.told()?;
+            self.take_failure()?;
         }
     }
 
@@ -295,7 +295,7 @@ impl Runner {
             let flushed = self.socket.flush();
             self.note(flushed);
         }
-        self.told()
+        self.take_failure()
     }
 
     /// A failed interface fails no station half way: it is remembered, and told when all had their turn.
@@ -312,7 +312,7 @@ impl Runner {
         self.failure.get_or_insert(error);
     }
 
-    fn told(&mut self) -> Result<(), Error> {
+    fn take_failure(&mut self) -> Result<(), Error> {
         self.failure.take().map_or(Ok(()), Err)
     }
 

@@ -107,7 +107,7 @@ mod tests {
     const LATE: Duration = Duration::from_secs(60);
 
     #[test]
-    fn a_watch_tells_what_the_asked_descriptor_has() {
+    fn a_watch_reports_the_state_of_its_descriptor() {
         for exact in [true, false] {
             let (mut far, near) = UnixStream::pair().unwrap();
             let (mut bell, stop) = UnixStream::pair().unwrap();

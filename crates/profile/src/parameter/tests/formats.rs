@@ -138,7 +138,7 @@ fn a_change_in_a_format_of_another_meaning_is_refused() {
 
 /// A number of the other sign is refused as a value out of limits; single bits and the substitution codes have no sign.
 #[test]
-fn an_integer_of_the_other_sign_is_never_another_number() {
+fn an_integer_of_the_other_sign_is_refused() {
     const SIGNED: [Format; 3] = [Format::INTEGER8, Format::INTEGER16, Format::INTEGER32];
     const UNSIGNED: [Format; 3] = [Format::UNSIGNED8, Format::UNSIGNED16, Format::UNSIGNED32];
     const PLAIN: [Format; 3] = [Format::BYTE, Format::WORD, Format::DOUBLE_WORD];

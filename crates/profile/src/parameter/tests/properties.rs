@@ -82,7 +82,7 @@ proptest! {
 
     /// What the manager answers, the client understands; what is damaged on the way does not hurt it.
     #[test]
-    fn answers_are_understood(addresses in prop::collection::vec((0..8_usize, 0..4_u8, 0..70_u16), 1..39), flip in any::<(u8, u16)>()) {
+    fn answers_decode_as_encoded(addresses in prop::collection::vec((0..8_usize, 0..4_u8, 0..70_u16), 1..39), flip in any::<(u8, u16)>()) {
         let pnus = [922, 930, 947, 915, 964, 2135, 2004, 5000];
         let addresses: Vec<_> = addresses.iter().map(|&(pnu, count, subindex)| ParameterAddress::values(pnus[pnu], subindex, count)).collect();
         let mut request = [0; 240];
@@ -103,7 +103,7 @@ proptest! {
     /// The same for what converters have: all sizes and types, strings and arrays of them, collected parameters. What was
     /// read is written back and accepted, whatever the dialect.
     #[test]
-    fn converters_are_understood(
+    fn converter_answers_decode_as_encoded(
         dialect in any_dialect(),
         wide in any::<bool>(),
         permanent in any::<bool>(),

@@ -115,7 +115,7 @@ fn vacon_error_numbers() {
 /// 39 parameters; of an array what fits a block (1 to 234 elements, OPTEA p. 119), and a client asks for 39 values at a
 /// time (p. 120).
 #[test]
-fn a_vacon_gives_what_fits_a_block_and_is_asked_for_39_values() {
+fn a_vacon_fills_a_block_and_accepts_39_values() {
     let many = |count: u8| format!("01 01 01 {count:02X} ") + &"10 01 27 11 00 67 ".repeat(count.into());
     assert_eq!(served(VACON, &many(39)).len(), 4 + 39 * 4);
     assert_eq!(number(VACON, &many(40)), 0x68);

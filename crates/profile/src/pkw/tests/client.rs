@@ -60,7 +60,7 @@ fn a_request_stands_until_its_own_reply() {
 
 /// The reply that still stands looks like the reply to the next request: it is not taken.
 #[test]
-fn a_reply_left_over_is_not_taken() {
+fn a_stale_reply_is_ignored() {
     let mut client = rested(PkwDialect::STANDARD);
     let change = |number| Job::Change {
         pnu: 414,
@@ -130,7 +130,7 @@ fn after_a_time_out_the_channel_rests_for_a_round_trip() {
 }
 
 #[test]
-fn a_channel_that_does_not_come_to_rest_is_told() {
+fn a_channel_that_never_becomes_idle_is_reported() {
     let timing = ClientTiming::CYCLIC;
     let mut client = Client::new(PkwDialect::STANDARD, timing);
     client.start(at(0), READ).unwrap();
@@ -151,8 +151,8 @@ fn spontaneous_messages_are_kept_aside() {
         ("C1 9E 00 00 00 00 00 09", PkwValue::DoubleWord(9)),
     ] {
         assert_eq!(client.handle(at(0), &words(message)), None);
-        let told = client.take_spontaneous().unwrap();
-        assert_eq!((told.pnu, told.subindex, told.value), (414, 0, value));
+        let report = client.take_spontaneous().unwrap();
+        assert_eq!((report.pnu, report.subindex, report.value), (414, 0, value));
         assert_eq!(client.take_spontaneous(), None);
     }
     assert_eq!(client.handle(at(0), &words("11 9E 00 00 00 00 00 0A")), value(10));
@@ -241,7 +241,7 @@ fn jobs_and_their_requests() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_told() {
+fn requests_that_cannot_be_encoded_are_reported() {
     let mut client = rested(PkwDialect::STANDARD);
     let far = Job::Read {
         pnu: 2048,

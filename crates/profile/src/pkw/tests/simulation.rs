@@ -286,7 +286,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(1200))]
 
     #[test]
-    fn nobody_gets_anothers_value_and_nothing_hangs(seed in any::<u64>(), loss in 0..80_u64, stops in any::<bool>(),
+    fn every_client_gets_its_own_value_and_no_call_hangs(seed in any::<u64>(), loss in 0..80_u64, stops in any::<bool>(),
                                                     dialect in prop::sample::select(&DIALECTS[..])) {
         let result = run(Run { seed, loss, stops, dialect, timing: TIMING, millis: 25_000 });
         prop_assert_eq!((result.wrong, result.old, result.late, result.twice), (0, 0, 0, 0), "{:?}", result);

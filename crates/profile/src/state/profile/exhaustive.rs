@@ -61,12 +61,12 @@ fn the_status_word_never_disagrees_with_the_state() {
                     let status = profile.status(output.state, output.zsw1, &Conditions::default());
                     // A word that was not accepted is not the one in force.
                     if output.accepted {
-                        let told = profile.state(status, word);
+                        let decoded = profile.state(status, word);
                         // A quick stop that runs to its end looks like operation in an FC word.
                         let hidden = profile == Profile::DanfossFc && output.state == State::S5Quick;
-                        let same = told == Some(output.state);
-                        let fits = same || (hidden && told.is_some_and(State::pulses));
-                        assert!(fits, "{} {status:04X} {told:?}", at());
+                        let same = decoded == Some(output.state);
+                        let fits = same || (hidden && decoded.is_some_and(State::pulses));
+                        assert!(fits, "{} {status:04X} {decoded:?}", at());
                     }
                     // Nothing but the bits that were asked for starts it.
                     if output.state == State::S4 && from != State::S4 {
@@ -109,7 +109,7 @@ fn profidrive_is_the_general_machine() {
 }
 
 #[test]
-fn what_is_asked_for_is_what_is_understood() {
+fn commands_decode_as_encoded() {
     // Bits 4, 5 and 6 of STW1 go by what they let through.
     for profile in Profile::ALL {
         for bits in 0..=u16::MAX {

@@ -23,8 +23,8 @@
 //! ```
 
 mod danfoss;
-mod make;
 mod vacon;
+mod vendor;
 
 #[cfg(test)]
 mod exhaustive;
@@ -36,7 +36,7 @@ mod tests;
 use super::bits::{self, Bit, BitMeaning, Mode};
 use super::{Inputs, Machine, Output, Setpoint, SpeedCommand, State, Stw1, Zsw1};
 
-pub use make::ControlWords;
+pub use vendor::ControlWords;
 
 /// A control word profile: who gave the bits of the control and status word their meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -477,7 +477,7 @@ impl Profile {
             return Zsw1(status);
         };
         let mut word = Zsw1(0);
-        let mut told = Told::default();
+        let mut partial = PartialState::default();
         for (number, says) in says.iter().enumerate() {
             let set = status & (1 << number) != 0;
             match *says {
@@ -485,14 +485,14 @@ impl Profile {
                 Says::Opposite(bit) if !set => word = word.with(bit),
                 Says::Warning if set => word = word.with(Zsw1::WARNING),
                 Says::AtReference if set => word = word.with(Zsw1::IN_TOLERANCE | Zsw1::REACHED),
-                Says::Running => told.running = set,
-                Says::Enabled => told.enabled = Some(set),
+                Says::Running => partial.running = set,
+                Says::Enabled => partial.enabled = Some(set),
                 Says::TripLocked if set => word = word.with(Zsw1::FAULT),
                 _ => {}
             }
         }
-        match told.enabled {
-            Some(enabled) => told.complete(word, enabled, self.asked(sent, told.running)),
+        match partial.enabled {
+            Some(enabled) => partial.complete(word, enabled, self.asked(sent, partial.running)),
             None => word,
         }
     }
@@ -544,12 +544,12 @@ impl Profile {
 
 /// What a status word without the bits of the state machine tells about the state.
 #[derive(Debug, Clone, Copy, Default)]
-struct Told {
+struct PartialState {
     running: bool,
     enabled: Option<bool>,
 }
 
-impl Told {
+impl PartialState {
     /// Puts the bits of the state into the word.
     fn complete(self, word: Zsw1, enabled: bool, sent: Stw1) -> Zsw1 {
         let quick_stop = sent.has(Stw1::CONTROL_BY_PLC) && !sent.has(Stw1::NO_QUICK_STOP);

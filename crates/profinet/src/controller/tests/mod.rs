@@ -131,7 +131,7 @@ fn connects_exchanges_and_releases() {
         .set_data(1, 1, &[9, 8, 7, 6], Iops::GOOD);
     p.run(SECOND);
     assert_eq!(p.a.input(ar, 1, 1), Some((&[9, 8, 7, 6][..], Iops::GOOD)));
-    assert_eq!(p.a.output_taken(ar, 1, 1), Some(Iops::GOOD));
+    assert_eq!(p.a.output_consumed(ar, 1, 1), Some(Iops::GOOD));
     assert_eq!(
         p.b.last_output.last(),
         Some(&(DataStatus::GOOD, Iops::GOOD, vec![0x04, 0x7E, 0, 0]))
@@ -166,7 +166,7 @@ fn connects_exchanges_and_releases() {
 }
 
 #[test]
-fn the_connect_request_says_what_was_configured() {
+fn the_connect_request_has_the_configuration() {
     let mut p = pair();
     connected(&mut p, config());
     let ar = p.b.ar.clone().unwrap();
@@ -194,7 +194,7 @@ fn the_connect_request_says_what_was_configured() {
 }
 
 #[test]
-fn alarms_are_told_and_acknowledged_once() {
+fn alarms_are_reported_and_acknowledged_once() {
     let mut p = pair();
     let ar = connected(&mut p, config());
     let alarm = Notification {
@@ -229,7 +229,7 @@ fn alarms_are_told_and_acknowledged_once() {
 }
 
 #[test]
-fn the_watchdog_ends_it_and_the_device_is_told() {
+fn the_watchdog_ends_the_connection_and_the_device_is_notified() {
     let mut p = pair();
     let ar = connected(&mut p, config());
     p.run(SECOND);

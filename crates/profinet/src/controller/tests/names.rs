@@ -158,7 +158,7 @@ fn names_are_checked_before_connecting() {
 }
 
 #[test]
-fn two_stations_of_one_name_are_told() {
+fn two_stations_of_one_name_are_reported() {
     let mut p = pair();
     p.a.connect(p.now, target(), config()).unwrap();
     p.step(p.now + SECOND);

@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn too_much_data_is_said_so() {
+    fn too_much_data_is_an_error() {
         let size = [SubmoduleSize::new(0, 1, 1, 1439, 0)];
         assert_eq!(pack(&size).unwrap().0.data_length(), 1440);
         let size = [

@@ -81,7 +81,7 @@ fn alarms_reach_the_controller_and_come_back_acknowledged() {
 }
 
 #[test]
-fn a_diagnosis_is_told_by_alarm_and_by_data_status() {
+fn a_diagnosis_is_reported_by_alarm_and_data_status() {
     let mut rig = Rig::new(config());
     rig.exchange(&Wish::controller(1));
     let mut controller = alarms(&rig);

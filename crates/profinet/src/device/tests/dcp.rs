@@ -380,7 +380,7 @@ fn one_client_at_a_time_is_served() {
 }
 
 #[test]
-fn who_sends_garbage_is_not_served_and_holds_nobody_up() {
+fn invalid_frames_are_ignored_and_block_no_other_client() {
     let mut rig = Rig::new(config());
     let cut_off = |service, data: &[u8]| {
         let mut payload = Vec::new();
@@ -403,7 +403,7 @@ fn who_sends_garbage_is_not_served_and_holds_nobody_up() {
 }
 
 #[test]
-fn signal_blinks_once_and_unknown_services_are_told() {
+fn signal_blinks_once_and_unknown_services_are_rejected() {
     let mut rig = Rig::new(config());
     for _ in 0..3 {
         let results = set_from(&mut rig, TOOL, Qualifier::TEMPORARY, &[Value::FLASH]);
@@ -423,7 +423,7 @@ fn signal_blinks_once_and_unknown_services_are_told() {
 }
 
 #[test]
-fn resets_answer_first_and_clear_what_their_mode_says() {
+fn resets_answer_first_and_clear_by_mode() {
     let reset = Value::Empty(DcpOption::RESET_TO_FACTORY);
     let mut rig = Rig::new(config());
     assert_eq!(

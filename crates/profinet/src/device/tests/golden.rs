@@ -184,7 +184,7 @@ fn a_recorded_controller_is_served_as_it_was() {
 }
 
 #[test]
-fn a_recorded_tool_gets_the_relation_the_other_device_refused() {
+fn a_recorded_tool_gets_the_ar_that_the_other_device_refused() {
     let mut rig = Rig::new(config());
     let answer = replay(&mut rig, TOOL_CONNECT);
     assert_eq!(answer[..4], [0; 4]);

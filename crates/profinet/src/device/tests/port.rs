@@ -25,23 +25,23 @@ fn own(value: &[u8]) -> Id<'_> {
     }
 }
 
-fn lldp_frame(from: MacAddress, told: &Lldpdu<'_>) -> Vec<u8> {
+fn lldp_frame(from: MacAddress, lldpdu: &Lldpdu<'_>) -> Vec<u8> {
     let mut frame = [&GROUP.0[..], &from.0, &[0x88, 0xCC]].concat();
-    told.encode(&mut frame);
+    lldpdu.encode(&mut frame);
     frame
 }
 
 fn plc(port: &[u8], ttl: u16) -> Vec<u8> {
-    let told = Lldpdu {
+    let lldpdu = Lldpdu {
         ttl,
         chassis_mac: Some(PLC_INTERFACE),
         ..Lldpdu::new(own(b"plc1"), own(port))
     };
-    lldp_frame(PLC, &told)
+    lldp_frame(PLC, &lldpdu)
 }
 
 /// The LLDPDUs among what was sent, handed to `look`.
-fn told(sent: &[Sent], mut look: impl FnMut(&Lldpdu<'_>)) -> usize {
+fn lldpdu(sent: &[Sent], mut look: impl FnMut(&Lldpdu<'_>)) -> usize {
     let mut count = 0;
     for sent in sent {
         let Sent::Frame(frame) = sent else { continue };
@@ -56,30 +56,33 @@ fn told(sent: &[Sent], mut look: impl FnMut(&Lldpdu<'_>)) -> usize {
 }
 
 #[test]
-fn it_tells_who_it_is_every_five_seconds() {
+fn it_announces_itself_every_five_seconds() {
     let mut rig = speaking();
     let sent = rig.pass(60_000);
-    let count = told(&sent, |told| {
-        assert_eq!((told.chassis, told.port), (own(b"drive-1"), own(b"port-001")));
-        assert_eq!((told.ttl, told.chassis_mac), (20, Some(DEVICE)));
+    let count = lldpdu(&sent, |lldpdu| {
+        assert_eq!((lldpdu.chassis, lldpdu.port), (own(b"drive-1"), own(b"port-001")));
+        assert_eq!((lldpdu.ttl, lldpdu.chassis_mac), (20, Some(DEVICE)));
         assert_eq!(
-            told.management.unwrap().ipv4(),
+            lldpdu.management.unwrap().ipv4(),
             Some(Ipv4Addr::new(192, 168, 77, 50))
         );
-        let description = told.system_description.unwrap();
+        let description = lldpdu.system_description.unwrap();
         assert_eq!(
             core::str::from_utf8(description).unwrap(),
             "AKD                       AKD-P00306           S-0001               7 V  1 11  2"
         );
-        assert_eq!(told.mac_phy.unwrap().mau_type, 16);
-        assert_eq!((told.delays, told.port_status), (Some([0; 5]), Some((0, 0))));
-        assert_eq!((told.max_frame, told.discarded, told.unknown), (Some(1522), 0, 0));
+        assert_eq!(lldpdu.mac_phy.unwrap().mau_type, 16);
+        assert_eq!((lldpdu.delays, lldpdu.port_status), (Some([0; 5]), Some((0, 0))));
+        assert_eq!(
+            (lldpdu.max_frame, lldpdu.discarded, lldpdu.unknown),
+            (Some(1522), 0, 0)
+        );
     });
     assert_eq!(count, 13);
 }
 
 #[test]
-fn a_change_of_the_name_takes_back_what_was_told() {
+fn a_name_change_withdraws_the_old_announcement() {
     let mut rig = speaking();
     rig.pass(1);
     let wish = Wish::tool(1);
@@ -89,8 +92,12 @@ fn a_change_of_the_name_takes_back_what_was_told() {
     let pdu = rig.write_pdu(wish.ar.ar_uuid, 0, (0, 0x8000, index::INTERFACE_ADJUST), &adjust);
     rig.send(&pdu);
     let mut seen = vec![];
-    told(&rig.drain(), |told| {
-        seen.push((told.chassis.value.to_vec(), told.port.value.to_vec(), told.ttl));
+    lldpdu(&rig.drain(), |lldpdu| {
+        seen.push((
+            lldpdu.chassis.value.to_vec(),
+            lldpdu.port.value.to_vec(),
+            lldpdu.ttl,
+        ));
     });
     assert_eq!(seen[0], (b"drive-1".to_vec(), b"port-001".to_vec(), 0));
     assert_eq!(seen[1].1, b"port-001.drive-1");
@@ -107,12 +114,12 @@ fn a_change_of_the_name_takes_back_what_was_told() {
         ),
         ..rig
     };
-    let count = told(&rig.pass(1), |told| {
+    let count = lldpdu(&rig.pass(1), |lldpdu| {
         assert_eq!(
-            (told.chassis.subtype, told.chassis.value),
+            (lldpdu.chassis.subtype, lldpdu.chassis.value),
             (CHASSIS_MAC, &DEVICE.0[..])
         );
-        assert_eq!((told.management, told.system_name), (None, None));
+        assert_eq!((lldpdu.management, lldpdu.system_name), (None, None));
     });
     assert_eq!(count, 1);
 }
@@ -198,11 +205,11 @@ fn a_station_is_found_by_the_alias_its_neighbour_gives() {
     assert_eq!(identify_alias(&mut rig, b"port-002.plc"), None);
     // the other way of naming
     let text = own(b"S7-1500    6ES7 511-1AK01-0AB0");
-    let told = Lldpdu {
+    let lldpdu = Lldpdu {
         ttl: 20,
         ..Lldpdu::new(text, own(b"port-001.plc2"))
     };
-    rig.device.handle_frame(rig.now, &lldp_frame(PLC, &told));
+    rig.device.handle_frame(rig.now, &lldp_frame(PLC, &lldpdu));
     assert!(identify_alias(&mut rig, b"port-001.plc2").is_some());
 }
 
@@ -311,12 +318,12 @@ fn many_neighbours_and_many_questions_are_bounded() {
     let mut rig = speaking();
     for number in 0..100u8 {
         let name = [b'n', b'0' + number / 10, b'0' + number % 10];
-        let told = Lldpdu {
+        let lldpdu = Lldpdu {
             ttl: 20,
             system_description: Some(&[b'x'; 255]),
             ..Lldpdu::new(own(&name), own(b"port-001"))
         };
-        rig.device.handle_frame(rig.now, &lldp_frame(PLC, &told));
+        rig.device.handle_frame(rig.now, &lldp_frame(PLC, &lldpdu));
     }
     assert_eq!(rig.device.neighbours().iter().count(), MAX_NEIGHBOURS);
     let rows = walk(&mut rig, &[1, 0, 8802, 1, 1, 2, 1, 4], PduKind::GET_BULK, 1000);

@@ -14,7 +14,7 @@ fn refused(code1: u8) -> PnioStatus {
 }
 
 #[test]
-fn identification_is_read_without_a_relation() {
+fn identification_is_read_without_an_ar() {
     let mut rig = Rig::new(config());
     let im0 = Im0::decode(Reader::new(&rig.read(NIL, 0, 0, 1, 0xAFF0).unwrap())).unwrap();
     assert_eq!(
@@ -175,7 +175,7 @@ fn wrong_places_have_their_errors() {
 }
 
 #[test]
-fn long_data_is_cut_to_what_was_asked_for() {
+fn long_data_is_truncated_to_the_requested_length() {
     let mut rig = Rig::new(config());
     let mut blocks = Vec::new();
     let request = ReadRequest {
@@ -195,7 +195,7 @@ fn long_data_is_cut_to_what_was_asked_for() {
 }
 
 #[test]
-fn maintenance_records_are_written_read_and_told() {
+fn maintenance_records_are_written_read_and_reported() {
     let mut rig = Rig::new(config());
     rig.connect(&Wish::tool(1)).unwrap();
     rig.events();
@@ -485,7 +485,7 @@ fn services_that_the_device_refuses_are_answered_with_its_status() {
 }
 
 #[test]
-fn a_device_without_relations_for_record_access_does_not_know_their_type() {
+fn a_device_without_device_access_ars_rejects_their_type() {
     let mut config = config();
     config.max_device_access = 0;
     let mut rig = Rig::new(config);

@@ -417,7 +417,7 @@ fn an_ndr_header_that_lies_is_refused_in_every_service() {
 }
 
 #[test]
-fn an_answer_that_does_not_fit_leaves_no_relation() {
+fn an_answer_that_does_not_fit_leaves_no_ar() {
     let mut rig = Rig::new(config());
     let mut pdu = rig.request(operation::CONNECT, &Wish::controller(1).blocks());
     for at in [80, 88] {

@@ -52,7 +52,7 @@ proptest! {
     }
 
     #[test]
-    fn damaged_requests_of_a_stranger_never_end_the_relation(
+    fn damaged_requests_of_another_host_never_end_the_ar(
         which in 0usize..7, flips in vec((any::<u16>(), 0u8..8), 1..4), cut in proptest::option::of(any::<u16>()),
     ) {
         let mut rig = Rig::new(config());

@@ -152,7 +152,7 @@ fn the_controller_decides_what_is_plugged() {
 }
 
 #[test]
-fn a_wrong_module_is_told_not_refused() {
+fn a_wrong_module_is_reported_not_refused() {
     let mut rig = Rig::new(config());
     let mut wish = Wish::controller(1);
     wish.modules[1].ident = 0x999;
@@ -209,7 +209,7 @@ fn a_controller_that_never_confirms_is_given_up() {
 }
 
 #[test]
-fn an_answer_that_is_no_confirmation_ends_the_relation() {
+fn an_answer_without_confirmation_ends_the_ar() {
     let mut rig = Rig::new(config());
     let wish = Wish::controller(1);
     rig.connect(&wish).unwrap();
@@ -435,7 +435,7 @@ fn a_tool_whose_record_is_worked_on_is_not_pushed_out() {
 const UNKNOWN_AR: PnioStatus = PnioStatus::new(0xDE, 0x81, 0x40, 5);
 
 #[test]
-fn the_controllers_error_ends_the_relation_without_an_answer() {
+fn an_error_of_the_controller_ends_the_ar_without_an_answer() {
     let mut rig = Rig::new(config());
     let wish = Wish::controller(1);
     rig.exchange(&wish);

@@ -43,7 +43,7 @@ fn vlt() -> DeviceConfig {
     config.min_device_interval = 128;
     config.output_frame_ids[1] = 0x8010;
     config.max_alarm_data = 1432;
-    config.always_told = vec![1];
+    config.always_listed = vec![1];
     config.ready_order = ByteOrder::Little;
     config.ready_arguments = 120;
     config
@@ -116,7 +116,7 @@ fn wish() -> Wish {
     wish
 }
 
-fn told() -> ModuleDiff {
+fn expected_diff() -> ModuleDiff {
     let submodule = |subslot, ident| DiffSubmodule {
         subslot,
         ident,
@@ -141,9 +141,9 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
     let frame_ids: Vec<u16> = response.iocrs.iter().map(|iocr| iocr.frame_id).collect();
     assert_eq!(frame_ids, [0x8061, 0x8010]);
     assert_eq!(response.alarm_cr.unwrap().max_alarm_data_length, 1432);
-    assert_eq!(response.diff, Some(told()));
+    assert_eq!(response.diff, Some(expected_diff()));
     // the block says substitute, and data is exchanged all the same
-    let state = told().modules[0].submodules[0].state;
+    let state = expected_diff().modules[0].submodules[0].state;
     assert_eq!(
         (state, state.ident_info(), state.is_usable()),
         (SubmoduleState::SUBSTITUTE, 1, true)
@@ -171,7 +171,7 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
     assert_eq!(ndr.args_maximum, 120);
     // NDR header, control block, and the same difference again
     let mut diff = Vec::new();
-    told().encode(&mut diff);
+    expected_diff().encode(&mut diff);
     assert_eq!(body[20 + 32..], diff);
     rig.confirm(&wish, &sent);
     rig.output(&mut provider);
@@ -194,12 +194,12 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
 }
 
 #[test]
-fn a_wrong_telegram_is_told_as_wrong() {
+fn a_wrong_telegram_is_reported_as_wrong() {
     let mut rig = Rig::new(vlt());
     let mut wish = wish();
     wish.modules[1].submodules[1].ident = 0x69;
     let response = rig.connect(&wish).unwrap();
-    let mut told = told();
-    told.modules[0].submodules[1].state = SubmoduleState::WRONG;
-    assert_eq!(response.diff, Some(told));
+    let mut expected_diff = expected_diff();
+    expected_diff.modules[0].submodules[1].state = SubmoduleState::WRONG;
+    assert_eq!(response.diff, Some(expected_diff));
 }

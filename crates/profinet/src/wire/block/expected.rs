@@ -253,7 +253,7 @@ impl SubmoduleState {
             3 => Some("no submodule"),
             _ => Some("unknown IdentInfo"),
         };
-        let relation = match self.ar_info() {
+        let ar = match self.ar_info() {
             0 => None,
             1 => Some("application ready pending"),
             2 => Some("locked by a superordinated connection"),
@@ -264,7 +264,7 @@ impl SubmoduleState {
         let flag = move |bit: u16, words| (self.fields() & bit != 0).then_some(words);
         [
             ident,
-            relation,
+            ar,
             flag(Self::FAULT, "diagnosis pending"),
             flag(Self::MAINTENANCE_DEMANDED, "maintenance demanded"),
             flag(Self::MAINTENANCE_REQUIRED, "maintenance required"),

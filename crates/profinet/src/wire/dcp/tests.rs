@@ -183,7 +183,7 @@ fn reset_qualifiers() {
 }
 
 #[test]
-fn wrong_lengths_are_told_with_their_place() {
+fn wrong_lengths_are_reported_with_their_offset() {
     let bytes = hex("04 00 00 00 00 01 00 00 00 08 01 02 00 04 00 01 c0 a8");
     let block = Pdu::parse(&bytes).unwrap().blocks().next().unwrap().unwrap();
     let error = block.set().unwrap_err();

@@ -236,15 +236,15 @@ mod tests {
         }
     }
 
-    fn encoded(told: &Lldpdu<'_>) -> Vec<u8> {
+    fn encoded(lldpdu: &Lldpdu<'_>) -> Vec<u8> {
         let mut out = Vec::new();
-        told.encode(&mut out);
+        lldpdu.encode(&mut out);
         out
     }
 
     #[test]
     fn the_octets_are_those_of_the_standard() {
-        let told = Lldpdu {
+        let lldpdu = Lldpdu {
             ttl: 20,
             chassis_mac: Some(MacAddress([2, 0x50, 0x4E, 0, 0, 1])),
             ..Lldpdu::new(own(b"akd-1"), own(b"port-001"))
@@ -259,7 +259,7 @@ mod tests {
             &[0, 0],
         ]
         .concat();
-        assert_eq!(encoded(&told), expected);
+        assert_eq!(encoded(&lldpdu), expected);
     }
 
     #[test]
@@ -279,10 +279,13 @@ mod tests {
         let octets = encoded(&full());
         let mut whole = 0;
         for end in 0..octets.len() {
-            if let Ok(told) = Lldpdu::decode(Reader::new(&octets[..end])) {
+            if let Ok(lldpdu) = Lldpdu::decode(Reader::new(&octets[..end])) {
                 // only right behind a TLV
                 whole += 1;
-                assert_eq!((told.chassis, told.ttl, told.discarded), (own(b"akd-1"), 20, 0));
+                assert_eq!(
+                    (lldpdu.chassis, lldpdu.ttl, lldpdu.discarded),
+                    (own(b"akd-1"), 20, 0)
+                );
             }
         }
         assert_eq!(whole, 11);
@@ -319,12 +322,12 @@ mod tests {
             &[0xFE, 4, 0, 0x80, 0xC2, 1],    // another organisation
         ];
         octets.extend(strange.concat());
-        let told = Lldpdu::decode(Reader::new(&octets)).unwrap();
-        assert_eq!((told.discarded, told.unknown), (4, 2));
-        assert_eq!(told.capabilities, None);
+        let lldpdu = Lldpdu::decode(Reader::new(&octets)).unwrap();
+        assert_eq!((lldpdu.discarded, lldpdu.unknown), (4, 2));
+        assert_eq!(lldpdu.capabilities, None);
         octets.extend(vec![0x0A, 1, b'x', 0x0A, 1, b'y']);
-        let told = Lldpdu::decode(Reader::new(&octets)).unwrap();
-        assert_eq!((told.system_name, told.discarded), (Some(&b"x"[..]), 5));
+        let lldpdu = Lldpdu::decode(Reader::new(&octets)).unwrap();
+        assert_eq!((lldpdu.system_name, lldpdu.discarded), (Some(&b"x"[..]), 5));
     }
 
     #[test]
@@ -360,13 +363,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_is_understood_is_understood_again(octets in collection::vec(any::<u8>(), 0..200)) {
+        fn decoded_frames_round_trip(octets in collection::vec(any::<u8>(), 0..200)) {
             let mut all = encoded(&Lldpdu::new(own(b"a"), own(b"b")));
             all.truncate(12);
             all.extend(octets);
-            if let Ok(told) = Lldpdu::decode(Reader::new(&all)) {
-                let again = encoded(&told);
-                let plain = Lldpdu { discarded: 0, unknown: 0, ..told };
+            if let Ok(lldpdu) = Lldpdu::decode(Reader::new(&all)) {
+                let again = encoded(&lldpdu);
+                let plain = Lldpdu { discarded: 0, unknown: 0, ..lldpdu };
                 prop_assert_eq!(Lldpdu::decode(Reader::new(&again)), Ok(plain));
             }
         }

@@ -14,7 +14,7 @@ impl<'a> Lldpdu<'a> {
         let chassis = id(mandatory(&mut r, kind::CHASSIS, "chassis id")?, "chassis id")?;
         let port = id(mandatory(&mut r, kind::PORT, "port id")?, "port id")?;
         let ttl = mandatory(&mut r, kind::TTL, "time to live")?.u16("time to live")?;
-        let mut told = Self {
+        let mut lldpdu = Self {
             ttl,
             ..Self::new(chassis, port)
         };
@@ -27,10 +27,10 @@ impl<'a> Lldpdu<'a> {
                     let found = found.into();
                     return Err(start.error("second mandatory TLV", 0, Problem::Invalid { found }));
                 }
-                _ => told.take(found, content),
+                _ => lldpdu.take(found, content),
             }
         }
-        Ok(told)
+        Ok(lldpdu)
     }
 
     /// Takes an optional TLV; the first of a kind counts.

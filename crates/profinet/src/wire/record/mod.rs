@@ -15,7 +15,7 @@ pub use identification::{
 pub use im::{Im0, ImText, encode_im};
 pub use live::{DiagnosisHeader, RecordInput, encode_record_output};
 pub use port::{InterfaceReal, PortPeer, PortReal, PortStatistic, encode_multiple};
-pub use station::{ArData, ArDataIocr, LogData, LogEntry, Relation, decode_relations, encode_ar_data};
+pub use station::{ArData, ArDataIocr, ArListEntry, LogData, LogEntry, decode_ar_list, encode_ar_data};
 
 /// Index numbers of the standard records.
 pub mod index {

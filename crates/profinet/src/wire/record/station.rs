@@ -101,11 +101,11 @@ pub struct ArData<'a> {
 }
 
 /// Writes ARData, block 0x0018 version 1.1.
-pub fn encode_ar_data(relations: &[ArData<'_>], out: &mut impl Writer) {
+pub fn encode_ar_data(ars: &[ArData<'_>], out: &mut impl Writer) {
     let start = out.position();
     write_block(out, BlockType::AR_DATA, 1, |out| {
-        out.u16(u16::try_from(relations.len()).unwrap_or(u16::MAX));
-        for ar in relations {
+        out.u16(u16::try_from(ars.len()).unwrap_or(u16::MAX));
+        for ar in ars {
             ar.ar_uuid.encode(out, ByteOrder::Big);
             ar.initiator_object.encode(out, ByteOrder::Big);
             Uuid::NIL.encode(out, ByteOrder::Big);
@@ -142,7 +142,7 @@ pub fn encode_ar_data(relations: &[ArData<'_>], out: &mut impl Writer) {
 
 /// Who has a relation with a device, out of ARData.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Relation<'a> {
+pub struct ArListEntry<'a> {
     /// ARUUID.
     pub ar_uuid: Uuid,
     /// ARType: 1 an IO controller, 6 device access.
@@ -155,12 +155,12 @@ pub struct Relation<'a> {
 ///
 /// # Errors
 /// When the data end before a relation does.
-pub fn decode_relations<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<Relation<'a>>>, DecodeError> {
+pub fn decode_ar_list<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<ArListEntry<'a>>>, DecodeError> {
     const OBJECTS: usize = 2 * 16;
     const IOCR: usize = 12;
     let start = r.position();
     let block = Block::decode(r)?;
-    let mut relations = Vec::new();
+    let mut ars = Vec::new();
     if block.block_type != BlockType::AR_DATA || block.version != (1, 1) {
         return Ok(None);
     }
@@ -173,7 +173,7 @@ pub fn decode_relations<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<Relation<'a
         r.skip(10, "alarm channel and ports")?;
         let length = r.u16("InitiatorStationNameLength")?;
         let station_name = r.bytes(length.into(), "CMInitiatorStationName")?;
-        relations.push(Relation {
+        ars.push(ArListEntry {
             ar_uuid,
             ar_type,
             station_name,
@@ -187,5 +187,5 @@ pub fn decode_relations<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<Relation<'a
         let apis = r.u16("NumberOfAPIs")?;
         r.skip(2 + 4 * usize::from(apis) + 4, "APIs")?;
     }
-    Ok(Some(relations))
+    Ok(Some(ars))
 }

@@ -110,8 +110,8 @@ fn identification_of_version_1_0_has_no_api_level() {
 }
 
 #[test]
-fn relations_come_back_and_cut_records_are_errors() {
-    let relation = |ar_type, station_name, apis| ArData {
+fn ar_data_round_trips_and_truncated_records_are_errors() {
+    let ar = |ar_type, station_name, apis| ArData {
         ar_uuid: Uuid::NIL,
         initiator_object: Uuid::NIL,
         properties: 0x4000_0011,
@@ -133,18 +133,15 @@ fn relations_come_back_and_cut_records_are_errors() {
     let mut record = Vec::new();
     encode_ar_data(
         &[
-            relation(1, b"plc-1", alloc::vec![0, 0x3A00]),
-            relation(6, b"tool", alloc::vec![]),
+            ar(1, b"plc-1", alloc::vec![0, 0x3A00]),
+            ar(6, b"tool", alloc::vec![]),
         ],
         &mut record,
     );
-    let relations = decode_relations(&mut Reader::new(&record)).unwrap().unwrap();
-    let seen: Vec<_> = relations.iter().map(|ar| (ar.ar_type, ar.station_name)).collect();
+    let ars = decode_ar_list(&mut Reader::new(&record)).unwrap().unwrap();
+    let seen: Vec<_> = ars.iter().map(|ar| (ar.ar_type, ar.station_name)).collect();
     assert_eq!(seen, [(1, &b"plc-1"[..]), (6, &b"tool"[..])]);
     for cut in 0..record.len() {
-        assert!(
-            decode_relations(&mut Reader::new(&record[..cut])).is_err(),
-            "{cut}"
-        );
+        assert!(decode_ar_list(&mut Reader::new(&record[..cut])).is_err(), "{cut}");
     }
 }

@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn long_lengths_are_taken() {
+    fn long_lengths_are_accepted() {
         let long = [&[0x04, 0x83, 0, 0, 3][..], b"abc"].concat();
         assert_eq!(content(&long, tag::OCTETS).rest(), b"abc");
         assert_eq!(

@@ -236,7 +236,7 @@ fn a_stop_in_front_of_a_target_that_is_passed_loses_nothing() {
 }
 
 #[test]
-fn a_chain_that_breaks_says_so() {
+fn a_broken_chain_is_reported() {
     let mut bench = chain(0, 0);
     bench.until(START, 0x2000, 0);
     let mut broken = Bench::homed(7);
@@ -252,7 +252,7 @@ fn a_chain_that_breaks_says_so() {
 }
 
 #[test]
-fn tasks_are_relative_to_what_they_say() {
+fn tasks_are_relative_to_their_reference() {
     let mut bench = Bench::homed(7);
     let go = |bench: &mut Bench, control: i64, turns: f64| {
         bench.task(1, turns, 600.0, 20_000.0, control);
@@ -439,7 +439,7 @@ fn a_change_that_could_not_brake_in_front_of_the_limit_is_refused() {
 }
 
 #[test]
-fn a_round_table_goes_the_way_it_is_told() {
+fn a_modulo_axis_moves_in_the_commanded_direction() {
     let mut bench = Bench::homed(9);
     bench.write("UNIT.PROTARY", 2); // degrees
     bench.write("PL.MODP1", 0);
@@ -584,7 +584,7 @@ fn saved_tasks_survive_and_others_do_not() {
 }
 
 #[test]
-fn the_feedrate_is_of_tasks_alone() {
+fn the_feedrate_applies_to_tasks_only() {
     let mut bench = Bench::homed(9);
     bench.write("MT_FEEDRATE", 50);
     bench.mdi(0.0, 240.0, 4, false);

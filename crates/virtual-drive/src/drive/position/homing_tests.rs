@@ -64,7 +64,7 @@ fn near(a: f64, b: f64) {
 }
 
 #[test]
-fn where_it_stands_and_as_the_feedback_says() {
+fn homing_at_the_present_position_and_at_the_feedback_position() {
     let mut bench = bench(0, true);
     bench.write("HOME.P", 2 * 65_536);
     let (reference, there) = home(&mut bench);
@@ -262,7 +262,7 @@ fn the_home_point_has_its_number_and_an_extra_move() {
 }
 
 #[test]
-fn what_is_not_found_is_told() {
+fn a_home_switch_not_found_is_reported() {
     let nothing = Plant {
         travel: None,
         ..plant()

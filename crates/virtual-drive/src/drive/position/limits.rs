@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn inside_at_and_outside() {
+    fn inside_at_and_beyond_the_limits() {
         let limits = Limits::new(Some(100), Some(-100)); // in whichever order
         assert!(limits.contains(100) && limits.contains(-100) && !limits.contains(101));
         assert_eq!(

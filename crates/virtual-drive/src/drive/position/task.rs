@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn every_control_word_is_known_or_refused() {
+    fn every_control_word_is_accepted_or_refused() {
         for control in 0..1 << 17 {
             let task = with(control);
             let kind = match control & 0xF {

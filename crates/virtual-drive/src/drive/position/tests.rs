@@ -304,7 +304,7 @@ fn intermediate_stop_and_reject() {
 }
 
 #[test]
-fn what_cannot_run_is_not_acknowledged_and_says_why() {
+fn a_task_that_cannot_run_is_rejected_with_a_cause() {
     let mut bench = Bench::new(9);
     bench.enable();
     bench.mdi(1.0, 100.0, 4, true);

@@ -176,7 +176,7 @@ fn an_acknowledge_that_does_not_go_back_is_no_acknowledge() {
 }
 
 #[test]
-fn an_axis_that_stops_before_its_target_is_told() {
+fn an_axis_that_stops_before_its_target_is_reported() {
     let mut bench = Bench::positioning();
     positioner(&mut bench).barrier = Some(3000);
     bench.pursue(to(50_000));
@@ -246,7 +246,7 @@ fn homing_is_done_when_the_bits_went_and_came_back() {
 }
 
 #[test]
-fn homing_on_the_spot_needs_to_be_known_as_such() {
+fn homing_in_place_must_be_declared() {
     for (on_the_spot, end) in [
         (true, Progress::Reached),
         (false, Progress::Failed(Trouble::HomingNotStarted)),
@@ -259,7 +259,7 @@ fn homing_on_the_spot_needs_to_be_known_as_such() {
 }
 
 #[test]
-fn homing_that_does_not_begin_or_fails_is_told_and_stopped() {
+fn homing_that_does_not_begin_or_fails_is_reported_and_stopped() {
     let mut bench = Bench::positioning();
     positioner(&mut bench).ignores_homing = true;
     bench.pursue(Goal::Home { on_the_spot: false });

@@ -203,8 +203,8 @@ impl Trial {
         }
         self.send(READY, 150);
         let status = self.bench.status();
-        let told = self.bench.read("DRV.MOTIONSTAT") & 0x2400 != 0 && status & 0x80 != 0;
-        if had_task && !told {
+        let flagged = self.bench.read("DRV.MOTIONSTAT") & 0x2400 != 0 && status & 0x80 != 0;
+        if had_task && !flagged {
             assert!(status & 0x0400 != 0, "not reached, no reason: {}", self.here());
             self.seen.done += 1;
         }

@@ -60,7 +60,7 @@ fn exported(lab: &Lab, model: &str, changes: &[(&str, &str)]) -> PathBuf {
 }
 
 #[test]
-fn each_drive_of_a_plant_is_of_its_make() {
+fn each_drive_of_a_plant_has_its_model() {
     let lab = Lab::new("plant-makes");
     let plant = lab.folder().join("plant.toml");
     std::fs::write(&plant, PLANT).unwrap();
@@ -80,8 +80,8 @@ fn each_drive_of_a_plant_is_of_its_make() {
         (&["status", "vlt-1"], "words        of Danfoss PROFIdrive"),
         (&["status", "vacon-1"], "no controller is connected"),
     ] {
-        let told = client(&lab, line).ok().out;
-        assert!(told.contains(words), "{line:?}: {told}");
+        let printed = client(&lab, line).ok().out;
+        assert!(printed.contains(words), "{line:?}: {printed}");
     }
     client(&lab, &["write", "vacon-1", "ID103=0.5s", "ID104=0.5s"]).ok();
     // an update time that a busy machine keeps
@@ -116,7 +116,7 @@ fn each_drive_of_a_plant_is_of_its_make() {
 }
 
 #[test]
-fn a_device_description_says_which_model_it_is_or_is_told() {
+fn a_device_description_determines_the_model() {
     let lab = Lab::new("maker-unknown");
     let network = ["--name", "strange-1", "--ip", "192.168.77.50/24"];
     // of a maker whose drives are simulated: no word about the model is needed
@@ -124,8 +124,8 @@ fn a_device_description_says_which_model_it_is_or_is_told() {
     let own = [&["--gsdml", file.to_str().unwrap()], &network[..]].concat();
     let drive = simulate(&lab, &own);
     assert_eq!(scanned(&lab), [("strange-1".to_owned(), 0x0080, 0x0001)]);
-    let told = client(&lab, &["read", "strange-1", "3-41"]).ok().out;
-    assert!(told.contains("Ramp 1 Ramp up Time"), "{told}");
+    let printed = client(&lab, &["read", "strange-1", "3-41"]).ok().out;
+    assert!(printed.contains("Ramp 1 Ramp up Time"), "{printed}");
     drive.interrupt(Duration::from_secs(5)).ok();
 
     // of a maker nobody knows: what it is inside must be said
@@ -146,7 +146,7 @@ fn a_device_description_says_which_model_it_is_or_is_told() {
     );
     assert_eq!(scanned(&lab), [("strange-1".to_owned(), 0x0ABC, 0x0001)]);
     // its tables are learned from itself
-    let told = client(&lab, &["read", "strange-1", "341"]).ok().out;
-    assert!(told.contains("Ramp 1 Ramp up T"), "{told}");
+    let printed = client(&lab, &["read", "strange-1", "341"]).ok().out;
+    assert!(printed.contains("Ramp 1 Ramp up T"), "{printed}");
     drive.interrupt(Duration::from_secs(5)).ok();
 }

@@ -32,7 +32,7 @@ const PERCENT: &str = "%";
 
 /// Values, by the part that their parameter has.
 #[derive(Debug)]
-pub(super) struct Told {
+pub(super) struct Readings {
     rows: Vec<(Part, Reading)>,
     scaling: Scaling,
     /// Status word and actual value of a serial line, where no parameter has them.
@@ -44,7 +44,7 @@ pub(super) struct Told {
 impl Session {
     /// Reads the parameters with these parts in as few jobs as possible; what the make has not or the drive refuses is
     /// left out.
-    pub(super) async fn ask(&mut self, drive: &mut Drive, parts: &[Part]) -> Result<Told, Error> {
+    pub(super) async fn ask(&mut self, drive: &mut Drive, parts: &[Part]) -> Result<Readings, Error> {
         let wanted: Vec<(Part, Selection)> = parts.iter().flat_map(|&part| places(drive, part)).collect();
         let selections: Vec<Selection> = wanted.iter().map(|(_, selection)| *selection).collect();
         let mut rows = Vec::new();
@@ -63,7 +63,7 @@ impl Session {
             Some(slave) => self.line_words(drive, slave).await?,
             None => None,
         };
-        Ok(Told {
+        Ok(Readings {
             rows,
             scaling: drive.parameters.scaling,
             line,
@@ -106,7 +106,7 @@ pub(super) fn places(drive: &Drive, part: Part) -> Vec<(Part, Selection)> {
     places
 }
 
-impl Told {
+impl Readings {
     /// The first value of a part.
     pub fn find(&self, part: Part) -> Option<&Reading> {
         self.all(part).next()
@@ -245,10 +245,10 @@ impl Told {
 
     /// A reference in rpm.
     pub fn reference_at(&self, part: Part) -> Option<f64> {
-        let told = self.find(part)?;
+        let reading = self.find(part)?;
         let unit = self.find(Part::ReferenceUnit).and_then(|unit| unit.choice);
-        let value = told.number()?;
-        match unit.unwrap_or(told.unit) {
+        let value = reading.number()?;
+        match unit.unwrap_or(reading.unit) {
             unit if unit.eq_ignore_ascii_case("rpm") => Some(value),
             unit if unit.eq_ignore_ascii_case("hz") => Some(value * 60.0 / self.pole_pairs()),
             _ => None,

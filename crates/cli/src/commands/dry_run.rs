@@ -14,7 +14,7 @@ use crate::output::Output;
 
 /// What was found.
 #[derive(Debug)]
-pub struct Rehearsal {
+pub struct DryRun {
     /// Telegram and scale; `None` where the drive would be put into another mode first.
     pub plan: Option<AxisPlan>,
 }
@@ -27,7 +27,7 @@ pub fn axis(
     settings: &AxisSettings,
     needed: Option<(Mode, &SetMode)>,
     output: &Output,
-) -> Result<Rehearsal, Failure> {
+) -> Result<DryRun, Failure> {
     let plan = match session.plan_axis(drive, settings).wait() {
         Err(Error::WrongMode { .. }) if needed.is_some_and(|(_, wanted)| wanted.set_mode) => {
             session.check_control(drive).wait()?;
@@ -52,12 +52,12 @@ pub fn axis(
             None => failure,
         });
     }
-    Ok(Rehearsal { plan })
+    Ok(DryRun { plan })
 }
 
-impl Rehearsal {
+impl DryRun {
     /// `, telegram 9 -> 1 (PNU 922)`
-    pub fn told(&self) -> String {
+    pub fn telegram_text(&self) -> String {
         let Some(plan) = &self.plan else {
             return String::new();
         };

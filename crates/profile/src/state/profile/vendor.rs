@@ -52,7 +52,7 @@ impl ControlWords {
     #[must_use]
     pub fn of(&self, telegram: Option<&Telegram>, choice: Option<i64>) -> Profile {
         if telegram.is_some_and(|telegram| telegram.own_words) {
-            self.makers(choice)
+            self.vendor_profile(choice)
         } else {
             self.standard
         }
@@ -67,7 +67,7 @@ impl ControlWords {
 
     /// Those of the maker's telegrams.
     #[must_use]
-    pub fn makers(&self, choice: Option<i64>) -> Profile {
+    pub fn vendor_profile(&self, choice: Option<i64>) -> Profile {
         choice.and_then(|value| self.by(value)).unwrap_or(self.own)
     }
 

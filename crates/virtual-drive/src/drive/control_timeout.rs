@@ -10,23 +10,23 @@ use super::faults::Keeper;
 use super::velocity::on_ramp;
 use super::{Disconnect, Drive};
 use crate::axis::Command;
-use crate::model::{ControlTimeout, Deserted, Lost, numbered};
+use crate::model::{ControlTimeout, Lost, TimeoutAction, numbered};
 
 /// How far it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Alone {
+pub(super) enum ControllerLoss {
     /// The last control word still counts for so long.
     Waits(Duration),
     /// Its time is over.
-    Acts(Deserted),
+    Acts(TimeoutAction),
 }
 
-impl Alone {
+impl ControllerLoss {
     /// The last control word is as good as one of a controller.
     pub(super) const fn holds(self) -> bool {
         !matches!(
             self,
-            Self::Acts(Deserted::Stops | Deserted::Trips | Deserted::TripsCoasting)
+            Self::Acts(TimeoutAction::Stops | TimeoutAction::Trips | TimeoutAction::TripsCoasting)
         )
     }
 }
@@ -59,14 +59,14 @@ impl Drive {
             Lost::Always => self.raise(number),
             Lost::After(rule) => {
                 let left = self.time_of(rule).unwrap_or_default().saturating_sub(age);
-                self.alone = Some(Alone::Waits(left));
+                self.controller_loss = Some(ControllerLoss::Waits(left));
                 let at_once = rule.time == 0;
                 if at_once {
-                    self.act_alone(rule);
+                    self.act_on_timeout(rule);
                 }
                 // a line has no connection whose loss could be told
-                let told = at_once || cause != Disconnect::Silent;
-                if told && self.alone.is_some_and(Alone::holds) {
+                let announced = at_once || cause != Disconnect::Silent;
+                if announced && self.controller_loss.is_some_and(ControllerLoss::holds) {
                     self.keep(number, Keeper::Action, true);
                 }
             }
@@ -74,8 +74,8 @@ impl Drive {
     }
 
     /// A controller speaks again.
-    pub(super) fn is_not_alone(&mut self) {
-        if self.alone.take().is_some()
+    pub(super) fn controller_is_back(&mut self) {
+        if self.controller_loss.take().is_some()
             && let Some(rule) = self.control_word_rule()
         {
             self.keep(rule.number, Keeper::Action, false);
@@ -84,27 +84,29 @@ impl Drive {
 
     /// `passed` more without a controller.
     pub(super) fn grow_lonely(&mut self, passed: Duration) {
-        let (Some(Alone::Waits(left)), Some(rule)) = (self.alone, self.control_word_rule()) else {
+        let (Some(ControllerLoss::Waits(left)), Some(rule)) =
+            (self.controller_loss, self.control_word_rule())
+        else {
             return;
         };
         let left = left.saturating_sub(passed);
         if !left.is_zero() {
-            self.alone = Some(Alone::Waits(left));
+            self.controller_loss = Some(ControllerLoss::Waits(left));
             return;
         }
-        self.act_alone(rule);
+        self.act_on_timeout(rule);
     }
 
     /// Does what the parameter says.
-    fn act_alone(&mut self, rule: &ControlTimeout) {
+    fn act_on_timeout(&mut self, rule: &ControlTimeout) {
         let function = self.values.get(rule.function);
         let action = rule.actions.iter().find(|(value, _)| *value == function);
-        let action = action.map_or(Deserted::GoesOn, |(_, action)| *action);
-        self.alone = Some(Alone::Acts(action));
+        let action = action.map_or(TimeoutAction::GoesOn, |(_, action)| *action);
+        self.controller_loss = Some(ControllerLoss::Acts(action));
         match action {
-            Deserted::GoesOn => {}
-            Deserted::Trips => self.raise(rule.number),
-            Deserted::TripsCoasting => {
+            TimeoutAction::GoesOn => {}
+            TimeoutAction::Trips => self.raise(rule.number),
+            TimeoutAction::TripsCoasting => {
                 self.raise(rule.number);
                 self.reaction = Some(FaultReaction::Coast);
             }
@@ -113,17 +115,20 @@ impl Drive {
     }
 
     /// What the axis does instead of following the last setpoint.
-    pub(super) fn deserted_command(&mut self) -> Option<Command> {
-        let Some(Alone::Acts(action)) = self.alone else {
+    pub(super) fn timeout_command(&mut self) -> Option<Command> {
+        let Some(ControllerLoss::Acts(action)) = self.controller_loss else {
             return None;
         };
         let settings = &self.settings;
         let inverter = settings.inverter.as_ref()?;
         let (target, ramps) = match action {
-            Deserted::Freezes => (self.axis.speed_command(), settings.ramps),
-            Deserted::Jogs => (inverter.jog, settings.jog_ramps),
-            Deserted::RunsAtMaximum => (inverter.fastest(), settings.ramps),
-            Deserted::GoesOn | Deserted::Stops | Deserted::Trips | Deserted::TripsCoasting => return None,
+            TimeoutAction::Freezes => (self.axis.speed_command(), settings.ramps),
+            TimeoutAction::Jogs => (inverter.jog, settings.jog_ramps),
+            TimeoutAction::RunsAtMaximum => (inverter.fastest(), settings.ramps),
+            TimeoutAction::GoesOn
+            | TimeoutAction::Stops
+            | TimeoutAction::Trips
+            | TimeoutAction::TripsCoasting => return None,
         };
         self.target = target;
         Some(on_ramp(target, ramps))

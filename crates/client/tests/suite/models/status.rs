@@ -5,7 +5,7 @@ use profidrive_client::Wait;
 
 /// Whatever keeps a drive from running is told with what to do, in the parameters and words of its make.
 #[test]
-fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
+fn causes_that_prevent_running_are_reported_with_a_remedy() {
     type Row = (
         &'static str,
         [&'static str; 3],
@@ -37,7 +37,7 @@ fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
             ["HWLS.POSSTATE", "", ""],
         ),
     ];
-    for (happening, causes, sentences, advices) in rows {
+    for (event, causes, sentences, advices) in rows {
         let models = model::ALL.iter().zip(NAMES).zip(1..);
         let stations = models.map(|((model, name), last)| station_of(model, name, last, None));
         let (mut session, ids) = bench_of(stations.collect());
@@ -49,15 +49,15 @@ fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
                 "{name}: {waits:?}"
             );
             with_drive(&session, ids[at], |drive| {
-                drive.inject(happening.parse().expect("an injection"));
+                drive.inject(event.parse().expect("an injection"));
             });
             session.pass(Duration::from_secs(60)).wait().expect("time passes");
             let found = diagnose(&session.status(&mut drive).wait().expect("a status"));
-            let told = format!("{name}, {happening}: {found:?}");
-            assert_eq!(found.cause.id(), causes[at], "{told}");
-            assert!(found.sentence.contains(sentences[at]), "{told}");
+            let context = format!("{name}, {event}: {found:?}");
+            assert_eq!(found.cause.id(), causes[at], "{context}");
+            assert!(found.sentence.contains(sentences[at]), "{context}");
             let advice = format!("{:?} {:?}", found.next, found.notes);
-            assert!(advice.contains(advices[at]), "{told}");
+            assert!(advice.contains(advices[at]), "{context}");
             if name != "akd-1" {
                 for group in [
                     "DRV.",
@@ -69,7 +69,7 @@ fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
                     "STO.STATE",
                     "MOTOR.",
                 ] {
-                    assert!(!told.contains(group), "{told}");
+                    assert!(!context.contains(group), "{context}");
                 }
             }
         }
@@ -78,7 +78,7 @@ fn what_keeps_a_make_from_running_is_told_with_its_remedy() {
 
 /// A situation of the buffer has eight places, and a drive may have more faults than that.
 #[test]
-fn faults_that_the_buffer_has_no_place_for_are_told_too() {
+fn faults_beyond_the_buffer_are_reported_too() {
     let (mut session, ids) = bench_of(vec![station_of(&model::AKD, "akd-1", 1, None)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     let numbers = [439, 301, 302, 501, 502, 535, 307, 408, 130, 131];
@@ -90,8 +90,8 @@ fn faults_that_the_buffer_has_no_place_for_are_told_too() {
             .expect("time passes");
     }
     let report = session.fault_report(&mut drive).wait().expect("told");
-    let told: Vec<u16> = report.present().map(|fault| fault.number).collect();
-    assert_eq!(told, numbers);
+    let present: Vec<u16> = report.present().map(|fault| fault.number).collect();
+    assert_eq!(present, numbers);
     assert!(
         report
             .present()
@@ -101,7 +101,7 @@ fn faults_that_the_buffer_has_no_place_for_are_told_too() {
 
 /// Warnings come with their remedy, beside the sentence.
 #[test]
-fn a_warning_of_each_make_is_told_with_its_remedy() {
+fn a_warning_of_each_model_is_reported_with_its_remedy() {
     let models = model::ALL.iter().zip(NAMES).zip(1..);
     let stations = models.map(|((model, name), last)| station_of(model, name, last, None));
     let (mut session, ids) = bench_of(stations.collect());
@@ -130,8 +130,8 @@ fn a_warning_of_each_make_is_told_with_its_remedy() {
 }
 
 #[test]
-fn the_words_of_a_make_are_told_in_its_bits() {
-    let mut session = makes();
+fn control_and_status_words_are_shown_with_the_bits_of_the_model() {
+    let mut session = all_models();
     let mut drive = find(&mut session, "vlt-1").expect("there");
     let status = session.status(&mut drive).wait().expect("a status");
     assert_eq!(status.profile, Profile::DanfossProfidrive);
@@ -144,7 +144,7 @@ fn the_words_of_a_make_are_told_in_its_bits() {
 }
 
 #[test]
-fn a_fault_of_every_make_is_told_with_its_meaning_and_acknowledged() {
+fn a_fault_of_each_model_is_reported_with_its_meaning_and_acknowledged() {
     let stations = model::ALL.iter().zip(NAMES).zip(1..);
     let stations = stations.map(|((model, name), last)| station_of(model, name, last, None));
     let (mut session, ids) = bench_of(stations.collect());
@@ -211,8 +211,8 @@ fn a_fault_of_every_make_is_told_with_its_meaning_and_acknowledged() {
 
 /// What only an AKD has is in no text about another make.
 #[test]
-fn facts_of_a_make_come_from_its_own_parameters() {
-    let mut session = makes();
+fn motion_facts_come_from_the_parameters_of_the_model() {
+    let mut session = all_models();
     let limits = [
         (
             "vlt-1",

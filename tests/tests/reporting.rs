@@ -22,7 +22,7 @@ fn counter(lab: &Lab) -> Value {
 }
 
 #[test]
-fn roundings_are_told_and_other_values_refused() {
+fn roundings_are_reported_and_other_values_refused() {
     let lab = Lab::new("roundings");
     let _drive = simulate(&lab);
     let written = client(&lab, &["write", "akd-1", "1004=99rpm"]).ok();

@@ -12,7 +12,7 @@ const VACON: &Dialect = &Dialect::VACON;
 
 /// Request 0x42 is kept, 0x02 is not; the other makers do not have it.
 #[test]
-fn a_vlt_keeps_what_it_is_told_to_keep() {
+fn a_vlt_saves_values_on_request() {
     let mut drive = Converter::new();
     let change = |id: &str| format!("05 {id} 00 01 10 01 01 55 00 00 07 01 00 00 01 F4");
     for (id, keep) in [("02", Keep::Volatile), ("42", Keep::Permanent)] {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use client::{Drive, MakerModule};
+use client::{Drive, VendorModule};
 use gsdml::AccessPoint;
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 use profinet::cyclic::{TICK, Timing};
@@ -39,8 +39,8 @@ pub fn describe(path: &Path, drive: &mut Drive) -> Result<(), Failure> {
             "`profidrive gsdml show {name}` shows access points and modules"
         ))
     })?;
-    drive.maker_modules = import.description.telegrams.iter().map(of).collect();
-    drive.maker_timings = timings(&file.access_points);
+    drive.vendor_modules = import.description.telegrams.iter().map(of).collect();
+    drive.vendor_timings = timings(&file.access_points);
     drive.device_access = device_access(&file.access_points);
     Ok(())
 }
@@ -68,7 +68,7 @@ fn timings(points: &[AccessPoint]) -> Vec<Timing> {
 }
 
 /// One telegram of a description as a controller expects it.
-fn of(telegram: &TelegramModule) -> MakerModule {
+fn of(telegram: &TelegramModule) -> VendorModule {
     let mut by_api: BTreeMap<u32, Vec<SubmoduleConfig>> = BTreeMap::new();
     for submodule in &telegram.module.submodules {
         by_api.entry(submodule.api).or_default().push(SubmoduleConfig {
@@ -85,7 +85,7 @@ fn of(telegram: &TelegramModule) -> MakerModule {
         ident,
         submodules,
     });
-    MakerModule {
+    VendorModule {
         telegram: telegram.telegram,
         place: (slot, telegram.subslot),
         modules: modules.collect(),
@@ -99,7 +99,7 @@ mod tests {
     use profinet::controller::Station;
 
     #[test]
-    fn the_telegrams_of_a_maker_file() {
+    fn telegrams_of_a_vendor_file() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
         let file = folder.join("GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml");
         let station = Station {
@@ -110,10 +110,10 @@ mod tests {
         let mut drive = Drive::new(station);
         describe(&file, &mut drive).unwrap();
         assert_eq!(drive.device_access, None, "the file says nothing");
-        let mut modules = drive.maker_modules.iter();
+        let mut modules = drive.vendor_modules.iter();
         let nine = modules.find(|module| module.telegram == 9).unwrap();
         assert_eq!(nine.lengths(), (20, 10));
-        let intervals = drive.maker_timings.iter().map(Timing::interval);
+        let intervals = drive.vendor_timings.iter().map(Timing::interval);
         let longest = intervals.max().map(|longest| longest.as_millis());
         assert_eq!(longest, Some(512));
         let other = Station {

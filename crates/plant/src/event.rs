@@ -17,15 +17,15 @@ pub type Unit = Impaired<Host<Station>>;
 /// Something that happens to a drive, in the notation `key=value`; [`keys`] lists all of it.
 ///
 /// ```
-/// use profidrive_plant::Happening;
-/// let pulled: Happening = "cable=pulled".parse()?;
+/// use profidrive_plant::ScenarioEvent;
+/// let pulled: ScenarioEvent = "cable=pulled".parse()?;
 /// assert_eq!(pulled.undo().unwrap().to_string(), "cable=plugged");
-/// let lasting: Happening = "fault=439!".parse()?;
+/// let lasting: ScenarioEvent = "fault=439!".parse()?;
 /// assert_eq!(lasting.undo().unwrap().to_string(), "clear=439");
-/// # Ok::<(), profidrive_plant::HappeningError>(())
+/// # Ok::<(), profidrive_plant::ScenarioEventError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Happening {
+pub enum ScenarioEvent {
     /// To motor, load, wiring and power of the drive.
     Drive(Injection),
     /// `cable=pulled`, `cable=plugged`.
@@ -57,7 +57,7 @@ pub enum LinkFault {
 /// The text is nothing that can happen.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum HappeningError {
+pub enum ScenarioEventError {
     /// No `=` in it.
     #[error("`{text}`: write KEY=VALUE, for example fault=439; keys: {}", key_list())]
     NoValue {
@@ -127,7 +127,7 @@ const fn key(key: &'static str, example: &'static str, meaning: &'static str) ->
 }
 
 /// The keys that are not the drive's own.
-static OUTSIDE: [Key; 7] = [
+static EXTERNAL: [Key; 7] = [
     key("cable", "cable=pulled", "pulled or plugged"),
     key("loss", "loss=5%", "share of frames lost, both directions"),
     key("duplicate", "duplicate=1%", "share of frames that arrive twice"),
@@ -149,7 +149,7 @@ static OUTSIDE: [Key; 7] = [
 pub fn keys() -> impl Iterator<Item = Key> {
     Injection::keys()
         .map(|row| key(row.key, row.example, row.meaning))
-        .chain(OUTSIDE)
+        .chain(EXTERNAL)
 }
 
 fn key_list() -> String {
@@ -168,19 +168,19 @@ fn inputs(most: usize) -> String {
     }
 }
 
-impl Happening {
+impl ScenarioEvent {
     /// Whether it can happen to a drive of this model: it must have the fault, warning or digital input that is
     /// named.
     ///
     /// # Errors
-    /// [`HappeningError::UnknownNumber`] with the numbers next to it, [`HappeningError::NoInput`].
-    pub fn fits(&self, model: &Model) -> Result<(), HappeningError> {
+    /// [`ScenarioEventError::UnknownNumber`] with the numbers next to it, [`ScenarioEventError::NoInput`].
+    pub fn fits(&self, model: &Model) -> Result<(), ScenarioEventError> {
         let (kind, number, meant): (_, _, &[bool]) = match *self {
             Self::Drive(Injection::Fault { number, .. }) => ("fault", number, &[false]),
             Self::Drive(Injection::Warning { number }) => ("warning", number, &[true]),
             Self::Drive(Injection::ClearCause { number }) => ("fault or warning", number, &[false, true]),
             Self::Drive(Injection::ButtonB1(_)) if model.roles.address_mode.is_none() => {
-                return Err(HappeningError::Value {
+                return Err(ScenarioEventError::Value {
                     text: self.to_string(),
                     expected: "this drive has no button B1",
                 });
@@ -190,7 +190,7 @@ impl Happening {
                 if usize::from(number) <= most {
                     return Ok(());
                 }
-                return Err(HappeningError::NoInput {
+                return Err(ScenarioEventError::NoInput {
                     text: self.to_string(),
                     drive: model.catalogue.device.station_type,
                     most,
@@ -212,7 +212,7 @@ impl Happening {
         };
         let below = there().filter(|other| *other < number).max();
         let above = there().filter(|other| *other > number).min();
-        Err(HappeningError::UnknownNumber {
+        Err(ScenarioEventError::UnknownNumber {
             text: self.to_string(),
             drive: catalogue.device.station_type,
             kind,
@@ -292,15 +292,15 @@ fn undo(injection: Injection) -> Option<Injection> {
     })
 }
 
-impl FromStr for Happening {
-    type Err = HappeningError;
+impl FromStr for ScenarioEvent {
+    type Err = ScenarioEventError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (key, value) = text.split_once('=').ok_or_else(|| HappeningError::NoValue {
+        let (key, value) = text.split_once('=').ok_or_else(|| ScenarioEventError::NoValue {
             text: text.to_owned(),
         })?;
         let (key, value) = (key.trim(), value.trim());
-        let wrong = |expected| HappeningError::Value {
+        let wrong = |expected| ScenarioEventError::Value {
             text: text.trim().to_owned(),
             expected,
         };
@@ -335,7 +335,7 @@ impl FromStr for Happening {
             "answers" => Self::Answers(value.parse().map_err(|_| wrong(ANSWERS))?),
             key if Injection::keys().any(|row| row.key == key) => Self::Drive(text.trim().parse()?),
             key => {
-                return Err(HappeningError::UnknownKey { key: key.to_owned() });
+                return Err(ScenarioEventError::UnknownKey { key: key.to_owned() });
             }
         })
     }
@@ -345,7 +345,7 @@ const SHARE: &str = "a share is 0% to 100%";
 const TIME: &str = "a time of a frame is 0s to 60s, with its unit";
 const ANSWERS: &str = "answers are none, silent, late TIME, reference, cut or error NUMBER";
 
-impl fmt::Display for Happening {
+impl fmt::Display for ScenarioEvent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |share: f64| (share * 1e6).round() / 1e4;
         let millis = |time: Duration| time.as_secs_f64() * 1000.0;
@@ -370,11 +370,11 @@ mod tests {
     #[test]
     fn every_example_is_read_written_and_ended() {
         for row in keys() {
-            let happening: Happening = row.example.parse().unwrap();
-            assert_eq!(happening.to_string(), row.example, "{}", row.key);
-            assert_eq!(happening.to_string().parse(), Ok(happening));
-            if let Some(end) = happening.undo() {
-                assert_ne!(end, happening);
+            let event: ScenarioEvent = row.example.parse().unwrap();
+            assert_eq!(event.to_string(), row.example, "{}", row.key);
+            assert_eq!(event.to_string().parse(), Ok(event));
+            if let Some(end) = event.undo() {
+                assert_ne!(end, event);
                 assert_eq!(end.to_string().parse(), Ok(end));
             }
         }
@@ -393,7 +393,7 @@ mod tests {
             "sto=on",
             "input=7:on",
         ] {
-            assert_eq!(text.parse::<Happening>().unwrap().fits(akd), Ok(()), "{text}");
+            assert_eq!(text.parse::<ScenarioEvent>().unwrap().fits(akd), Ok(()), "{text}");
         }
         for (text, words) in [
             ("fault=999", "has no fault 999; next to it there are "),
@@ -403,7 +403,7 @@ mod tests {
             ("input=8:on", "has the digital inputs 1 to 7"),
         ] {
             let error = text
-                .parse::<Happening>()
+                .parse::<ScenarioEvent>()
                 .unwrap()
                 .fits(akd)
                 .unwrap_err()
@@ -413,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told_with_what_is_possible() {
+    fn mistakes_are_reported_with_the_alternatives() {
         for (text, words) in [
             ("cable", "write KEY=VALUE"),
             (
@@ -432,7 +432,7 @@ mod tests {
             if words.is_empty() {
                 continue;
             }
-            let error = text.parse::<Happening>().unwrap_err().to_string();
+            let error = text.parse::<ScenarioEvent>().unwrap_err().to_string();
             assert!(error.contains(words), "{text}: {error}");
         }
     }

@@ -4,7 +4,7 @@ use super::*;
 use profidrive_client::Wait;
 
 #[test]
-fn a_drive_nobody_has_tables_of_tells_them_itself() {
+fn a_drive_without_a_built_in_catalogue_reports_its_parameters() {
     let strange = |id| station_of(&model::VLT, "strange", 1, Some((0x1234, id)));
     let (mut session, _) = bench_of(vec![strange(7)]);
     let mut drive = find(&mut session, "strange").expect("there");
@@ -12,13 +12,13 @@ fn a_drive_nobody_has_tables_of_tells_them_itself() {
         (drive.model.name, drive.model.catalogue.is_none()),
         ("PROFIdrive", true)
     );
-    let mut told = Vec::new();
+    let mut progress = Vec::new();
     session
-        .recognise(&mut drive, &mut |done, all| told.push((done, all)))
+        .recognise(&mut drive, &mut |done, all| progress.push((done, all)))
         .wait()
         .expect("learned");
     let tables = drive.model.catalogue.expect("its own tables");
-    assert!(drive.model.learned && told.last().is_some_and(|(done, all)| done == all));
+    assert!(drive.model.learned && progress.last().is_some_and(|(done, all)| done == all));
     assert_eq!((drive.model.dialect.axis, tables.notation), (0, Notation::Name));
     assert!(tables.parameters.len() > 250, "{}", tables.parameters.len());
     // names are those of the descriptions, numbers always work
@@ -77,7 +77,7 @@ fn a_drive_nobody_has_tables_of_tells_them_itself() {
 }
 
 #[test]
-fn a_drive_that_tells_nothing_of_itself_goes_by_number() {
+fn a_drive_without_descriptions_is_used_by_number() {
     let own = &model::VLT;
     let few = own.catalogue.parameters.iter().copied();
     let few = few.filter(|row| !(980..=989).contains(&row.pnu));
@@ -111,7 +111,7 @@ fn a_person_may_force_the_model() {
     let station = station_of(&model::VLT, "odd", 1, Some((0x1234, 3)));
     let (mut session, _) = bench_of(vec![station]);
     let found = find(&mut session, "odd").expect("there");
-    let mut drive = found.taken_for(Model::by_name("vlt").expect("known"));
+    let mut drive = found.as_model(Model::by_name("vlt").expect("known"));
     let selection = select(&drive, "3-41");
     let reading = session.read_one(&mut drive, &selection).wait().expect("a value");
     assert_eq!(
@@ -129,7 +129,7 @@ fn a_person_may_force_the_model() {
 }
 
 #[test]
-fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
+fn a_drive_without_a_built_in_catalogue_runs_at_a_percentage() {
     for (model, id) in [(&model::VLT, 21), (&model::VACON, 22)] {
         let name = model.catalogue.model;
         let strange = || bench_of(vec![station_of(model, "strange", 1, Some((0x1234, id)))]).0;
@@ -165,7 +165,7 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
         // and without any tables: only its axis is looked for
         let mut session = strange();
         let standard = Model::by_name("standard").expect("the profile");
-        let mut drive = find(&mut session, "strange").expect("there").taken_for(standard);
+        let mut drive = find(&mut session, "strange").expect("there").as_model(standard);
         session.find_channel(&mut drive).wait().expect("reached");
         assert!(drive.model.catalogue.is_none() && number(&mut session, &mut drive, "964[0]") > 0.0);
         let mut axis = session
@@ -181,7 +181,7 @@ fn a_drive_nobody_has_tables_of_turns_at_a_share_of_its_reference() {
             .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
     }
-    let mut session = makes();
+    let mut session = all_models();
     let percent = AxisSettings {
         unit: SpeedUnit::Percent,
         ..AxisSettings::default()
@@ -205,15 +205,15 @@ fn described(session: &mut Bench, drive: &Drive, text: &str) -> Option<Described
 
 /// Name, type, unit and limits come from the drive itself; what only fits the type is not taken for limits; texts follow.
 #[test]
-fn a_drive_describes_its_own_parameters_when_asked() {
-    let mut session = makes();
+fn a_drive_describes_its_own_parameters() {
+    let mut session = all_models();
     let vlt = find(&mut session, "vlt-1").expect("there");
     let ramp = described(&mut session, &vlt, "3-41").expect("told");
     assert_eq!(
         (ramp.name.as_str(), ramp.data_type, ramp.unit, ramp.elements),
         ("Ramp 1 Ramp up T", Some("Unsigned32"), "s", 1)
     );
-    assert_eq!(ramp.limits, DescribedLimits::Own(0.01, 3600.0));
+    assert_eq!(ramp.limits, ReportedLimits::Own(0.01, 3600.0));
     assert!(!ramp.read_only && !ramp.changed && ramp.texts.is_empty());
     let profile = described(&mut session, &vlt, "8-10").expect("told");
     let texts: Vec<_> = profile
@@ -227,15 +227,15 @@ fn a_drive_describes_its_own_parameters_when_asked() {
     let counter = described(&mut session, &vlt, "16-90").expect("told");
     assert!(counter.read_only, "{counter:?}");
     assert!(
-        matches!(counter.limits, DescribedLimits::OfType(low, high) if (low, high) == (0.0, 4_294_967_295.0)),
+        matches!(counter.limits, ReportedLimits::OfType(low, high) if (low, high) == (0.0, 4_294_967_295.0)),
         "{counter:?}"
     );
     let kind = described(&mut session, &vlt, "15-40").expect("told");
-    assert_eq!(kind.limits, DescribedLimits::None, "a text has none");
+    assert_eq!(kind.limits, ReportedLimits::None, "a text has none");
 
     let vacon = find(&mut session, "vacon-1").expect("there");
     let telegram = described(&mut session, &vacon, "922").expect("told");
-    assert_eq!(telegram.limits, DescribedLimits::OfType(0.0, 65_535.0));
+    assert_eq!(telegram.limits, ReportedLimits::OfType(0.0, 65_535.0));
     assert!(telegram.read_only && telegram.data_type == Some("Unsigned16"));
     let signals = described(&mut session, &vacon, "915").expect("told");
     assert_eq!(signals.elements, 16);
@@ -260,7 +260,7 @@ fn a_drive_describes_its_own_parameters_when_asked() {
         let ramp = described(&mut session, &drive, "341").expect("told");
         assert_eq!(
             (ramp.unit, ramp.limits),
-            ("s", DescribedLimits::Own(0.01, 3600.0)),
+            ("s", ReportedLimits::Own(0.01, 3600.0)),
             "{model}"
         );
         let profile = described(&mut session, &drive, "810").expect("told");

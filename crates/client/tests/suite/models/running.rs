@@ -4,8 +4,8 @@ use super::*;
 use profidrive_client::Wait;
 
 #[test]
-fn every_make_turns_and_says_so() {
-    let mut session = makes();
+fn every_model_runs_and_reports_its_speed() {
+    let mut session = all_models();
     for name in NAMES {
         let mut drive = find(&mut session, name).expect("there");
         let before = diagnose(&session.status(&mut drive).wait().expect("a status"));
@@ -33,8 +33,8 @@ fn every_make_turns_and_says_so() {
             let status = session.status(drive).wait().expect("a status");
             assert_eq!(status.state(), Some(State::S2), "{name}: {status:?}");
             let snapshot = session.snapshot(drive, &[]).wait().expect("a snapshot");
-            let told = snapshot.speed_actual.expect("a speed");
-            assert_eq!(told.unit, "rpm", "{name}");
+            let speed = snapshot.speed_actual.expect("a speed");
+            assert_eq!(speed.unit, "rpm", "{name}");
         }
         drop(axis);
         session.settle();
@@ -46,7 +46,7 @@ fn every_make_turns_and_says_so() {
 /// Nothing is enabled for what a drive cannot do; where PNU 930 is read-only nobody is told to write it.
 #[test]
 fn speed_drives_refuse_positions_before_anything_is_enabled() {
-    let mut session = makes();
+    let mut session = all_models();
     for name in &NAMES[1..] {
         let mut drive = find(&mut session, name).expect("there");
         for purpose in [Purpose::Home, Purpose::Task, Purpose::Move, Purpose::RealTimeJog] {
@@ -72,8 +72,8 @@ fn speed_drives_refuse_positions_before_anything_is_enabled() {
 }
 
 #[test]
-fn telegrams_of_the_makers_turn_their_drives_at_the_same_speed() {
-    let mut session = makes();
+fn vendor_telegrams_run_their_drives_at_the_same_speed() {
+    let mut session = all_models();
     let with = |telegram| AxisSettings {
         telegram: Some(telegram),
         ..AxisSettings::default()
@@ -115,7 +115,7 @@ fn telegrams_of_the_makers_turn_their_drives_at_the_same_speed() {
 
 #[test]
 fn words_of_a_ppo_type_that_settings_choose_keep_their_parameters() {
-    let mut session = makes();
+    let mut session = all_models();
     let mut drive = find(&mut session, "vlt-1").expect("there");
     for setting in [
         "922=104",
@@ -138,8 +138,8 @@ fn words_of_a_ppo_type_that_settings_choose_keep_their_parameters() {
 }
 
 #[test]
-fn a_converter_is_not_stopped_beside_its_controller_and_says_so() {
-    let mut session = makes();
+fn stop_refuses_a_converter_with_another_controller() {
+    let mut session = all_models();
     for name in ["vlt-1", "vacon-1"] {
         let mut drive = find(&mut session, name).expect("there");
         let mut axis = session
@@ -179,8 +179,8 @@ fn a_converter_is_not_stopped_beside_its_controller_and_says_so() {
 
 /// Each make jogs at the speed of its own setting, and that one is told.
 #[test]
-fn every_make_jogs_at_its_own_setting() {
-    let mut session = makes();
+fn every_model_jogs_at_its_own_setting() {
+    let mut session = all_models();
     for (name, label) in NAMES.into_iter().zip(["(p1004)", "(8-90)", "(ID 124)"]) {
         let mut drive = find(&mut session, name).expect("there");
         let setting = session.jog_speed(&mut drive, Jog::One).wait().expect("known");

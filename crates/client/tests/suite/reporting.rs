@@ -12,23 +12,23 @@ use virtual_drive::drive::Injection;
 
 /// A warning is told by number when it comes, once, also one that comes while another is there.
 #[test]
-fn warnings_are_told_when_they_come() {
+fn warnings_are_reported_when_they_occur() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     with_drive(&session, ids[0], |drive| {
         drive.inject(Injection::Warning { number: 107 });
     });
-    let told = Shared::new(Vec::new());
+    let reports = Shared::new(Vec::new());
     let mut axis = session
         .take_axis(&mut drive, AxisSettings::default())
         .wait()
         .expect("connected");
-    let teller = told.clone();
+    let sink = reports.clone();
     axis.watch_warnings(move |status, warnings| {
         let numbers: Vec<u32> = warnings.iter().map(|warning| warning.number).collect();
         let words = warnings.iter().all(|warning| warning.meaning.is_some());
         assert!(words, "{warnings:?}");
-        teller.borrow_mut().push((status.time.as_secs(), numbers));
+        sink.borrow_mut().push((status.time.as_secs(), numbers));
     });
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(60.0, None).wait().expect("runs");
@@ -36,10 +36,10 @@ fn warnings_are_told_when_they_come() {
         .keep_speed(60.0, Duration::from_secs(5))
         .wait()
         .expect("keeps it");
-    assert_eq!(*told.borrow(), [(0, vec![107])]);
+    assert_eq!(*reports.borrow(), [(0, vec![107])]);
     drop(enabled);
     axis.release().wait().expect("released");
-    assert_eq!(told.borrow().len(), 1, "not again: {told:?}");
+    assert_eq!(reports.borrow().len(), 1, "not again: {reports:?}");
     assert!(is_at_rest(&session, ids[0]));
 }
 
@@ -58,8 +58,8 @@ fn taking_an_axis_can_be_planned() {
         .wait()
         .expect("possible");
     assert_eq!((plan.telegram, plan.telegram_before), (1, Some(9)));
-    let told = plan.speed_told(&drive, 61.7).expect("near enough");
-    assert!((told - 61.88).abs() < 0.01, "{told}");
+    let rounded = plan.rounded_speed_for(&drive, 61.7).expect("near enough");
+    assert!((rounded - 61.88).abs() < 0.01, "{rounded}");
     let again = session.plan_axis(&mut drive, &AxisSettings::default()).wait();
     let before = again.expect("still possible").telegram_before;
     assert_eq!(before, Some(9), "as it was");
@@ -78,14 +78,14 @@ fn taking_an_axis_can_be_planned() {
         .take_axis(&mut drive, AxisSettings::default())
         .wait()
         .expect("connected");
-    assert_eq!(axis.rounded_speed(61.7), Some(told));
+    assert_eq!(axis.rounded_speed(61.7), Some(rounded));
     axis.release().wait().expect("released");
     assert!(is_at_rest(&session, ids[0]));
 }
 
 /// Nothing is sent that would be another speed: neither a standstill nor one that is more than a tenth away.
 #[test]
-fn speeds_that_cannot_be_told_are_refused() {
+fn speeds_that_are_not_representable_are_refused() {
     let (mut session, ids) = bench(&[("akd-1", 1)]);
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (rpm, below, above) in [(0.001, 0.0, 0.366), (-0.1, -0.366, 0.0), (0.5, 0.366, 0.732)] {

@@ -9,7 +9,7 @@ use super::*;
 #[test]
 fn settings_go_there_and_back() {
     for (at, (name, way)) in NAMES.into_iter().zip(WAYS).enumerate() {
-        let mut session = makes();
+        let mut session = all_models();
         let mut drive = find(&mut session, name).expect("there");
         let first = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
         assert!(first.readings().len() > 30, "{name}: {}", first.readings().len());

@@ -30,7 +30,7 @@ const ADVICE: &[(&str, Cause, &str)] = &[
     ),
     (
         "AKD",
-        Cause::MovedFromOutside,
+        Cause::MovedExternally,
         "keep clear: no command stops it; let it come to rest, take the load away, or have it held by a brake (MOTOR.BRAKE=1 where one is fitted, MOTOR.BRAKERLS=0)",
     ),
     ("AKD", Cause::NotReady, "{read DRV.DISSOURCES} may tell more"),
@@ -116,10 +116,10 @@ const DISABLES: &[(&str, &str, &str)] = &[(
 const OPERATION: Stw1 = Stw1(0x047F);
 
 /// What to do about a cause, where the make has something of its own.
-pub(super) fn advice(cause: Cause, make: &str) -> Option<&'static str> {
+pub(super) fn advice(cause: Cause, model: &str) -> Option<&'static str> {
     let row = ADVICE
         .iter()
-        .find(|(of, about, _)| *of == make && *about == cause);
+        .find(|(of, about, _)| *of == model && *about == cause);
     row.map(|(_, _, advice)| *advice)
 }
 
@@ -132,13 +132,13 @@ pub(super) fn in_words_of(status: &DriveStatus, advice: &str) -> Option<String> 
     }
     let word = |stw1| format!("0x{:04X}", profile.control(stw1));
     let acknowledges = profile.control(Stw1::ACKNOWLEDGE) & !profile.control(Stw1::READY);
-    let told = advice
+    let advice_text = advice
         .replace("STW1 0x047E", &format!("control word {}", word(Stw1::READY)))
         .replace(
             "STW1 bit 7",
             &format!("control word bit {}", acknowledges.trailing_zeros()),
         );
-    if told.contains("STW1") {
+    if advice_text.contains("STW1") {
         let operation = word(OPERATION);
         return Some(format!(
             "in the controller: control word {operation} asks for operation ({})",
@@ -147,14 +147,14 @@ pub(super) fn in_words_of(status: &DriveStatus, advice: &str) -> Option<String> 
     }
     Some(format!(
         "{} ({})",
-        told.replace("0x047F", &word(OPERATION)),
+        advice_text.replace("0x047F", &word(OPERATION)),
         profile.name()
     ))
 }
 
 /// The parameter that switches a drive of this make off beside its controller, and who may write it.
-pub(super) fn disable(make: &str) -> Option<(&'static str, &'static str)> {
-    let row = DISABLES.iter().find(|(of, ..)| *of == make);
+pub(super) fn disable(model: &str) -> Option<(&'static str, &'static str)> {
+    let row = DISABLES.iter().find(|(of, ..)| *of == model);
     row.map(|(_, command, advice)| (*command, *advice))
 }
 
@@ -163,14 +163,14 @@ pub(super) fn warned(status: &DriveStatus, cause: Cause) -> Option<&WarningEntry
     status
         .warnings
         .iter()
-        .find(|warning| causes(status.make, warning).contains(&cause))
+        .find(|warning| causes(status.model, warning).contains(&cause))
 }
 
 /// The causes that a warning says.
-pub(super) fn causes(make: &str, warning: &WarningEntry) -> &'static [Cause] {
+pub(super) fn causes(model: &str, warning: &WarningEntry) -> &'static [Cause] {
     let row = WARNINGS
         .iter()
-        .find(|(of, number, _)| *of == make && *number == warning.number);
+        .find(|(of, number, _)| *of == model && *number == warning.number);
     row.map_or(&[], |(_, _, causes)| *causes)
 }
 
@@ -182,7 +182,7 @@ mod tests {
     use profile::notation::ParameterReference;
     use profile::value::Parameters;
 
-    const MAKES: [&Catalogue; 3] = [&AKD, &VLT, &VACON];
+    const MODELS: [&Catalogue; 3] = [&AKD, &VLT, &VACON];
 
     /// Every parameter that an action names, and every word with the shape of an AKD name.
     fn named(advice: &str) -> Vec<String> {
@@ -208,9 +208,9 @@ mod tests {
     }
 
     #[test]
-    fn advice_names_parameters_of_the_make_only() {
+    fn advice_names_only_parameters_of_the_model() {
         let mut seen = 0;
-        for tables in MAKES {
+        for tables in MODELS {
             for &cause in Cause::ALL {
                 let rule = super::super::rules::RULES
                     .iter()
@@ -237,22 +237,22 @@ mod tests {
             }
         }
         assert!(seen > 30, "{seen}");
-        for (make, cause, _) in ADVICE {
+        for (model, cause, _) in ADVICE {
             assert!(
-                MAKES.iter().any(|tables| tables.model == *make),
-                "{make} {cause:?}"
+                MODELS.iter().any(|tables| tables.model == *model),
+                "{model} {cause:?}"
             );
         }
     }
 
     #[test]
     fn every_warning_is_in_the_tables() {
-        for (make, number, causes) in WARNINGS {
-            let tables = MAKES.iter().find(|tables| tables.model == *make).unwrap();
+        for (model, number, causes) in WARNINGS {
+            let tables = MODELS.iter().find(|tables| tables.model == *model).unwrap();
             let number = u16::try_from(*number).unwrap();
             assert!(
                 tables.fault(number, true).is_some() && !causes.is_empty(),
-                "{make} {number}"
+                "{model} {number}"
             );
         }
     }

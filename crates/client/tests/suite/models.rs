@@ -12,7 +12,7 @@ use network::host::Host;
 use profidrive_client::axis::{Jog, Purpose, SpeedUnit};
 use profidrive_client::backup::{Backup, Choice, Journal, compare};
 use profidrive_client::status::diagnose;
-use profidrive_client::{AxisSettings, Described, DescribedLimits, Drive, Error, StopWay, Wait, WriteMode};
+use profidrive_client::{AxisSettings, Described, Drive, Error, ReportedLimits, StopWay, Wait, WriteMode};
 use profile::catalogue::{Catalogue, Part};
 use profile::model::Model;
 use profile::notation::Notation;
@@ -45,7 +45,7 @@ fn station_of(
     Box::new(Host::new(Station::new(config)))
 }
 
-fn makes() -> Bench {
+fn all_models() -> Bench {
     let models = model::ALL.iter().zip(NAMES).zip(1..);
     let stations = models.map(|((model, name), last)| station_of(model, name, last, None));
     bench_of(stations.collect()).0
@@ -130,8 +130,8 @@ const WAYS: [Way; 3] = [
 ];
 
 #[test]
-fn the_same_calls_read_and_write_every_make() {
-    let mut session = makes();
+fn the_same_calls_read_and_write_every_model() {
+    let mut session = all_models();
     for (name, way) in NAMES.into_iter().zip(WAYS) {
         let mut drive = find(&mut session, name).expect("there");
         assert!(drive.model.catalogue.is_some(), "{name}");
@@ -162,7 +162,7 @@ fn the_same_calls_read_and_write_every_make() {
 
 #[test]
 fn a_string_of_a_vlt_is_written_and_reads_back() {
-    let mut session = makes();
+    let mut session = all_models();
     let mut drive = find(&mut session, "vlt-1").expect("there");
     for (text, expected) in [
         ("0-37=HELLO", "HELLO"),
@@ -186,18 +186,18 @@ fn a_string_of_a_vlt_is_written_and_reads_back() {
 }
 
 #[test]
-fn texts_and_selections_are_told_in_words() {
-    let mut session = makes();
+fn texts_and_selections_are_shown_as_text() {
+    let mut session = all_models();
     let mut drive = find(&mut session, "vlt-1").expect("there");
     let selections = ["15-40", "15-43", "8-10"].map(|text| select(&drive, text));
     let readings: Vec<_> = session.read(&mut drive, &selections).wait().expect("read");
-    let told: Vec<_> = readings.into_iter().map(|one| one.expect("told")).collect();
-    assert_eq!(told[0].content, Content::Text("FC-302".into()));
-    assert_eq!(told[1].content, Content::Text("07.51".into()));
+    let values: Vec<_> = readings.into_iter().map(|one| one.expect("told")).collect();
+    assert_eq!(values[0].content, Content::Text("FC-302".into()));
+    assert_eq!(values[1].content, Content::Text("07.51".into()));
     assert!(
-        told[2].choice.is_some_and(|text| text.contains("profile")),
+        values[2].choice.is_some_and(|text| text.contains("profile")),
         "{:?}",
-        told[2]
+        values[2]
     );
     // every parameter of every make is read without an answer that makes no sense
     for name in NAMES {
@@ -214,8 +214,8 @@ fn texts_and_selections_are_told_in_words() {
 }
 
 #[test]
-fn selections_are_written_by_their_texts_also_where_the_drive_told_them() {
-    let mut session = makes();
+fn selections_are_written_by_texts_read_from_the_drive() {
+    let mut session = all_models();
     let mut vlt = find(&mut session, "vlt-1").expect("there");
     for (text, number) in [("8-10=profidrive", 1.0), ("8-10='FC profile'", 0.0)] {
         write(&mut session, &mut vlt, text, WriteMode::Write).expect("taken");

@@ -5,7 +5,7 @@ use super::{Drive, Injection, RESTLESS};
 
 /// Inputs of the drive that are not the axis's.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Outside {
+pub(super) struct ExternalInputs {
     /// The enable input is taken away.
     pub hardware_disable: bool,
     /// The input for the controlled stop is active.
@@ -28,8 +28,8 @@ impl Drive {
     pub fn inject(&mut self, injection: Injection) {
         let axis = &mut self.axis;
         match injection {
-            Injection::Fault { number, lasting } => self.raise_from_outside(number, lasting),
-            Injection::Warning { number } => self.warn_from_outside(number, true),
+            Injection::Fault { number, lasting } => self.raise_external(number, lasting),
+            Injection::Warning { number } => self.warn_external(number, true),
             Injection::ClearCause { number } => self.end_cause(number),
             Injection::Sto(active) => axis.set_sto(active),
             Injection::Load(torque) => axis.set_load(torque),
@@ -37,14 +37,14 @@ impl Drive {
             Injection::Limit { positive, active } => axis.set_limit_switch(positive, active),
             Injection::HomeSwitch(active) => axis.set_home_switch(active),
             Injection::FeedbackLoss(lost) => axis.set_feedback_lost(lost),
-            Injection::Brake(applied) => self.outside.brake = applied,
+            Injection::Brake(applied) => self.external.brake = applied,
             Injection::BusVoltage(voltage) => axis.set_bus_voltage(voltage),
             Injection::Mains(on) => axis.set_mains(if on { None } else { Some(0.0) }),
             Injection::Regen(connected) => axis.set_regen(connected),
             Injection::MotorTemperature(temperature) => axis.set_motor_temperature(temperature),
             Injection::PowerTemperature(temperature) => axis.set_power_stage_temperature(temperature),
-            Injection::HardwareDisable(active) => self.outside.hardware_disable = active,
-            Injection::ControlledStop(active) => self.outside.controlled_stop = active,
+            Injection::HardwareDisable(active) => self.external.hardware_disable = active,
+            Injection::ControlledStop(active) => self.external.controlled_stop = active,
             Injection::Input { number, on } => self.set_terminal(number, on),
             Injection::Local(on) => self.press_local(on),
             Injection::LocalSpeed(speed) => self.press_speed(speed),
@@ -65,7 +65,7 @@ impl Drive {
     /// hand (MOTOR.BRAKERLS).
     pub(super) fn hold_brake(&mut self) {
         let wanted = self.settings.holds_when_off && !self.is_enabled();
-        self.axis.set_brake(self.outside.brake.unwrap_or(wanted));
+        self.axis.set_brake(self.external.brake.unwrap_or(wanted));
     }
 
     /// DRV.DISSOURCES: why the power stage is off.
@@ -73,7 +73,7 @@ impl Drive {
         let bit = |set: bool, bit: i64| if set { bit } else { 0 };
         bit(!self.is_enabled(), SOFTWARE)
             | bit(self.has_fault(), FAULT)
-            | bit(self.outside.hardware_disable, HARDWARE)
+            | bit(self.external.hardware_disable, HARDWARE)
             | bit(self.is_stopped_by_input(), CONTROLLED_STOP)
     }
 }
