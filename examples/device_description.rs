@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         report.problems.len()
     );
 
-    // any maker's file goes the same way, with errors that tell line and column
+    // any vendor's file is read the same way, with errors that have line and column
     let read = gsdml::parse(text.as_bytes())?;
     for module in &read.modules {
         println!(

@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Move::to(Position::Turns(10.0), 600.0),
         Move::by(Position::Counts(-65_536.0), 60.0).with_ramps(Some(3000.0), Some(1500.0)),
     ] {
-        // what speaks against a move is told before anything is sent
+        // what speaks against a move is reported before anything is sent
         enabled.move_to(&order).wait()?;
         println!(
             "at {:.3} rev",

@@ -18,7 +18,7 @@ use one_word::OneWord;
 const ROUNDS: u32 = 20;
 const REPETITIONS: u32 = 20_000;
 
-/// The least time of one `work`.
+/// Returns the least time of one `work`.
 fn least(mut work: impl FnMut()) -> Duration {
     let mut round = || {
         let start = Instant::now();
@@ -68,7 +68,7 @@ pub fn compare() -> Vec<Row> {
     ]
 }
 
-/// A virtual drive at speed with telegram 1, without the kernel.
+/// Returns a virtual drive at speed with telegram 1, without the kernel.
 fn cycle() -> Duration {
     let mut pair = pair::Pair::new(Duration::from_millis(1));
     pair.send([0x04, 0x7E, 0, 0]);

@@ -81,7 +81,7 @@ pub fn read_all(interface: &str) {
     println!("{}", time.as_nanos());
 }
 
-/// Number of parameters and median wall time to read them all, on a connection that is there already.
+/// Returns the number of parameters and median wall time to read them all, on a connection that is there already.
 fn measure(session: &mut Session) -> (usize, Duration) {
     let mut drive = memory::find(session);
     let all = memory::everything(&drive);

@@ -11,7 +11,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// A figure of ours.
+    /// Creates a figure of ours.
     pub fn new(what: &str, ours: String) -> Self {
         Self {
             what: what.into(),
@@ -20,13 +20,13 @@ impl Row {
         }
     }
 
-    /// What others need, measured in the same run.
+    /// Returns what others need, measured in the same run.
     pub fn beside(mut self, beside: String) -> Self {
         self.beside = beside;
         self
     }
 
-    /// What we may need at most, and whether that held.
+    /// Returns what we may need at most, and whether that held.
     pub fn limit(mut self, limit: String, held: bool) -> Self {
         self.limit = limit;
         self.held = Some(held);

@@ -12,8 +12,8 @@ use profinet::{IpSuite, MacAddress};
 use virtual_drive::model;
 use virtual_drive::station::{Station, StationConfig};
 
-/// A client in virtual time beside one virtual AKD called `akd-1`, and the wire between them. On a real network it is
-/// `profidrive::open("eth0")?`, and everything else stays as it is.
+/// Returns a client in virtual time beside one virtual AKD called `akd-1`, and the wire between them. On a real network
+/// it is `profidrive::open("eth0")?`, and everything else stays as it is.
 pub fn network() -> (Network, Arc<World<SegmentMedium>>) {
     let ip = |last| IpSuite {
         address: Ipv4Addr::new(192, 168, 0, last),

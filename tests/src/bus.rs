@@ -36,7 +36,7 @@ fn address(last: u8) -> IpSuite {
     }
 }
 
-/// The modules that a controller expects of an AKD with this telegram.
+/// Returns the modules that a controller expects of an AKD with this telegram.
 #[must_use]
 pub fn modules(telegram: u16) -> Vec<ModuleConfig> {
     let device = &AKD.catalogue.device;
@@ -68,13 +68,13 @@ impl Default for Bus {
 }
 
 impl Bus {
-    /// A drive as delivered with name and address, and a controller that has not connected yet.
+    /// Creates a drive as delivered with name and address, and a controller that has not connected yet.
     #[must_use]
     pub fn new() -> Self {
         Self::of(&AKD)
     }
 
-    /// The same with a drive of another make.
+    /// Returns the same with a drive of another model.
     #[must_use]
     pub fn of(model: &'static Model) -> Self {
         let mut config = StationConfig::new(model, DRIVE);
@@ -103,7 +103,7 @@ impl Bus {
         bus
     }
 
-    /// The drive with its device.
+    /// Returns the drive with its device.
     ///
     /// # Panics
     /// Never: it is there from the beginning.

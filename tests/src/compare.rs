@@ -18,7 +18,7 @@ const PARAMETER_RECORDS: [u16; 3] = [0x002F, 0xB02E, 0xB02F];
 /// What the present answer of a record belongs to.
 type Asked = (RequestId, u8, Vec<ParameterAddress>);
 
-/// All PROFIdrive parameter frames of a capture as our decoders read them.
+/// Returns all PROFIdrive parameter frames of a capture as our decoders read them.
 #[must_use]
 #[track_caller]
 pub fn parameter_frames(capture: &Path, dialect: &Dialect) -> Vec<ParameterFrame> {
@@ -57,7 +57,8 @@ pub fn misread(capture: &Path) -> Misread {
     found
 }
 
-/// The dialect of the drive that the object of a call names; makers that are not told apart have that of the test.
+/// Returns the dialect of the drive that the object of a call names; vendors that are not distinguished have that of
+/// the test.
 fn of_call<'a>(header: &Header, dialect: &'a Dialect) -> &'a Dialect {
     match header.object.object_parts().map(|(_, _, vendor)| vendor) {
         Some(DANFOSS) => &Dialect::VLT,

@@ -14,7 +14,7 @@ pub fn simulate(lab: &Lab, more: &[&str]) -> Running {
     simulate_at(lab, Side::Device, more)
 }
 
-/// The same at either end.
+/// Returns the same at either end.
 pub fn simulate_at(lab: &Lab, side: Side, more: &[&str]) -> Running {
     let mut arguments = vec!["simulate", "-i", side.interface()];
     arguments.extend(more);
@@ -23,7 +23,7 @@ pub fn simulate_at(lab: &Lab, side: Side, more: &[&str]) -> Running {
     drives
 }
 
-/// A command of the client, once it is done.
+/// Returns a command of the client, once it is done.
 pub fn client(lab: &Lab, arguments: &[&str]) -> Finished {
     let mut all = vec!["-i", Side::Controller.interface()];
     all.extend(arguments);

@@ -89,7 +89,7 @@ pub fn judge(capture: &Path) -> Verdict {
     verdict
 }
 
-/// The same, but only what this station sent is held against anybody: what is sent to it may be wrong on purpose.
+/// Judges only frames that this station sent; those sent to it may be wrong on purpose.
 #[must_use]
 pub fn judge_of(capture: &Path, station: MacAddress) -> Verdict {
     let mut verdict = judge(capture);
@@ -107,8 +107,8 @@ pub fn judge_of(capture: &Path, station: MacAddress) -> Verdict {
     verdict
 }
 
-/// All notes of the frame are of the kind that follows when the dissector takes a pad octet for the next block: an unknown
-/// format, octets left over, or the end of the data before the end of the blocks.
+/// Returns whether all notes of the frame are of the kind that follows when the dissector takes a pad octet for the
+/// next block: an unknown format, octets left over, or the end of the data before the end of the blocks.
 fn out_of_step(notes: &str) -> bool {
     !notes.is_empty()
         && notes.split(',').all(|note| {
@@ -119,7 +119,7 @@ fn out_of_step(notes: &str) -> bool {
         })
 }
 
-/// The chosen fields of all frames that pass the filter; repeated fields are joined by commas.
+/// Returns the chosen fields of all frames that pass the filter; repeated fields are joined by commas.
 #[must_use]
 pub fn fields(capture: &Path, filter: &str, names: &[&str]) -> Vec<Vec<String>> {
     let mut command = Command::new("tshark");
@@ -171,7 +171,7 @@ pub struct ParameterFrame {
     pub blocks: Vec<(u8, u8)>,
 }
 
-/// All PROFIdrive parameter frames of a capture as the dissector reads them.
+/// Returns all PROFIdrive parameter frames of a capture as the dissector reads them.
 #[must_use]
 pub fn parameter_frames(capture: &Path) -> Vec<ParameterFrame> {
     let names = [

@@ -21,7 +21,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// The interface at this end.
+    /// Returns the interface at this end.
     #[must_use]
     pub const fn interface(self) -> &'static str {
         match self {
@@ -30,7 +30,7 @@ impl Side {
         }
     }
 
-    /// The MAC of the interface at this end.
+    /// Returns the MAC of the interface at this end.
     #[must_use]
     pub const fn mac(self) -> &'static str {
         match self {
@@ -139,7 +139,7 @@ impl Lab {
         Err(std::fs::read_to_string(folder.join("lab.err")).unwrap_or_default())
     }
 
-    /// The folder for logs and captures.
+    /// Returns the folder for logs and captures.
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder

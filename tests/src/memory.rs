@@ -20,7 +20,7 @@ use virtual_drive::station::{Station, StationConfig};
 /// Frames with the time at which each was sent.
 pub type Traffic = Vec<(Instant, Vec<u8>)>;
 
-/// A client beside one virtual AKD called `akd-1`, in virtual time, and the wire between them.
+/// Returns a client beside one virtual AKD called `akd-1`, in virtual time, and the wire between them.
 #[must_use]
 pub fn network() -> (Network, Arc<World<SegmentMedium>>) {
     let ip = |last| IpSuite {
@@ -40,7 +40,7 @@ pub fn network() -> (Network, Arc<World<SegmentMedium>>) {
     Network::on(SegmentMedium::new(segment, Pace::Virtual), config)
 }
 
-/// The drive of [`network()`].
+/// Returns the drive of [`network()`].
 #[must_use]
 #[track_caller]
 pub fn find(session: &mut Session) -> Drive {
@@ -86,7 +86,7 @@ pub fn save(name: &str, traffic: &[(Instant, Vec<u8>)]) -> PathBuf {
     file
 }
 
-/// A file of this name below `target/system`.
+/// Returns a file of this name below `target/system`.
 #[must_use]
 #[track_caller]
 pub fn scratch(name: &str) -> PathBuf {

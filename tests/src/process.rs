@@ -47,7 +47,7 @@ impl Finished {
         self
     }
 
-    /// The JSON object on each line of the output that is one.
+    /// Returns the JSON object on each line of the output that is one.
     #[must_use]
     pub fn json_lines(&self) -> Vec<serde_json::Value> {
         self.out
@@ -57,7 +57,7 @@ impl Finished {
     }
 }
 
-/// The line of a peer about one of its steps; the test fails when the step did not happen.
+/// Returns the line of a peer about one of its steps; the test fails when the step did not happen.
 #[track_caller]
 pub fn step<'a>(steps: &'a [serde_json::Value], name: &str) -> &'a serde_json::Value {
     steps
@@ -99,19 +99,19 @@ impl Running {
         running
     }
 
-    /// The process number of the program, as seen by the test.
+    /// Returns the process number of the program, as seen by the test.
     #[must_use]
     pub fn pid(&self) -> u32 {
         self.inner.unwrap_or_else(|| self.child.id())
     }
 
-    /// What it printed so far.
+    /// Returns what it printed so far.
     #[must_use]
     pub fn out(&self) -> String {
         std::fs::read_to_string(&self.out).unwrap_or_default()
     }
 
-    /// What it complained about so far.
+    /// Returns what it complained about so far.
     #[must_use]
     pub fn err(&self) -> String {
         std::fs::read_to_string(&self.err).unwrap_or_default()
@@ -132,7 +132,7 @@ impl Running {
         );
     }
 
-    /// Its exit status, once it ended.
+    /// Returns its exit status, once it ended.
     pub fn status(&mut self) -> Option<ExitStatus> {
         self.child.try_wait().unwrap()
     }

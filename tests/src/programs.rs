@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::Once;
 use std::time::{Duration, Instant};
 
-/// The folder of the workspace.
+/// Returns the folder of the workspace.
 #[must_use]
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -14,7 +14,7 @@ pub fn root() -> PathBuf {
         .to_path_buf()
 }
 
-/// A program of this workspace, built like the test that asks for it.
+/// Returns a program of this workspace, built like the test that requests it.
 #[must_use]
 pub fn built(name: &str) -> PathBuf {
     static BUILD: Once = Once::new();
@@ -43,7 +43,7 @@ pub fn built(name: &str) -> PathBuf {
     program
 }
 
-/// The Python of the peers' environment.
+/// Returns the Python of the peers' environment.
 #[must_use]
 pub fn python() -> PathBuf {
     let python = root().join("target/peers-venv/bin/python");
@@ -54,13 +54,13 @@ pub fn python() -> PathBuf {
     python
 }
 
-/// A script that plays a peer.
+/// Returns a script that plays a peer.
 #[must_use]
 pub fn peer(script: &str) -> PathBuf {
     root().join("tests/peers").join(script)
 }
 
-/// The recorded captures.
+/// Returns the recorded captures.
 #[must_use]
 pub fn capture_files() -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(root().join("captures"))

@@ -11,7 +11,7 @@ use profinet::wire::dcp::{DcpOption, Pdu, PduWriter, ServiceId, ServiceType};
 use profinet::wire::rpc::{Header, NdrRequest, NdrResponse, PacketType};
 use profinet::wire::{DecodeError, Reader, Writer};
 
-/// A DCP PDU, the octets behind the FrameID without the padding of the frame.
+/// Returns a DCP PDU, the octets behind the FrameID without the padding of the frame.
 ///
 /// # Errors
 /// Whatever our decoder found wrong.
@@ -45,7 +45,7 @@ pub fn dcp(bytes: &[u8]) -> Result<Vec<u8>, DecodeError> {
     Ok(out)
 }
 
-/// A PROFINET RPC PDU of the device or controller interface: header, NDR header, blocks.
+/// Returns a PROFINET RPC PDU of the device or controller interface: header, NDR header, blocks.
 ///
 /// # Errors
 /// Whatever our decoders found wrong.
@@ -67,7 +67,7 @@ pub fn rpc(bytes: &[u8]) -> Result<Vec<u8>, DecodeError> {
     Ok(out)
 }
 
-/// An RTA PDU with its alarm, the octets behind the FrameID.
+/// Returns an RTA PDU with its alarm, the octets behind the FrameID.
 ///
 /// # Errors
 /// Whatever our decoder found wrong.

@@ -63,7 +63,7 @@ fn rpc(frame: &[u8]) -> Option<Content<'_>> {
     })
 }
 
-/// All frames of a capture with their number, counted from 1 as the dissector does.
+/// Returns all frames of a capture with their number, counted from 1 as the dissector does.
 #[must_use]
 #[track_caller]
 pub fn frames(capture: &Path) -> Vec<(usize, Vec<u8>)> {

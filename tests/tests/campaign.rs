@@ -73,7 +73,7 @@ const CASES: [Case; 5] = [
     },
 ];
 
-/// The report of `status`, once the drive can be reached again and nobody has it.
+/// Returns the report of `status`, once the drive can be reached again and has no owner.
 fn report(lab: &Lab, at: &str) -> Value {
     let mut last = None;
     let found = wait_until(SHORT, || {
@@ -92,7 +92,8 @@ fn report(lab: &Lab, at: &str) -> Value {
     }
 }
 
-/// The commands that a report recommends, in its actions and in its text. What begins a motion is tried without one.
+/// Returns the commands that a report recommends, in its actions and in its text. What begins a motion is tried without
+/// one.
 fn advice(report: &Value) -> Vec<String> {
     let list = |name: &str| report[name].as_array().cloned().unwrap_or_default();
     let mut texts: Vec<Value> = list("notes").iter().map(|note| note["next"].clone()).collect();

@@ -122,7 +122,8 @@ fn profinet_frame(
     match frame_id.0 {
         0x8000..=0xF7FF => {
             let length = agreed.lengths.get(&(frame_id, source));
-            let length = *length.unwrap_or_else(|| panic!("{name} {number}: nobody agreed on {frame_id:?}"));
+            let length =
+                *length.unwrap_or_else(|| panic!("{name} {number}: no connect agreed on {frame_id:?}"));
             let cyclic = rt::Cyclic::parse(payload, length.into()).unwrap();
             assert_eq!(cyclic.trailer.transfer_status, 0, "{name} {number}");
             assert_eq!(cyclic.trailer.cycle_counter % 1024, 0, "{name} {number}: 32 ms");

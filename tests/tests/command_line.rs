@@ -16,7 +16,7 @@ fn json(lab: &Lab, arguments: &[&str]) -> Value {
     serde_json::from_str(&finished.out).unwrap_or_else(|e| panic!("{e}: {}", finished.out))
 }
 
-/// The demo needs no network, so nobody else has seen its frames yet.
+/// The demo needs no network; its frames are not checked elsewhere.
 #[test]
 fn the_dissector_accepts_the_traffic_of_the_demo() {
     let file = memory::scratch("demo.pcapng");
@@ -330,7 +330,7 @@ fn settings_are_saved_compared_and_brought_back() {
     let read = client(&lab, &["read", "akd-1", "DRV.ACC"]).ok().out;
     assert!(read.contains("5000"), "{read}");
 
-    // what cannot be used is told, with its line, and nothing happens
+    // what cannot be used is reported, with its line, and nothing happens
     std::fs::write(&second, saved.replace("DRV.ACC = 3000 rpm/s", "DRV.ACC = 3000 A")).unwrap();
     let line = 1 + saved.lines().position(|line| line.starts_with("p2108 ")).unwrap();
     std::fs::write(path("letter"), "Dear Sir or Madam\n").unwrap();
@@ -370,7 +370,7 @@ fn settings_are_saved_compared_and_brought_back() {
         "Dear Sir or Madam\n"
     );
 
-    // what the drive cannot have is told by the exit code, after the rest was done
+    // what the drive cannot have is reported by the exit code, after the rest was done
     std::fs::write(
         &second,
         saved
@@ -391,11 +391,14 @@ fn settings_are_saved_compared_and_brought_back() {
     }
     let read = client(&lab, &["read", "akd-1", "DRV.DEC"]).ok().out;
     assert!(read.contains("2000"), "{read}");
-    // by the tables of another make the drive has none of these settings
+    // by the tables of another model the drive has none of these settings
     let none = path("none.backup");
     let nothing = client(&lab, &["backup", "akd-1", "--model", "vacon", "-o", &none]);
     assert_eq!(nothing.code, Some(5), "{nothing:?}");
-    assert!(nothing.err.contains("told none of its settings"), "{nothing:?}");
+    assert!(
+        nothing.err.contains("reports none of its settings"),
+        "{nothing:?}"
+    );
     assert!(!std::path::Path::new(&none).exists());
 
     let faults = client(&lab, &["faults", "akd-1", "--history"]).ok();

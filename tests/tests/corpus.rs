@@ -57,7 +57,7 @@ fn every_target_has_a_fuzzer_and_every_fuzzer_a_target() {
         );
     }
     assert_eq!(manifest.matches("[[bin]]").count(), TARGETS.len());
-    // and no seeds that nobody reads
+    // and no unused seeds
     for folder in std::fs::read_dir(root().join("fuzz/corpus")).unwrap() {
         let folder = folder.unwrap().file_name().into_string().unwrap();
         assert!(

@@ -17,7 +17,7 @@ fn decode(arguments: &[&str], file: &Path) -> Output {
     command.output().unwrap()
 }
 
-/// The documents on stdout.
+/// Returns the documents on stdout.
 #[track_caller]
 fn documents(output: &Output) -> Vec<Value> {
     let text = String::from_utf8_lossy(&output.stdout);
@@ -92,7 +92,7 @@ fn events_are_typed_and_devices_are_summed_up() {
     }
     let im0 = events.iter().find(|event| event["data"]["index"] == 0xAFF0);
     assert_eq!(im0.unwrap()["data"]["content"]["vendor"], 0x0493);
-    // an alarm that nobody acknowledges and the end of its connection are trouble
+    // an unacknowledged alarm and the end of its connection are trouble
     let file = capture("pnet-profinetpy-alarms.pcapng");
     let trouble = documents(&decode(&["--only", "trouble"], &file));
     assert!(trouble.len() < documents(&decode(&[], &file)).len());
@@ -147,7 +147,7 @@ fn a_capture_is_cut_by_time_and_by_station() {
     assert_eq!(no_match.len(), 1, "the end only: {no_match:?}");
     let no_match = decode(&["--drive", "nobody"], &file);
     let warning = String::from_utf8_lossy(&no_match.stderr).into_owned();
-    assert!(warning.contains("about nobody"), "{warning}");
+    assert!(warning.contains("about no device"), "{warning}");
     let none = decode(&["--since", "2s", "--until", "1s"], &file);
     assert_eq!(none.status.code(), Some(2), "{none:?}");
 }

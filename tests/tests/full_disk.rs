@@ -7,7 +7,7 @@ use system_tests::{Lab, Running, Side, built, client};
 
 const SHORT: Duration = Duration::from_secs(20);
 
-/// A drive of `model` whose state folder has `room` for files; a filler takes the rest.
+/// Returns a drive of `model` whose state folder has `room` for files; a filler takes the rest.
 fn drive_on_small_disk(lab: &Lab, model: &str, room: usize) -> Running {
     let script = format!(
         "mkdir /run/state && mount -t tmpfs -o size=64k full /run/state && \

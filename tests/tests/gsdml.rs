@@ -11,7 +11,7 @@ use system_tests::{Lab, Side, built, judge, peer, python, root, step};
 const MODULES: &str = "GSDML-V2.1-KOLLMORGEN-AKDLIKE-20140301.xml";
 const SUBMODULES: &str = "GSDML-V2.32-Kollmorgen-DriveObject-20170601-103000.xml";
 
-/// The exported description of the AKD, in a folder of its own.
+/// Returns the exported description of the AKD, in a folder of its own.
 fn exported(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -28,7 +28,7 @@ fn vendor_file(name: &str) -> PathBuf {
     root().join("tests/descriptions").join(name)
 }
 
-/// The verdict of libxml2 by the schema of `tests/descriptions/`.
+/// Returns the verdict of libxml2 by the schema of `tests/descriptions/`.
 fn validate(file: &Path) -> Output {
     Command::new("xmllint")
         .args(["--nonet", "--noout", "--schema"])
@@ -144,7 +144,7 @@ fn profinet_py_reads_the_exported_file_as_the_tables_have_it() {
     }
 }
 
-/// Our reader and profinet-py's find the same in files laid out as makers do.
+/// Our reader and profinet-py's find the same in files laid out as vendors do.
 #[test]
 fn both_readers_agree_on_vendor_files() {
     for name in [MODULES, SUBMODULES] {
@@ -206,7 +206,7 @@ fn connects(lab: &Lab, file: &Path, simulate: &[&str], project: &[&str], ratio: 
     connects_to(lab, file, &[&at, simulate].concat(), project, ratio);
 }
 
-/// The same with everything that `simulate` is told.
+/// The same with everything that `simulate` is reported.
 fn connects_to(lab: &Lab, file: &Path, simulate: &[&str], project: &[&str], ratio: &str) {
     let capture = lab.capture(&project.join("").replace(['-', ':'], ""));
     let drive = system_tests::simulate(lab, simulate);

@@ -1,4 +1,4 @@
-//! A network and a machine on which somebody means harm.
+//! Behaviour on a hostile network and machine.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -112,7 +112,7 @@ fn a_flood_of_names_and_resets_costs_neither_memory_nor_the_connection_of_anothe
         "{} lines",
         printed.lines().count()
     );
-    // an engineer is served again, and the end does not wait for what nobody needs any more
+    // an engineer is served again, and the end does not wait for abandoned requests
     client(&lab, &["name", target, "mine"]).ok();
     drives.interrupt(SHORT).ok();
     let kept = fs::read_to_string(state.join("akd-1.network.json")).unwrap();

@@ -316,7 +316,7 @@ fn one_hour_at_one_percent_loss_duplication_and_reordering() {
     }
 }
 
-/// A world with one percent of everything bad.
+/// Returns a world with one percent of everything bad.
 fn bad_world(seed: u64) -> World {
     let mut world = World::new(seed);
     // With jitter the third frame after the last one may come just behind three intervals, so a factor of 3 survives one
@@ -407,7 +407,7 @@ fn a_pulled_cable_stops_both_sides_and_both_recover() {
         let drive = world.station().drive();
         assert!(drive.has_fault());
         assert_eq!(drive.fault_number(0), 702);
-        // the axis comes to rest although nobody tells it to
+        // the axis stops without a command
         world.until("standstill", 10, |world| world.speed().abs() < 0.5);
         assert!(!world.station().drive().is_enabled());
         world.segment.uncut(world.drive);

@@ -197,7 +197,7 @@ fn the_sample_project_in_slow_cycles_7_1_3() {
     }
 }
 
-/// The variable table of the sample shows 0x0237 and 0x009E with 0x00A3 asked for: a drive that stays 1.83 rpm behind,
+/// The variable table of the sample shows 0x0237 and 0x009E with 0x00A3 requested: a drive that stays 1.83 rpm behind,
 /// here because its velocity loop has no integral part and the friction of the load costs that much.
 #[test]
 fn the_values_of_the_variable_table_7_1_4() {

@@ -7,7 +7,7 @@ use profinet::Endpoint;
 use system_tests::bus::{Bus, DRIVE};
 use virtual_drive::station::StationEvent;
 
-/// A change of one parameter; the error number where it is refused.
+/// Returns a change of one parameter; the error number where it is refused.
 fn write(bus: &mut Bus, pnu: u16, format: u8, value: u32) -> Option<u8> {
     let [high, low] = pnu.to_be_bytes();
     let mut request = vec![1, 2, 0, 1, 0x10, 1, high, low, 0, 0, format, 1];

@@ -1,7 +1,7 @@
 //! The sequences of position mode of the AKD PROFINET manual, byte for byte, through the network: 5.10.1 with telegram 7,
 //! 5.10.2 with telegram 9 and the handshake of its figure, 5.10.3.
 //!
-//! The manual prints no bytes of the status word here, it tells them bit by bit; the words below are those bits.
+//! The manual prints no octets of the status word here but describes it bit by bit; the words below are those bits.
 
 use system_tests::bus::{Bus, CONTROLLER, DRIVE};
 use system_tests::traffic::{Content, content};
@@ -114,7 +114,7 @@ fn word(data: &[u8]) -> u16 {
     u16::from_be_bytes([data[0], data[1]])
 }
 
-/// The words that followed each other, each once.
+/// Returns the words that followed each other, each once.
 fn course(answers: &[Vec<u8>], mask: u16) -> Vec<u16> {
     let mut course: Vec<u16> = answers.iter().map(|data| word(data) & mask).collect();
     course.dedup();
@@ -278,7 +278,7 @@ fn homing_5_10_3_and_its_abort() {
     let mut program = Program::new(9, 20, 10);
     program.enable();
     let mut words = mdi(0x043F, 0, 0, 0, 0);
-    // To the next index pulse; DRV.MOTIONSTAT tells it too.
+    // To the next index pulse; DRV.MOTIONSTAT shows it too.
     home(&mut program, 11, &mut words);
     assert_eq!(program.bus.read(2134, 0) & 0b11110, 0b00110);
     assert_eq!(

@@ -18,7 +18,7 @@ fn words(control: u16, setpoint: i16) -> [u8; 4] {
     data
 }
 
-/// A parameter as word or double word; the error number where it is refused.
+/// Returns a parameter as word or double word; the error number where it is refused.
 fn write(bus: &mut Bus, pnu: u16, format: u8, value: u32) -> Option<u8> {
     let [high, low] = pnu.to_be_bytes();
     let mut request = vec![1, 2, 0, 1, 0x10, 1, high, low, 0, 0, format, 1];

@@ -12,7 +12,7 @@ const LONG: Duration = Duration::from_secs(120);
 /// How far an axis that keeps its speed may be away from it, as a share of it.
 const NEAR: f64 = 0.05;
 
-/// A plant of so many drives of each model, and their names.
+/// Returns a plant of so many drives of each model, and their names.
 fn plant(lab: &Lab, models: &[(&str, usize)]) -> (PathBuf, Vec<String>) {
     let each = models
         .iter()
@@ -36,7 +36,7 @@ fn start(lab: &Lab, arguments: &[&str], names: &[String]) -> Running {
     lab.spawn(Side::Controller, built("many-axes"), all)
 }
 
-/// The report of `status` on a drive that nobody has and that stands, with its power stage off.
+/// Returns the report of `status` on an ownerless drive at rest, with its power stage off.
 #[track_caller]
 fn at_rest(lab: &Lab, name: &str, when: &str) -> Value {
     let mut last = None;

@@ -1,5 +1,5 @@
-//! What a controller expects in slot 1 and the drive does not have is told in the ModuleDiffBlock, never refused; what
-//! is right beside it works, and the next right Connect works.
+//! What a controller expects in slot 1 and the drive does not have is reported in the ModuleDiffBlock, never refused;
+//! what is right beside it works, and the next right Connect works.
 
 use profinet::controller::{ModuleConfig, SubmoduleConfig};
 use profinet::wire::block::{DiffModule, DiffSubmodule, ModuleState, SubmoduleState};

@@ -11,7 +11,7 @@ fn simulate(lab: &Lab) -> Running {
     system_tests::simulate(lab, &["--name", "akd-1", "--ip", "192.168.77.50/24"])
 }
 
-/// A machine at work may pause for longer than three update times; what is tested here is not that.
+/// A busy machine may pause for longer than three update times, which is not tested here.
 fn patient<'a>(verb: &[&'a str]) -> Vec<&'a str> {
     let mut all = verb.to_vec();
     if matches!(verb[0], "run" | "move" | "home" | "task" | "ack" | "jog") {
@@ -29,7 +29,7 @@ fn start(lab: &Lab, verb: &[&str]) -> Running {
     lab.spawn(Side::Controller, built("profidrive"), all)
 }
 
-/// The sentence of `status`, and its cause; exit code 5 when something keeps the drive from running.
+/// Returns the sentence of `status`, and its cause; exit code 5 when something keeps the drive from running.
 #[track_caller]
 fn cause(lab: &Lab) -> String {
     let finished = client(lab, &["status", "akd-1", "--json"]);
@@ -154,7 +154,7 @@ fn a_stop_needs_the_port_of_the_controller_and_no_parameters() {
     );
 }
 
-/// The speed that `jog` sets for its time is noted: after a kill it is told, and the next jog puts it back.
+/// The speed that `jog` sets for its time is noted: after a kill it is reported, and the next jog puts it back.
 #[test]
 fn a_jog_that_is_killed_leaves_a_note_of_the_speed_before() {
     let lab = Lab::new("moving-jog-killed");
@@ -198,7 +198,7 @@ fn status_and_stop_beside_a_client_that_runs() {
     assert!(stop.err.contains("goes on commanding"), "{stop:?}");
     assert!(number(&lab, "VL.FB_32").abs() < 1.0);
     assert_eq!(number(&lab, "DRV.ACTIVE"), 1.0);
-    // off: the client that runs it is told by the drive, and does not switch it on again
+    // off: the drive reports it to its client, which does not switch it on again
     let stop = client(&lab, &["stop", "akd-1", "--disable"]).ok();
     assert!(stop.out.contains("the power stage is off"), "{stop:?}");
     let ended = run.finish(SHORT);
@@ -232,7 +232,7 @@ fn from_velocity_mode_to_a_position_and_back() {
         assert!(refused.err.contains("not homed"), "{}", refused.err);
         assert!(!refused.err.contains("this moves the axis"), "{refused:?}");
     }
-    assert_eq!(number(&lab, "930"), 1.0, "not changed without being told to");
+    assert_eq!(number(&lab, "930"), 1.0, "not changed without a request");
 
     // homed and moved with the mode lent and given back
     let homed = client(&lab, &["home", "akd-1", "--set-mode"]).ok();
@@ -410,7 +410,7 @@ fn a_reader_that_goes_away_stops_the_axis_along_its_ramp() {
     let ended = lab.run(Side::Controller, "bash", ["-c", &script], SHORT);
     assert_eq!(ended.out.lines().count(), 2, "{ended:?}");
     assert!(
-        ended.err.contains("nobody reads the output any more: stopped"),
+        ended.err.contains("the output has no reader any more: stopped"),
         "{ended:?}"
     );
     assert!(ended.err.contains("axis at rest, control released"), "{ended:?}");

@@ -189,7 +189,7 @@ fn simulate_reports_duplicate_names_and_addresses() {
     let _one = simulate(&lab, &drive);
     // two that begin at once would find each other: this one was there first
     std::thread::sleep(Duration::from_millis(500));
-    // the same once more, at either end: nothing could tell the two apart
+    // the same again at either end: the two are indistinguishable
     for side in [Side::Device, Side::Controller] {
         let again = [&["simulate", "-i", side.interface()], &drive[..]].concat();
         let again = lab.run(side, built("profidrive"), again, SHORT);
@@ -255,7 +255,7 @@ fn an_address_of_the_command_line_is_kept_like_one_by_dcp() {
     assert!(read.out.contains("100"), "{read:?}");
     client(&lab, &["ip", "akd-1", "192.168.77.60/24"]).ok();
     second.kill();
-    // what the network said last counts, and is told
+    // what the network said last counts, and is reported
     let third = simulate(&lab, &with("192.168.77.50/24"));
     let finished = "akd-1: the address 192.168.77.60 kept in --state counts, not 192.168.77.50";
     assert!(third.err().contains(finished), "{}", third.err());

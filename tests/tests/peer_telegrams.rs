@@ -26,7 +26,7 @@ fn mappings(telegram: u16) -> (Mapping, Mapping) {
     }
 }
 
-/// A value for each setpoint; `number` makes them differ from frame to frame.
+/// Returns a value for each setpoint; `number` makes them differ from frame to frame.
 fn value(signal: u16, number: i64) -> i64 {
     match signal {
         signal::NSOLL_A | signal::kollmorgen::IL_CMD_FIELDBUS => 0,
@@ -76,8 +76,8 @@ impl Round {
         round
     }
 
-    /// Position mode with MDI, manual 5.10.2 and 5.10.3: enable, home where it stands, two turns forward, one turn back on
-    /// the fly, off.
+    /// Returns the position mode with MDI, manual 5.10.2 and 5.10.3: enable, home where it stands, two turns forward,
+    /// one turn back on the fly, off.
     fn positioning(telegram: u16) -> Self {
         let mut round = Self::without_frames(telegram);
         for (stw1, turns) in [
@@ -141,7 +141,7 @@ impl Round {
         request
     }
 
-    /// The values in the answer, by signal.
+    /// Returns the values in the answer, by signal.
     fn values(&self, answer: &[u8]) -> HashMap<u16, i64> {
         assert_eq!(answer[..2], [0x11, 1], "{answer:02X?}");
         let mut rest = &answer[4..];

@@ -1,5 +1,5 @@
-//! An independent controller (profinet-py) runs the VLT and the Vacon: telegram 1 and telegrams of the makers, with the
-//! parameter channel in them.
+//! An independent controller (profinet-py) runs the VLT and the Vacon: telegram 1 and telegrams of the vendors, with
+//! the parameter channel in them.
 
 use std::time::Duration;
 
@@ -172,7 +172,7 @@ fn the_vlt_with_profinet_py() {
     assert_eq!(seen[1][0].pkw(), [0x20, 0x78, 0, 0, 0, 0, 0, 75]);
     assert_eq!(seen[1][1].pkw(), [0x65, 0xFA, 0, 0, 0, 0, 0, 10]);
     assert_eq!(seen[1][2].pkw(), [0x21, 0x55, 0, 0, 0, 0, 0, 200]);
-    // asked for PNU 0x0FFF: bit 11 is spare in a PPO
+    // requested PNU 0x0FFF: bit 11 is spare in a PPO
     assert_eq!(seen[1][3].pkw(), [0x77, 0xFF, 0, 0, 0, 0, 0, 0]);
     assert_eq!(seen[1][4].pkw(), [0; 8]);
 }

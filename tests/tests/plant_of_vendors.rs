@@ -1,4 +1,4 @@
-//! A plant of three makes on a wire, each drive what its maker's tables say, and drives under the name of a device
+//! A plant of three vendors on a wire, each drive what its vendor's tables say, and drives under the name of a device
 //! description.
 
 use std::path::PathBuf;
@@ -41,7 +41,7 @@ fn scanned(lab: &Lab) -> Vec<(String, u64, u64)> {
     rows
 }
 
-/// The file that `gsdml export` writes for a model, with these changes.
+/// Returns the file that `gsdml export` writes for a model, with these changes.
 fn exported(lab: &Lab, model: &str, changes: &[(&str, &str)]) -> PathBuf {
     let folder = lab.folder().join(format!("{model}-{}", changes.len()));
     let line = ["gsdml", "export", "--model", model, "-o"];
@@ -99,7 +99,7 @@ fn each_drive_of_a_plant_has_its_model() {
     assert!(run.out.contains("S4 operation"), "{run:?}");
     drives.interrupt(Duration::from_secs(5)).ok();
 
-    // a device description is that of its maker's drives, the others stay what they are
+    // a device description is that of its vendor's drives, the others stay what they are
     let changed = [("DeviceID=\"0x0100\"", "DeviceID=\"0x0777\"")];
     let file = exported(&lab, "vacon", &changed);
     let drives = simulate(
@@ -119,7 +119,7 @@ fn each_drive_of_a_plant_has_its_model() {
 fn a_device_description_determines_the_model() {
     let lab = Lab::new("maker-unknown");
     let network = ["--name", "strange-1", "--ip", "192.168.77.50/24"];
-    // of a maker whose drives are simulated: no word about the model is needed
+    // of a vendor whose drives are simulated: no word about the model is needed
     let file = exported(&lab, "vlt", &[]);
     let own = [&["--gsdml", file.to_str().unwrap()], &network[..]].concat();
     let drive = simulate(&lab, &own);
@@ -128,7 +128,7 @@ fn a_device_description_determines_the_model() {
     assert!(printed.contains("Ramp 1 Ramp up Time"), "{printed}");
     drive.interrupt(Duration::from_secs(5)).ok();
 
-    // of a maker nobody knows: what it is inside must be said
+    // of an unknown vendor: its model must be given
     let file = exported(&lab, "vlt", &[("VendorID=\"0x0080\"", "VendorID=\"0x0ABC\"")]);
     let strange = [&["--gsdml", file.to_str().unwrap()], &network[..]].concat();
     let line = [&["simulate", "-i", "dev0"], &strange[..]].concat();

@@ -16,7 +16,7 @@ struct Row {
     tests: Vec<String>,
 }
 
-/// The rows of the table below the heading.
+/// Returns the rows of the table below the heading.
 fn rows() -> Vec<Row> {
     let (_, section) = README
         .split_once("\n## Reading of the specification\n")
@@ -77,7 +77,7 @@ fn every_reading_has_a_seed_and_tests_that_exist() {
     }
 }
 
-/// True when the file has a function of this name that is a test.
+/// Returns true when the file has a function of this name that is a test.
 fn is_test(text: &str, name: &str) -> bool {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let head = format!("fn {name}(");

@@ -1,4 +1,4 @@
-//! What the commands tell a person: roundings, warnings, advice, what is not to be done, and what could not be written.
+//! Reports of the commands: roundings, warnings, advice, objections and failed writes.
 
 use std::time::Duration;
 
@@ -15,7 +15,8 @@ fn client(lab: &Lab, verb: &[&str]) -> Finished {
     system_tests::client(lab, verb)
 }
 
-/// Changes of the fault buffer and the telegram say whether somebody took control since.
+/// Returns the counter of changes of the fault buffer and the telegram, which shows whether a client took control
+/// since.
 fn counter(lab: &Lab) -> Value {
     let read = client(lab, &["read", "akd-1", "944", "922", "DRV.ACTIVE", "--json"]).ok();
     serde_json::from_str(&read.out).unwrap_or_else(|error| panic!("{error}: {read:?}"))

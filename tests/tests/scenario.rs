@@ -8,7 +8,7 @@ use system_tests::{Finished, Lab, Running, Side, built, client, judge, wait_unti
 
 const SHORT: Duration = Duration::from_secs(20);
 
-/// The example with everything in it, which the page about virtual drives names.
+/// Returns the example with everything in it, which the page about virtual drives names.
 fn example() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../examples/plants/press.toml")
 }
@@ -63,7 +63,7 @@ fn what_happens_to_a_drive_is_seen_by_its_client() {
     assert!(!others.contains("439"), "only the one meant: {others}");
     client(&lab, &["ack", "press-2"]).ok();
 
-    // wrong answers are told as what they are, and end when told to
+    // wrong answers are reported as such, and end on request
     inject(&lab, &["press-1", "answers=error 0x11"]).ok();
     let refused = client(&lab, &["read", "press-1", "DRV.ACC"]);
     assert_eq!(refused.code, Some(3), "{refused:?}");

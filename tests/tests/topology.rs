@@ -41,7 +41,7 @@ fn column<'a>(table: &'a BTreeMap<String, String>, column: &str) -> Vec<&'a str>
     rows.map(|(_, value)| value.as_str()).collect()
 }
 
-/// What a drive says in the end about its neighbours: the column of names has so many rows.
+/// Returns what a drive says in the end about its neighbours: the column of names has so many rows.
 #[track_caller]
 fn neighbours(lab: &Lab, side: Side, address: &str, count: usize) -> BTreeMap<String, String> {
     let mut table = BTreeMap::new();
@@ -95,7 +95,7 @@ fn two_drives_at_one_cable_see_each_other() {
     assert!(old.keys().eq(without_wide.map(|(name, _)| name)), "{old:#?}");
     assert!(slow.len() > 80 && old.len() < slow.len());
 
-    // nothing can be set, and nobody else's community is answered
+    // nothing can be set, and other communities get no answer
     let name = [SYSTEM_NAME, "s", "mine"];
     let set = ask(&lab, Side::Controller, "snmpset", "-v2c", "192.168.77.50", &name);
     assert!(set.code != Some(0) && set.err.contains("noAccess"), "{}", set.err);
@@ -153,8 +153,8 @@ fn two_drives_at_one_cable_see_each_other() {
     assert_eq!(peers[0], ["port-001", "akd-2"]);
 }
 
-// lldpd changes to a user of its own. In a user namespace there is one user only: here that one bears its name, and to
-// give up further groups, which nobody may there, succeeds without being done.
+// lldpd changes to a user of its own. A user namespace has only one user: here that user gets its name, and dropping
+// further groups, which is forbidden there, succeeds without effect.
 const SPEAKER: &str = r#"set -e
 mkdir -p /run/lldpd /run/etc
 sed 's/^_lldpd:.*/_lldpd:x:0:0::\/run\/lldpd:\/bin\/false/' /etc/passwd >/run/etc/passwd
@@ -217,7 +217,7 @@ fn lldpd_sees_the_drives_and_they_see_it() {
         let table = walk(&lab, Side::Controller, "snmpbulkwalk", "-v2c", "192.168.77.50");
         column(&table, REMOTE_NAME).is_empty()
     });
-    assert!(forgotten, "a neighbour that told 4 s stays for longer");
+    assert!(forgotten, "a neighbour with a TTL of 4 s stays for longer");
     drives.interrupt(Duration::from_secs(5)).ok();
 }
 

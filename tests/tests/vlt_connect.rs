@@ -25,7 +25,7 @@ fn the_frames_of_a_vlt_connection_are_read_by_the_dissector_as_they_are_meant() 
     assert_eq!(wanted, [(1, 0xFFFF, 0, 0), (2, 0x68, 12, 12)]);
 
     let (diff, running) = bus.connect_as(modules);
-    assert!(running, "data is exchanged though a block tells of differences");
+    assert!(running, "data is exchanged though a block lists differences");
     let submodule = |subslot, ident| DiffSubmodule {
         subslot,
         ident,

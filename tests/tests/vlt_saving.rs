@@ -1,5 +1,6 @@
-//! `--save` of a VLT on PROFINET uses request 0x42, which only PROFIBUS manuals name: a drive that refuses it is told to save
-//! by 9-71, and where it refuses that too, the outcome names it. Where a value is refused, 9-71 is not sent.
+//! `--save` of a VLT on PROFINET uses request 0x42, which only PROFIBUS manuals name: a drive that refuses it is
+//! commanded to save by 9-71, and where it refuses that too, the outcome names it. Where a value is refused, 9-71 is
+//! not sent.
 
 use client::backup::{Choice, Journal, Saved};
 use client::{ChangeOutcome, Drive, Network, Wait, WriteMode};
@@ -20,7 +21,7 @@ const SAVE: u16 = 971;
 /// 3-42, ramp-down time.
 const RAMP_DOWN: u16 = 342;
 
-/// A VLT whose option does not know request 0x42, and which refuses to change these parameters.
+/// Returns a VLT whose option does not know request 0x42, and which refuses to change these parameters.
 fn vlt(refused: &[u16]) -> &'static Model {
     static DIALECT: Dialect = Dialect {
         requests: &[RequestId::Read, RequestId::Change],
@@ -66,7 +67,7 @@ fn session(model: &'static Model) -> (Network, Drive) {
     (session, drive)
 }
 
-/// The parameters of the outcomes, and the error number that each was refused with.
+/// Returns the parameters of the outcomes, and the error number that each was refused with.
 fn numbers(outcomes: &[ChangeOutcome]) -> Vec<(u16, Option<ErrorNumber>)> {
     let refused = |outcome: &ChangeOutcome| {
         let refusal = outcome.written.as_ref().expect("written").as_ref().err();

@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The folder of the workspace, the parent of this package's folder.
+/// Returns the folder of the workspace, the parent of this package's folder.
 fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_path_buf()

@@ -64,7 +64,8 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
 }
 
-/// The ids of the packages that are linked: the program's dependencies and theirs, not those of builds and tests.
+/// Returns the ids of the packages that are linked: the program's dependencies and theirs, not those of builds and
+/// tests.
 fn linked(metadata: &Value) -> BTreeSet<&str> {
     let nodes = metadata["resolve"]["nodes"].as_array().into_iter().flatten();
     let nodes: BTreeMap<&str, &Value> = nodes.map(|node| (text(&node["id"]), &node["deps"])).collect();
@@ -91,7 +92,7 @@ fn linked(metadata: &Value) -> BTreeSet<&str> {
     linked
 }
 
-/// The texts of the licences in the folder of a package.
+/// Returns the texts of the licences in the folder of a package.
 fn licences(folder: &Path) -> Outcome<Vec<String>> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder)? {

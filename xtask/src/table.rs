@@ -43,14 +43,14 @@ impl Table {
         })
     }
 
-    /// All rows in file order.
+    /// Returns all rows in file order.
     pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         (0..self.rows.len()).map(|index| Row { table: self, index })
     }
 }
 
 impl<'a> Row<'a> {
-    /// The text of a cell, empty when unknown.
+    /// Returns the text of a cell, empty when unknown.
     pub fn text(self, column: &str) -> Outcome<&'a str> {
         let Some(at) = self.table.columns.iter().position(|name| name == column) else {
             return Err(format!("{}: no column {column}", self.table.file).into());
@@ -63,19 +63,19 @@ impl<'a> Row<'a> {
             .unwrap_or_default())
     }
 
-    /// The text of a cell, empty when unknown and also where the table has no such column.
+    /// Returns the text of a cell, empty when unknown and also where the table has no such column.
     pub fn maybe(self, column: &str) -> &'a str {
         self.text(column).unwrap_or_default()
     }
 
-    /// The number in a cell; an error when it is empty or no number.
+    /// Returns the number in a cell; an error when it is empty or no number.
     pub fn number<T: std::str::FromStr>(self, column: &str) -> Outcome<T> {
         let text = self.text(column)?;
         text.parse()
             .map_err(|_| format!("{}: {column} is not a number: {text:?}", self.place()).into())
     }
 
-    /// The number in a cell, `None` when the cell is empty.
+    /// Returns the number in a cell, `None` when the cell is empty.
     pub fn optional<T: std::str::FromStr>(self, column: &str) -> Outcome<Option<T>> {
         if self.text(column)?.is_empty() {
             Ok(None)

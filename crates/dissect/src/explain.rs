@@ -136,7 +136,7 @@ pub const MODES: [(&str, &str, Mode); 2] = [
 ];
 
 impl Kind {
-    /// True for words whose bits depend on the mode of the drive.
+    /// Returns true for words whose bits depend on the mode of the drive.
     #[must_use]
     pub const fn has_modes(self) -> bool {
         matches!(self, Self::Stw1 | Self::Zsw1)
@@ -171,7 +171,7 @@ pub struct Explained {
     pub fields: Map<String, Value>,
 }
 
-/// The tables of the model that was named; of an AKD where none was.
+/// Returns the tables of the model that was named; of an AKD where none was.
 fn tables(model: Option<Model>) -> &'static Catalogue {
     model.and_then(|model| model.catalogue).unwrap_or(&AKD)
 }
@@ -183,8 +183,8 @@ fn tables(model: Option<Model>) -> &'static Catalogue {
 ///
 /// ```
 /// use profidrive_dissect::explain::{Kind, explain};
-/// let told = explain("0x047F", Kind::Stw1, None, None)?;
-/// assert_eq!(told.lines[0], "STW1 0x047F   0000 0100 0111 1111");
+/// let explained = explain("0x047F", Kind::Stw1, None, None)?;
+/// assert_eq!(explained.lines[0], "STW1 0x047F   0000 0100 0111 1111");
 /// # Ok::<(), profidrive_dissect::explain::NotExplained>(())
 /// ```
 ///
@@ -238,7 +238,7 @@ pub fn explain(
         }
         Kind::State => {
             let word = word(text).map_err(|error| NotExplained {
-                hint: Some("a state by its name, S1 to S5, or the status word that tells it"),
+                hint: Some("a state by its name, S1 to S5, or the status word that encodes it"),
                 ..error
             })?;
             let state = words::state(word, None);
@@ -430,12 +430,12 @@ fn pnio(text: &str) -> Result<Parts, NotExplained> {
     Ok((lines, fields))
 }
 
-/// A 16-bit number: hexadecimal with 0x, binary with 0b, else decimal.
+/// Returns a 16-bit number: hexadecimal with 0x, binary with 0b, else decimal.
 fn word(text: &str) -> Result<u16, NotExplained> {
     number(text, 16).map(|number| number as u16)
 }
 
-/// A number of so many bits, up to 32.
+/// Returns a number of so many bits, up to 32.
 fn number(text: &str, bits: u32) -> Result<u32, NotExplained> {
     let compact: String = text.trim().chars().filter(|c| *c != '_' && *c != ' ').collect();
     let lower = compact.to_ascii_lowercase();

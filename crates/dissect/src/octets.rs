@@ -40,8 +40,8 @@ pub enum NotDecoded {
 ///
 /// ```
 /// use profidrive_dissect::octets::{self, Kind};
-/// let told = octets::decode(Kind::Serial(uss::Protocol::Fc), &[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00, 0xDD], None, None, None)?;
-/// assert!(told.lines[0].1.starts_with("FC telegram, address 0x81"));
+/// let decoded = octets::decode(Kind::Serial(uss::Protocol::Fc), &[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00, 0xDD], None, None, None)?;
+/// assert!(decoded.lines[0].1.starts_with("FC telegram, address 0x81"));
 /// # Ok::<(), octets::NotDecoded>(())
 /// ```
 ///
@@ -84,7 +84,7 @@ pub fn decode(
     decoded.map_err(NotDecoded::Telegram)
 }
 
-/// The model that a telegram can only be from; an AKD where it is one of the profile or of several vendors.
+/// Returns the model that a telegram can only be from; an AKD where it is one of the profile or of several vendors.
 fn model_with(telegram: u16) -> &'static str {
     let has = |name: &&&str| {
         let model = Model::by_name(name).map(JobDrive::new);
@@ -146,13 +146,13 @@ mod tests {
             let decoded = decoded(Kind::PkwUss, "vlt", &number(code));
             assert!(decoded.lines[0].1.contains(words) && !decoded.lines[0].1.contains("own number"));
         }
-        // a value and a request of the controller are no refusal
+        // a value and a request of the controller are not refusals
         let value = decoded(Kind::PkwUss, "vlt", "21 55 00 00 00 00 00 83");
         assert!(value.fields["sides"][0]["error"].is_null());
         // the numbers of the others are not Danfoss'
         let other = decoded(Kind::PkwUss, "standard", &number("83"));
         assert!(
-            other.lines[0].1.contains("(the maker's own number)"),
+            other.lines[0].1.contains("(vendor-specific number)"),
             "{:?}",
             other.lines
         );

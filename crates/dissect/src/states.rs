@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 
 use crate::fields;
 
-/// The states that a person means: `S4`, `s5`, `operation`.
+/// Returns the states that a person means: `S4`, `s5`, `operation`.
 pub fn named(text: &str) -> Vec<State> {
     let wanted = text.trim().to_ascii_lowercase();
     let is = |state: &State| {
@@ -31,7 +31,7 @@ pub fn lines(state: State) -> Vec<String> {
     lines
 }
 
-/// The same for programs.
+/// Returns the same for programs.
 pub fn json(state: State) -> Map<String, Value> {
     let list = |leaving| -> Vec<Value> {
         ways(state, leaving)
@@ -60,7 +60,7 @@ struct Way {
     why: String,
 }
 
-/// How a state is left or reached, in the order of the table.
+/// Returns how a state is left or reached, in the order of the table.
 fn ways(state: State, leaving: bool) -> Vec<Way> {
     let rows = TRANSITIONS.iter();
     let ends = rows.map(|row| {

@@ -6,8 +6,8 @@ use serde_json::Value;
 use crate::fields;
 use crate::{hex_bytes, number, words};
 
-/// The value without its unit: `3000`, `0.366`, `"akd-1"`, `05 A2`.
-/// A measured signal at the end of its numbers is told as `> 11996.704`.
+/// Returns the value without its unit: `3000`, `0.366`, `"akd-1"`, `05 A2`. A measured signal at the end of its numbers
+/// is reported as `> 11996.704`.
 pub fn value(reading: &Reading) -> String {
     match reading.beyond() {
         Some(end) => format!("{} {}", end.sign(), plain(reading)),
@@ -64,7 +64,7 @@ pub fn full(reading: &Reading) -> String {
     }
 }
 
-/// What an enumeration or a word says, or what the number is a part of.
+/// Returns what an enumeration or a word says, or what the number is a part of.
 pub fn meaning(reading: &Reading) -> String {
     match (reading.choice, &reading.word, reading.high_half_of) {
         (Some(choice), ..) => choice.to_owned(),
@@ -74,7 +74,7 @@ pub fn meaning(reading: &Reading) -> String {
     }
 }
 
-/// The octets as they came: `0x002DC6C0`.
+/// Returns the octets as they came: `0x002DC6C0`.
 pub fn raw(reading: &Reading) -> String {
     if matches!(reading.content, Content::Text(_) | Content::Octets) {
         hex_bytes(&reading.octets)
@@ -115,7 +115,7 @@ pub fn json(reading: &Reading) -> Value {
     Value::Object(fields)
 }
 
-/// The number as it travels; one of 64 bits without sign does not fit a signed number.
+/// Returns the number as it travels; one of 64 bits without sign does not fit a signed number.
 fn whole(reading: &Reading) -> Value {
     let Content::Number { raw, .. } = reading.content else {
         return Value::Null;

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::{hex16, nibbles};
 
-/// A word as it is shown everywhere: hexadecimal with at least four digits.
+/// Returns a word as it is shown everywhere: hexadecimal with at least four digits.
 pub fn hex(octets: &[u8]) -> String {
     let word = octets
         .iter()
@@ -14,7 +14,7 @@ pub fn hex(octets: &[u8]) -> String {
     format!("0x{word:04X}")
 }
 
-/// What the bits of a word say, behind its digits: `[ON, EN_OP, CTRL_PLC]`.
+/// Returns what the bits of a word say, behind its digits: `[ON, EN_OP, CTRL_PLC]`.
 pub fn bracketed(texts: &[String]) -> String {
     match texts {
         [] => "[no bit set]".into(),
@@ -22,7 +22,7 @@ pub fn bracketed(texts: &[String]) -> String {
     }
 }
 
-/// The same without the brackets; empty when no bit says anything.
+/// Returns the same without the brackets; empty when no bit says anything.
 pub fn joined(texts: &[String]) -> String {
     let comma = texts.iter().any(|text| text.contains(", "));
     texts.join(if comma { "; " } else { ", " })
@@ -77,7 +77,7 @@ pub fn inverse_meanings(table: &[Bit; 16], word: u16) -> String {
         .join(", ")
 }
 
-/// What the whole control word does in this mode.
+/// Returns the effect of the whole control word in this mode.
 pub fn stw1_meaning_in(mode: Mode, word: u16) -> &'static str {
     let stw1 = Stw1(word);
     if !stw1.has(Stw1::CONTROL_BY_PLC) {
@@ -121,7 +121,7 @@ fn task_meaning(stw1: Stw1) -> &'static str {
     }
 }
 
-/// What the whole control word of a profile does to a drive that runs.
+/// Returns the effect of the whole control word of a profile on a running drive.
 pub fn control_meaning(profile: Profile, mode: Mode, word: u16) -> String {
     if profile == Profile::Profidrive {
         return stw1_meaning_in(mode, word).to_owned();
@@ -189,7 +189,7 @@ pub fn status_meaning(profile: Profile, status: u16, sent: Option<u16>) -> Strin
 }
 
 /// State of the drive out of ZSW1 and the control word it was sent: `S4 operation`. Without the control word, S3 and a
-/// ramp stop cannot be told apart.
+/// ramp stop cannot be distinguished.
 pub fn state(zsw1: u16, sent: Option<u16>) -> String {
     let fault = if has_fault(zsw1) { ", with a fault" } else { "" };
     match (profile_state(zsw1, sent), sent) {
@@ -199,17 +199,17 @@ pub fn state(zsw1: u16, sent: Option<u16>) -> String {
     }
 }
 
-/// True when STW1 commands ON.
+/// Returns true when STW1 commands ON.
 pub const fn sends_on(stw1: u16) -> bool {
     Stw1(stw1).has(Stw1::ON)
 }
 
-/// True when ZSW1 tells a fault.
+/// Returns true when ZSW1 reports a fault.
 pub const fn has_fault(zsw1: u16) -> bool {
     Zsw1(zsw1).has(Zsw1::FAULT)
 }
 
-/// True when ZSW1 tells a warning.
+/// Returns true when ZSW1 reports a warning.
 pub const fn has_warning(zsw1: u16) -> bool {
     Zsw1(zsw1).has(Zsw1::WARNING)
 }
@@ -236,7 +236,7 @@ pub fn word_lines(title: &str, table: &[Bit; 16], word: u16, means: &str) -> Vec
     lines
 }
 
-/// The word as a heading: `STW1 0x047F   0000 0100 0111 1111`.
+/// Returns the word as a heading: `STW1 0x047F   0000 0100 0111 1111`.
 pub fn word_title(title: &str, word: u16) -> String {
     format!("{title} {}   {}", hex16(word), nibbles(word))
 }

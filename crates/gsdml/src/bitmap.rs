@@ -58,7 +58,7 @@ impl Bitmap {
         }
     }
 
-    /// The octets of the file.
+    /// Returns the octets of the file.
     #[must_use]
     pub fn to_bmp(&self) -> Vec<u8> {
         let size = HEAD + ROW * HEIGHT as usize;

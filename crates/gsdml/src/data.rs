@@ -100,7 +100,7 @@ pub struct DataItem {
 }
 
 impl DataItem {
-    /// A plain item of a type with a length of its own.
+    /// Creates a plain item of a type with a length of its own.
     #[must_use]
     pub const fn new(data_type: DataType, text: TextId) -> Self {
         Self {
@@ -112,7 +112,7 @@ impl DataItem {
         }
     }
 
-    /// Its length; 0 where neither the type nor the item tells it.
+    /// Returns its length; 0 when neither the type nor the item defines it.
     #[must_use]
     pub fn octets(&self) -> u32 {
         match self.data_type.octets() {
@@ -131,7 +131,7 @@ pub struct BitItem {
     pub text: Option<TextId>,
 }
 
-/// Types of data items: the name in the file and the octets, none where the item tells them.
+/// Types of data items: the name in the file and the octets, `None` when the item defines them.
 const TYPES: &[(&str, Option<u32>)] = &[
     ("Boolean", Some(1)),
     ("Integer8", Some(1)),
@@ -180,7 +180,7 @@ impl DataType {
     /// `Integer32`.
     pub const INTEGER32: Self = Self::Known("Integer32");
 
-    /// The type with this name.
+    /// Returns the type with this name.
     #[must_use]
     pub fn of(name: &str) -> Self {
         match TYPES.iter().find(|(known, _)| *known == name) {
@@ -198,7 +198,7 @@ impl DataType {
         }
     }
 
-    /// Octets, none where the item tells them.
+    /// Octets; `None` when the item defines them.
     #[must_use]
     pub fn octets(&self) -> Option<u32> {
         TYPES

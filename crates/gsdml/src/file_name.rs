@@ -42,13 +42,13 @@ pub enum FileNameError {
     /// It does not end as it must.
     #[error("the name does not end in `.xml`")]
     Ending,
-    /// The second part is no version.
+    /// The second part is not a version.
     #[error("`{0}` is no schema version as V2.35")]
     Version(String),
     /// Parts are missing.
     #[error("the name is not GSDML-Vx.yy-vendor-family-YYYYMMDD.xml")]
     Parts,
-    /// The last part is no date.
+    /// The last part is not a date.
     #[error("`{0}` is no date as YYYYMMDD")]
     Date(String),
 }
@@ -109,7 +109,7 @@ impl FromStr for FileName {
 }
 
 impl FileName {
-    /// Name of the picture that belongs to a device: `GSDML-vvvv-dddd-name`, without ending.
+    /// Returns the name of the picture that belongs to a device: `GSDML-vvvv-dddd-name`, without ending.
     #[must_use]
     pub fn picture(vendor_id: u16, device_id: u16, name: &str) -> String {
         format!("GSDML-{vendor_id:04X}-{device_id:04X}-{name}")
@@ -120,7 +120,7 @@ fn digits(text: &str, count: usize) -> Option<u32> {
     (text.len() == count && text.bytes().all(|c| c.is_ascii_digit())).then(|| text.parse().ok())?
 }
 
-/// A date of the calendar.
+/// Returns a date of the calendar.
 fn date(text: &str) -> Option<u32> {
     let number = digits(text, 8)?;
     let (year, month, day) = (number / 10_000, number / 100 % 100, number % 100);
@@ -135,7 +135,7 @@ fn date(text: &str) -> Option<u32> {
     (year >= 1900 && (1..=last).contains(&day)).then_some(number)
 }
 
-/// A time of the day.
+/// Returns a time of the day.
 fn clock(text: &str) -> Option<u32> {
     let number = digits(text, 6)?;
     (number / 10_000 < 24 && number / 100 % 100 < 60 && number % 100 < 60).then_some(number)

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use crate::*;
 
 /// A file name that fits it.
-pub const NAME: &str = "GSDML-V2.35-Maker-Drive-20260102.xml";
+pub const NAME: &str = "GSDML-V2.35-Vendor-Drive-20260102.xml";
 
 fn list(text: &str) -> ValueList {
     text.parse().unwrap()
@@ -100,7 +100,7 @@ fn access_point() -> AccessPoint {
     AccessPoint {
         id: "DAP_1".into(),
         info: ModuleInfo {
-            vendor: Some("Maker".into()),
+            vendor: Some("Vendor".into()),
             order_number: Some("D-1".into()),
             hardware: Some("1".into()),
             software: Some("V1.0".into()),
@@ -174,7 +174,7 @@ fn access_point() -> AccessPoint {
     }
 }
 
-/// The description.
+/// Returns the description.
 pub fn description() -> Gsdml {
     let mut telegram = submodule("S_1", 0x11);
     telegram.api = 0x3A00;
@@ -222,7 +222,7 @@ pub fn description() -> Gsdml {
             vendor_id: 0x0105,
             device_id: 1,
             info: id("T_INFO"),
-            vendor: "Maker".into(),
+            vendor: "Vendor".into(),
         },
         family: Family {
             main: "Drives".into(),

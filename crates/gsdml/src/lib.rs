@@ -1,9 +1,9 @@
 //! Device descriptions of PROFINET devices (GSDML): text in, typed model out, and the other way round.
 //!
-//! A description comes from a maker's web page: [`parse`] takes it as hostile input. There are no entities, size, depth
-//! and counts are bounded, references do not go round, and what cannot be understood is refused with line and column.
-//! [`check`] tells everything that is against the rules, not only the first thing; [`Gsdml::to_xml`] writes. Knows no
-//! drive and no protocol, does no I/O.
+//! Reads, checks and writes GSDML files. A description comes from a vendor's web page, so [`parse`] treats it as
+//! hostile input: entities are rejected, size, depth and counts are bounded, circular references are rejected, and
+//! errors have line and column. [`check`] reports all violations of the rules, not only the first; [`Gsdml::to_xml`]
+//! writes. The crate has no dependency on drives or protocols and does no I/O.
 //!
 //! ```
 //! let text = r#"<?xml version="1.0" encoding="UTF-8"?>
@@ -62,7 +62,7 @@ pub use value::{NoList, NoVersion, SchemaVersion, ValueList};
 /// what the file means are not looked at ([`check`] does).
 ///
 /// # Errors
-/// The first problem that makes it uncertain what the file means, with its place.
+/// Returns the first problem that makes the meaning of the file uncertain, with its position.
 pub fn parse(octets: &[u8]) -> Result<Gsdml, Problem> {
     let source = source::Source::new(octets)?;
     let document = read::document(&source)?;

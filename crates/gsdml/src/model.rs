@@ -13,7 +13,7 @@ use crate::value::{SchemaVersion, ValueList};
 /// A whole device description.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gsdml {
-    /// Version of the schema it is written in, from `xsi:schemaLocation`; none where that does not tell it.
+    /// Version of the schema it is written in, from `xsi:schemaLocation`; `None` when that does not contain it.
     pub schema_version: Option<SchemaVersion>,
     /// Who makes the device.
     pub identity: DeviceIdentity,
@@ -235,7 +235,7 @@ pub struct Module {
     pub ident: u32,
     /// Name, order number and releases.
     pub info: ModuleInfo,
-    /// Subslots it has, where the file tells them.
+    /// Subslots it has, if listed in the file.
     pub physical_subslots: ValueList,
     /// Names of subslots.
     pub subslots: Vec<SubslotName>,
@@ -447,25 +447,25 @@ pub struct Category {
 }
 
 impl Gsdml {
-    /// The access point with this identifier.
+    /// Returns the access point with this identifier.
     #[must_use]
     pub fn access_point(&self, id: &str) -> Option<&AccessPoint> {
         self.access_points.iter().find(|point| point.id == id)
     }
 
-    /// The module with this identifier.
+    /// Returns the module with this identifier.
     #[must_use]
     pub fn module(&self, id: &str) -> Option<&Module> {
         self.modules.iter().find(|module| module.id == id)
     }
 
-    /// The pluggable submodule with this identifier.
+    /// Returns the pluggable submodule with this identifier.
     #[must_use]
     pub fn submodule(&self, id: &str) -> Option<&Submodule> {
         self.submodules.iter().find(|submodule| submodule.id == id)
     }
 
-    /// The text of an identifier in the primary language; empty when there is none.
+    /// Returns the text of an identifier in the primary language; empty when there is none.
     #[must_use]
     pub fn text(&self, id: Option<&TextId>) -> &str {
         id.and_then(|id| self.texts.get(id)).unwrap_or_default()

@@ -48,7 +48,7 @@ impl Severity {
 /// Which rule is not kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Rule {
-    /// The octets are no text in an encoding that is read.
+    /// The octets are not text in an encoding that is read.
     Encoding,
     /// The text is no XML.
     Xml,
@@ -129,8 +129,8 @@ pub(crate) struct Problems {
 }
 
 impl Problems {
-    /// Whether another one of this severity finds room; else it is only counted. The first one that forbids the use is
-    /// in the list however many warnings came before.
+    /// Returns whether another problem of this severity fits; else it is only counted. The first one that forbids the
+    /// use is in the list however many warnings came before.
     pub fn wants(&mut self, severity: Severity) -> bool {
         let first = severity == Severity::Unusable
             && self.list.iter().all(|known| known.severity < Severity::Unusable);

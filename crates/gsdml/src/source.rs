@@ -44,7 +44,7 @@ impl<'a> Source<'a> {
         Ok(source)
     }
 
-    /// The file ends before it is complete: where, and what is not finished.
+    /// Returns the problem for a truncated file: its position and the unfinished element.
     pub fn cut_off(&self) -> Problem {
         let end = self.text.trim_end().len();
         let message = match self.unfinished {
@@ -62,7 +62,7 @@ impl<'a> Source<'a> {
         self.problem(end, Rule::Xml, message)
     }
 
-    /// The place of an octet.
+    /// Returns the place of an octet.
     pub fn position(&self, at: usize) -> Position {
         let line = self.lines.partition_point(|start| *start <= at).max(1);
         let start = self.lines.get(line - 1).copied().unwrap_or(0);
@@ -148,7 +148,7 @@ fn decode(octets: &[u8]) -> Result<Cow<'_, str>, Problem> {
     }
 }
 
-/// The encoding the XML declaration names.
+/// Returns the encoding the XML declaration names.
 fn encoding(octets: &[u8]) -> Option<&str> {
     let head = octets.strip_prefix(b"<?xml")?;
     let end = head.iter().take(400).position(|octet| *octet == b'>')?;

@@ -49,13 +49,13 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// The text in the primary language.
+    /// Returns the text in the primary language.
     #[must_use]
     pub fn get(&self, id: &TextId) -> Option<&str> {
         self.primary.get(id).map(String::as_str)
     }
 
-    /// The text in a language, in the primary one where it is not translated.
+    /// Returns the text in a language, in the primary one where it is not translated.
     #[must_use]
     pub fn in_language(&self, language: &str, id: &TextId) -> Option<&str> {
         self.languages

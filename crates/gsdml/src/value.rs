@@ -34,7 +34,7 @@ impl ValueList {
         [number].into_iter().collect()
     }
 
-    /// Whether a number is in it.
+    /// Returns whether a number is in it.
     #[must_use]
     pub fn contains(&self, number: u32) -> bool {
         self.ranges
@@ -42,30 +42,30 @@ impl ValueList {
             .any(|(first, last)| (*first..=*last).contains(&number))
     }
 
-    /// Whether it has no number.
+    /// Returns whether it has no number.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.ranges.is_empty()
     }
 
-    /// All numbers in the order they are written. A file decides how many: take only as many as are needed.
+    /// Returns all numbers in the order they are written. A file decides how many: take only as many as are needed.
     pub fn iter(&self) -> impl Iterator<Item = u32> + '_ {
         self.ranges.iter().flat_map(|(first, last)| *first..=*last)
     }
 
-    /// The ranges in the order they are written, first and last number of each.
+    /// Returns the ranges in the order they are written, first and last number of each.
     #[must_use]
     pub fn ranges(&self) -> &[(u32, u32)] {
         &self.ranges
     }
 
-    /// The first number.
+    /// Returns the first number.
     #[must_use]
     pub fn first(&self) -> Option<u32> {
         self.ranges.first().map(|(first, _)| *first)
     }
 
-    /// The largest number.
+    /// Returns the largest number.
     #[must_use]
     pub fn max(&self) -> Option<u32> {
         self.ranges.iter().map(|(_, last)| *last).max()
@@ -107,7 +107,7 @@ impl fmt::Display for ValueList {
     }
 }
 
-/// A text that is no list of numbers.
+/// A text that is not a list of numbers.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no list of numbers as `0..4 7`")]
 pub struct NoList(String);
@@ -134,7 +134,7 @@ impl FromStr for ValueList {
     }
 }
 
-/// A number: hexadecimal with `0x`, else decimal.
+/// Returns a number: hexadecimal with `0x`, else decimal.
 pub(crate) fn number(text: &str) -> Option<u32> {
     let digits = |text: &str, radix| {
         text.bytes()
@@ -168,7 +168,7 @@ pub(crate) fn shortened(text: &str) -> String {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SchemaVersion {
     major: u8,
-    /// Fraction in hundredths; `short` tells 2.3 from 2.30.
+    /// Fraction in hundredths; `short` distinguishes 2.3 from 2.30.
     hundredths: u8,
     short: bool,
 }
@@ -187,7 +187,7 @@ impl SchemaVersion {
         short: false,
     };
 
-    /// The number before the point.
+    /// Returns the number before the point.
     #[must_use]
     pub const fn major(self) -> u8 {
         self.major
@@ -210,7 +210,7 @@ impl fmt::Display for SchemaVersion {
     }
 }
 
-/// A text that is no version.
+/// A text that is not a version.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no version as V2.35")]
 pub struct NoVersion(String);

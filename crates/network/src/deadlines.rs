@@ -54,12 +54,12 @@ impl Deadlines {
         }
     }
 
-    /// The earliest deadline.
+    /// Returns the earliest deadline.
     pub(crate) fn earliest(&self) -> Option<Instant> {
         self.tree.get(1).copied().filter(|at| *at != NEVER)
     }
 
-    /// The lowest index whose deadline is the earliest.
+    /// Returns the lowest index whose deadline is the earliest.
     pub(crate) fn earliest_index(&self) -> Option<usize> {
         let at = self.earliest()?;
         let mut node = 1;

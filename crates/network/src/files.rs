@@ -37,9 +37,9 @@ pub struct StateFileError {
 /// A small file that holds the old content or the new one, never a mixture, whenever the program or the machine
 /// stops: written beside, made durable, then renamed over the old one.
 ///
-/// The file beside has no name until it is whole, so that a killed program leaves nothing; where the file system has no
-/// unnamed files it has a random one. Names are created exclusively, so that a link which somebody planted in the folder is
-/// never followed. One writer at a time; readers at any time.
+/// The temporary file has no name until it is complete, so that a killed program leaves nothing. A file system without
+/// unnamed files gets a random name. Names are created exclusively, so that a link planted in the folder is never
+/// followed. One writer at a time; readers at any time.
 ///
 /// ```
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -79,7 +79,7 @@ impl StateFile {
         }
     }
 
-    /// Where the file is.
+    /// Returns where the file is.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -196,7 +196,7 @@ impl StateFile {
     }
 }
 
-/// Removes what killed programs left in `folder` before it took its place. Nobody may be writing there.
+/// Removes the temporary files of killed programs in `folder`. No other program may be writing there.
 pub fn sweep(folder: &Path) {
     let is_left = |name: &str| {
         let random = name.strip_suffix(BESIDE).and_then(|name| name.rsplit_once('.'));
@@ -213,8 +213,8 @@ pub fn sweep(folder: &Path) {
 
 /// Creates or empties a file that the user named, to write a stream into it.
 ///
-/// In a folder that others can write to, an existing link or a file of somebody else is refused: somebody may have
-/// planted it there, so that a program with more permissions overwrites another file. Elsewhere links are followed
+/// In a folder that others can write to, an existing link or a file of another user is refused. It may have been
+/// planted there, so that a program with more permissions overwrites another file. Elsewhere links are followed
 /// (`/dev/stdout`).
 ///
 /// # Errors

@@ -84,7 +84,7 @@ impl Lane {
 }
 
 impl<S: Station> Impaired<S> {
-    /// A good cable; `seed` decides every fault by chance to come.
+    /// Creates a good cable; `seed` decides every fault by chance to come.
     #[must_use]
     pub fn new(inner: S, seed: u64) -> Self {
         Self {
@@ -99,13 +99,13 @@ impl<S: Station> Impaired<S> {
         }
     }
 
-    /// The station behind the cable.
+    /// Returns the station behind the cable.
     #[must_use]
     pub const fn inner(&self) -> &S {
         &self.inner
     }
 
-    /// The station behind the cable, to give it work.
+    /// Returns the station behind the cable, to give it work.
     #[must_use]
     pub const fn inner_mut(&mut self) -> &mut S {
         &mut self.inner
@@ -121,7 +121,7 @@ impl<S: Station> Impaired<S> {
         }
     }
 
-    /// True while the cable is pulled.
+    /// Returns true while the cable is pulled.
     #[must_use]
     pub const fn is_pulled(&self) -> bool {
         self.pulled
@@ -133,7 +133,7 @@ impl<S: Station> Impaired<S> {
         self.conditions = conditions;
     }
 
-    /// What happens to frames.
+    /// Returns what happens to frames.
     #[must_use]
     pub const fn conditions(&self) -> Conditions {
         self.conditions

@@ -8,14 +8,14 @@ use smoltcp::wire::{ArpOperation, ArpPacket, ArpRepr, EthernetAddress, EthernetP
 
 use crate::host::{MINIMUM_FRAME, Station, ethertype};
 
-/// How often each address is asked for.
+/// How often each address is requested.
 const ROUNDS: u8 = 2;
 /// Pause between two rounds.
 const PAUSE: Duration = Duration::from_millis(100);
 const ETHERNET: usize = 14;
 
-/// Any station, with ARP probes for addresses that somebody is about to take. A probe names no sender, so it changes
-/// nothing in the neighbours' tables.
+/// Finds the holder of an address, and other stations that probe for it, by ARP probes. A probe has no sender address,
+/// so it changes nothing in the tables of neighbours.
 ///
 /// ```
 /// use profidrive_network::host::{Host, Station};
@@ -51,7 +51,7 @@ pub struct Probe<S> {
 }
 
 impl<S: Station> Probe<S> {
-    /// Asks for these addresses, beside what `inner` does.
+    /// Requests these addresses, beside what `inner` does.
     #[must_use]
     pub fn new(inner: S, wanted: Vec<Ipv4Addr>) -> Self {
         Self {
@@ -64,19 +64,19 @@ impl<S: Station> Probe<S> {
         }
     }
 
-    /// The station inside.
+    /// Returns the station inside.
     #[must_use]
     pub const fn inner(&self) -> &S {
         &self.inner
     }
 
-    /// The station inside, to take its events and give it work.
+    /// Returns the station inside, to take its events and give it work.
     #[must_use]
     pub const fn inner_mut(&mut self) -> &mut S {
         &mut self.inner
     }
 
-    /// Who has one of the addresses, or is about to take it, each once.
+    /// Returns who has one of the addresses, or is about to take it, each once.
     #[must_use]
     pub fn found(&self) -> &[(Ipv4Addr, MacAddress)] {
         &self.found
@@ -98,7 +98,7 @@ impl<S: Station> Probe<S> {
             return None;
         };
         let owner = MacAddress(source_hardware_addr.0);
-        // somebody who probes names himself as the target
+        // a probing station names itself as the target
         let address = if sender.is_unspecified() { target } else { sender };
         let new = owner != self.inner.mac()
             && self.wanted.contains(&address)

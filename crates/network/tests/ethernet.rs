@@ -369,7 +369,7 @@ fn errors_describe_the_cause() {
     };
     let error = fail();
     assert!(matches!(error, Error::InterfaceDown { .. }), "{error}");
-    // told once; the station goes on without the interface, which is not there to be opened
+    // reported once; the station continues without the interface, which cannot be opened
     let sent = runner.statistics().sent;
     run_for(&mut runner, Duration::from_millis(5));
     assert!(matches!(runner.reopen(), Err(Error::InterfaceDown { .. })));

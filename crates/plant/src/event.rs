@@ -221,7 +221,7 @@ impl ScenarioEvent {
         })
     }
 
-    /// What ends it; `None` for what cannot be ended, such as a fault that only comes.
+    /// Returns what ends it; `None` for what cannot be ended, such as a fault that only comes.
     #[must_use]
     pub fn undo(&self) -> Option<Self> {
         Some(match *self {
@@ -259,7 +259,7 @@ impl ScenarioEvent {
     }
 }
 
-/// What ends a happening inside the drive.
+/// Returns what ends a happening inside the drive.
 fn undo(injection: Injection) -> Option<Injection> {
     use Injection as I;
     Some(match injection {

@@ -56,7 +56,7 @@ pub struct Scenario {
     pub seed: u64,
     /// How long it goes on; `None` until it is ended.
     pub duration: Option<Duration>,
-    /// How often a trace tells all values; `None` for changes only.
+    /// Period at which a trace prints all values; `None` for changes only.
     pub sample: Option<Duration>,
     /// The drives.
     pub drives: Vec<DrivePlan>,
@@ -270,7 +270,8 @@ struct RawEvent {
 }
 
 impl DrivePlan {
-    /// A drive as delivered: nothing happens to it. It has no address, and its Ethernet address is made of its name.
+    /// Creates a drive as delivered: nothing happens to it. It has no address, and its Ethernet address is made of its
+    /// name.
     #[must_use]
     pub fn new(name: &str, model: &'static Model) -> Self {
         Self {
@@ -413,7 +414,7 @@ fn read_drive(raw: &RawDrive) -> Result<DrivePlan, Located> {
             return Err(Located(span.clone(), format!("{problem}{hint}")));
         }
     }
-    // what the drive itself refuses is told with its place, too
+    // what the drive itself refuses is reported with its place, too
     let mut station = Station::new(StationConfig::new(model, mac));
     for (span, assignment) in &parameters {
         set(&mut station, model, &name, assignment)

@@ -48,7 +48,7 @@ pub enum Action {
     Send(Vec<(&'static Field, i64)>),
     /// Set the first words of the telegram, whatever they mean.
     Words(Vec<u16>),
-    /// Release the connection, and do not come back before told to.
+    /// Release the connection and stay disconnected until commanded.
     Release,
     /// Connect again after a release.
     Connect,
@@ -136,7 +136,8 @@ impl RawController {
                 format!("more than {MOST_STEPS} steps"),
             ));
         }
-        // what a speed is in a telegram depends on the drive as it is set up; if it cannot be, the plant tells so
+        // the scale of a speed in a telegram depends on the set-up of the drive; the plant reports when it cannot be
+        // set
         let unit = plan.build(plan.config(), 0).ok();
         let made = unit.as_ref().map(|unit| unit.inner().endpoint().drive());
         let mut steps = Vec::new();
@@ -265,8 +266,8 @@ fn read_signals(
     Ok(fields)
 }
 
-/// The number of a speed or of a part of the highest reference in the speed word of a converter; without a unit it is that
-/// number itself.
+/// Returns the number of a speed or of a part of the highest reference in the speed word of a converter; without a unit
+/// it is that number itself.
 fn reference(quantity: &Quantity, drive: &Drive, telegram: &Telegram) -> Result<i64, UnitMismatch> {
     Ok(match quantity.unit.as_deref() {
         None => quantity.number.as_f64().round() as i64,

@@ -11,7 +11,7 @@ const LONGEST: f64 = 366.0 * 86_400.0;
 /// One revolution in the positions of the axis.
 const REVOLUTION: f64 = 4_294_967_296.0;
 
-/// A time with its unit, `2s` or `500ms`.
+/// Returns a time with its unit, `2s` or `500ms`.
 pub fn time(text: &str) -> Result<Duration, String> {
     let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;
     if quantity.unit.is_none() && quantity.number.as_f64() != 0.0 {
@@ -24,7 +24,7 @@ pub fn time(text: &str) -> Result<Duration, String> {
     Ok(Duration::from_nanos((seconds * 1e9).round() as u64))
 }
 
-/// A place on the way of the axis, `2.5rev`, in 2^-32 revolutions.
+/// Returns a place on the way of the axis, `2.5rev`, in 2^-32 revolutions.
 pub fn place(text: &str) -> Result<i64, String> {
     let quantity: Quantity = text.parse().map_err(|error| format!("{error}"))?;
     let revolutions = match quantity.unit.as_deref() {
@@ -57,7 +57,7 @@ pub fn suite(text: &str) -> Result<IpSuite, String> {
     })
 }
 
-/// A locally administered address that is the same for the same name every time: FNV-1a, 40 bits of it.
+/// Returns a locally administered address that is the same for the same name every time: FNV-1a, 40 bits of it.
 pub fn derived_mac(name: &str) -> MacAddress {
     let hash = name.bytes().fold(0xCBF2_9CE4_8422_2325_u64, |hash, octet| {
         (hash ^ u64::from(octet)).wrapping_mul(0x0100_0000_01B3)
@@ -67,7 +67,7 @@ pub fn derived_mac(name: &str) -> MacAddress {
     MacAddress([0x02, a, b, c, d, e])
 }
 
-/// A station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
+/// Returns a station in a few words: `akd-1 (02:50:4e:00:00:01, 10.0.0.2)`.
 pub fn station_text(name: &str, mac: MacAddress, ip: IpSuite) -> String {
     if ip.is_set() {
         format!("{name} ({mac}, {})", ip.address)

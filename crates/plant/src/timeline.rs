@@ -44,7 +44,7 @@ pub struct Played {
 }
 
 impl Timeline {
-    /// The time line of a drive that starts at `start`.
+    /// Returns the time line of a drive that starts at `start`.
     #[must_use]
     pub fn new(cues: &[Cue], start: Instant) -> Self {
         let pending = cues.iter().map(|cue| Pending {
@@ -70,7 +70,7 @@ impl Timeline {
         });
     }
 
-    /// When the next thing happens by time.
+    /// Returns the time when the next thing happens by time.
     #[must_use]
     pub fn next(&self) -> Option<Instant> {
         let times = self.pending.iter().filter_map(|pending| match pending.when {
@@ -80,14 +80,14 @@ impl Timeline {
         times.min()
     }
 
-    /// True while something waits for the axis to reach a place.
+    /// Returns true while something waits for the axis to reach a place.
     #[must_use]
     pub fn watches_position(&self) -> bool {
         let waits = |pending: &Pending| matches!(pending.when, When::Place(_));
         self.pending.iter().any(waits)
     }
 
-    /// True when [`play`](Self::play) would do something.
+    /// Returns true when [`play`](Self::play) would do something.
     #[must_use]
     pub fn is_due(&self, now: Instant, unit: &Unit) -> bool {
         let place = position(unit);

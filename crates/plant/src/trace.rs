@@ -1,4 +1,4 @@
-//! What a scenario tells while it goes on.
+//! The trace of a scenario: its entries and their text.
 
 use std::fmt;
 
@@ -19,14 +19,14 @@ pub struct Entry {
     pub what: What,
 }
 
-/// What a trace tells.
+/// Content of a trace entry.
 #[derive(Debug, Clone, PartialEq)]
 pub enum What {
     /// Something of the time line happened.
     Happened(Played),
-    /// The drive told something.
+    /// The drive reported an event.
     Told(String),
-    /// Its controller told something.
+    /// Its controller reported an event.
     Controller(String),
     /// Where the drive is, at a sample or because its status word has changed.
     Values {
@@ -83,7 +83,7 @@ impl fmt::Display for What {
 }
 
 impl What {
-    /// A happening that lasts until something else is said.
+    /// Creates a happening that lasts until something else is said.
     #[must_use]
     pub const fn happened(what: ScenarioEvent) -> Self {
         Self::Happened(Played { what, lasts: None })

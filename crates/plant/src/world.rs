@@ -60,7 +60,7 @@ pub enum WorldError {
 }
 
 impl DrivePlan {
-    /// What the station is made with; the carrier adds what it knows, such as what was saved in an earlier run.
+    /// Returns what the station is made with; the carrier adds what it knows, such as what was saved in an earlier run.
     #[must_use]
     pub fn config(&self) -> StationConfig {
         let mut config = StationConfig::new(self.model, self.mac);
@@ -74,7 +74,7 @@ impl DrivePlan {
         config
     }
 
-    /// The drive, made and set up, as a station on a good cable; `seed` decides what a bad one does by chance.
+    /// Returns the drive, made and set up, as a station on a good cable; `seed` decides what a bad one does by chance.
     ///
     /// # Errors
     /// When one of its first parameters is refused.
@@ -181,7 +181,7 @@ struct ControllerSeat {
 }
 
 impl World {
-    /// The plant of a scenario at its start.
+    /// Returns the plant of a scenario at its start.
     ///
     /// # Errors
     /// When a drive refuses its first parameters.
@@ -242,13 +242,13 @@ impl World {
         self.segment.now()
     }
 
-    /// A number that is the same for the same frames at the same times.
+    /// Returns a number that is the same for the same frames at the same times.
     #[must_use]
     pub fn trace_hash(&self) -> u64 {
         self.segment.trace_hash()
     }
 
-    /// The drive of that number in the scenario.
+    /// Returns the drive of that number in the scenario.
     #[must_use]
     pub fn drive(&self, number: usize) -> Option<&Station> {
         let unit: &Unit = self.segment.station(self.drives.get(number)?.id)?;
@@ -334,7 +334,7 @@ impl World {
         }
     }
 
-    /// Tells what drives and controllers have to tell.
+    /// Records the events of drives and controllers.
     fn look(&mut self, record: &mut dyn FnMut(Entry)) {
         let now = self.segment.now();
         for seat in &mut self.drives {
@@ -405,7 +405,7 @@ fn values(now: Instant, seat: &Seat, station: &Station) -> Entry {
     }
 }
 
-/// An address in the network of `beside` that no drive has, from its upper end down.
+/// Returns an address in the network of `beside` that no drive has, from its upper end down.
 fn free_address(scenario: &Scenario, beside: IpSuite, number: usize) -> Option<IpSuite> {
     let mask = u32::from(beside.mask);
     let broadcast = u32::from(beside.address) | !mask;
@@ -421,7 +421,7 @@ fn free_address(scenario: &Scenario, beside: IpSuite, number: usize) -> Option<I
     })
 }
 
-/// What a controller expects to be plugged in a drive of this model with this telegram.
+/// Returns what a controller expects to be plugged in a drive of this model with this telegram.
 fn expected_modules(model: &'static Model, telegram: u16) -> Vec<ModuleConfig> {
     let description = Description::of(model);
     let access_point = description.access_points.first().map(|module| (0, module));

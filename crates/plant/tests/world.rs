@@ -6,7 +6,7 @@ use std::time::Duration;
 use profidrive_plant::{Entry, Scenario, What, World};
 use profinet::Instant;
 
-/// A run at 60 rpm under telegram 1, with these events of the drive.
+/// Returns a run at 60 rpm under telegram 1, with these events of the drive.
 fn plant(seed: u64, events: &str) -> Scenario {
     format!(
         r#"
@@ -39,7 +39,7 @@ fn play(scenario: &Scenario) -> (Vec<Entry>, u64) {
     (trace, world.trace_hash())
 }
 
-/// When the trace first says this.
+/// Returns the time when the trace first says this.
 fn first_entry(trace: &[Entry], words: &str) -> Option<Duration> {
     let found = trace.iter().find(|entry| entry.to_string().contains(words));
     found.map(|entry| entry.at - Instant::ZERO)

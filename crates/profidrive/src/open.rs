@@ -33,7 +33,7 @@ pub enum Way {
 }
 
 impl Network {
-    /// What carries it.
+    /// Returns what carries it.
     #[must_use]
     pub const fn way(&self) -> &Way {
         &self.way
@@ -139,7 +139,7 @@ pub fn open(interface: &str) -> Result<Network, OpenError> {
     Opening::new(Access::default()).on(interface).open()
 }
 
-/// The interface to use where none is given: the only one that is up. `None` where there are several or none.
+/// Returns the interface to use where none is given: the only one that is up. `None` where there are several or none.
 ///
 /// # Errors
 /// When the interfaces cannot be listed.
@@ -178,8 +178,8 @@ impl Opening {
         self
     }
 
-    /// The drives are given by their IP address: without the right to raw sockets, or without an interface, UDP alone is
-    /// enough for everything but discovery and cyclic data.
+    /// Sets whether drives are given by their IP address: without permission for raw sockets, or without an interface,
+    /// UDP alone is enough for everything but discovery and cyclic data.
     #[must_use]
     pub const fn by_ip(mut self, by_ip: bool) -> Self {
         self.by_ip = by_ip;

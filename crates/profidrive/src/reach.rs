@@ -28,13 +28,13 @@ pub struct OtherSubnet {
 }
 
 impl OtherSubnet {
-    /// The subnet of this computer, in which the drive needs an address: `10.0.0.0/24`.
+    /// Returns the subnet of this computer, in which the drive needs an address: `10.0.0.0/24`.
     #[must_use]
     pub fn own_subnet(&self) -> String {
         self.own.first().copied().map(subnet).unwrap_or_default()
     }
 
-    /// The subnet of the drive.
+    /// Returns the subnet of the drive.
     #[must_use]
     pub fn subnet(&self) -> String {
         subnet(self.station)
@@ -81,7 +81,7 @@ pub fn reach(interface: &str, own: &[IpSuite], label: &str, drive: IpSuite) -> R
     })
 }
 
-/// A word on an address that no subnet of this computer contains.
+/// Returns a word on an address that no subnet of this computer contains.
 #[must_use]
 pub fn far(own: &[IpSuite], address: Ipv4Addr) -> Option<String> {
     // nothing is known of a computer that does not list its addresses

@@ -117,7 +117,7 @@ static WITH_TABLES: [(&Model, &Catalogue); 3] = [
     (&VACON, &catalogue::VACON),
 ];
 
-/// The first model whose tables fit.
+/// Returns the first model whose tables fit.
 fn first(fits: impl Fn(&Model, &Catalogue) -> bool) -> Option<(&'static Model, &'static Catalogue)> {
     WITH_TABLES
         .into_iter()
@@ -128,8 +128,8 @@ impl Model {
     /// What a person may call a model: see [`by_name`](Self::by_name).
     pub const NAMES: [&'static str; 4] = ["akd", "vlt", "vacon", "standard"];
 
-    /// The model that PNU 964 identifies by its vendor (index 0) and the type of the drive unit (index 1), where that type
-    /// is known.
+    /// Returns the model that PNU 964 identifies by its vendor (index 0) and the type of the drive unit (index 1),
+    /// where that type is known.
     ///
     /// ```
     /// use profidrive_profile::model::Model;
@@ -145,8 +145,8 @@ impl Model {
         found.map(|(model, _)| *model)
     }
 
-    /// The model with this vendor and device. Of another device of a known vendor the parameters are not known, but the
-    /// dialect is; of all others nothing but the profile.
+    /// Returns the model with this vendor and device. Of another device of a known vendor the parameters are not known,
+    /// but the dialect is; of all others nothing but the profile.
     ///
     /// ```
     /// use profidrive_profile::model::Model;
@@ -170,13 +170,13 @@ impl Model {
         })
     }
 
-    /// The VendorIDs of the models with tables.
+    /// Returns the VendorIDs of the models with tables.
     pub fn vendors() -> impl Iterator<Item = u16> {
         WITH_TABLES.iter().map(|(_, tables)| tables.device.vendor_id)
     }
 
-    /// The model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the profile alone,
-    /// without any tables.
+    /// Returns the model that a person names, case does not matter: `akd`, `vlt`, `vacon`, or `standard` for the
+    /// profile alone, without any tables.
     ///
     /// ```
     /// use profidrive_profile::model::Model;
@@ -200,7 +200,7 @@ impl Model {
         }
     }
 
-    /// What scales values as long as the drive was not asked: as delivered.
+    /// Returns what scales values as long as the drive was not asked: as delivered.
     #[must_use]
     pub fn scaling(&self) -> Scaling {
         self.catalogue.map_or(Scaling::DELIVERED, |tables| tables.scaling)

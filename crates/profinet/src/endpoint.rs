@@ -20,7 +20,7 @@ impl MacAddress {
     /// FF-FF-FF-FF-FF-FF.
     pub const BROADCAST: Self = Self([0xFF; 6]);
 
-    /// True for multicast and broadcast addresses.
+    /// Returns true for multicast and broadcast addresses.
     #[must_use]
     pub const fn is_multicast(self) -> bool {
         self.0[0] & 1 == 1
@@ -84,13 +84,13 @@ impl IpSuite {
         gateway: Ipv4Addr::UNSPECIFIED,
     };
 
-    /// True when an address is set.
+    /// Returns true when an address is set.
     #[must_use]
     pub fn is_set(&self) -> bool {
         !self.address.is_unspecified()
     }
 
-    /// True when `other` is reached without a gateway.
+    /// Returns true when `other` is reached without a gateway.
     #[must_use]
     pub fn is_local(&self, other: Ipv4Addr) -> bool {
         let mask = u32::from(self.mask);
@@ -116,7 +116,7 @@ pub enum Traffic {
 /// What [`Endpoint::poll_transmit`] put into the buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transmit {
-    /// A whole Ethernet frame without FCS of this length (PROFINET EtherType, tagged where the standard asks).
+    /// A whole Ethernet frame without FCS of this length (PROFINET EtherType, tagged as the standard requires).
     Frame {
         /// Octets written.
         length: usize,
@@ -144,8 +144,8 @@ pub trait Endpoint {
     /// Own IP configuration; may change after any `handle_*` call (DCP Set).
     fn ip(&self) -> IpSuite;
 
-    /// True while the carrier is to find an address: from a DHCP server, else a link-local one (AutoIP). A carrier that
-    /// makes whole Ethernet frames does so and reports it by [`take_address`](Endpoint::take_address).
+    /// Returns true while the carrier must find an address: from a DHCP server, else a link-local one (AutoIP). A
+    /// carrier of whole Ethernet frames does so and reports it by [`take_address`](Endpoint::take_address).
     fn acquires_address(&self) -> bool {
         false
     }
@@ -155,13 +155,13 @@ pub trait Endpoint {
         let _ = (now, suite);
     }
 
-    /// True for a local UDP port whose datagrams the endpoint wants, beside those it sends from.
+    /// Returns true for a local UDP port whose datagrams the endpoint handles, in addition to those it sends from.
     fn serves(&self, port: u16) -> bool {
         port == RPC_PORT
     }
 
-    /// Told by a carrier that makes whole Ethernet frames of every frame that concerns this station, ARP and IPv4
-    /// included: what a port counts. Does nothing unless the endpoint has something to count for.
+    /// Counts a frame that concerns this station, ARP and IPv4 included. Called by carriers of whole Ethernet frames.
+    /// Does nothing if the endpoint counts no traffic.
     fn note_traffic(&mut self, traffic: Traffic, frame: &[u8]) {
         let _ = (traffic, frame);
     }
@@ -176,17 +176,17 @@ pub trait Endpoint {
     /// Does what is due at `now`. Calling it early does nothing; calling it late does what was due.
     fn handle_timeout(&mut self, now: Instant);
 
-    /// Writes the next thing to send into `buffer` (at least [`MAX_FRAME`] octets), or says there is none.
+    /// Writes the next frame to send into `buffer` (at least [`MAX_FRAME`] octets).
     #[must_use]
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<Transmit>;
 
-    /// When [`handle_timeout`](Endpoint::handle_timeout) must be called at the latest; may change after every
-    /// `handle_*` and `poll_transmit` call.
+    /// Returns the time when [`handle_timeout`](Endpoint::handle_timeout) must be called at the latest; may change
+    /// after every `handle_*` and `poll_transmit` call.
     #[must_use]
     fn poll_timeout(&self) -> Option<Instant>;
 }
 
-/// Something that carries an endpoint's bytes: a network interface, or a simulated segment in virtual time.
+/// A carrier of an endpoint's bytes: a network interface, or a simulated segment in virtual time.
 ///
 /// Blocking programs (the command line, examples, tests) are written against this, so that the same code runs on a
 /// wire, on an in-memory segment at wall-clock speed, and in virtual time.
@@ -194,7 +194,7 @@ pub trait Medium {
     /// Why the medium failed.
     type Error: core::error::Error;
 
-    /// The present time of this medium.
+    /// Returns the present time of this medium.
     fn now(&self) -> Instant;
 
     /// Carries bytes to and from `endpoint` until at least one input or deadline was handled or `until` is reached,

@@ -1,7 +1,7 @@
 //! PROFINET IO as a device and as a controller: protocol engines that take bytes and a time and give bytes, events
 //! and the next deadline. No socket, thread or clock inside.
 //!
-//! Knows nothing of drives; the drive profile is carried as records and cyclic data.
+//! The crate is independent of drives; the drive profile is carried as records and cyclic data.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -11,7 +11,7 @@
 //! | [`lldp`], [`snmp`] | neighbours heard, and an agent that tells of them |
 //! | [`wire`] | what the bytes of each PDU mean, without behaviour |
 //!
-//! [`Endpoint`] is what an engine and its carrier agree on, [`Medium`] carries one endpoint until something happened.
+//! [`Endpoint`] is the interface between an engine and its carrier, [`Medium`] carries one endpoint until an event.
 #![no_std]
 #![forbid(unsafe_code)]
 extern crate alloc;

@@ -1,4 +1,4 @@
-//! Neighbours: who was heard by LLDP at the other end of the cable, and for how long that holds.
+//! Neighbours: stations whose LLDP frames were received from the other end of the cable, with their time to live.
 //!
 //! Source: IEEE 802.1AB, receive machine. Memory is bounded: [`MAX_NEIGHBOURS`] entries of at most
 //! [`lldp::MAX_LENGTH`] octets; who comes later finds no room until one is too old.
@@ -14,28 +14,28 @@ use crate::{Instant, MacAddress};
 /// Neighbours remembered at one port. A cable has one other end; behind a hub or a simple switch there are more.
 pub const MAX_NEIGHBOURS: usize = 16;
 
-/// Somebody at the other end.
+/// A neighbour: the station at the other end of the cable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Neighbour {
     /// Number given on arrival, never given twice.
     pub index: u32,
     /// Ethernet address the frames come from.
     pub source: MacAddress,
-    /// When what it says changed last.
+    /// Time of the last change of its content.
     pub since: Instant,
     expires: Instant,
     payload: Vec<u8>,
 }
 
 impl Neighbour {
-    /// What it says.
+    /// Returns its LLDPDU.
     #[must_use]
     pub fn lldpdu(&self) -> Option<Lldpdu<'_>> {
-        // only what can be read is kept
+        // only valid payloads are stored
         Lldpdu::decode(Reader::new(&self.payload)).ok()
     }
 
-    /// Its Ethernet address: that of its interface if it says so, else where the frames come from.
+    /// Returns its Ethernet address: that of its interface if the LLDPDU has it, else the source address of its frames.
     #[must_use]
     pub fn mac(&self) -> MacAddress {
         self.lldpdu()
@@ -43,8 +43,8 @@ impl Neighbour {
             .unwrap_or(self.source)
     }
 
-    /// The name that a station has which is found by its neighbour: port and name of the neighbour, `port-001.plc1`.
-    /// `None` if the neighbour has no name.
+    /// Returns the name that a station has which is found by its neighbour: port and name of the neighbour,
+    /// `port-001.plc1`. `None` if the neighbour has no name.
     #[must_use]
     pub fn alias(&self) -> Option<String> {
         let lldpdu = self.lldpdu()?;
@@ -70,7 +70,7 @@ pub struct Counts {
     pub tlvs_discarded: u32,
     /// TLVs of unknown types.
     pub tlvs_unknown: u32,
-    /// Neighbours that came or changed what they say.
+    /// Neighbours that appeared or changed their content.
     pub inserts: u32,
     /// Neighbours that went.
     pub deletes: u32,
@@ -171,7 +171,7 @@ impl Neighbours {
         }
     }
 
-    /// When somebody will have been silent for too long.
+    /// Returns the time at which the next neighbour expires.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
         self.list.iter().map(|neighbour| neighbour.expires).min()
@@ -182,13 +182,13 @@ impl Neighbours {
         self.list.iter()
     }
 
-    /// What was counted.
+    /// Returns what was counted.
     #[must_use]
     pub const fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// When somebody came, went or changed last.
+    /// Returns the time at which a neighbour last appeared, left or changed.
     #[must_use]
     pub const fn changed(&self) -> Instant {
         self.changed

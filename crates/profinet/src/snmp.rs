@@ -1,7 +1,7 @@
-//! An SNMP agent of version 1 and 2c that is asked and never changed.
+//! A read-only SNMP agent of version 1 and 2c.
 //!
-//! Source: RFC 1157, RFC 3416 clause 4.2. What there is to know comes from a [`Mib`]; nothing can be set, so that the
-//! community, which everybody can read on the wire, protects nothing that matters.
+//! Source: RFC 1157, RFC 3416 clause 4.2. The values come from a [`Mib`]. Nothing can be set, so the community, which
+//! is readable on the wire, protects nothing important.
 
 use alloc::vec::Vec;
 
@@ -16,7 +16,7 @@ pub trait Mib {
     /// Value of a variable; else [`Value::NoSuchObject`] or [`Value::NoSuchInstance`].
     fn get(&self, name: &Oid) -> Value;
 
-    /// The first variable behind `name`.
+    /// Returns the first variable behind `name`.
     fn next(&self, name: &Oid) -> Option<(Oid, Value)>;
 }
 
@@ -137,7 +137,7 @@ fn following(mib: &impl Mib, version: Version, name: &Oid) -> Option<Binding> {
     }
 }
 
-/// As many variables as asked for and as fit into one answer.
+/// As many variables as requested and as fit into one answer.
 fn bulk(
     mib: &impl Mib,
     reply: &Message,

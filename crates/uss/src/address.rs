@@ -18,7 +18,7 @@ pub enum Addressee {
     Slave(u8),
     /// One slave, which sends the telegram back as it is.
     Mirror(u8),
-    /// All slaves; nobody answers.
+    /// All slaves; none answers.
     Broadcast,
     /// A special telegram, of which nothing more is known.
     Special,
@@ -55,13 +55,13 @@ impl Address {
     /// Broadcast of the long form of the FC protocol.
     pub const FC_BROADCAST: Self = Self(LONG);
 
-    /// A slave of USS, 0 to 31.
+    /// Returns a slave of USS, 0 to 31.
     #[must_use]
     pub const fn uss(number: u8) -> Option<Self> {
         if number <= 31 { Some(Self(number)) } else { None }
     }
 
-    /// A slave of the FC protocol in the long form, 1 to 126.
+    /// Returns a slave of the FC protocol in the long form, 1 to 126.
     #[must_use]
     pub const fn fc(number: u8) -> Option<Self> {
         if number >= 1 && number <= 126 {
@@ -71,7 +71,7 @@ impl Address {
         }
     }
 
-    /// A slave of the FC protocol in the short form, 1 to 31.
+    /// Returns a slave of the FC protocol in the short form, 1 to 31.
     #[must_use]
     pub const fn fc_short(number: u8) -> Option<Self> {
         if number >= 1 && number <= 31 {
@@ -81,7 +81,7 @@ impl Address {
         }
     }
 
-    /// The address with which a USS slave sends the telegram back as it is.
+    /// Returns the address with which a USS slave sends the telegram back as it is.
     #[must_use]
     pub const fn mirror(self) -> Self {
         Self(self.0 | MIRROR)

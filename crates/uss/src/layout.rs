@@ -61,7 +61,7 @@ impl Layout {
         process_only: false,
     };
 
-    /// True when data of this length can be divided.
+    /// Returns true when data of this length can be divided.
     #[must_use]
     pub const fn accepts(&self, data: usize) -> bool {
         let Some(pkw) = data.checked_sub(2 * self.pzd as usize) else {

@@ -63,7 +63,7 @@ pub struct SlaveId(usize);
 pub enum Event {
     /// A reply came: [`Master::reply`] has it, [`Master::set_data`] says what to ask next.
     Reply(SlaveId),
-    /// A slave does not answer, all repetitions done. Told again only after it answered.
+    /// A slave does not answer after all repetitions. Reported again only after it answered.
     Lost(SlaveId),
 }
 
@@ -138,7 +138,7 @@ pub struct Master {
     next: usize,
     state: State,
     events: VecDeque<Event>,
-    /// Telegram on the line, for telling its echo.
+    /// Telegram on the line, to recognise its echo.
     sent: Box<[u8; MAX_TELEGRAM]>,
     sent_length: usize,
     /// Telegram to all that waits for its turn.
@@ -157,7 +157,7 @@ pub struct Master {
 const UNHEARD: u8 = 4;
 
 impl Master {
-    /// A master without slaves.
+    /// Creates a master without slaves.
     #[must_use]
     pub fn new(config: MasterConfig) -> Self {
         Self {
@@ -231,7 +231,7 @@ impl Master {
         Ok(())
     }
 
-    /// What a slave answered last; empty before its first reply.
+    /// Returns what a slave answered last; empty before its first reply.
     #[must_use]
     pub fn reply(&self, slave: SlaveId) -> &[u8] {
         self.slaves
@@ -240,7 +240,7 @@ impl Master {
             .unwrap_or_default()
     }
 
-    /// How a slave behaves.
+    /// Returns how a slave behaves.
     #[must_use]
     pub fn statistics(&self, slave: SlaveId) -> SlaveStatistics {
         self.slaves
@@ -249,13 +249,13 @@ impl Master {
             .unwrap_or_default()
     }
 
-    /// What the receiver has seen so far.
+    /// Returns what the receiver has seen so far.
     #[must_use]
     pub const fn line(&self) -> &ReceiverStatistics {
         self.receiver.statistics()
     }
 
-    /// True when the master knows that it hears itself.
+    /// Returns true when the master knows that it hears itself.
     #[must_use]
     pub const fn hears_itself(&self) -> bool {
         self.echoes
@@ -293,12 +293,12 @@ impl Master {
         }
     }
 
-    /// What happened, in order.
+    /// Returns what happened, in order.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
 
-    /// The next telegram, when its time has come: its length in `buffer`, which has [`MAX_TELEGRAM`] octets.
+    /// Returns the next telegram, when its time has come: its length in `buffer`, which has [`MAX_TELEGRAM`] octets.
     pub fn poll_transmit(&mut self, now: Duration, buffer: &mut [u8]) -> Option<usize> {
         if now < self.due()? {
             return None;
@@ -343,7 +343,7 @@ impl Master {
         Some(length)
     }
 
-    /// When [`Master::handle_timeout`] or [`Master::poll_transmit`] is due, if ever.
+    /// Returns the time when [`Master::handle_timeout`] or [`Master::poll_transmit`] is due, if ever.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let line = self.receiver.poll_timeout();
@@ -355,7 +355,7 @@ impl Master {
         [own, line].into_iter().flatten().min()
     }
 
-    /// When the next telegram may begin, if there is one.
+    /// Returns the time when the next telegram may begin, if there is one.
     fn due(&self) -> Option<Duration> {
         if !matches!(self.state, State::Idle) || self.receiver.poll_timeout().is_some() {
             return None;
@@ -414,7 +414,7 @@ impl Master {
         self.replied(slave);
     }
 
-    /// True when the telegram sent may come back as it is.
+    /// Returns true when the telegram sent may come back as it is.
     fn may_be_reply(&self) -> bool {
         let sent = self.sent.get(..self.sent_length).unwrap_or_default();
         Telegram::decode(sent).is_ok_and(|telegram| mirrors(telegram, self.config.protocol))
@@ -461,7 +461,7 @@ impl Master {
         }
     }
 
-    /// An event that waits already is not told twice.
+    /// Queues an event unless an equal one waits already.
     fn push_event(&mut self, event: Event) {
         if !self.events.contains(&event) {
             self.events.push_back(event);
@@ -469,7 +469,7 @@ impl Master {
     }
 }
 
-/// A telegram whose reply may be like it: a mirror telegram, or data all zero.
+/// Returns true for a telegram that may look like its reply: a mirror telegram, or data all zero.
 fn mirrors(telegram: Telegram<'_>, protocol: Protocol) -> bool {
     matches!(telegram.address.addressee(protocol), Addressee::Mirror(_))
         || telegram.data.iter().all(|&octet| octet == 0)

@@ -31,7 +31,7 @@ pub struct ReceiverStatistics {
     pub lengths: u64,
     /// Telegrams with a wrong check octet.
     pub checksums: u64,
-    /// Telegrams with something close behind their check octet that was no telegram.
+    /// Telegrams with something close behind their check octet that was not a telegram.
     pub trailing: u64,
 }
 
@@ -40,7 +40,7 @@ pub struct ReceiverStatistics {
 /// * A telegram begins with STX after silence, or right behind another telegram (a port that hands octets over in lumps
 ///   hides silence).
 /// * It counts when the start delay has passed behind its check octet, or STX follows: a damaged length octet that
-///   makes a telegram look shorter is found by what follows.
+///   shortens a telegram is detected by the octets that follow.
 /// * It is dropped when an octet is late, the length cannot be, or the check octet is wrong. From then on everything
 ///   up to the next silence is noise, also what looks like a telegram: it may be the inside of one.
 ///
@@ -86,7 +86,7 @@ enum State {
 }
 
 impl Receiver {
-    /// A receiver of a silent line. Telegrams whose data the layout cannot divide are noise.
+    /// Creates a receiver of a silent line. Telegrams whose data the layout cannot divide are noise.
     #[must_use]
     pub const fn new(timing: Timing, layout: Layout) -> Self {
         Self {
@@ -176,7 +176,7 @@ impl Receiver {
         }
     }
 
-    /// When [`Receiver::handle_timeout`] is due, if ever.
+    /// Returns the time when [`Receiver::handle_timeout`] is due, if ever.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let last = self.last?;
@@ -187,7 +187,7 @@ impl Receiver {
         }
     }
 
-    /// The telegram that became whole.
+    /// Returns the telegram that became whole.
     pub fn take(&mut self) -> Option<Telegram<'_>> {
         let length = core::mem::take(&mut self.ready_length);
         Telegram::decode(self.ready.get(..length)?).ok()
@@ -199,7 +199,7 @@ impl Receiver {
         self.last.map(|last| last + self.timing.start_delay)
     }
 
-    /// What it has seen so far.
+    /// Returns what it has seen so far.
     #[must_use]
     pub const fn statistics(&self) -> &ReceiverStatistics {
         &self.statistics

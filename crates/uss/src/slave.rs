@@ -24,7 +24,7 @@ pub struct SlaveConfig {
 }
 
 impl SlaveConfig {
-    /// A slave of the Danfoss FC protocol.
+    /// Creates a slave of the Danfoss FC protocol.
     #[must_use]
     pub const fn fc(number: u8, baud: u32) -> Self {
         Self {
@@ -36,7 +36,7 @@ impl SlaveConfig {
         }
     }
 
-    /// A slave of USS with the usual telegram.
+    /// Creates a slave of USS with the usual telegram.
     #[must_use]
     pub const fn uss(number: u8, baud: u32) -> Self {
         Self {
@@ -100,7 +100,7 @@ pub struct Slave {
     receiver: Receiver,
     data: [u8; MAX_DATA],
     length: usize,
-    /// A request nobody has taken yet; true for a broadcast.
+    /// A request that the application has not fetched yet; true for a broadcast.
     request: Option<bool>,
     /// Address octet and end of the request that may be answered.
     open: Option<(Address, Duration)>,
@@ -112,7 +112,7 @@ pub struct Slave {
 }
 
 impl Slave {
-    /// A slave that has heard nothing yet.
+    /// Creates a slave that has heard nothing yet.
     #[must_use]
     pub const fn new(config: SlaveConfig) -> Self {
         Self {
@@ -136,7 +136,7 @@ impl Slave {
         }
     }
 
-    /// What it was made of.
+    /// Returns what it was made of.
     #[must_use]
     pub const fn config(&self) -> &SlaveConfig {
         &self.config
@@ -169,7 +169,7 @@ impl Slave {
         }
     }
 
-    /// The request that came, once.
+    /// Returns the request that came, once.
     pub fn poll_request(&mut self) -> Option<Request<'_>> {
         let broadcast = self.request.take()?;
         Some(Request {
@@ -192,7 +192,7 @@ impl Slave {
         Ok(())
     }
 
-    /// The reply, when it is due: its length in `buffer`.
+    /// Returns the reply, when it is due: its length in `buffer`.
     pub fn poll_transmit(&mut self, now: Duration, buffer: &mut [u8]) -> Option<usize> {
         if self.late(now) {
             self.open = None;
@@ -211,7 +211,7 @@ impl Slave {
         Some(reply.len())
     }
 
-    /// When [`Slave::handle_timeout`] or [`Slave::poll_transmit`] is due, if ever.
+    /// Returns the time when [`Slave::handle_timeout`] or [`Slave::poll_transmit`] is due, if ever.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Duration> {
         let reply = self.open.map(|(_, due)| match self.out_length {
@@ -221,19 +221,19 @@ impl Slave {
         [reply, self.receiver.poll_timeout()].into_iter().flatten().min()
     }
 
-    /// What it has done so far.
+    /// Returns what it has done so far.
     #[must_use]
     pub const fn counters(&self) -> &SlaveCounters {
         &self.counters
     }
 
-    /// What its receiver has seen so far.
+    /// Returns what its receiver has seen so far.
     #[must_use]
     pub const fn line(&self) -> &ReceiverStatistics {
         self.receiver.statistics()
     }
 
-    /// True when the reply would begin after the response delay; the start delay is part of it.
+    /// Returns true when the reply would begin after the response delay; the start delay is part of it.
     fn late(&self, now: Duration) -> bool {
         let timing = self.config.timing;
         self.open

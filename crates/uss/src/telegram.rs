@@ -13,7 +13,7 @@ pub const MAX_DATA: usize = MAX_LGE as usize - 2;
 /// STX, LGE and ADR in front of the data.
 const HEAD: usize = 3;
 
-/// The check octet: all octets before it, STX included, exclusive or.
+/// Returns the check octet: all octets before it, STX included, exclusive or.
 ///
 /// ```
 /// assert_eq!(profidrive_uss::bcc(&[0x02, 0x06, 0x81, 0x04, 0x7C, 0x20, 0x00]), 0xDD);
@@ -23,7 +23,7 @@ pub fn bcc(octets: &[u8]) -> u8 {
     octets.iter().fold(0, |check, octet| check ^ octet)
 }
 
-/// Octets that are no telegram.
+/// Octets that are not telegram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// Shorter than the shortest telegram.

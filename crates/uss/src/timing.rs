@@ -70,7 +70,7 @@ impl Timing {
         }
     }
 
-    /// Time that a telegram of so many octets takes on the wire.
+    /// Returns the time that a telegram of so many octets takes on the wire.
     #[must_use]
     pub fn telegram(&self, octets: usize) -> Duration {
         self.character

@@ -43,7 +43,7 @@ pub struct SerialConfig {
 }
 
 impl SerialConfig {
-    /// A new drive. Its master counts as lost after a second.
+    /// Creates a new drive. Its master counts as lost after a second.
     #[must_use]
     pub const fn new(model: &'static Model, slave: SlaveConfig) -> Self {
         Self {
@@ -108,7 +108,7 @@ pub struct SerialStation {
 }
 
 impl SerialStation {
-    /// A drive as it starts.
+    /// Creates a drive as it starts.
     #[must_use]
     pub fn new(config: SerialConfig) -> Self {
         let mut drive = Drive::new(config.model);
@@ -119,7 +119,7 @@ impl SerialStation {
         }
         let vendor = config.model.catalogue.device.vendor_id;
         let layout = config.slave.layout;
-        // without one of the maker it is that of whose protocol it is
+        // without one of the vendor it is that of whose protocol it is
         let dialect = PkwDialect::of_line(vendor, layout.pkw == PkwPart::Variable);
         let dialect = dialect.unwrap_or(match config.slave.protocol {
             Protocol::Fc => PkwDialect::DANFOSS_FC,
@@ -147,7 +147,7 @@ impl SerialStation {
         station
     }
 
-    /// What the drive reports before anybody has control has the form of the line already.
+    /// Before a master has control, the drive already reports in the format of the line.
     fn wait_for_master(&mut self) {
         self.connect();
         self.drive.disconnect(Disconnect::Released);
@@ -163,11 +163,11 @@ impl SerialStation {
     }
 
     fn connect(&mut self) {
-        // a model has the telegram of its maker
+        // a model has the telegram of its vendor
         let _ = self.drive.connect(self.telegram, self.control_timeout());
     }
 
-    /// A master that has control and is silent for so long is lost.
+    /// Returns a master that has control and is silent for so long is lost.
     fn control_timeout(&self) -> Duration {
         self.drive.control_timeout().unwrap_or(self.timeout)
     }
@@ -183,13 +183,13 @@ impl SerialStation {
         self.events.pop_front()
     }
 
-    /// The drive behind the line.
+    /// Returns the drive behind the line.
     #[must_use]
     pub const fn drive(&self) -> &Drive {
         &self.drive
     }
 
-    /// The drive, to put a load on it or to make it fail.
+    /// Returns the drive, to put a load on it or to make it fail.
     pub const fn drive_mut(&mut self) -> &mut Drive {
         &mut self.drive
     }
@@ -212,19 +212,19 @@ impl SerialStation {
         self.drive.report_save(save, stored);
     }
 
-    /// Its address.
+    /// Returns its address.
     #[must_use]
     pub const fn number(&self) -> u8 {
         self.slave.config().number
     }
 
-    /// What it has done at the line.
+    /// Returns what it has done at the line.
     #[must_use]
     pub const fn counters(&self) -> &SlaveCounters {
         self.slave.counters()
     }
 
-    /// What it has heard.
+    /// Returns what it has heard.
     #[must_use]
     pub const fn line(&self) -> &ReceiverStatistics {
         self.slave.line()
@@ -262,12 +262,12 @@ impl SerialStation {
         self.settle(now);
     }
 
-    /// The reply, when it is due: its length in `buffer`, which has [`uss::MAX_TELEGRAM`] octets.
+    /// Returns the reply, when it is due: its length in `buffer`, which has [`uss::MAX_TELEGRAM`] octets.
     pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize> {
         self.slave.poll_transmit(time(now), buffer)
     }
 
-    /// When [`handle_timeout`](Self::handle_timeout) or [`poll_transmit`](Self::poll_transmit) is due.
+    /// Returns the time when [`handle_timeout`](Self::handle_timeout) or [`poll_transmit`](Self::poll_transmit) is due.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
         let line = self.slave.poll_timeout().map(|due| Instant::ZERO + due);

@@ -14,7 +14,7 @@ use profinet::controller::{ModuleConfig, SubmoduleConfig};
 
 mod pair;
 
-/// A test file laid out as makers do.
+/// Returns a test file laid out as vendors do.
 fn vendor_file(name: &str) -> Gsdml {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/descriptions");
     let file: PathBuf = folder.join(name);
@@ -34,7 +34,8 @@ fn submodule(subslot: u32, submodule: &Submodule) -> SubmoduleConfig {
     }
 }
 
-/// What an engineering tool makes of a file: an access point and a module in slot 1, perhaps with a submodule plugged.
+/// Returns the project that an engineering tool creates from a file: an access point and a module in slot 1, perhaps
+/// with a submodule plugged.
 fn project(gsdml: &Gsdml, point: &str, module: &str, plugged: Option<(u32, &str)>) -> Vec<ModuleConfig> {
     let point = gsdml.access_point(point).unwrap();
     let plain = |subslot, ident| SubmoduleConfig {
@@ -88,7 +89,7 @@ fn telegram_after(config: StationConfig, modules: Vec<ModuleConfig>, interval: u
     pair.station.drive_mut().serve(&request, &mut answer).unwrap();
     match answer[..6] {
         [1, 1, _, 1, 0x42, 1] => u16::from_be_bytes([answer[6], answer[7]]),
-        // a VLT tells its true type
+        // a VLT reports its true type
         [1, 1, _, 1, 6, 1] => u16::from_be_bytes([answer[6], answer[7]]),
         ref other => panic!("{other:02X?}"),
     }
@@ -197,7 +198,7 @@ fn identity_and_what_is_left_out() {
 
     let object = Description::from_gsdml(&vendor_file(SUBMODULES), &AKD, None).unwrap();
     assert_eq!(object.description.identity.device_id, 0x0102);
-    // hardware release "A" is no number: that of the model
+    // hardware release "A" is not a number: that of the model
     assert_eq!(object.description.identity.hardware_revision, 1);
     assert_eq!(object.description.identity.software_revision, [3, 21, 4]);
     assert_eq!(object.description.access_points[0].submodules.len(), 4);

@@ -17,7 +17,7 @@ thread_local! {
 static ALLOCATOR: Counting = Counting;
 
 fn count() {
-    // a thread that ends has no count any more, and nobody to ask for it
+    // a thread that ends has no counter any more
     let _ = COUNT.try_with(|count| count.set(count.get() + 1));
 }
 

@@ -139,7 +139,7 @@ fn caller(
     course: &Course,
     handle_sender: &mpsc::Sender<StopHandle>,
 ) -> Done<()> {
-    // only the one that nobody looks after is to be stopped by its lease
+    // the lease stops only the axis that its owner abandoned
     let lease = if number == 2 { SECOND } else { LIMIT };
     let mut axis = take(&mut session, name, lease)?;
     let mut enabled = turning(&mut axis)?;
@@ -191,7 +191,7 @@ fn caller(
     Ok(())
 }
 
-/// What every cyclic sample says about an axis that kept its speed.
+/// Returns what every cyclic sample says about an axis that kept its speed.
 fn judged(samples: &mut Samples) -> Value {
     let (mut count, mut off, mut farthest) = (0, 0, 0.0_f64);
     let mut span = None;
@@ -239,7 +239,7 @@ fn stop_among_readers(
     Ok(readers)
 }
 
-/// Waits until a drive of which nobody has the axis any more stands out of operation.
+/// Waits until a drive without an owner stands out of operation.
 fn wait_for_lease(session: &mut Session, name: &str) -> Done<()> {
     let begin = Instant::now();
     let mut drive = session.find(&name.parse()?).wait()?;

@@ -219,7 +219,7 @@ impl<'a> App<'a> {
         done.unwrap();
     }
 
-    /// Exchanges data for the time asked for. False when a connection was lost and that is allowed.
+    /// Exchanges data for the time requested. False when a connection was lost and that is allowed.
     fn exchange(&mut self, ars: &[ArId], may_lose: bool) -> Outcome<bool> {
         // the frames of the start-up do not count
         let start = self.medium.now() + Duration::from_millis(500);

@@ -1,4 +1,4 @@
-//! Backup files, which anybody may have edited.
+//! Backup files, which are edited by hand.
 
 use client::backup::{Backup, Choice, Journal, Pattern, Plan, compare};
 

@@ -23,8 +23,8 @@ pub fn pcap(data: &[u8]) {
     }
 }
 
-/// What `decode` says about a capture whose frames may be anybody's: one note at most in a bounded number of octets, and
-/// the same capture always gives the same words.
+/// Runs `decode` on a capture with arbitrary frames: at most one note per bounded number of octets, and the same
+/// capture always gives the same text.
 pub fn capture(data: &[u8]) {
     let mut now = Duration::ZERO;
     let mut frames = Vec::new();
@@ -55,7 +55,7 @@ fn walked(frames: &[(Duration, &[u8])]) -> Vec<Event> {
     events
 }
 
-/// What `decode --hex` says about octets: for every make, bounded, and the same every time.
+/// What `decode --hex` says about octets: for every model, bounded, and the same every time.
 pub fn octets(data: &[u8]) {
     let lines = explained(data);
     let length: usize = lines.iter().map(String::len).sum();

@@ -87,7 +87,7 @@ impl Peer {
         }
     }
 
-    /// A datagram that fits the present call, as far as the fuzzed octets want: the first one says which kind.
+    /// Returns a datagram that fits the present call, as far as the fuzzed octets want: the first one says which kind.
     fn says(&self, mode: u8, content: &[u8]) -> Vec<u8> {
         let header = match (mode % 4, &self.asked) {
             (1, Some(asked)) => asked.reply(PacketType::Response),
@@ -189,6 +189,6 @@ fn settle(controller: &mut Controller, now: Instant, peer: &mut Peer, lost: &mut
             Some(_) => {}
             None => break,
         }
-        assert!(round < 1000, "it never stops telling");
+        assert!(round < 1000, "it never stops emitting events");
     }
 }

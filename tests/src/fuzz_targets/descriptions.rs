@@ -8,12 +8,12 @@ use virtual_drive::station::{Station, StationConfig};
 /// Device descriptions: a check knows everything that reading refuses, and what is read is written and read back as the
 /// same. Whatever it says, a drive is made of it or it is refused.
 pub fn gsdml(data: &[u8]) {
-    let report = ::gsdml::check(data, Some("GSDML-V2.35-Maker-Drive-20260101.xml"));
+    let report = ::gsdml::check(data, Some("GSDML-V2.35-Vendor-Drive-20260101.xml"));
     assert!(report.problems.len() <= 201);
     match ::gsdml::parse(data) {
         Ok(mut read) => {
             assert_eq!(report.description.as_ref(), Some(&read));
-            // a schema that the file does not tell is that of the writer
+            // a missing schema version becomes that of the writer
             read.schema_version.get_or_insert(::gsdml::SchemaVersion::WRITTEN);
             let text = read.to_xml();
             assert_eq!(::gsdml::parse(text.as_bytes()).as_ref(), Ok(&read), "{text}");

@@ -59,8 +59,9 @@ pub fn drive(data: &[u8]) {
     }
 }
 
-/// A virtual VLT or Vacon with one of its telegrams, both chosen by the first octet: outputs with control words of the make
-/// and its parameter channel (frames), parameter jobs in its dialect (datagrams), connections lost and found (pauses).
+/// A virtual VLT or Vacon with one of its telegrams, both chosen by the first octet: outputs with control words of the
+/// model and its parameter channel (frames), parameter jobs in its dialect (datagrams), connections lost and found
+/// (pauses).
 pub fn converter(data: &[u8]) {
     let Some((choice, data)) = data.split_first() else {
         return;

@@ -49,7 +49,8 @@ pub fn lldp(data: &[u8]) {
     }
 }
 
-/// SNMP messages, and a virtual drive that is told things by its neighbour (frames) and asked about them (datagrams).
+/// SNMP messages, and a virtual drive that is reported things by its neighbour (frames) and asked about them
+/// (datagrams).
 pub fn snmp(data: &[u8]) {
     if let Ok(message) = Message::decode(Reader::new(data)) {
         let mut again = Vec::new();

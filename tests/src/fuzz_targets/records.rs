@@ -65,7 +65,7 @@ pub fn records(data: &[u8]) {
     }
 }
 
-/// What was understood is written, and then understood as the same.
+/// A parsed file is written and parsed again with the same result.
 fn again<T: PartialEq + std::fmt::Debug>(
     data: &[u8],
     decode: impl Fn(Reader<'_>) -> Result<T, DecodeError>,

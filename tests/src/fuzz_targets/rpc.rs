@@ -92,7 +92,7 @@ pub fn rpc_server(data: &[u8]) {
     }
 }
 
-/// RPC client with one open call: answers of a server that may be anybody.
+/// RPC client with one open call: answers of an untrusted server.
 pub fn rpc_client(data: &[u8]) {
     let server = SocketAddrV4::new([10, 0, 0, 1].into(), 0x8894);
     let mut client = Client::new(ClientConfig {

@@ -1,4 +1,4 @@
-//! One virtual drive of each make and our controller, with raw requests and frames.
+//! One virtual drive of each model and our controller, with raw requests and frames.
 
 use std::cell::RefCell;
 use std::net::Ipv4Addr;
@@ -29,7 +29,7 @@ pub enum Vendor {
     Vacon,
 }
 
-/// What differs between the makes in the stimuli.
+/// What differs between the vendors in the stimuli.
 pub struct DeviceUnderTest {
     pub vendor: Vendor,
     pub model: &'static Model,
@@ -235,7 +235,7 @@ impl Bench {
         self.job_at(self.dut.records[0], request).unwrap()
     }
 
-    /// A request with `DD` for the axis.
+    /// Returns a request with `DD` for the axis.
     pub fn hex(&self, text: &str) -> Vec<u8> {
         text.split_whitespace()
             .map(|octet| match octet {
@@ -250,7 +250,7 @@ impl Bench {
         self.job(&request)
     }
 
-    /// The error number of an answer with one refused parameter.
+    /// Returns the error number of an answer with one refused parameter.
     #[track_caller]
     pub fn error(&mut self, request: &str) -> u16 {
         let answer = self.ask(request);
@@ -261,7 +261,7 @@ impl Bench {
         u16::from_be_bytes([high, low])
     }
 
-    /// A word that a read brings.
+    /// Returns a word that a read brings.
     #[track_caller]
     pub fn words(&mut self, pnu: u16, first: u16, count: u8) -> Vec<u16> {
         let ([a, b], [c, d]) = (pnu.to_be_bytes(), first.to_be_bytes());
@@ -282,7 +282,7 @@ impl Bench {
             .collect()
     }
 
-    /// A change of the writable parameter with these octets behind its address.
+    /// Returns a change of the writable parameter with these octets behind its address.
     pub fn change(&mut self, id: u8, block: &[u8]) -> Vec<u8> {
         let mut request = vec![0x19, id, self.dut.axis, 1, 0x10, 1];
         request.extend(self.dut.writable);
@@ -314,7 +314,7 @@ impl Bench {
         data.to_vec()
     }
 
-    /// A few cycles of a control word: status word under the mask of the checklist.
+    /// Returns a few cycles of a control word: status word under the mask of the checklist.
     pub fn word(&mut self, stw1: u16) -> u16 {
         self.send(stw1, 0, CYCLES).0 & 0x0077
     }

@@ -209,7 +209,7 @@ pub static LINES: &[Line] = &[
             assert_eq!(bench.words(915, 0, 2), [1, 5]);
             assert_eq!(bench.words(916, 0, 2), [2, 6]);
         } else {
-            // 9-15 and 9-16 of a VLT hold parameter numbers for the words behind; its 9-23 tells those of the signals
+            // 9-15 and 9-16 of a VLT hold parameter numbers for the words behind; its 9-23 lists those of the signals
             assert_eq!(bench.words(923, 1, 2), [1680, 1603]);
             assert_eq!(bench.words(923, 5, 2), [1682, 1605]);
         }

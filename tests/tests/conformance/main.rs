@@ -7,8 +7,8 @@
 //! | F: positioning | [`positioning`] | the same with telegram 9 of an AKD |
 //! | G: parameter channel in process data, FC protocol | [`channel`] | PPO 1 of a VLT on a segment; raw telegrams at a serial line |
 //!
-//! Beside the checklist, [`statements`] walks the tables of the makers' manuals: requests, replies and error numbers of
-//! the FC parameter block, headers and addresses of VLT and Vacon.
+//! Beside the checklist, [`statements`] walks the tables of the vendors' manuals: requests, replies and error numbers
+//! of the FC parameter block, headers and addresses of VLT and Vacon.
 //!
 //! [`SAMPLE`] says for whom each line is; a line that is not walked for one of them is an error.
 
@@ -78,7 +78,7 @@ const SAMPLE: [(u16, &[Vendor]); 45] = [
     (133, &[Akd]),
 ];
 
-/// Walks all lines of one maker; every number of the sample must come.
+/// Walks all lines of one vendor; every number of the sample must come.
 fn walk(dut: &'static DeviceUnderTest) {
     let mut failed = Vec::new();
     let mut walked = Vec::new();

@@ -7,7 +7,7 @@ use super::bench::{AKD, Bench, CYCLES};
 /// Bits 0 to 5 and 10, and with the edge of bit 6.
 const IDLE: u16 = 0x043F;
 const EDGE: u16 = 0x047F;
-/// Position mode is chosen, nothing asked for.
+/// Position mode is chosen, nothing requested.
 const NOTHING: u16 = 0x0400;
 
 /// Acknowledge of a task, stands still, a task is active.

@@ -1,4 +1,4 @@
-//! What the makers' manuals say of requests and answers, table by table, against the virtual drives.
+//! What the vendors' manuals say of requests and answers, table by table, against the virtual drives.
 //!
 //! Source: Danfoss FC parameter block description p. 73, MG06G102 5.5 to 5.8, Vacon OPTEA manual tables 81 and 82.
 
@@ -98,7 +98,7 @@ fn every_error_message_of_the_fc_parameter_block() {
         (2, [0x31, 0x55, 0, 0, 0, 0x10, 0, 0]),
         // 3-10 has eight elements
         (3, [0x11, 0x36, 0, 8, 0, 0, 0, 0]),
-        // 3-41 is no array
+        // 3-41 is not an array
         (4, [0x11, 0x55, 0, 1, 0, 0, 0, 0]),
         // 15-60 has eight texts, 0-37 and 0-39 one each, read and written
         (3, [0xF6, 0x18, 0x04, 8, 0, 0, 0, 0]),
@@ -113,7 +113,7 @@ fn every_error_message_of_the_fc_parameter_block() {
     ] {
         assert_eq!(refused(&asked(&mut line, request)), number, "{request:02X?}");
     }
-    // 17: motor data while the motor runs; the same value is no change, and a ramp can be changed
+    // 17: motor data while the motor runs; the same value is not a change, and a ramp can be changed
     line.channel([0; 8], START, 0x2000);
     let nominal_voltage = [0x20, 0x7A, 0, 0, 0, 0, 0x01, 0x7C];
     assert_eq!(refused(&line.channel(nominal_voltage, START, 0x2000)), 17);
@@ -212,7 +212,7 @@ fn request_header_and_addresses_of_a_vlt() {
         assert_eq!((answer[1], answer[4]), (1, format), "{parameter}");
     }
     assert_eq!(bench.ask("01 01 00 01 10 01 05 28 00 00")[4], 54);
-    // more or less data than asked for
+    // more or less data than requested
     for data in ["07 01 00 00 01", "07 01 00 00 01 F4 00 00", "07 02 00 00 01 F4"] {
         let answer = bench.ask(&format!("01 02 00 01 10 01 01 55 00 00 {data}"));
         assert_eq!((answer[1], answer[4]), (0x82, 0x44), "{data}");
@@ -254,7 +254,7 @@ fn request_header_and_parameter_address_of_a_vacon() {
         0x0F | 0x69
     ));
     assert_eq!(bench.error("01 01 01 01 40 01 27 11 00 67"), 0x69);
-    // 0 and 1 elements of what is no array, and no more; of an array as many as it has
+    // 0 and 1 elements of what is not an array, and no more; of an array as many as it has
     assert_eq!(
         bench.ask("01 01 01 01 10 00 27 11 00 67"),
         [1, 1, 1, 1, 0x42, 1, 0, 50]

@@ -20,7 +20,7 @@ const UNKNOWN_KEYS: [(&str, &str); 8] = [
     ("step", "[[controller]]\nstep = [{ {} = 1 }]"),
 ];
 
-/// The keys that the parser expects in the place of one that it does not know.
+/// Returns the keys that the parser expects in the place of one that it does not know.
 fn expected(file: &str) -> BTreeSet<String> {
     let error = file.replace("{}", "no-such-key").parse::<Scenario>().unwrap_err();
     let list = error
@@ -69,7 +69,7 @@ fn the_page_about_plant_files_has_every_key_of_the_parser_and_no_other() {
     assert_eq!(listed.len(), UNKNOWN_KEYS.len(), "{:?}", listed.keys());
 }
 
-/// What `--help` of the program, or of one of its commands, prints.
+/// Returns what `--help` of the program, or of one of its commands, prints.
 fn help(command: &[&str]) -> String {
     let mut program = std::process::Command::new(built("profidrive"));
     let output = program.args(command).arg("--help").output().unwrap();
@@ -77,7 +77,7 @@ fn help(command: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The options in a help text.
+/// Returns the options in a help text.
 fn options(help: &str) -> BTreeSet<String> {
     help.split(|letter: char| letter.is_whitespace() || "`,[]".contains(letter))
         .filter(|word| word.starts_with("--"))
@@ -100,7 +100,7 @@ fn commands() -> BTreeMap<String, BTreeSet<String>> {
         .collect()
 }
 
-/// What is written as code, in sentences and tables.
+/// Returns what is written as code, in sentences and tables.
 fn code(page: &Page) -> Vec<String> {
     let code = |event| match event {
         Event::Code(text) => Some(text.to_string()),

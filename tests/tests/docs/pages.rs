@@ -25,12 +25,12 @@ impl Page {
         Self { path, text }
     }
 
-    /// Its name for messages.
+    /// Returns its name for messages.
     pub fn name(&self) -> String {
         self.path.display().to_string()
     }
 
-    /// Its Markdown.
+    /// Returns its Markdown.
     pub fn events(&self) -> impl Iterator<Item = Event<'_>> {
         Parser::new_ext(&self.text, Options::ENABLE_TABLES)
     }
@@ -47,7 +47,7 @@ impl Page {
     }
 }
 
-/// The page of the repository's front, then those of the site in the order of its table of contents.
+/// Returns the page of the repository's front, then those of the site in the order of its table of contents.
 pub fn all() -> Vec<Page> {
     let summary = Page::read(format!("{SOURCES}/SUMMARY.md"));
     let names = summary

@@ -69,7 +69,7 @@ impl Step {
         ON_THE_CLOCK.iter().any(|start| self.command.starts_with(start))
     }
 
-    /// The command without its comment.
+    /// Returns the command without its comment.
     fn bare(&self) -> &str {
         self.command
             .split_once("  # ")
@@ -77,7 +77,7 @@ impl Step {
             .trim_end()
     }
 
-    /// The exit code that the text promises; `None` for any failure.
+    /// Returns the exit code that the text promises; `None` for any failure.
     fn code(&self) -> Option<i32> {
         if let Some((_, code)) = self.command.split_once("# exit code ") {
             return code.split_whitespace().next()?.parse().ok();
@@ -86,7 +86,7 @@ impl Step {
         (!fails).then_some(0)
     }
 
-    /// What the shell is given.
+    /// Returns what the shell is given.
     fn script(&self) -> String {
         let mut command = self.bare().to_owned();
         if command.contains("/dev/tty") {
@@ -114,7 +114,7 @@ impl Step {
     }
 }
 
-/// The commands of all console blocks of a page in order.
+/// Returns the commands of all console blocks of a page in order.
 fn steps(page: &Page) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     let mut in_block = false;
@@ -138,7 +138,7 @@ fn steps(page: &Page) -> Vec<Step> {
     steps
 }
 
-/// A file may begin with a comment, which looks like a prompt.
+/// Returns true for a comment at the start of a file, which looks like a prompt.
 fn continues(steps: &[Step], line: &str) -> bool {
     let shows_a_file = |step: &Step| step.command.starts_with("cat ");
     line.starts_with("# ") && steps.last().is_some_and(shows_a_file)

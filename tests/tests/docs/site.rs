@@ -8,7 +8,7 @@ use system_tests::root;
 
 use crate::pages::{Page, SOURCES, all};
 
-/// Where files of the repository that are no pages of the site are shown.
+/// Where files of the repository that are not pages of the site are shown.
 const REPOSITORY: &str = "https://github.com/profidrive/profidrive";
 
 /// Programs and texts that pages quote, line by line.
@@ -65,7 +65,7 @@ fn id(heading: &str) -> String {
         .collect()
 }
 
-/// What is wrong with a link of a page; nothing for addresses elsewhere.
+/// Returns what is wrong with a link of a page; nothing for addresses elsewhere.
 fn complaint(page: &Page, link: &str) -> Option<String> {
     let (target, anchor) = link
         .split_once('#')
@@ -166,7 +166,7 @@ fn code(page: &Page) -> Vec<Vec<String>> {
     blocks.map(lines).collect()
 }
 
-/// True when the lines stand in the text in this order; others may be between them.
+/// Returns true when the lines stand in the text in this order; others may be between them.
 fn quotes(text: &str, lines: &[String]) -> bool {
     let mut rest = text
         .lines()

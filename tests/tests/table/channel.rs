@@ -105,7 +105,7 @@ impl Channel {
         }
     }
 
-    /// The whole number, of a 64-bit value out of both halves.
+    /// Returns the whole number, of a 64-bit value out of both halves.
     pub fn read_whole(&mut self, row: &Row) -> i64 {
         let low = self.read(row);
         if !row.wide {
@@ -152,7 +152,7 @@ pub fn number(row: &Row, octets: &[u8]) -> i64 {
     }
 }
 
-/// A value block with the octets of the row's size, padded.
+/// Returns a value block with the octets of the row's size, padded.
 pub fn block(row: &Row, format: u8, values: &[i64]) -> Vec<u8> {
     let mut block = vec![format, u8::try_from(values.len()).unwrap()];
     for value in values {

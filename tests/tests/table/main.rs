@@ -354,7 +354,7 @@ fn both_halves_of_64_bit_values() {
     let mut limited = 0;
     for row in table.rows.iter().filter(|row| row.wide && row.access == "rw") {
         let limits = table.whole_limits(row);
-        let exact = |raw: &i64| raw.unsigned_abs() <= 1 << 53; // what the table's decimals can tell
+        let exact = |raw: &i64| raw.unsigned_abs() <= 1 << 53; // the precision of the decimals in the table
         for raw in [*limits.start(), *limits.end()].iter().filter(|raw| exact(raw)) {
             let mut channel = Channel::new();
             assert_eq!(channel.write_whole(row, *raw), Answer::Written, "{raw} {row:?}");
@@ -393,7 +393,7 @@ fn commands_are_executed_by_any_value() {
     assert_eq!(found, 29);
 }
 
-/// The block of an answer inside a response to many.
+/// Returns the block of an answer inside a response to many.
 fn answer_block(row: &Row, answer: &Answer) -> Vec<u8> {
     match answer {
         Answer::Values(format, octets) => {

@@ -153,7 +153,7 @@ impl Table {
         self.rows.iter().find(|row| row.pnu == pnu).unwrap()
     }
 
-    /// True when the table names values of this parameter and this one is none of them.
+    /// Returns true when the table names values of this parameter and this one is none of them.
     pub fn is_nameless(&self, row: &Row, raw: i64) -> bool {
         let general = row.name.split_once('.').map(|(group, rest)| {
             let letters = group.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -166,7 +166,7 @@ impl Table {
         named.is_some_and(|values| !values.contains(&raw))
     }
 
-    /// What a fresh drive has there, where the table tells it.
+    /// Returns what a fresh drive has there, where the table states it.
     pub fn as_delivered(&self, row: &Row) -> Option<i64> {
         let value = self.sized.get(&row.name).copied().or(row.default)?;
         Some(row.raw(value))
@@ -217,7 +217,7 @@ trait RoundLimit {
 }
 
 impl RoundLimit for f64 {
-    /// A limit that is a step but for the arithmetic is that step; else the next step inside.
+    /// Returns a limit that is a step but for the arithmetic is that step; else the next step inside.
     fn round_limit(self, inwards: fn(f64) -> f64) -> i64 {
         let near = self.round();
         let value = if (self - near).abs() < 1e-6 {

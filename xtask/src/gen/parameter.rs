@@ -12,7 +12,7 @@ const FORMATS: &str = "data/profile/formats.toml";
 const ERRORS: &str = "data/profile/parameter-errors.toml";
 const PKW_ERRORS: &str = "data/profile/pkw-errors.toml";
 
-/// The generated files of the parameter channel.
+/// Returns the generated files of the parameter channel.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
     Ok(vec![
         Generated {
@@ -81,7 +81,7 @@ impl Formats {
         read(root, FORMATS).map(Self)
     }
 
-    /// The type with this name.
+    /// Returns the type with this name.
     pub fn named(&self, name: &str) -> Outcome<Format<'_>> {
         let row = self.0.v4.iter().find(|row| row.name == name);
         let row = row.ok_or_else(|| format!("{FORMATS} has no type {name:?}"))?;
@@ -192,7 +192,7 @@ struct ErrorFile {
 #[serde(deny_unknown_fields)]
 struct ErrorRow {
     number: u16,
-    /// Name of the constant in code; rows of makers have none.
+    /// Name of the constant in code; rows of vendors have none.
     constant: Option<String>,
     meaning: String,
     remedy: String,
@@ -253,7 +253,7 @@ struct PkwErrorFile {
 #[serde(deny_unknown_fields)]
 struct PkwErrorRow {
     number: u16,
-    /// Name of the constant in code; rows of makers have none.
+    /// Name of the constant in code; rows of vendors have none.
     constant: Option<String>,
     meaning: String,
     remedy: String,
@@ -276,7 +276,7 @@ fn pkw_errors(file: &PkwErrorFile) -> Outcome<String> {
     for (label, meaning, rows) in [
         (
             "PKW_ERRORS",
-            "Error numbers that mean the same for every maker, ascending.",
+            "Error numbers that mean the same for every vendor, ascending.",
             &file.profile,
         ),
         ("DANFOSS", "Danfoss.", &file.danfoss),

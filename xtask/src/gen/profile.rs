@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::Generated;
 use crate::Outcome;
 
-/// The generated files of the profile.
+/// Returns the generated files of the profile.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
     let signals: SignalFile = read(root, "data/profile/signals.toml")?;
     let telegrams: TelegramFile = read(root, "data/profile/telegrams.toml")?;
@@ -176,7 +176,7 @@ fn known(place: &str, words: &[String], allowed: &[&str]) -> Outcome<()> {
 /// Octets of the parameter channel in front.
 const PKW_OCTETS: u16 = 8;
 
-/// The half of a telegram in one direction: each signal with its offset.
+/// Returns the half of a telegram in one direction: each signal with its offset.
 fn image(
     signals: &[Signal],
     telegram: &Telegram,
@@ -236,7 +236,7 @@ fn render_numbers(signals: &[Signal]) -> Outcome<String> {
             None => text.push_str(&constants),
             Some(vendor) => writeln!(
                 text,
-                "/// Signal numbers of this maker.\npub mod {vendor} {{\n{constants}}}"
+                "/// Signal numbers of this vendor.\npub mod {vendor} {{\n{constants}}}"
             )?,
         }
     }

@@ -15,7 +15,7 @@ This page is the output of `--help`, written by `make pages`. The options that m
 /// Gives the help of a command, which is a list of names; of the program where there is none.
 pub type Help<'h> = dyn FnMut(&[&str]) -> Outcome<String> + 'h;
 
-/// The page.
+/// Returns the page.
 pub fn page(help: &mut Help<'_>) -> Outcome<String> {
     let top = help(&[])?;
     let typical = help(&[TYPICAL])?;
@@ -32,7 +32,7 @@ pub fn page(help: &mut Help<'_>) -> Outcome<String> {
     Ok(page)
 }
 
-/// The section of a command, and those of its own commands.
+/// Returns the section of a command, and those of its own commands.
 fn add(page: &mut String, command: &[&str], common: &BTreeSet<String>, help: &mut Help<'_>) -> Outcome<()> {
     let text = help(command)?;
     let own = names(&text);
@@ -52,7 +52,7 @@ fn section(page: &mut String, title: &str, text: &str) {
     ));
 }
 
-/// The commands that a help text lists.
+/// Returns the commands that a help text lists.
 fn names(text: &str) -> Vec<&str> {
     let list = text.split_once("\nCommands:\n").map_or("", |(_, list)| list);
     list.lines()
@@ -70,7 +70,7 @@ struct Part<'t> {
 }
 
 impl Part<'_> {
-    /// An option in one line, whatever its columns are.
+    /// Returns an option in one line, whatever its columns are.
     fn option(&self) -> Option<String> {
         let words = self.lines.iter().flat_map(|line| line.split_whitespace());
         self.is_option.then(|| words.collect::<Vec<_>>().join(" "))
@@ -98,7 +98,7 @@ fn parts(text: &str) -> Vec<Part<'_>> {
     parts
 }
 
-/// The options of a help text, with what all help texts say at their end.
+/// Returns the options of a help text, with what all help texts say at their end.
 fn options(text: &str, notes: &str) -> String {
     let options = parts(text);
     let lines = options
@@ -109,7 +109,7 @@ fn options(text: &str, notes: &str) -> String {
     format!("{}\n\n{notes}", lines.join("\n"))
 }
 
-/// A help text without the options that are common, and without an empty list.
+/// Returns a help text without the options that are common, and without an empty list.
 fn without(text: &str, common: &BTreeSet<String>) -> String {
     let parts = parts(text);
     let own = |part: &&Part<'_>| part.option().is_none_or(|option| !common.contains(&option));

@@ -37,7 +37,7 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
     Ok(())
 }
 
-/// What the program prints on standard output.
+/// Returns what the program prints on standard output.
 fn output(program: &str, arguments: &[&str]) -> Outcome<String> {
     // the help is wrapped to the width of a terminal, where one is given
     let output = Command::new(program)

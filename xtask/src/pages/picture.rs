@@ -24,7 +24,7 @@ fn columns(line: &str) -> Option<[(usize, &str); 3]> {
     Some([(0, mark), (column(step), name), (column(result), result)])
 }
 
-/// The picture of what the demo prints.
+/// Returns the picture of what the demo prints.
 pub fn draw(text: &str) -> Outcome<String> {
     let (_, summary) = text
         .split_once(&format!("{HEAD}\n"))

@@ -451,7 +451,7 @@ fn numbers_of_the_channel_come_as_received() {
             (130, "130 no bus access to the parameter"),
             (131, "131 change not possible, the factory setup is selected"),
             (17, "17 not possible in the present mode of the drive"),
-            (999, "999 (the maker's own number)"),
+            (999, "999 (vendor-specific number)"),
         ] {
             refuse(&bus, Some(number));
             let read = session.read(&mut drive, &[ramp]).wait().unwrap()[0]

@@ -93,7 +93,7 @@ impl Alarms {
         Ok(())
     }
 
-    /// Reports the alarms that nobody acknowledged until `now`.
+    /// Reports the alarms that stayed unacknowledged until `now`.
     pub fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {
         while let Some((deadline, waiting)) = self.open.due(now) {
             let waited = deadline.min(sink.at).saturating_sub(waiting.origin.at);

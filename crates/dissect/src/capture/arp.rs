@@ -38,7 +38,7 @@ pub struct ArpFrame {
     sender: (MacAddress, Ipv4Addr),
 }
 
-/// The ARP frame in an Ethernet frame, tag looked through; `None` for everything else.
+/// Returns the ARP frame in an Ethernet frame, tag looked through; `None` for everything else.
 pub fn frame(bytes: &[u8]) -> Option<ArpFrame> {
     let word = |at: usize| bytes.get(at..)?.first_chunk::<2>().copied();
     let start = if word(12)? == [0x81, 0x00] { 16 } else { 12 };

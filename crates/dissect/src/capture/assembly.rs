@@ -17,7 +17,7 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// True once the whole body was returned.
+    /// Returns true once the whole body was returned.
     pub const fn is_done(&self) -> bool {
         self.done
     }

@@ -1,4 +1,4 @@
-//! Remote procedure calls: requests matched with their answers, repetitions, and what nobody answers.
+//! Remote procedure calls: requests matched with their answers, repetitions, and unanswered requests.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::net::Ipv4Addr;
@@ -21,7 +21,7 @@ use crate::Weight;
 /// repeat a request every 2 to 5 s.
 const OVER: Duration = Duration::from_secs(10);
 
-/// Client, server and call: activities are told apart by their client, and a client may use one towards several.
+/// Client, server and call: activities are distinguished by their client, and a client may use one towards several.
 type Key = (Ipv4Addr, Ipv4Addr, Uuid, u32);
 
 /// All calls of a capture that may still be answered or repeated.
@@ -47,7 +47,7 @@ struct Call {
 }
 
 impl Call {
-    /// True for a request that has the number of this call and is not its repetition.
+    /// Returns true for a request that has the number of this call and is not its repetition.
     fn is_other_value(&self, header: &Header, digest: u64) -> bool {
         self.request.is_done() && !header.flags.is_fragment() && self.digest != digest
     }
@@ -144,8 +144,8 @@ impl Calls {
         Ok(())
     }
 
-    /// Reports the calls and parameter requests that nobody answered until `now`; with the largest time all, as at the
-    /// end of a capture.
+    /// Reports the calls and parameter requests unanswered until `now`; with the largest time all, as at the end of a
+    /// capture.
     pub fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {
         while let Some((deadline, call)) = self.open.due(now) {
             let waited = deadline.min(sink.at).saturating_sub(call.origin.at);
@@ -165,7 +165,7 @@ impl Calls {
     }
 }
 
-/// The call of a request packet: a new one, or the one that it repeats.
+/// Returns the call of a request packet: a new one, or the one that it repeats.
 fn requested<'c>(
     open: &'c mut Pending<Key, Call>,
     key: Key,
@@ -194,7 +194,7 @@ fn requested<'c>(
     call
 }
 
-/// The call of a packet, which lives on for a while.
+/// Returns the call of a packet, which lives on for a while.
 fn entry<'c>(open: &'c mut Pending<Key, Call>, key: Key, sink: &Sink<'_>) -> &'c mut Call {
     open.renew(key, sink.at + OVER)
 }

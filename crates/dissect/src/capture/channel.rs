@@ -55,7 +55,7 @@ impl Channel {
         let fresh = now != self.before || self.frames > OLD;
         let known = sent.request_code() != RequestCode::NONE;
         let fits = known && pkw::answers(dialect, sent, now);
-        // without its request, as at the start of a capture, a reply is told when it comes
+        // without its request, as at the start of a capture, a reply is reported when it comes
         let unsolicited = !known
             && changed
             && now.reply_code() != ReplyCode::NONE

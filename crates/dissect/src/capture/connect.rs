@@ -1,4 +1,4 @@
-//! Connects: what was asked for, what the device made of it.
+//! Connects: what was requested, what the device made of it.
 
 use std::time::Duration;
 
@@ -52,7 +52,7 @@ pub fn request(reader: Reader<'_>) -> Result<Asked, DecodeError> {
 }
 
 impl Asked {
-    /// The request in words and numbers, one line for each part.
+    /// Returns the request in words and numbers, one line for each part.
     pub fn words(&self, drive: &JobDrive) -> Vec<(String, Connect)> {
         let mut lines = Vec::new();
         if let Some(ar) = &self.ar {
@@ -76,7 +76,7 @@ impl Asked {
         lines
     }
 
-    /// The answer in words and numbers.
+    /// Returns the answer in words and numbers.
     pub fn answer(&self, response: &ConnectResponse) -> Vec<(Weight, String, Connect)> {
         let ids: Vec<String> = response
             .iocrs
@@ -157,13 +157,14 @@ fn iocr(iocr: &IocrRequest) -> (String, Connect) {
     (text, detail)
 }
 
-/// Time between two frames.
+/// Returns the time between two frames.
 pub fn cycle(iocr: &IocrRequest) -> Duration {
     let ticks = u64::from(iocr.send_clock_factor) * u64::from(iocr.reduction_ratio);
     Duration::from_nanos(ticks * TICK_NS)
 }
 
-/// The telegram that a module of slot 1 and above carries: by its ident, by that of a submodule, or by its lengths.
+/// Returns the telegram that a module of slot 1 and above carries: by its ident, by that of a submodule, or by its
+/// lengths.
 pub fn telegram(drive: &JobDrive, module: &ExpectedModule) -> Option<&'static Telegram> {
     let rows = drive.tables()?.device.telegrams;
     let lengths = |row: &&TelegramModule| {

@@ -22,7 +22,7 @@ pub struct Content {
     pub fields: Value,
 }
 
-/// The content of a record; `None` where its layout is not known here.
+/// Returns the content of a record; `None` where its layout is not known here.
 pub fn describe(index: u16, data: &[u8]) -> Option<Content> {
     let decoded = match index {
         0xAFF0 => im0(data),
@@ -146,7 +146,7 @@ fn diagnoses(data: &[u8]) -> Result<Content, DecodeError> {
     })
 }
 
-/// The items of a diagnosis block: the UserStructureIdentifier stands once, for all of them.
+/// Returns the items of a diagnosis block: the UserStructureIdentifier stands once, for all of them.
 fn repeated(
     usi: u16,
     mut data: &[u8],

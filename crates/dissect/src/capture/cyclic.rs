@@ -291,8 +291,8 @@ impl CyclicArs {
         Some(Belongs::Known)
     }
 
-    /// The place of the stream of a frame: one that is open, one whose connect is not answered yet, one that was
-    /// released, or a new one that began before the capture.
+    /// Returns the place of the stream of a frame: one that is open, one whose connect is not answered yet, one that
+    /// was released, or a new one that began before the capture.
     fn find(&mut self, frame: &Frame<'_>, now: Duration) -> Option<usize> {
         let (source, destination, id) = (frame.source, frame.destination, frame.frame_id.0);
         let between = |stream: &Stream| stream.is_between(source, destination, id);
@@ -359,12 +359,12 @@ impl CyclicArs {
         self.look(sink);
     }
 
-    /// How regular the frames of each direction are.
+    /// Returns how regular the frames of each direction are.
     pub fn tracks(&self) -> impl Iterator<Item = (&TrackKey, &Track)> {
         self.tracks.iter().filter(|(_, track)| track.timing.frames > 0)
     }
 
-    /// What is known of the connections of a device.
+    /// Returns what is known of the connections of a device.
     pub fn device(&self, mac: MacAddress) -> Device {
         self.devices.get(&mac).copied().unwrap_or_default()
     }
@@ -427,7 +427,7 @@ impl Stream {
         })
     }
 
-    /// A stream of which only the frames are known.
+    /// Creates a stream of which only the frames are known.
     fn earlier(sender: MacAddress, receiver: MacAddress, frame_id: u16, nth: usize) -> Self {
         Self {
             sender,
@@ -451,7 +451,7 @@ impl Stream {
         }
     }
 
-    /// The device; of a connection that began before the capture the sender.
+    /// Returns the device; of a connection that began before the capture the sender.
     const fn device_mac(&self) -> MacAddress {
         if self.output { self.receiver } else { self.sender }
     }
@@ -460,7 +460,7 @@ impl Stream {
         (self.sender, self.receiver, self.frame_id) == (sender, receiver, frame_id)
     }
 
-    /// Time without a frame that is reported.
+    /// Returns the time without a frame that is reported.
     fn silence_limit(&self) -> Duration {
         if self.watchdog.is_zero() {
             SILENCE.max(3 * self.cycle)
@@ -596,7 +596,7 @@ impl Asked {
         })
     }
 
-    /// The telegram of a slot.
+    /// Returns the telegram of a slot.
     fn telegram(&self, drive: &JobDrive, slot: u16) -> Option<&'static Telegram> {
         let mut modules = self.modules.iter().filter(|module| module.slot == slot);
         modules.find_map(|module| connect::telegram(drive, module))

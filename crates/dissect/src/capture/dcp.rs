@@ -20,17 +20,17 @@ const TOPIC: &str = "DCP";
 const TIMEOUT: Duration = Duration::from_secs(1);
 /// Unit of the ResponseDelayFactor.
 const DELAY: Duration = Duration::from_millis(10);
-/// Most Identify requests remembered that nobody answered.
+/// Maximum number of unanswered Identify requests remembered.
 const MAX_SILENT: usize = 1024;
 
-/// Requester, transaction and, where it is not everybody, the station.
+/// Requester, transaction and, unless multicast, the station.
 type Key = (MacAddress, u32, Option<MacAddress>);
 
 /// The services of a capture that may still be answered.
 #[derive(Debug, Default)]
 pub struct Services {
     open: Pending<Key, Service>,
-    /// Identify requests that nobody answered, with their requester: a controller repeats them every second.
+    /// Unanswered Identify requests, with their requester: a controller repeats them every second.
     silent: HashSet<(MacAddress, String)>,
 }
 
@@ -40,7 +40,7 @@ struct Service {
     origin: Origin,
     /// The request in words.
     what: String,
-    /// Sent to everybody, so any number of stations answers.
+    /// Sent as multicast, so any number of stations answers.
     identify: bool,
     answered: bool,
     sent: u32,
@@ -102,7 +102,7 @@ impl Services {
         Ok(())
     }
 
-    /// Reports the requests that nobody answered until `now`; with the largest time all, as at the end of a capture.
+    /// Reports the requests unanswered until `now`; with the largest time all, as at the end of a capture.
     pub fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {
         while let Some((deadline, service)) = self.open.due(now) {
             let waited = deadline.min(sink.at).saturating_sub(service.origin.at);
@@ -317,7 +317,7 @@ impl Services {
     }
 }
 
-/// A service without what is in its blocks.
+/// Returns a service without what is in its blocks.
 fn detail(service: &'static str, pdu: &Pdu<'_>) -> Dcp {
     Dcp {
         service,
@@ -367,7 +367,7 @@ fn list(items: impl Iterator<Item = Result<String, DecodeError>>) -> Result<Stri
     Ok(texts.join(", "))
 }
 
-/// A DCP value in words.
+/// Returns a DCP value in words.
 pub fn value(value: &Value<'_>) -> String {
     let text = |octets: &[u8]| String::from_utf8_lossy(octets).into_owned();
     match value {
@@ -451,7 +451,7 @@ mod tests {
             .collect()
     }
 
-    /// A DCP frame.
+    /// Returns a DCP frame.
     fn pdu(to: MacAddress, from: MacAddress, frame_id: FrameId, build: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
         let mut payload = Vec::new();
         build(&mut payload);

@@ -13,7 +13,7 @@ pub struct Item {
     pub numbers: Option<Diagnosis>,
 }
 
-/// An item of an alarm or of a record.
+/// Returns an item of an alarm or of a record.
 pub fn item(item: &DiagnosisItem<'_>) -> Item {
     match item {
         DiagnosisItem::Channel(channel) => of_channel(channel),

@@ -82,7 +82,7 @@ fn submodule_text(submodule: &DiffSubmodule) -> String {
     )
 }
 
-/// A subslot as people write it: those of interface and ports in hexadecimal.
+/// Returns a subslot as people write it: those of interface and ports in hexadecimal.
 pub fn subslot(number: u16) -> String {
     if number > 0xFF {
         format!("0x{number:04X}")

@@ -54,7 +54,7 @@ struct Speed {
 }
 
 impl DriveData {
-    /// The telegram of a submodule at an offset of the cyclic data.
+    /// Returns the telegram of a submodule at an offset of the cyclic data.
     pub fn new(place: (u16, u16), offset: u16, length: usize, telegram: Option<&'static Telegram>) -> Self {
         Self {
             slot: place.0,
@@ -69,7 +69,7 @@ impl DriveData {
         }
     }
 
-    /// What is in it now.
+    /// Returns what is in it now.
     pub const fn sent(&self) -> Sent {
         Sent {
             word: self.word,
@@ -195,7 +195,7 @@ impl DriveData {
 }
 
 impl Speed {
-    /// What this frame is to the speed, where it is worth a line.
+    /// Returns what this frame is to the speed, where it is worth a line.
     const fn look(&mut self, speed: i64) -> Option<SpeedStep> {
         let stayed = self.frames >= SETTLED;
         if speed != self.now {

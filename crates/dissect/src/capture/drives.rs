@@ -8,7 +8,7 @@ use profinet::wire::Uuid;
 
 use crate::job::JobDrive;
 
-/// Most drives remembered with what they told about themselves.
+/// Maximum number of drives whose identity is remembered.
 const MAX_DRIVES: usize = 1024;
 
 /// The drives of a capture.
@@ -30,7 +30,7 @@ impl Drives {
         }
     }
 
-    /// The drive at an address.
+    /// Returns the drive at an address.
     pub fn at(&mut self, ip: Ipv4Addr) -> &mut JobDrive {
         let model = self.model;
         let fresh = || model.map_or_else(JobDrive::default, JobDrive::new);
@@ -41,14 +41,14 @@ impl Drives {
         self.known.entry(ip).or_insert_with(fresh)
     }
 
-    /// The object of a call tells which vendor and device are at an address.
+    /// Learns from the object of a call which vendor and device use an address.
     pub fn called(&mut self, ip: Ipv4Addr, object: &Uuid) {
         if let Some(reported) = JobDrive::of_object(object) {
             self.take(ip, reported);
         }
     }
 
-    /// A station told its address, vendor and device.
+    /// Learns address, vendor and device of a station.
     pub fn discovered(&mut self, ip: Ipv4Addr, vendor: u16, device: u16) {
         if !ip.is_unspecified() && vendor != 0 {
             self.take(ip, JobDrive::of(vendor, device));

@@ -13,7 +13,7 @@ use crate::Weight;
 /// One end of a frame, by its addresses.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Party {
-    /// Ethernet address; `None` for everybody.
+    /// Ethernet address; `None` for multicast.
     pub mac: Option<MacAddress>,
     /// IP address of a datagram.
     pub ip: Option<Ipv4Addr>,
@@ -28,7 +28,7 @@ pub struct Event {
     pub at: Duration,
     /// Name or address of the sender.
     pub from: String,
-    /// Name or address of the receiver; empty for everybody.
+    /// Name or address of the receiver; empty for multicast.
     pub to: String,
     /// Addresses of the sender.
     pub source: Party,
@@ -45,7 +45,7 @@ pub struct Event {
 }
 
 impl Event {
-    /// True for what points to a fault: warnings, errors, and everything of the kind [`Detail::Trouble`].
+    /// Returns true for what points to a fault: warnings, errors, and everything of the kind [`Detail::Trouble`].
     pub fn is_trouble(&self) -> bool {
         self.weight != Weight::Normal || matches!(self.detail, Detail::Trouble(_))
     }
@@ -140,9 +140,9 @@ pub struct Dcp {
     pub response: bool,
     /// Transaction number.
     pub xid: u32,
-    /// Name of station asked for, set or reported.
+    /// Name of station requested, set or reported.
     pub name: Option<String>,
-    /// IP address asked for, set or reported.
+    /// IP address requested, set or reported.
     pub ip: Option<Ipv4Addr>,
     /// Prefix length of the IP address.
     pub prefix: Option<u32>,
@@ -364,7 +364,7 @@ pub enum Trouble {
         /// Octet at which decoding failed.
         offset: usize,
     },
-    /// A call, a parameter request, a DCP service or an alarm that nobody answered.
+    /// An unanswered call, parameter request, DCP service or alarm.
     Unanswered {
         /// What was requested.
         what: String,
@@ -514,7 +514,7 @@ impl Sink<'_> {
         }
     }
 
-    /// Where this frame came from, to be kept with what waits for an answer.
+    /// Returns where this frame came from, to be kept with what waits for an answer.
     pub const fn origin(&self) -> Origin {
         Origin {
             frame: self.frame,

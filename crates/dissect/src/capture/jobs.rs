@@ -20,7 +20,7 @@ const TIMEOUT: Duration = Duration::from_secs(10);
 /// Longest request that is remembered for its answer; those of drives have 240 octets.
 const MAX_REQUEST: usize = 4096;
 
-/// True for the records that carry parameter jobs.
+/// Returns true for the records that carry parameter jobs.
 pub const fn is_parameter_record(index: u16) -> bool {
     matches!(index, 0x002F | 0xB02E | 0xB02F)
 }
@@ -109,7 +109,7 @@ impl Jobs {
         }
     }
 
-    /// Reports the requests whose answer nobody read until `now`.
+    /// Reports the requests whose answer was not read until `now`.
     pub fn give_up(&mut self, now: Duration, sink: &mut Sink<'_>) {
         while let Some((deadline, asked)) = self.open.due(now) {
             let waited = deadline.min(sink.at).saturating_sub(asked.origin.at);

@@ -107,7 +107,7 @@ impl Walker {
         walker
     }
 
-    /// What was seen so far.
+    /// Returns what was seen so far.
     pub const fn counts(&self) -> Counts {
         self.counts
     }
@@ -159,7 +159,7 @@ impl Walker {
         self.incidents.clear();
     }
 
-    /// True when an event is from or to the station with this name or address, or about it.
+    /// Returns true when an event is from or to the station with this name or address, or about it.
     pub fn is_about(&self, event: &Event, station: &str) -> bool {
         let named = match &event.detail {
             Detail::Dcp(dcp) => dcp.name.as_deref() == Some(station),
@@ -170,7 +170,7 @@ impl Walker {
         named || self.names.is(event.source, station) || self.names.is(event.target, station)
     }
 
-    /// The devices with cyclic connections, and how regular their frames are.
+    /// Returns the devices with cyclic connections, and how regular their frames are.
     pub fn summary(&self) -> Vec<DeviceSummary> {
         summary::devices(self)
     }

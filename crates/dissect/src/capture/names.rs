@@ -32,7 +32,7 @@ pub struct Names {
 }
 
 impl Names {
-    /// Name of a station, or its address. Where several have the name, with its address.
+    /// Returns the name of a station, or its address. Where several have the name, with its address.
     pub fn label(&self, party: Party) -> String {
         let by_ip = |ip: Ipv4Addr| self.by_ip.get(&ip).cloned().unwrap_or_else(|| ip.to_string());
         match (party.mac, party.ip) {
@@ -52,7 +52,7 @@ impl Names {
         }
     }
 
-    /// True when a party has this name or this address.
+    /// Returns true when a party has this name or this address.
     pub fn is(&self, party: Party, wanted: &str) -> bool {
         let by_mac = party.mac.is_some_and(|mac| {
             mac.to_string().eq_ignore_ascii_case(wanted)
@@ -73,7 +73,7 @@ impl Names {
         by_mac || by_ip || (party.mac.is_some() && wanted.parse::<Ipv4Addr>().is_ok() && owns())
     }
 
-    /// The address that a station was seen with last.
+    /// Returns the address that a station was seen with last.
     pub fn ip_of(&self, mac: MacAddress) -> Option<Ipv4Addr> {
         let mut owners = self.owners.iter();
         owners.find(|(_, (owner, _))| *owner == mac).map(|(ip, _)| *ip)
@@ -157,7 +157,7 @@ impl Names {
         }
     }
 
-    /// True the first time that these two are found with the same name or address.
+    /// Returns true the first time that these two are found with the same name or address.
     fn is_new(&mut self, what: &str, mac: MacAddress, other: MacAddress) -> bool {
         let key = (what.to_owned(), mac.min(other), mac.max(other));
         self.reported.len() < MAX_STATIONS && self.reported.insert(key)

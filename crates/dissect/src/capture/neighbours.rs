@@ -10,10 +10,10 @@ use super::event::{Detail, Neighbour, Sink};
 use super::names::Names;
 use crate::Weight;
 
-/// Most senders remembered; what others say is told each time.
+/// Most senders remembered; what others say is reported each time.
 const MAX_SENDERS: usize = 4096;
 
-/// What each sender said last: told once, since it is repeated every few seconds.
+/// The last announcement of each sender: reported once, since it is repeated every few seconds.
 #[derive(Debug, Default)]
 pub(super) struct Neighbours(BTreeMap<MacAddress, String>);
 

@@ -44,12 +44,12 @@ impl<K: Clone + Eq + Hash, V> Pending<K, V> {
         *self.renew(key, deadline) = value;
     }
 
-    /// The entry of a key.
+    /// Returns the entry of a key.
     pub fn get_mut(&mut self, key: &K) -> Option<&mut V> {
         self.open.get_mut(key).map(|entry| &mut entry.value)
     }
 
-    /// The entry of a key, to be given up at `deadline`; a new one where there is none.
+    /// Returns the entry of a key, to be given up at `deadline`; a new one where there is none.
     pub fn renew(&mut self, key: K, deadline: Duration) -> &mut V
     where
         V: Default,
@@ -102,7 +102,7 @@ impl<K: Clone + Eq + Hash, V> Pending<K, V> {
         Some((deadline, self.open.remove(&key)?.value))
     }
 
-    /// Number of entries.
+    /// Returns the number of entries.
     #[cfg(test)]
     pub fn len(&self) -> usize {
         self.open.len()

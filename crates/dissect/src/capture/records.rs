@@ -16,7 +16,7 @@ pub struct ParameterRecord {
     view: &'static RecordView,
 }
 
-/// The parameter that a record of a drive is, where the drive has such records.
+/// Returns the parameter that a record of a drive is, where the drive has such records.
 pub fn parameter(drive: &JobDrive, slot: u16, subslot: u16, index: u16) -> Option<ParameterRecord> {
     // these are records of the profile or of PROFINET
     if index >= 0x8000 || index == 0x002F {
@@ -29,7 +29,7 @@ pub fn parameter(drive: &JobDrive, slot: u16, subslot: u16, index: u16) -> Optio
 }
 
 impl ParameterRecord {
-    /// The value, or the octets where they are too many for one.
+    /// Returns the value, or the octets where they are too many for one.
     pub fn content(&self, drive: &JobDrive, data: &[u8]) -> String {
         if data.is_empty() || data.len() > 4 {
             return content(data);
@@ -41,7 +41,7 @@ impl ParameterRecord {
         format!("{text}   [{}]", hex_bytes(data))
     }
 
-    /// What the 32-bit view has and the parameter's own type has not: steps between, or more than its range.
+    /// Returns what the 32-bit view has and the parameter's own type has not: steps between, or more than its range.
     fn finer(&self, parameter: &Parameter, data: &[u8]) -> Option<String> {
         let octets: [u8; 4] = data.try_into().ok().filter(|_| self.view.octets == 4)?;
         let native = if parameter.signed {
@@ -63,7 +63,7 @@ impl ParameterRecord {
     }
 }
 
-/// Name of a record index.
+/// Returns the name of a record index.
 pub fn name(index: u16) -> String {
     let known = match index {
         0x002F => "parameter access (record 47)",
@@ -106,7 +106,7 @@ pub fn name(index: u16) -> String {
     format!("{known} (0x{index:04X})")
 }
 
-/// Where a record lives: `slot 1/1`.
+/// Returns where a record lives: `slot 1/1`.
 pub fn place(api: u32, slot: u16, subslot: u16) -> String {
     format!("slot {slot}/{}{}", diff::subslot(subslot), api_text(api))
 }
@@ -120,7 +120,7 @@ pub fn api_text(api: u32) -> String {
     }
 }
 
-/// The start of its data.
+/// Returns the start of its data.
 pub fn content(data: &[u8]) -> String {
     const SHOWN: usize = 16;
     match data.split_at_checked(SHOWN) {

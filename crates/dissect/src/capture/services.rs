@@ -32,7 +32,7 @@ pub enum Context {
     Release(Ipv4Addr, Uuid),
 }
 
-/// Name of an operation.
+/// Returns the name of an operation.
 pub const fn operation_name(header: &Header) -> &'static str {
     match header.operation {
         operation::CONNECT => "connect",
@@ -366,7 +366,7 @@ fn refused_connect(what: &str, status: PnioStatus, sink: &mut Sink<'_>) {
     sink.report(Weight::Error, "refused", text, Detail::Connect(detail));
 }
 
-/// A status as one number, ErrorCode first.
+/// Returns a status as one number, ErrorCode first.
 pub fn number(status: PnioStatus) -> u32 {
     u32::from_be_bytes([status.code, status.decode, status.code1, status.code2])
 }

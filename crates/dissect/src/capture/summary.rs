@@ -32,7 +32,7 @@ pub struct DeviceSummary {
 }
 
 impl DeviceSummary {
-    /// True for the device with this name or address, and for one that it exchanges data with.
+    /// Returns true for the device with this name or address, and for one that it exchanges data with.
     pub fn is(&self, wanted: &str) -> bool {
         let ends = |stream: &StreamSummary| stream.from == wanted || stream.to == wanted;
         self.device == wanted

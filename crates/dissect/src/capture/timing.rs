@@ -37,7 +37,7 @@ impl Histogram {
         }
     }
 
-    /// The time that this part of the measured ones does not exceed; the middle of its step.
+    /// Returns the time that this part of the measured ones does not exceed; the middle of its step.
     fn percentile(&self, percent: u64) -> Option<Duration> {
         let wanted = (self.total * percent).div_ceil(100).max(1);
         let mut sum = 0;
@@ -50,7 +50,7 @@ impl Histogram {
     }
 }
 
-/// The step of a time in microseconds: exact up to 16, then 16 steps for each doubling.
+/// Returns the step of a time in microseconds: exact up to 16, then 16 steps for each doubling.
 fn place(micros: u64) -> usize {
     let steps = STEPS as u64;
     if micros < steps {
@@ -61,7 +61,7 @@ fn place(micros: u64) -> usize {
     (octave as usize + 1) * STEPS + usize::try_from(step).unwrap_or(0)
 }
 
-/// The first time of a step.
+/// Returns the first time of a step.
 fn start(place: usize) -> u64 {
     let (octave, step) = (place / STEPS, (place % STEPS) as u64);
     match octave.checked_sub(1) {
@@ -98,7 +98,7 @@ pub struct Step {
 }
 
 impl Timing {
-    /// A connection begins: what was before it is no gap.
+    /// A connection begins: what was before it is not a gap.
     pub fn begin(&mut self, cycle: Duration) {
         self.cycle = cycle;
         self.last = None;

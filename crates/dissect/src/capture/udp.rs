@@ -14,7 +14,7 @@ pub struct Datagram<'a> {
     pub payload: &'a [u8],
 }
 
-/// The datagram in a frame, tag looked through; `None` for everything else, IP fragments included.
+/// Returns the datagram in a frame, tag looked through; `None` for everything else, IP fragments included.
 pub fn datagram(frame: &[u8]) -> Option<Datagram<'_>> {
     let mac = |at: usize| -> Option<MacAddress> { Some(MacAddress(frame.get(at..at + 6)?.try_into().ok()?)) };
     let macs = (mac(6)?, mac(0)?);
@@ -59,7 +59,7 @@ pub mod tests {
     use profinet::wire::Uuid;
     use profinet::wire::rpc::Header;
 
-    /// A frame that carries one RPC request of the device interface.
+    /// Returns a frame that carries one RPC request of the device interface.
     pub fn rpc_frame(operation: u8, body: &[u8]) -> Vec<u8> {
         let header = Header::request(
             Uuid::object(1, 1, 0x0105),
@@ -74,12 +74,12 @@ pub mod tests {
         udp_frame(&pdu)
     }
 
-    /// A frame from station 10.0.0.1 (02:00:00:00:00:01) to 10.0.0.2 (02:00:00:00:00:02).
+    /// Returns a frame from station 10.0.0.1 (02:00:00:00:00:01) to 10.0.0.2 (02:00:00:00:00:02).
     pub fn udp_frame(payload: &[u8]) -> Vec<u8> {
         frame_between(1, 2, payload)
     }
 
-    /// A frame from the station with this last octet of its addresses to another.
+    /// Returns a frame from the station with this last octet of its addresses to another.
     pub fn frame_between(from: u8, to: u8, payload: &[u8]) -> Vec<u8> {
         let length = u16::try_from(payload.len()).unwrap();
         let mut frame = vec![2, 0, 0, 0, 0, to, 2, 0, 0, 0, 0, from, 8, 0, 0x45, 0];

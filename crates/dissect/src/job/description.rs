@@ -23,7 +23,7 @@ const ELEMENTS: [&str; 12] = [
 /// Octets of a text.
 const TEXT: usize = 16;
 
-/// Name of an element of a description; 0 is all of it.
+/// Returns the name of an element of a description; 0 is all of it.
 pub fn element(number: u16) -> String {
     let name = usize::from(number)
         .checked_sub(1)
@@ -35,7 +35,7 @@ pub fn element(number: u16) -> String {
     }
 }
 
-/// A whole description: name, type, limits and unit, what may be done.
+/// Returns a whole description: name, type, limits and unit, what may be done.
 pub fn words(description: &Description, space: CodeSpace) -> String {
     let name: String = description.name().collect();
     let mut text = format!("\"{}\"", name.trim_end());

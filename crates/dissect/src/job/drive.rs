@@ -17,8 +17,8 @@ use uss::Protocol;
 /// Words of one direction that are remembered.
 const MOST_WORDS: usize = 16;
 
-/// The drive that a job asks, or that answers it. It learns from what is read from it and written to it; what nobody
-/// told is assumed to be as delivered, and said to be assumed.
+/// The drive that receives or answers a job. It learns from the values read and written. Unknown values are assumed as
+/// delivered and reported as assumed.
 #[derive(Debug, Clone)]
 pub struct JobDrive {
     model: Model,
@@ -31,14 +31,14 @@ pub struct JobDrive {
     selected: Option<&'static Telegram>,
     /// Words of PNU 915 that were seen, with their subindex: what a free telegram carries instead of what is delivered.
     mapped: Vec<(u16, u16)>,
-    /// What the parameter that chooses the maker's own control word has, once it was seen.
+    /// What the parameter that chooses the vendor's own control word has, once it was seen.
     chosen: Option<i64>,
-    /// Nobody said what it is.
+    /// The model was not given.
     assumed: bool,
 }
 
 impl Default for JobDrive {
-    /// Nobody said what it is: its numbers are read as those of an AKD.
+    /// Without a model: numbers are decoded as those of an AKD.
     fn default() -> Self {
         let device = &profile::catalogue::AKD.device;
         Self {
@@ -49,12 +49,12 @@ impl Default for JobDrive {
 }
 
 impl JobDrive {
-    /// A drive of this vendor and device.
+    /// Creates a drive of this vendor and device.
     pub fn of(vendor_id: u16, device_id: u16) -> Self {
         Self::new(Model::of(vendor_id, device_id))
     }
 
-    /// A drive of this model.
+    /// Creates a drive of this model.
     pub fn new(model: Model) -> Self {
         Self {
             parameters: Parameters::of(&model),
@@ -68,7 +68,7 @@ impl JobDrive {
         }
     }
 
-    /// The rules of its requests; those of the profile where nobody said what it is.
+    /// Returns the rules for its requests; those of the profile when the model is not given.
     pub const fn dialect(&self) -> &'static Dialect {
         if self.assumed {
             &Dialect::STANDARD
@@ -77,7 +77,7 @@ impl JobDrive {
         }
     }
 
-    /// What its dialect and its tables forbid in a request.
+    /// Returns what its dialect and its tables forbid in a request.
     pub fn objections(&self, request: &[u8]) -> Vec<Objection> {
         let tables = self.tables().filter(|_| !self.assumed);
         match tables.map(Tables) {
@@ -86,43 +86,43 @@ impl JobDrive {
         }
     }
 
-    /// The drive that the object of a remote procedure call names; `None` where it names no vendor.
+    /// Returns the drive that the object of a remote procedure call names; `None` where it names no vendor.
     pub fn of_object(object: &Uuid) -> Option<Self> {
         let (_, device_id, vendor_id) = object.object_parts()?;
         (vendor_id != 0).then(|| Self::of(vendor_id, device_id))
     }
 
-    /// True when both are of one model.
+    /// Returns true when both are of one model.
     pub fn is_like(&self, other: &Self) -> bool {
         self.model.name == other.model.name
     }
 
-    /// Name of its model.
+    /// Returns the name of its model.
     pub const fn name(&self) -> &'static str {
         self.model.name
     }
 
-    /// Its tables, where there are any.
+    /// Returns its tables, where there are any.
     pub const fn tables(&self) -> Option<&'static Catalogue> {
         self.model.catalogue
     }
 
-    /// The numbers of its formats.
+    /// Returns the numbers of its formats.
     pub const fn code_space(&self) -> CodeSpace {
         self.model.dialect.code_space
     }
 
-    /// The meanings of its own error numbers.
+    /// Returns the meanings of its own error numbers.
     pub const fn error_names(&self) -> ErrorNames {
         self.model.dialect.error_names
     }
 
-    /// The mode it is in, as far as it was seen.
+    /// Returns the mode it is in, as far as it was seen.
     pub fn mode(&self) -> Mode {
         self.mode_in(None)
     }
 
-    /// The mode of a word in this telegram: that of PNU 930, else what the telegram is for.
+    /// Returns the mode of a word in this telegram: that of PNU 930, else what the telegram is for.
     pub fn mode_in(&self, telegram: Option<&Telegram>) -> Mode {
         let telegram = telegram.or(self.selected);
         match (self.operating_mode, telegram) {
@@ -137,7 +137,8 @@ impl JobDrive {
         }
     }
 
-    /// True when a free telegram carries this setpoint: by the words that were seen, and where none was, as delivered.
+    /// Returns true when a free telegram carries this setpoint: by the words that were seen, and where none was, as
+    /// delivered.
     fn maps(&self, free: &Telegram, number: u16) -> bool {
         let seen = |index: u16| self.mapped.iter().find(|(word, _)| *word == index);
         let left = (0..).zip(free.setpoint.words());
@@ -145,7 +146,7 @@ impl JobDrive {
         self.mapped.iter().any(|(_, mapped)| *mapped == number) || left.any(|(_, mapped)| mapped == number)
     }
 
-    /// Its parameter channel in the words of a PPO.
+    /// Returns its parameter channel in the words of a PPO.
     pub const fn ppo(&self) -> &'static PkwDialect {
         match self.model.dialect.error_names {
             ErrorNames::Danfoss => &PkwDialect::DANFOSS_PPO,
@@ -153,7 +154,7 @@ impl JobDrive {
         }
     }
 
-    /// Its parameter channel at a serial line: that of its vendor, or that of the protocol.
+    /// Returns its parameter channel at a serial line: that of its vendor, or that of the protocol.
     pub fn line(&self, protocol: Protocol) -> PkwDialect {
         let of_vendor = |vendor| PkwDialect::of_line(vendor, protocol == Protocol::Fc);
         self.vendor().and_then(of_vendor).unwrap_or(match protocol {
@@ -166,17 +167,17 @@ impl JobDrive {
         self.tables().map(|tables| tables.device.vendor_id)
     }
 
-    /// The telegram of this number.
+    /// Returns the telegram of this number.
     pub fn telegram(&self, number: u16) -> Option<&'static Telegram> {
         Telegram::find(number, self.vendor().unwrap_or(0))
     }
 
-    /// Whose control and status word a telegram carries.
+    /// Returns whose control and status word a telegram carries.
     pub fn words(&self, telegram: Option<&Telegram>) -> Profile {
         self.model.words.of(telegram, self.chosen)
     }
 
-    /// What the names of the bits rest on and nobody told: `8-10 FC profile`.
+    /// Returns the assumption that the names of the bits are based on: `8-10 FC profile`.
     pub fn assumed_words(&self, telegram: Option<&Telegram>) -> Option<String> {
         if self.chosen.is_some() || !telegram?.own_words {
             return None;
@@ -188,13 +189,13 @@ impl JobDrive {
         Some(format!("{number} {}", chooser.choice(*value)?))
     }
 
-    /// The view that records of a subslot are, where they are parameters.
+    /// Returns the view that records of a subslot are, where they are parameters.
     pub fn record_view(&self, slot: u16, subslot: u16) -> Option<&'static RecordView> {
         let views = self.tables()?.device.layout.records;
         views.iter().find(|view| slot == 1 && view.subslot == subslot)
     }
 
-    /// The parameter that a record of such a view is.
+    /// Returns the parameter that a record of such a view is.
     pub fn of_record(&self, index: u16) -> Option<ParameterAddress> {
         match self.tables()?.notation {
             Notation::Id { pnu } => Some(ParameterAddress::value(pnu, index)),
@@ -202,12 +203,12 @@ impl JobDrive {
         }
     }
 
-    /// The parameter of the tables that an address means.
+    /// Returns the parameter of the tables that an address means.
     pub fn parameter(&self, address: ParameterAddress) -> Option<&'static Parameter> {
         self.tables()?.at(address.pnu, address.subindex)
     }
 
-    /// The selection an address means.
+    /// Returns the selection an address means.
     pub fn select(&self, address: ParameterAddress) -> Selection {
         let parameter = self.parameter(address);
         let known = parameter.is_some_and(|parameter| parameter.elements > 1 || parameter.base.is_some());
@@ -230,7 +231,7 @@ impl JobDrive {
         })
     }
 
-    /// Name and number of what an address means; the high half of a 64-bit value is called so.
+    /// Returns the name and number of what an address means; the high half of a 64-bit value is called so.
     pub fn label(&self, address: ParameterAddress) -> String {
         let label = self.select(address).label();
         match self.tables().and_then(|tables| tables.by_high(address.pnu)) {
@@ -239,14 +240,15 @@ impl JobDrive {
         }
     }
 
-    /// Name and number of a parameter as a whole.
+    /// Returns the name and number of a parameter as a whole.
     pub fn whole_label(&self, pnu: u16) -> String {
         let parameter = self.parameter(ParameterAddress::value(pnu, 0));
         let number = Selection::number(pnu, self.parameters.notation());
         Selection { parameter, ..number }.label()
     }
 
-    /// The values of a block. The elements of a description and texts have neither the unit nor the subindex of a value.
+    /// Returns the values of a block. The elements of a description and texts have neither the unit nor the subindex of
+    /// a value.
     pub fn readings(&self, address: Option<ParameterAddress>, block: &ValueBlock<'_>) -> Vec<Reading> {
         let value = address.filter(|address| address.attribute == Attribute::Value);
         let selection = value.map_or_else(
@@ -286,8 +288,8 @@ impl JobDrive {
             .collect()
     }
 
-    /// A number that came without a format: in a parameter channel, in cyclic data or as a record. The parameter's own
-    /// type says what it is.
+    /// Returns a number that came without a format: in a parameter channel, in cyclic data or as a record. The
+    /// parameter's own type says what it is.
     pub fn number(&self, address: ParameterAddress, octets: &[u8]) -> Reading {
         let parameter = self.parameter(address);
         let typed = parameter.map(|parameter| Interpretation::of(parameter.format, CodeSpace::V4));
@@ -312,8 +314,8 @@ impl JobDrive {
         self.parameters.in_words(reading, None, self.mode())
     }
 
-    /// Speed in rpm of a number of NSOLL_A or NIST_A, and what that rests on if nobody told. `full` is the number of
-    /// 100 % where the telegram has a scale of its own.
+    /// Returns the speed in rpm of a number of NSOLL_A or NIST_A, and the assumption it is based on, if any. `full` is
+    /// the number of 100 % where the telegram has a scale of its own.
     pub fn speed(&self, raw: i64, full: Option<u16>) -> (f64, Option<String>) {
         let scaling = &self.parameters.scaling;
         let rpm = match (full, scaling.reference) {
@@ -324,14 +326,14 @@ impl JobDrive {
         (rpm, self.assumed_scale(Scale::Velocity))
     }
 
-    /// A number of NSOLL_A or NIST_A in percent, where 100 % has a number.
+    /// Returns a number of NSOLL_A or NIST_A in percent, where 100 % has a number.
     pub fn percent(&self, raw: i64, full: Option<u16>) -> Option<f64> {
         let n2 = self.parameters.scaling.reference.map(|_| 0x4000);
         #[expect(clippy::cast_precision_loss, reason = "words")]
         full.or(n2).map(|full| raw as f64 * 100.0 / f64::from(full))
     }
 
-    /// What the value of this parameter was made with that nobody told: `PN.VELSCALING 1638`.
+    /// Returns the assumption that the value of this parameter is based on: `PN.VELSCALING 1638`.
     pub fn assumption(&self, address: ParameterAddress) -> Option<String> {
         if address.attribute != Attribute::Value {
             return None;
@@ -364,14 +366,14 @@ impl JobDrive {
         })
     }
 
-    /// Takes over what a value that was read or written tells about the others.
+    /// Learns from a value that was read or written how other values are scaled.
     pub fn learn(&mut self, address: ParameterAddress, block: &ValueBlock<'_>) {
         for reading in self.readings(Some(address), block) {
             self.learn_from(&reading);
         }
     }
 
-    /// Takes over what a reading tells about other values.
+    /// Learns from a reading how other values are scaled.
     pub fn learn_from(&mut self, reading: &Reading) {
         if reading.pnu == pnu::OPERATING_MODE {
             self.operating_mode = reading.raw();

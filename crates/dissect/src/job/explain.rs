@@ -7,14 +7,14 @@ use serde_json::{Map, Value};
 
 use crate::fields;
 
-/// Makers with error numbers of their own, in parameter jobs and in a parameter channel.
+/// Vendors with error numbers of their own, in parameter jobs and in a parameter channel.
 const VENDORS: [(&str, ErrorNames, PkwErrorNames); 2] = [
     ("Danfoss", ErrorNames::Danfoss, PkwErrorNames::Danfoss),
     ("Vacon", ErrorNames::Vacon, PkwErrorNames::Profile),
 ];
 
-/// An error number of the parameter manager in words: those of the model's make, or of all. What the same number says in
-/// a parameter channel (PKW) comes with it where it is another thing.
+/// Returns an error number of the parameter manager in words: those of the model's make, or of all. What the same
+/// number says in a parameter channel (PKW) comes with it where it is another thing.
 pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>) -> Map<String, Value> {
     let error = ErrorNumber(number);
     let own = model.map(|model| model.dialect.error_names);
@@ -23,7 +23,7 @@ pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>
             .iter()
             .filter(move |(_, names, _)| own.is_none_or(|own| own == *names))
     };
-    // of one make its own word comes first
+    // of one model its own word comes first
     let known = own.filter(|_| number >= OWN).and_then(|names| error.info(names));
     let meaning = known.map_or_else(
         || error.to_string(),
@@ -54,10 +54,10 @@ pub fn explain_error(number: u16, model: Option<Model>, output: &mut Vec<String>
     fields
 }
 
-/// From this number on error numbers are the maker's.
+/// From this number on error numbers are the vendor's.
 const OWN: u16 = 0x65;
 
-/// A format code in words: as the model's make has it, or the profile of today.
+/// Describes a format code: as defined by the vendor of the model, or by the current profile.
 pub fn explain_format(code: u8, model: Option<Model>, output: &mut Vec<String>) -> Map<String, Value> {
     let name = |space| Format(code).info(space).map(|row| row.name);
     let (v4, v3) = (name(CodeSpace::V4), name(CodeSpace::V3));

@@ -50,7 +50,7 @@ impl fmt::Display for Side {
     }
 }
 
-/// Octets that are no parameter job of this side.
+/// Octets that are not parameter job of this side.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("this is no parameter {side}: {reason}")]
 pub struct NoJob {
@@ -124,19 +124,19 @@ fn guess(data: &[u8], drive: &JobDrive) -> Side {
     }
 }
 
-/// True where a response has its first format code, and an attribute is none of them.
+/// Returns true where a response has its first format code, and an attribute is none of them.
 fn looks_like_values(data: &[u8], space: CodeSpace) -> bool {
     let is_format = |code: u8| Format(code).data_len(space, 1, 1).is_some();
     let first = data.get(HEADER).filter(|_| !has_attribute(data));
     first.is_some_and(|code| *code != Format::ZERO.0 && is_format(*code))
 }
 
-/// True where a request would have the attribute of its first address.
+/// Returns true where a request would have the attribute of its first address.
 fn has_attribute(data: &[u8]) -> bool {
     matches!(data.get(HEADER), Some(0x10 | 0x20 | 0x30))
 }
 
-/// True where only a buffer's zeros follow the addresses, or what is no value.
+/// Returns true where only a buffer's zeros follow the addresses, or what is not a value.
 fn has_no_values(job: &Request<'_>) -> bool {
     job.trailing() == 0 || !values_fit(job)
 }
@@ -206,13 +206,13 @@ fn block_text(drive: &JobDrive, address: Option<ParameterAddress>, block: &Value
     format!("{} {unit}", texts.join(", ")).trim_end().to_owned() + &condition
 }
 
-/// What a control or status word comes to as a whole.
+/// Returns what a control or status word comes to as a whole.
 fn state(drive: &JobDrive, reading: &Reading) -> String {
     let kind = drive
         .tables()
         .and_then(|tables| tables.word(reading.pnu))
         .map(|word| word.kind);
-    // not of a make whose words nobody told
+    // not for a model whose control and status words are unknown
     let raw = reading.raw().filter(|_| reading.word.is_some());
     let word = raw.and_then(|raw| u16::try_from(raw & 0xFFFF).ok());
     match (kind, word) {
@@ -276,7 +276,8 @@ const fn verb(id: RequestId) -> &'static str {
     }
 }
 
-/// A request with what is in it, also where it ends too early: a drive answers such a request with an error number.
+/// Returns a request with what is in it, also where it ends too early: a drive answers such a request with an error
+/// number.
 fn decode_request(drive: &JobDrive, data: &[u8]) -> Result<Decoded, String> {
     let parsed = Request::parse(data, drive.code_space());
     let (&[reference, id, axis, count], rest) = data
@@ -383,12 +384,13 @@ fn plural(count: usize, what: &str) -> String {
     }
 }
 
-/// A request in a few words, for the line of a capture.
+/// Returns a request in a few words, for the line of a capture.
 pub fn request_job(drive: &JobDrive, data: &[u8]) -> Decoded {
     joined(decode_request(drive, data), data)
 }
 
-/// A response in a few words, with the request it answers where that is known. What it says of the drive is taken over.
+/// Returns a response in a few words, with the request it answers where that is known. What it says of the drive is
+/// taken over.
 pub fn response_job(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) -> Decoded {
     // a request without a header has no answer of its own
     let request = request.filter(|request| request.len() >= HEADER);

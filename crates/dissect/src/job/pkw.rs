@@ -27,7 +27,7 @@ pub fn block<'a>(dialect: &PkwDialect, part: &'a [u8]) -> Option<(Pkw, Option<&'
     Some((pkw, is_text.then_some(behind)))
 }
 
-/// A block of the channel: eight octets, or a text block. Without a direction both are told.
+/// Returns a block of the channel: eight octets, or a text block. Without a direction both are reported.
 pub fn decode(
     drive: &JobDrive,
     dialect: &PkwDialect,
@@ -78,7 +78,7 @@ pub fn decode(
     Ok(Decoded { lines, fields })
 }
 
-/// What a request wants. `text` is what stands in the place of PWE in a text block.
+/// Returns what a request wants. `text` is what stands in the place of PWE in a text block.
 pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8]>) -> (Weight, String) {
     let code = pkw.request_code();
     let info = code.info();
@@ -126,7 +126,7 @@ pub fn request(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[
     )
 }
 
-/// What a reply says.
+/// Returns what a reply says.
 pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8]>) -> (Weight, String) {
     let code = pkw.reply_code();
     let info = code.info();
@@ -181,7 +181,7 @@ pub fn reply(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, text: Option<&[u8
     }
 }
 
-/// The `error` of a refusal: its number, its meaning and what to do; of a refusal without a number its meaning.
+/// Returns the `error` of a refusal: its number, its meaning and what to do; of a refusal without a number its meaning.
 pub fn refusal_json(dialect: &PkwDialect, pkw: Pkw) -> Option<(String, Value)> {
     let error = match pkw.reply_code() {
         ReplyCode::REFUSED => {
@@ -197,7 +197,7 @@ pub fn refusal_json(dialect: &PkwDialect, pkw: Pkw) -> Option<(String, Value)> {
     Some(("error".into(), Value::Object(error)))
 }
 
-/// True when this is, or may be, what a drive answers to that request.
+/// Returns true when this is, or may be, what a drive answers to that request.
 pub fn answers(dialect: &PkwDialect, request: Pkw, reply: Pkw) -> bool {
     let info = request.request_code().info();
     let code = reply.reply_code();
@@ -208,7 +208,7 @@ pub fn answers(dialect: &PkwDialect, request: Pkw, reply: Pkw) -> bool {
     info.replies.contains(&code) && number(reply) == number(request) && reply.ind == request.ind
 }
 
-/// The value that a reply carries, for what it tells about others.
+/// Returns the value that a reply carries, to learn scalings from it.
 pub fn reading(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw) -> Option<Reading> {
     let width = pkw.reply_code().info().width?;
     let address = address(dialect, pkw)?;
@@ -224,7 +224,7 @@ fn subindex(dialect: &PkwDialect, pkw: Pkw) -> u16 {
     pkw.address(dialect).map_or(0, |address| address.subindex.into())
 }
 
-/// Number and name of a parameter with its element.
+/// Returns the number and name of a parameter with its element.
 fn label(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, array: bool) -> String {
     let Some(address) = address(dialect, pkw) else {
         let number = pkw.pke & dialect.pnu_mask();
@@ -239,7 +239,7 @@ fn label(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw, array: bool) -> Strin
     drive.label(address)
 }
 
-/// Number and name of a parameter without an element.
+/// Returns the number and name of a parameter without an element.
 fn whole(drive: &JobDrive, dialect: &PkwDialect, pkw: Pkw) -> String {
     let Some(address) = address(dialect, pkw) else {
         return label(drive, dialect, pkw, false);

@@ -1,4 +1,4 @@
-//! What a response answers, and what it tells about the drive.
+//! Decodes a response: the request it answers, and the values it contains.
 
 use profile::parameter::{
     Attribute, DecodeError, ErrorNumber, Format, ParameterAddress, Request, RequestId, ValueBlock,
@@ -12,7 +12,7 @@ use super::{
 use crate::Weight;
 use crate::fields;
 
-/// What a response says, with the request it answers where that is known; what it tells of the drive is taken over.
+/// Decodes a response, with the request it answers where that is known, and learns the values of the drive.
 pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>) -> Result<Decoded, String> {
     let &[reference, id, axis, count, ref rest @ ..] = data else {
         return Err(format!("{} octets are no header", data.len()));
@@ -55,7 +55,7 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
         }
     } else {
         let (blocks, behind) = blocks(drive, data, &mut addresses, job.is_some())?;
-        // all of it is of one moment: what it tells about scales counts for its own values too
+        // all values are from one moment: scalings in them apply to the other values too
         if warnings.is_empty() {
             match &job {
                 Some(job) if id & 0x7F == 0x02 => {
@@ -87,7 +87,7 @@ pub fn decode_response(drive: &mut JobDrive, data: &[u8], request: Option<&[u8]>
     Ok(Decoded { lines, fields })
 }
 
-/// What was written counts once the drive says so.
+/// A written value takes effect when the drive confirms it.
 fn learn_written(drive: &mut JobDrive, job: &Request<'_>, written: impl Fn(usize) -> bool) {
     if !job.id().is_change() {
         return;
@@ -113,7 +113,8 @@ fn learn_read(drive: &mut JobDrive, addresses: &[Option<ParameterAddress>], bloc
     }
 }
 
-/// Where a response does not answer this request. A request that is cut off or has too many parameters is answered too.
+/// Returns where a response does not answer this request. A request that is cut off or has too many parameters is
+/// answered too.
 fn mismatches(request: &[u8], reference: u8, id: u8) -> Result<Vec<String>, String> {
     let &[asked, asked_id, ..] = request
         .first_chunk::<HEADER>()
@@ -129,8 +130,8 @@ fn mismatches(request: &[u8], reference: u8, id: u8) -> Result<Vec<String>, Stri
     Ok(warnings)
 }
 
-/// The blocks of a response, and the number of zeros behind them. Without a request the addresses that a drive repeats in
-/// front of the blocks name them.
+/// Returns the blocks of a response, and the number of zeros behind them. Without a request the addresses that a drive
+/// repeats in front of the blocks name them.
 fn blocks<'a>(
     drive: &JobDrive,
     data: &'a [u8],
@@ -172,7 +173,7 @@ fn blocks<'a>(
     Ok((blocks, behind.len()))
 }
 
-/// The octets behind the header as addresses, where the drive can repeat them and their attributes exist.
+/// Returns the octets behind the header as addresses, where the drive can repeat them and their attributes exist.
 fn addresses_in(drive: &JobDrive, data: &[u8], count: usize) -> Option<Vec<ParameterAddress>> {
     let (octets, _) = data.get(HEADER..)?.as_chunks();
     let address = |octets: &[u8; ADDRESS]| {

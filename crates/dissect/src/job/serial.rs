@@ -30,7 +30,7 @@ const fn carrier(protocol: Protocol) -> Carrier {
     }
 }
 
-/// A whole telegram. Without a direction both are told.
+/// Returns a whole telegram. Without a direction both are reported.
 pub fn decode(
     drive: &JobDrive,
     protocol: Protocol,
@@ -93,7 +93,7 @@ fn row(name: &str, text: &str) -> String {
     format!("  {name:<8} {text}")
 }
 
-/// The parameter part: PKE, IND and PWE, or a text in its place.
+/// Returns the parameter part: PKE, IND and PWE, or a text in its place.
 fn parameter(
     drive: &JobDrive,
     dialect: &PkwDialect,

@@ -30,23 +30,23 @@ impl Half<'_> {
         } else {
             &telegram.actual
         };
-        // what a freely mapped telegram has, nobody told
+        // the mapping of a free telegram is unknown
         (image.octets > 0).then_some(image)
     }
 
-    /// Whose words these are.
+    /// Returns whose words these are.
     pub fn profile(&self) -> Profile {
         self.drive.words(self.telegram)
     }
 
-    /// The parameter channel, where there is one.
+    /// Returns the parameter channel, where there is one.
     pub fn pkw(&self, data: &[u8]) -> Option<Pkw> {
         let channel = self.telegram.is_some_and(|telegram| telegram.pkw);
         let octets = data.first_chunk().filter(|_| channel)?;
         Some(Pkw::from_octets(*octets))
     }
 
-    /// The control or status word.
+    /// Returns the control or status word.
     pub fn word(&self, data: &[u8]) -> Option<u16> {
         let number = if self.output { signal::STW1 } else { signal::ZSW1 };
         match self.image() {
@@ -65,7 +65,7 @@ impl Half<'_> {
         self.image()?.get(data, number)
     }
 
-    /// What the word is called: makers with words of their own say CTW and STW.
+    /// Returns the name of the word: vendor-specific words are CTW and STW.
     pub fn word_name(&self) -> &'static str {
         match (self.profile(), self.output) {
             (Profile::Profidrive, true) => "STW1",
@@ -75,7 +75,7 @@ impl Half<'_> {
         }
     }
 
-    /// What the speed is called.
+    /// Returns the name of the speed.
     pub fn speed_name(&self) -> &'static str {
         match (self.profile(), self.output) {
             (Profile::Profidrive, true) => "NSOLL_A",
@@ -85,7 +85,7 @@ impl Half<'_> {
         }
     }
 
-    /// What the word says. `sent` is the control word on the way to the drive.
+    /// Returns what the word says. `sent` is the control word on the way to the drive.
     pub fn word_text(&self, word: u16, sent: Option<u16>) -> (Weight, String) {
         let profile = self.profile();
         let mode = self.drive.mode_in(self.telegram);
@@ -164,7 +164,7 @@ impl Half<'_> {
         lines
     }
 
-    /// The speed and the signals that are parameters, in units, with what each of them rests on and nobody told.
+    /// Returns the speed and the signals that are parameters, in units, each with the assumption that it is based on.
     fn values_json(&self, data: &[u8]) -> Vec<Value> {
         let full = self.telegram.and_then(|telegram| telegram.full_speed);
         let mut values: Vec<Value> = Vec::new();
@@ -193,7 +193,7 @@ impl Half<'_> {
         values
     }
 
-    /// The parameter that a signal is, where the tables have one of this size.
+    /// Returns the parameter that a signal is, where the tables have one of this size.
     fn address(&self, field: &Field, octets: &[u8]) -> Option<ParameterAddress> {
         let address = ParameterAddress::value(field.signal.number, 0);
         let known = self.drive.parameter(address)?;
@@ -255,7 +255,7 @@ fn row(name: &str, text: &str) -> String {
     format!("  {name:<8} {text}")
 }
 
-/// Cyclic data of a telegram by its number. Without a direction both are told.
+/// Cyclic data of a telegram by its number. Without a direction both are reported.
 pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>) -> Result<Decoded, String> {
     let found = drive.telegram(telegram).ok_or_else(|| {
         let all = drive
@@ -299,7 +299,7 @@ pub fn decode(drive: &JobDrive, telegram: u16, data: &[u8], output: Option<bool>
     Ok(Decoded { lines, fields })
 }
 
-/// The directions that data of this length can have, or only that which is given.
+/// Returns the directions that data of this length can have, or only that which is given.
 fn halves_of<'a>(
     drive: &'a JobDrive,
     telegram: &'static Telegram,

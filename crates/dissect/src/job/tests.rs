@@ -117,7 +117,7 @@ fn octets(hex: &str) -> Vec<u8> {
         .collect()
 }
 
-/// What the drive answers to a request, in one line.
+/// Returns what the drive answers to a request, in one line.
 fn answered(drive: &mut JobDrive, request: &str, response: &str) -> String {
     let lines = response_job(drive, &octets(response), Some(&octets(request))).lines;
     lines.into_iter().map(|(_, line)| line).collect()
@@ -153,7 +153,7 @@ fn scales_are_learnt_from_reads_and_writes() {
         let text = answered(&mut drive, speed.0, speed.1);
         assert!(text.contains("299.96 rpm"), "{text}");
     }
-    // an answer to something else tells nothing
+    // an answer to another request adds no information
     let text = answered(
         &mut drive,
         "04 01 00 01 10 01 0B F8 00 00",
@@ -391,7 +391,7 @@ fn invalid_input_is_reported() {
     }
 }
 
-/// The same numbers mean something else to another make: formats, errors, requests, who a parameter is.
+/// The same numbers mean something else to another model: formats, errors, requests, who a parameter is.
 #[test]
 fn jobs_of_the_other_vendors() {
     let explained = |model: &str, request: &str, response: Option<&str>| {

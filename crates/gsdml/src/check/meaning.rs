@@ -17,7 +17,7 @@ use crate::write::{HEADER, REFERENCE};
 
 /// API of PROFIdrive.
 const PROFIDRIVE: u32 = 0x3A00;
-/// Shortest record length every controller may ask for.
+/// Shortest record length every controller may request.
 const RECORD: u32 = 4068;
 /// Most octets of cyclic data in one frame.
 const FRAME: u16 = 1440;
@@ -429,7 +429,7 @@ impl Check<'_, '_, '_> {
     }
 }
 
-/// The ranges of a list in order, those that touch put together.
+/// Returns the ranges of a list in order, those that touch put together.
 fn merged(list: &ValueList) -> Vec<(u32, u32)> {
     let mut ranges = list.ranges().to_vec();
     ranges.sort_unstable();
@@ -443,7 +443,7 @@ fn merged(list: &ValueList) -> Vec<(u32, u32)> {
     merged
 }
 
-/// Whether all numbers of a range are in merged ranges.
+/// Returns whether all numbers of a range are in merged ranges.
 fn covers(merged: &[(u32, u32)], first: u32, last: u32) -> bool {
     let at = merged.partition_point(|(_, end)| *end < first);
     merged
@@ -451,7 +451,7 @@ fn covers(merged: &[(u32, u32)], first: u32, last: u32) -> bool {
         .is_some_and(|(start, end)| *start <= first && last <= *end)
 }
 
-/// Name of station: labels of a-z, 0-9 and hyphens inside, between dots.
+/// Returns whether a name of station is valid: labels of a-z, 0-9 and hyphens inside, between dots.
 fn is_station_name(name: &str) -> bool {
     let label = |label: &str| {
         (1..=63).contains(&label.len())

@@ -26,7 +26,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// True when nothing is against the rules; warnings do not count.
+    /// Returns true when nothing is against the rules; warnings do not count.
     #[must_use]
     pub fn is_sound(&self) -> bool {
         self.left_out == 0

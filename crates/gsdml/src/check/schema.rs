@@ -1,6 +1,6 @@
 //! Elements and attributes: what may stand where, in which order, and what must be there.
 //!
-//! Source: the tree of GSDML V2.3x as documents of PI and makers' files show it. Elements this table does not know are
+//! Source: the tree of GSDML V2.3x as documents of PI and vendors' files show it. Elements this table does not know are
 //! passed over: later versions have more.
 
 use alloc::format;
@@ -33,7 +33,7 @@ struct Element {
     attributes: &'static [&'static str],
 }
 
-/// A row of the table.
+/// Returns a row of the table.
 const fn element(
     name: &'static str,
     attributes: &'static [&'static str],

@@ -8,7 +8,7 @@ fn sound() -> String {
     description().to_xml()
 }
 
-/// The problems of a file changed at one place.
+/// Returns the problems of a file changed at one place.
 fn after(from: &str, to: &str) -> Vec<(Severity, Rule, String)> {
     let text = sound();
     assert!(text.contains(from), "{from} is not in the file");
@@ -27,7 +27,8 @@ fn a_sound_file_has_no_problem() {
     assert_eq!(report.description, Some(description()));
 }
 
-/// Numbers of modes and measurements are no identifiers of objects: they may be equal to each other and to an object's.
+/// Numbers of modes and measurements are not identifiers of objects: they may be equal to each other and to an
+/// object's.
 #[test]
 fn numbers_of_profienergy_are_no_identifiers() {
     let energy = "<PROFIenergy><EnergySavingModeList><EnergySavingModeItem ID=\"1\"/><EnergySavingModeItem ID=\"2\"/>\
@@ -72,7 +73,7 @@ fn every_rule_is_looked_at() {
             "no attribute DeviceID",
         ),
         (
-            "<VendorName Value=\"Maker\"/>",
+            "<VendorName Value=\"Vendor\"/>",
             "",
             Error,
             R::Element,

@@ -20,7 +20,7 @@ use crate::value::ValueList;
 /// Subslot of the first interface and of its first port.
 const INTERFACE: u16 = 0x8000;
 const PORT: u16 = 0x8001;
-/// Reduction ratios of a device that does not tell its own.
+/// Reduction ratios of a device that does not list its own.
 const RATIOS: &str = "1 2 4 8 16 32 64 128 256 512";
 /// Kinds of line as version 2.0 wrote them.
 const OLD_MAU_TYPES: [(&str, u16); 4] = [
@@ -113,7 +113,7 @@ impl Reader<'_> {
         )
     }
 
-    /// A ModuleIdentNumber; 0 stands for no module.
+    /// Returns a ModuleIdentNumber; 0 stands for no module.
     fn ident(&mut self, node: Node<'_, '_>, name: &str) -> Option<u32> {
         let ident = self.needed_number(node, name)?;
         if ident == 0 {

@@ -11,7 +11,7 @@ use super::Reader;
 use crate::problem::{Rule, Severity};
 use crate::value::{SchemaVersion, ValueList, number, shortened};
 
-/// The attribute with this name and without namespace.
+/// Returns the attribute with this name and without namespace.
 pub(crate) fn attribute<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Attribute<'a, 'i>> {
     node.attributes()
         .find(|attribute| attribute.name() == name && attribute.namespace().is_none())
@@ -28,12 +28,12 @@ impl Reader<'_> {
         self.problem(severity, Rule::Value, attribute.range().start, message);
     }
 
-    /// The text of an attribute.
+    /// Returns the text of an attribute.
     pub(super) fn string(&mut self, node: Node<'_, '_>, name: &str) -> Option<String> {
         attribute(node, name).map(|attribute| attribute.value().to_owned())
     }
 
-    /// The text of an attribute without which the element cannot be used.
+    /// Returns the text of an attribute without which the element cannot be used.
     pub(super) fn needed_string(&mut self, node: Node<'_, '_>, name: &str) -> Option<String> {
         let found = self.string(node, name);
         if found.is_none() {
@@ -52,7 +52,7 @@ impl Reader<'_> {
         );
     }
 
-    /// A number; one that is none, or too large, makes the file unusable.
+    /// Returns a number; one that is none, or too large, makes the file unusable.
     pub(super) fn number<T: TryFrom<u32> + Bounded>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
         let attribute = attribute(node, name)?;
         let value = number(attribute.value().trim()).and_then(|number| T::try_from(number).ok());
@@ -63,7 +63,7 @@ impl Reader<'_> {
         value
     }
 
-    /// A number without which the element cannot be used.
+    /// Returns a number without which the element cannot be used.
     pub(super) fn needed_number<T: TryFrom<u32> + Bounded>(
         &mut self,
         node: Node<'_, '_>,
@@ -75,7 +75,7 @@ impl Reader<'_> {
         self.number(node, name)
     }
 
-    /// A list of numbers.
+    /// Returns a list of numbers.
     pub(super) fn values(&mut self, node: Node<'_, '_>, name: &str) -> ValueList {
         let Some(attribute) = attribute(node, name) else {
             return ValueList::EMPTY;
@@ -90,7 +90,7 @@ impl Reader<'_> {
         })
     }
 
-    /// A list of numbers with another default than none.
+    /// Returns a list of numbers with another default than none.
     pub(super) fn values_or(&mut self, node: Node<'_, '_>, name: &str, default: &str) -> ValueList {
         if attribute(node, name).is_some() {
             self.values(node, name)
@@ -135,7 +135,7 @@ impl Reader<'_> {
             .collect()
     }
 
-    /// A version as `V2.35`.
+    /// Returns a version as `V2.35`.
     pub(super) fn version(&mut self, node: Node<'_, '_>, name: &str) -> Option<SchemaVersion> {
         let attribute = attribute(node, name)?;
         let version = attribute.value().trim().parse().ok();

@@ -27,7 +27,7 @@ const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 /// Name of the root element.
 const ROOT: &str = "ISO15745Profile";
 
-/// The XML tree of a file, or why there is none.
+/// Returns the XML tree of a file, or why there is none.
 pub(crate) fn document<'a>(source: &'a Source<'_>) -> Result<Document<'a>, Problem> {
     let options = ParsingOptions {
         allow_dtd: false,
@@ -62,7 +62,7 @@ pub(crate) fn document<'a>(source: &'a Source<'_>) -> Result<Document<'a>, Probl
     })
 }
 
-/// The library's own words without the position, which stands in front already.
+/// Returns the library's own words without the position, which stands in front already.
 fn shortened_words(text: &str) -> String {
     let words = text.split(" at ").next().unwrap_or(text);
     words.chars().take(200).collect()
@@ -208,7 +208,7 @@ impl<'s> Reader<'s> {
         }
     }
 
-    /// A child without which nothing can be read.
+    /// Returns a child without which nothing can be read.
     fn needed<'a, 'i>(&mut self, node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
         let found = child(node, name);
         if found.is_none() {
@@ -223,7 +223,7 @@ impl<'s> Reader<'s> {
         found
     }
 
-    /// What `read` makes of the children with a name.
+    /// Applies `read` to the children with a name.
     fn children<T>(
         &mut self,
         node: Node<'_, '_>,
@@ -239,7 +239,7 @@ impl<'s> Reader<'s> {
             .collect()
     }
 
-    /// What `read` makes of the items of a list, none where the list is not there.
+    /// Applies `read` to the items of a list; empty when the list is missing.
     fn list<T>(
         &mut self,
         node: Node<'_, '_>,
@@ -253,25 +253,25 @@ impl<'s> Reader<'s> {
         }
     }
 
-    /// A text that an attribute names.
+    /// Returns a text that an attribute names.
     fn text_of(&mut self, node: Node<'_, '_>, attribute: &str) -> Option<TextId> {
         let id = self.string(node, attribute)?;
         self.name(node, attribute, Kind::Text, &id);
         Some(TextId(id))
     }
 
-    /// The text that a child names, as in `<Name TextId="..."/>`.
+    /// Returns the text that a child names, as in `<Name TextId="..."/>`.
     fn text_of_child(&mut self, node: Node<'_, '_>, name: &str) -> Option<TextId> {
         child(node, name).and_then(|node| self.text_of(node, "TextId"))
     }
 }
 
-/// Whether a node is an element with this name.
+/// Returns whether a node is an element with this name.
 pub(crate) fn is(node: Node<'_, '_>, name: &str) -> bool {
     node.is_element() && node.tag_name().name() == name
 }
 
-/// The first child with this name.
+/// Returns the first child with this name.
 pub(crate) fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
     node.children().find(|child| is(*child, name))
 }

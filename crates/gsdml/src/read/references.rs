@@ -20,7 +20,7 @@ pub(super) enum Kind {
     AccessPoint,
     Module,
     Submodule,
-    /// Virtual, interface and port submodules: nobody names them.
+    /// Virtual, interface and port submodules: they have no references.
     Own,
     Value,
     Graphic,
@@ -52,7 +52,7 @@ pub(super) struct Reference {
 }
 
 impl Reader<'_> {
-    /// The identifier of an item, which must be the only one of its kind.
+    /// Returns the identifier of an item, which must be the only one of its kind.
     pub(super) fn id(&mut self, node: Node<'_, '_>, kind: Kind) -> Option<String> {
         let id = self.needed_string(node, "ID")?;
         self.declare(node, "ID", kind, &id);

@@ -140,7 +140,7 @@ fn escape(out: &mut String, text: &str) {
 }
 
 impl Gsdml {
-    /// The description as a file. The same description gives the same octets every time.
+    /// Returns the description as a file. The same description gives the same octets every time.
     ///
     /// Reading it back ([`parse`](crate::parse)) gives an equal description when its identifiers are sound, its
     /// texts have no characters that XML cannot hold, and it names its schema.
@@ -241,7 +241,7 @@ mod tests {
                 Ok(read) => {
                     prop_assert_eq!(report.description.as_ref(), Some(&read));
                     let mut again = read.clone();
-                    // the version of a schema that is not told is that of the writer
+                    // a missing schema version becomes that of the writer
                     again.schema_version = Some(again.schema_version.unwrap_or(SchemaVersion::WRITTEN));
                     prop_assert_eq!(parse(again.to_xml().as_bytes()), Ok(again));
                 }

@@ -27,13 +27,13 @@ impl PacketMedium {
         Err(Error::NoRawEthernet)
     }
 
-    /// The interface.
+    /// Returns the interface.
     #[must_use]
     pub fn interface(&self) -> &InterfaceInfo {
         match self.0 {}
     }
 
-    /// What the raw socket has counted.
+    /// Returns what the raw socket has counted.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         match self.0 {}
@@ -45,7 +45,7 @@ impl PacketMedium {
         match self.0 {}
     }
 
-    /// Whether devices can call their controller here.
+    /// Returns whether devices can call their controller here.
     #[must_use]
     pub fn hears_calls(&self) -> bool {
         match self.0 {}
@@ -108,13 +108,13 @@ impl Runner {
         match self.0 {}
     }
 
-    /// The interface.
+    /// Returns the interface.
     #[must_use]
     pub fn interface(&self) -> &InterfaceInfo {
         match self.0 {}
     }
 
-    /// What the socket has counted.
+    /// Returns what the socket has counted.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         match self.0 {}
@@ -133,19 +133,19 @@ impl Runner {
         match self.0 {}
     }
 
-    /// The station in its own type.
+    /// Returns the station in its own type.
     #[must_use]
     pub fn station<T: Station>(&self, _id: StationId) -> Option<&T> {
         match self.0 {}
     }
 
-    /// The station in its own type.
+    /// Returns the station in its own type.
     #[must_use]
     pub fn station_mut<T: Station>(&mut self, _id: StationId) -> Option<&mut T> {
         match self.0 {}
     }
 
-    /// The stations that handled something.
+    /// Returns the stations that handled something.
     #[must_use]
     pub fn touched(&self) -> &[StationId] {
         match self.0 {}

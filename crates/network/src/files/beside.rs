@@ -65,7 +65,7 @@ impl Beside {
 impl Drop for Beside {
     fn drop(&mut self) {
         if let Some(path) = &self.path {
-            // in its place the file has another name; nobody else has this one
+            // the final file has another name; no other program uses this one
             let _ = fs::remove_file(path);
         }
     }

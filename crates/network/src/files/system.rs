@@ -31,12 +31,12 @@ mod os {
         folder.mode() & 0o022 != 0
     }
 
-    /// True for two looks at one file.
+    /// Returns true for two looks at one file.
     pub fn is_same(one: &Metadata, other: &Metadata) -> bool {
         (one.dev(), one.ino()) == (other.dev(), other.ino())
     }
 
-    /// True for a file of this user that has no other name.
+    /// Returns true for a file of this user that has no other name.
     pub fn is_own(file: &Metadata) -> io::Result<bool> {
         let exclusive = !file.is_file() || file.nlink() == 1;
         // the owner of its entry in /proc is the user this program runs as
@@ -54,7 +54,7 @@ mod os {
 
     pub fn set_folder_mode(_builder: &mut DirBuilder, _mode: u32) {}
 
-    /// Links need a right of their own there, so that nobody plants one in passing.
+    /// Links require a permission of their own on this system, so they are not checked.
     pub fn refuse_links(_options: &mut OpenOptions) {}
 
     pub fn was_link(_error: &io::Error) -> bool {
@@ -65,7 +65,7 @@ mod os {
         false
     }
 
-    /// A file that is open keeps its name there.
+    /// Returns whether a file that is open keeps its name there.
     pub fn is_same(_one: &Metadata, _other: &Metadata) -> bool {
         true
     }

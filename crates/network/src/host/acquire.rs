@@ -105,7 +105,7 @@ impl Acquire {
         })
     }
 
-    /// When [`poll`](Self::poll) has something to do.
+    /// Returns the time when [`poll`](Self::poll) has something to do.
     pub fn poll_timeout(&self) -> Option<Instant> {
         let link_local = self.link_local.as_ref().and_then(LinkLocal::poll_timeout);
         [self.dhcp.poll_timeout(), self.fall_back, link_local]

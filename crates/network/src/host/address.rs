@@ -1,15 +1,15 @@
-//! Which IPv4 addresses may be somebody's, and where a datagram for an address goes next.
+//! Which IPv4 addresses a station may have, and the next hop of a datagram for an address.
 
 use std::net::Ipv4Addr;
 
 use profinet::{IpSuite, MacAddress};
 
-/// True for an address that one host can have.
+/// Returns true for an address that one host can have.
 pub(super) fn is_unicast(address: Ipv4Addr) -> bool {
     !(address.is_unspecified() || address.is_broadcast() || address.is_multicast() || address.is_loopback())
 }
 
-/// True for 255.255.255.255 and for the broadcast address of the suite's own network.
+/// Returns true for 255.255.255.255 and for the broadcast address of the suite's own network.
 pub(super) fn is_broadcast(suite: &IpSuite, address: Ipv4Addr) -> bool {
     let mask = u32::from(suite.mask);
     address.is_broadcast()
@@ -21,7 +21,7 @@ pub(super) fn is_broadcast(suite: &IpSuite, address: Ipv4Addr) -> bool {
 pub(super) enum NextHop {
     /// Known without asking.
     Mac(MacAddress),
-    /// To be asked for by ARP.
+    /// To be requested by ARP.
     Neighbour(Ipv4Addr),
     /// No way there.
     None,

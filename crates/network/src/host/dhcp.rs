@@ -37,7 +37,7 @@ impl std::fmt::Debug for Dhcp {
 }
 
 impl Dhcp {
-    /// A client that looks for a server from `now` on.
+    /// Creates a client that looks for a server from `now` on.
     pub fn new(now: Instant, mac: MacAddress) -> Self {
         let mut cable = Cable::default();
         let mut config = Config::new(HardwareAddress::Ethernet(EthernetAddress(mac.0)));
@@ -95,7 +95,7 @@ impl Dhcp {
         self.cable.sent.pop_front()
     }
 
-    /// When [`poll`](Self::poll) has something to do.
+    /// Returns the time when [`poll`](Self::poll) has something to do.
     pub const fn poll_timeout(&self) -> Option<Instant> {
         self.deadline
     }
@@ -120,7 +120,7 @@ fn time(now: Instant) -> Time {
     Time::from_micros(i64::try_from(micros).unwrap_or(i64::MAX))
 }
 
-/// True for an answer of a server, and for an answer to the ARP request that finds the server again.
+/// Returns true for an answer of a server, and for an answer to the ARP request that finds the server again.
 fn is_meant(frame: &[u8]) -> bool {
     let Ok(frame) = EthernetFrame::new_checked(frame) else {
         return false;

@@ -28,9 +28,9 @@ pub(super) enum Step {
     Probe(Ipv4Addr),
     /// Use this address, and announce it.
     Use(IpSuite),
-    /// Announce the address in use once: somebody else has it too.
+    /// Announce the address in use once: another station has it too.
     Defend(Ipv4Addr),
-    /// Somebody else has the address: stop using it.
+    /// Another station has the address: stop using it.
     GiveUp,
 }
 
@@ -57,7 +57,7 @@ pub(super) struct LinkLocal {
     conflicts: u32,
     defended: Option<Instant>,
     due: Option<Instant>,
-    /// What a received packet asks for.
+    /// What a received packet requests.
     pending: Option<Step>,
 }
 
@@ -131,7 +131,7 @@ impl LinkLocal {
         Some(Step::Probe(self.address))
     }
 
-    /// When [`poll`](Self::poll) has something to do.
+    /// Returns the time when [`poll`](Self::poll) has something to do.
     pub const fn poll_timeout(&self) -> Option<Instant> {
         if self.pending.is_some() {
             Some(Instant::ZERO)
@@ -159,7 +159,7 @@ impl LinkLocal {
         self.due = Some(now + self.part_of(PROBE_WAIT));
     }
 
-    /// A part of this time by chance.
+    /// Returns a part of this time by chance.
     fn part_of(&mut self, time: Duration) -> Duration {
         time.mul_f64((self.next() % 1000) as f64 / 1000.0)
     }

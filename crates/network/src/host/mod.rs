@@ -51,8 +51,8 @@ pub trait Station: Any + Send {
     #[must_use]
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize>;
 
-    /// When [`handle_timeout`](Station::handle_timeout) must be called at the latest; may change after every
-    /// `handle_*` and `poll_transmit` call.
+    /// Returns the time when [`handle_timeout`](Station::handle_timeout) must be called at the latest; may change after
+    /// every `handle_*` and `poll_transmit` call.
     #[must_use]
     fn poll_timeout(&self) -> Option<Instant>;
 }
@@ -106,14 +106,14 @@ impl<E: Endpoint> Host<E> {
         Self { endpoint, stack }
     }
 
-    /// The engine inside.
+    /// Returns the engine inside.
     #[must_use]
     pub fn endpoint(&self) -> &E {
         &self.endpoint
     }
 
-    /// The engine inside, to take its events and to give it work. Drain the host afterwards; the segment and the
-    /// runner do so for a station taken with their `station_mut`.
+    /// Returns the engine inside, to take its events and to give it work. Drain the host afterwards; the segment and
+    /// the runner do so for a station taken with their `station_mut`.
     #[must_use]
     pub fn endpoint_mut(&mut self) -> &mut E {
         &mut self.endpoint
@@ -125,7 +125,7 @@ impl<E: Endpoint> Host<E> {
         self.endpoint
     }
 
-    /// What the IP part has counted.
+    /// Returns what the IP part has counted.
     #[must_use]
     pub fn statistics(&self) -> StackStatistics {
         self.stack.statistics()
@@ -154,7 +154,7 @@ impl<E: Endpoint + Send + 'static> Station for Host<E> {
     }
 }
 
-/// The EtherType of a frame and where its payload starts, one 802.1Q tag skipped; `None` for a stump.
+/// Returns the EtherType of a frame and where its payload starts, one 802.1Q tag skipped; `None` for a stump.
 #[must_use]
 pub fn ethertype(frame: &[u8]) -> Option<(u16, usize)> {
     let at = |offset: usize| -> Option<u16> {
@@ -174,7 +174,7 @@ pub fn addresses(frame: &[u8]) -> Option<(MacAddress, MacAddress)> {
     Some((MacAddress(destination), MacAddress(source)))
 }
 
-/// How one endpoint output leaves: used by the stack, kept here beside the trait it serves.
+/// Returns how one endpoint output leaves: used by the stack, kept here beside the trait it serves.
 fn within(transmit: Transmit, capacity: usize) -> Option<Transmit> {
     let length = match transmit {
         Transmit::Frame { length } | Transmit::Datagram { length, .. } => length,

@@ -17,9 +17,9 @@ pub(super) const MAX_WAITING: usize = 128;
 pub(super) const REQUEST_INTERVAL: Duration = Duration::from_millis(200);
 /// Requests sent before what waits is given up.
 pub(super) const REQUESTS: u8 = 5;
-/// Age at which an address in use is asked for again.
+/// Age at which an address in use is requested again.
 pub(super) const REFRESH_AFTER: Duration = Duration::from_secs(60);
-/// Age at which an address that nobody confirmed is no longer used.
+/// Age at which an unconfirmed address is no longer used.
 pub(super) const EXPIRE_AFTER: Duration = Duration::from_secs(120);
 
 #[derive(Debug)]
@@ -28,7 +28,7 @@ struct Neighbour {
     mac: Option<MacAddress>,
     /// When the address was last confirmed.
     confirmed: Instant,
-    /// When the entry was last asked for.
+    /// When the entry was last requested.
     used: Instant,
     /// Requests sent since the address was last confirmed.
     requests: u8,
@@ -52,7 +52,7 @@ pub(super) enum Resolution {
 pub(super) enum Due {
     /// Ask for this address.
     Request(Ipv4Addr),
-    /// Nobody answered: so many waiting frames are lost.
+    /// No answer: this many waiting frames are lost.
     GivenUp(usize),
 }
 
@@ -73,7 +73,7 @@ impl Neighbours {
         std::mem::take(&mut self.waiting)
     }
 
-    /// Looks `ip` up for sending. An unknown address is asked for at once, an old one again.
+    /// Looks `ip` up for sending. An unknown address is requested at once, an old one again.
     pub(super) fn resolve(&mut self, now: Instant, ip: Ipv4Addr) -> Resolution {
         if !self.entries.contains_key(&ip) {
             self.make_room();
@@ -120,7 +120,7 @@ impl Neighbours {
         lost
     }
 
-    /// Takes note that `ip` is at `mac`. With `create` also if it was not asked for. Returns the frames that waited.
+    /// Takes note that `ip` is at `mac`. With `create` also if it was not requested. Returns the frames that waited.
     pub(super) fn learn(
         &mut self,
         now: Instant,
@@ -180,12 +180,12 @@ impl Neighbours {
         }
     }
 
-    /// When [`poll_due`](Self::poll_due) has something.
+    /// Returns the time when [`poll_due`](Self::poll_due) has something.
     pub(super) fn next_due(&self) -> Option<Instant> {
         self.next_due
     }
 
-    /// The next thing due at `now`.
+    /// Returns the next thing due at `now`.
     pub(super) fn poll_due(&mut self, now: Instant) -> Option<Due> {
         if self.next_due.is_none_or(|due| due > now) {
             return None;

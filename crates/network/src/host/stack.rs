@@ -68,7 +68,7 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// A stack for the station `mac`, without an IP address until it sees the endpoint's.
+    /// Creates a stack for the station `mac`, without an IP address until it sees the endpoint's.
     #[must_use]
     pub fn new(mac: MacAddress) -> Self {
         Self {
@@ -91,7 +91,7 @@ impl Stack {
         self.mac
     }
 
-    /// What was counted.
+    /// Returns what was counted.
     #[must_use]
     pub fn statistics(&self) -> StackStatistics {
         self.statistics
@@ -152,7 +152,7 @@ impl Stack {
         }
     }
 
-    /// The next frame to send: the endpoint's or the stack's own.
+    /// Returns the next frame to send: the endpoint's or the stack's own.
     #[must_use]
     pub fn poll_transmit<E: Endpoint + ?Sized>(
         &mut self,
@@ -196,7 +196,7 @@ impl Stack {
         }
     }
 
-    /// When [`handle_timeout`](Self::handle_timeout) must be called at the latest.
+    /// Returns the time when [`handle_timeout`](Self::handle_timeout) must be called at the latest.
     #[must_use]
     pub fn poll_timeout<E: Endpoint + ?Sized>(&self, endpoint: &E) -> Option<Instant> {
         [
@@ -290,7 +290,7 @@ impl Stack {
             let waited = self.neighbours.learn(now, sender, mac, asked && local);
             self.release(waited, mac);
         } else if !(asked && sender.is_unspecified()) {
-            // Somebody else claims our address, or an address nobody can have: no answer. A probe from 0.0.0.0 gets one.
+            // Another station claims our address, or an invalid address: no answer. A probe from 0.0.0.0 gets one.
             return Some(());
         }
         if asked {
@@ -538,7 +538,7 @@ impl Stack {
         }
     }
 
-    /// A zeroed buffer for a frame, or `None` when too many are ready already.
+    /// Returns a zeroed buffer for a frame, or `None` when too many are ready already.
     fn take_buffer(&mut self, length: usize) -> Option<Vec<u8>> {
         if self.ready.len() >= MAX_READY {
             return None;

@@ -16,7 +16,7 @@ const IP: IpSuite = IpSuite {
 };
 const PEER_IP: Ipv4Addr = Ipv4Addr::new(10, 0, 0, 9);
 
-/// Records what it gets, sends what it is told.
+/// Records what it gets, sends what the test prepared.
 #[derive(Default)]
 struct Probe {
     ip: IpSuite,
@@ -89,7 +89,7 @@ fn drain(host: &mut Host<Probe>, now: Instant) -> Vec<Vec<u8>> {
     out
 }
 
-/// A host with an address whose announcements are over.
+/// Returns a host with an address whose announcements are over.
 fn settled() -> Host<Probe> {
     let mut host = Host::new(Probe {
         ip: IP,
@@ -148,7 +148,7 @@ fn answers_arp_for_its_own_address_only() {
     );
     host.handle_frame(at(3002), &probe);
     assert_eq!(drain(&mut host, at(3002)).len(), 1);
-    // somebody with our address
+    // another station with our address
     let thief = hex(
         "ffffffffffff 02504e000099 0806 0001 0800 06 04 0001 02504e000099 0a000001 000000000000 0a000001",
     );
@@ -420,7 +420,8 @@ impl Endpoint for Seeker {
     }
 }
 
-/// A DHCP server at PEER that leases 10.0.0.1 for an hour: the answer to a frame, `None` for what is no request.
+/// Returns a DHCP server at PEER that leases 10.0.0.1 for an hour: the answer to a frame, `None` for what is not a
+/// request.
 fn served(frame: &[u8]) -> Option<Vec<u8>> {
     const DHCP: usize = 14 + 20 + 8;
     if ethertype(frame)?.0 != 0x0800 || frame[23] != 17 || frame[36..38] != [0, 67] {

@@ -115,7 +115,7 @@ impl Reader {
     /// Looks at the head of the file.
     ///
     /// # Errors
-    /// When it cannot be read or is no capture.
+    /// When it cannot be read or is not a capture.
     pub fn new<R: Read + Send + 'static>(source: R) -> Result<Self, ReadError> {
         let failure = Failure::default();
         let whole = Whole {
@@ -136,8 +136,8 @@ impl Reader {
         })
     }
 
-    /// True when the next block announces fewer octets than type and lengths take. The parser would subtract them
-    /// unseen from some kinds of block.
+    /// Returns true when the next block announces fewer octets than type and lengths take. The parser would subtract
+    /// them unseen from some kinds of block.
     fn is_too_short(&mut self) -> bool {
         let data = self.inner.data();
         let word = |at: usize| data.get(at..)?.first_chunk::<4>().copied();
@@ -157,7 +157,7 @@ impl Reader {
         length < 12
     }
 
-    /// The next frame, `None` at the end.
+    /// Returns the next frame, `None` at the end.
     fn advance(&mut self) -> Result<Option<Captured>, ReadError> {
         loop {
             let offset = self.offset;
@@ -235,7 +235,7 @@ fn take(
             } else {
                 1_000_000
             };
-            // The upper bits tell the length of a frame check sequence.
+            // The upper bits hold the length of a frame check sequence.
             let link_type = header.network.0 & 0x03FF_FFFF;
             interfaces.push(Interface {
                 link_type,

@@ -113,7 +113,7 @@ impl<W: Write> Writer<W> {
         self.out.flush()
     }
 
-    /// A block: type, length, body (a multiple of four octets), length again.
+    /// Returns a block: type, length, body (a multiple of four octets), length again.
     fn block_of(&mut self, kind: u32, body: impl FnOnce(&mut Vec<u8>)) -> io::Result<()> {
         let mut block = std::mem::take(&mut self.block);
         block.clear();

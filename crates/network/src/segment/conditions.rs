@@ -22,7 +22,7 @@ pub struct Conditions {
 }
 
 impl Default for Conditions {
-    /// A good link: 10 us, no faults.
+    /// Creates a good link: 10 us, no faults.
     fn default() -> Self {
         Self {
             loss: 0.0,

@@ -174,7 +174,7 @@ impl Fabric {
         self.under_way.peek().map(|Reverse(delivery)| delivery.at)
     }
 
-    /// The next frame that has arrived at `now` at a port whose cable is in place.
+    /// Returns the next frame that has arrived at `now` at a port whose cable is in place.
     pub(super) fn pop_delivery(&mut self, now: Instant) -> Option<Delivery> {
         while self.next_delivery().is_some_and(|at| at <= now) {
             let Reverse(delivery) = self.under_way.pop()?;
@@ -221,7 +221,7 @@ impl Fabric {
         }
     }
 
-    /// The oldest delivery kept for a guest.
+    /// Returns the oldest delivery kept for a guest.
     pub(super) fn pop_kept(&mut self, port: usize) -> Option<Delivery> {
         self.links.get_mut(port)?.kept.as_mut()?.pop_front()
     }
@@ -246,7 +246,7 @@ impl Fabric {
         }
         let single = self.by_mac.get(&destination).copied();
         if is_for_the_next_bridge(destination) {
-            // a switch keeps these to itself (IEEE 802.1D 7.12.6): what LLDP tells goes to the other end of a cable only
+            // a switch does not forward these (IEEE 802.1D 7.12.6): LLDP reaches only the other end of a cable
         } else if destination.is_multicast() {
             let Some(id) = self.frames.put(frame) else { return };
             for port in (0..self.links.len()).filter(|port| Some(*port) != from) {
@@ -324,12 +324,12 @@ impl Fabric {
     }
 }
 
-/// True for the group addresses that no bridge passes on, 01-80-C2-00-00-00 to 0F.
+/// Returns true for the group addresses that no bridge passes on, 01-80-C2-00-00-00 to 0F.
 const fn is_for_the_next_bridge(destination: MacAddress) -> bool {
     matches!(destination.0, [0x01, 0x80, 0xC2, 0, 0, 0x00..=0x0F])
 }
 
-/// True with probability `share`.
+/// Returns true with probability `share`.
 pub(crate) fn chance(random: &mut Pcg64Mcg, share: f64) -> bool {
     // 53 random bits are a number from 0 to below 1 that f64 holds exactly.
     share > 0.0 && ((random.next_u64() >> 11) as f64) < share * (1u64 << 53) as f64

@@ -73,7 +73,7 @@ impl Frames {
         }
     }
 
-    /// The octets.
+    /// Returns the octets.
     pub(super) fn bytes(&self, id: FrameId) -> &[u8] {
         self.slots.get(id.0 as usize).map_or(&[], |slot| &slot.bytes)
     }

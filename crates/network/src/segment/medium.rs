@@ -59,13 +59,13 @@ impl SegmentMedium {
         }
     }
 
-    /// The segment, to look at.
+    /// Returns the segment, to look at.
     #[must_use]
     pub fn segment(&self) -> &Segment {
         &self.segment
     }
 
-    /// The segment, to plug and pull stations and cables.
+    /// Returns the segment, to plug and pull stations and cables.
     #[must_use]
     pub fn segment_mut(&mut self) -> &mut Segment {
         &mut self.segment
@@ -77,7 +77,7 @@ impl SegmentMedium {
         self.segment
     }
 
-    /// Where the endpoint with address `mac` is attached, to set its conditions or cut its cable.
+    /// Returns where the endpoint with address `mac` is attached, to set its conditions or cut its cable.
     pub fn place(&mut self, mac: MacAddress) -> super::StationId {
         let index = self.find_or_add(mac);
         super::StationId(self.guests.get(index).map_or(0, |place| place.port))

@@ -74,7 +74,7 @@ impl std::fmt::Debug for Segment {
 }
 
 impl Segment {
-    /// An empty segment at time zero; `seed` decides every random fault to come.
+    /// Creates an empty segment at time zero; `seed` decides every random fault to come.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self {
@@ -87,7 +87,7 @@ impl Segment {
         }
     }
 
-    /// The present virtual time.
+    /// Returns the present virtual time.
     #[must_use]
     pub fn now(&self) -> Instant {
         self.now
@@ -124,14 +124,14 @@ impl Segment {
         }
     }
 
-    /// The station in its own type, to look at; `None` if it is of another type.
+    /// Returns the station in its own type, to look at; `None` if it is of another type.
     #[must_use]
     pub fn station<T: Station>(&self, id: StationId) -> Option<&T> {
         let station: &dyn Any = self.stations.get(id.0)?.as_deref()?;
         station.downcast_ref()
     }
 
-    /// The station in its own type, to give it work; it is drained before time goes on.
+    /// Returns the station in its own type, to give it work; it is drained before time goes on.
     #[must_use]
     pub fn station_mut<T: Station>(&mut self, id: StationId) -> Option<&mut T> {
         let station: &mut dyn Any = self.stations.get_mut(id.0)?.as_deref_mut()?;
@@ -159,7 +159,7 @@ impl Segment {
         self.fabric.set_cut(id.0, false);
     }
 
-    /// Puts a foreign frame on the segment, sent by nobody who is attached.
+    /// Puts a foreign frame on the segment, without an attached sender.
     pub fn inject(&mut self, frame: &[u8]) {
         self.fabric.send(self.now, None, frame);
     }
@@ -169,7 +169,7 @@ impl Segment {
         self.fabric.add_tap(tap);
     }
 
-    /// Ends all taps: buffers are flushed and the first failure is told.
+    /// Ends all taps: buffers are flushed and the first failure is reported.
     ///
     /// # Errors
     /// When a tap could not write what it saw.
@@ -177,19 +177,19 @@ impl Segment {
         self.fabric.finish_taps()
     }
 
-    /// What was counted.
+    /// Returns what was counted.
     #[must_use]
     pub fn statistics(&self) -> SegmentStatistics {
         self.fabric.statistics()
     }
 
-    /// A hash over every delivery so far: time, receiver and octets. Equal for equal seeds and equal calls.
+    /// Returns a hash over every delivery so far: time, receiver and octets. Equal for equal seeds and equal calls.
     #[must_use]
     pub fn trace_hash(&self) -> u64 {
         self.fabric.trace_hash()
     }
 
-    /// When the next thing happens; `None` when nothing ever will.
+    /// Returns the time when the next thing happens; `None` when nothing ever will.
     #[must_use]
     pub fn next_event(&self) -> Option<Instant> {
         if !self.dirty.is_empty() {
@@ -225,7 +225,7 @@ impl Segment {
         port
     }
 
-    /// A place without a station, for a [`Guest`].
+    /// Returns a place without a station, for a [`Guest`].
     fn add_guest_port(&mut self, mac: MacAddress) -> usize {
         let port = self.add_port(mac);
         self.stations.push(None);

@@ -12,7 +12,7 @@ pub trait Tap: Send {
     /// One frame, with the virtual time at which it was sent.
     fn frame(&mut self, at: Instant, frame: &[u8]);
 
-    /// Nothing follows: flush, and tell the first failure.
+    /// Flushes at the end and returns the first failure.
     ///
     /// # Errors
     /// When what was seen could not be written.
@@ -21,7 +21,7 @@ pub trait Tap: Send {
     }
 }
 
-/// Ends all taps, each of them, and tells the first failure.
+/// Ends all taps and returns the first failure.
 pub(crate) fn finish_all(taps: &mut Vec<Box<dyn Tap>>) -> io::Result<()> {
     let mut result = Ok(());
     for mut tap in taps.drain(..) {

@@ -317,7 +317,7 @@ fn the_medium_steps_to_its_own_events_and_no_further() {
     while medium.now() < ms(1) {
         medium.step(&mut client, ms(1)).unwrap();
     }
-    // What comes while nobody steps the endpoint is kept for it.
+    // Frames that arrive while the endpoint is not stepped are queued.
     let id = medium.place(client.mac);
     medium.segment_mut().inject(&frame_to(client.mac, 5));
     medium.segment_mut().run_until(ms(20));

@@ -87,7 +87,7 @@ fn by(holders: &[Holder]) -> String {
 }
 
 impl Error {
-    /// What one can do about it, where that is known.
+    /// Returns what one can do about it, where that is known.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {

@@ -29,7 +29,7 @@ const TELEGRAM: usize = 512;
 /// Most telegrams sent in one step.
 const MOST_TELEGRAMS: usize = 16;
 
-/// Why a port cannot be opened, in the words of the system.
+/// Returns why a port cannot be opened, in the words of the system.
 #[cfg(not(target_os = "linux"))]
 fn opening(name: &str, error: serialport::Error) -> Error {
     Error::System {
@@ -46,7 +46,7 @@ pub trait Talker {
     fn handle_timeout(&mut self, now: Instant);
     /// Writes the next octets to send into `buffer` and gives their number.
     fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<usize>;
-    /// When [`handle_timeout`](Self::handle_timeout) or [`poll_transmit`](Self::poll_transmit) is due.
+    /// Returns the time when [`handle_timeout`](Self::handle_timeout) or [`poll_transmit`](Self::poll_transmit) is due.
     fn poll_timeout(&self) -> Option<Instant>;
 }
 
@@ -93,7 +93,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// A line at an open port.
+    /// Creates a line at an open port.
     #[must_use]
     pub fn new(port: Port) -> Self {
         Self {
@@ -112,7 +112,7 @@ impl Line {
         self.calls.bell = Some(bell);
     }
 
-    /// The port.
+    /// Returns the port.
     #[must_use]
     pub const fn port(&self) -> &Port {
         &self.port

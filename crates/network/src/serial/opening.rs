@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::{Error, Holder};
 
-/// Why a port cannot be opened, found out by looking at it once more.
+/// Returns why a port cannot be opened, found out by looking at it once more.
 pub fn opening(name: &str, error: serialport::Error) -> Error {
     let port = name.to_owned();
     let look = fs::OpenOptions::new().read(true).write(true).custom_open(name);
@@ -37,7 +37,7 @@ fn busy(port: String) -> Error {
     Error::Busy { port, holders }
 }
 
-/// The processes that have a port open; those of other users only root sees.
+/// Returns the processes that have a port open; those of other users only root sees.
 fn holders(port: &str) -> io::Result<Vec<Holder>> {
     let device = fs::canonicalize(port)?;
     let opens = |process: &Path| {

@@ -87,7 +87,7 @@ impl Port {
             .flow_control(FlowControl::None)
             .timeout(TIMEOUT);
         let tty = Native::open(&builder).map_err(|error| opening(name, error))?;
-        // nothing is lost but what nobody asked for
+        // only unrequested octets are lost
         let _ = tty.clear(serialport::ClearBuffer::Input);
         Ok(Self {
             name: name.to_owned(),
@@ -108,7 +108,7 @@ impl Port {
         let (mut tty, far) = Native::pair().map_err(failed)?;
         tty.set_timeout(Duration::ZERO).map_err(failed)?;
         let name = far.name().unwrap_or_default();
-        // the end that stays open would see to it that nobody notices when the other one closes
+        // while this end stays open, closing the other one goes unnoticed
         drop(far);
         Ok((
             Self {
@@ -119,13 +119,13 @@ impl Port {
         ))
     }
 
-    /// Name as given.
+    /// Returns the name as given.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Sleeps until octets wait, somebody calls, or `until`.
+    /// Sleeps until octets wait, a call arrives, or `until`.
     ///
     /// # Errors
     /// When the port is gone.

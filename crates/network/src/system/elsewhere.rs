@@ -17,10 +17,10 @@ use super::{Calls, Error, InterfaceInfo, Stop};
 /// How long to sleep between two looks.
 const NAP: Duration = Duration::from_millis(1);
 
-/// Whether a UDP port can be shared with programs that want it too, and with nobody else.
+/// Whether a UDP port can be shared, only with programs that request sharing too.
 pub const PORTS_ARE_SHARED: bool = false;
 
-/// The time of all media; its origin is the first call.
+/// Returns the time of all media; its origin is the first call.
 #[must_use]
 pub fn now() -> Instant {
     static START: OnceLock<std::time::Instant> = OnceLock::new();
@@ -28,7 +28,7 @@ pub fn now() -> Instant {
     Instant::ZERO + start.elapsed()
 }
 
-/// The interfaces are of use for raw Ethernet only.
+/// Interfaces are used for raw Ethernet only.
 pub fn interfaces() -> Result<Vec<InterfaceInfo>, Error> {
     Ok(Vec::new())
 }
@@ -76,7 +76,7 @@ impl Event {
         })
     }
 
-    /// Nobody needs to be woken.
+    /// Does nothing: there is no thread to wake.
     pub fn raise(&self) {}
 
     pub fn clear(&self) {}
@@ -113,7 +113,7 @@ pub struct Waiting {
 }
 
 impl Waiting {
-    /// Waits until a port may have something, somebody calls, or `until`.
+    /// Waits until a port may have data, a call arrives, or `until`.
     pub fn wait(&mut self, _udp: Option<&Ports>, calls: &Calls, until: Instant) -> Result<(), Error> {
         let stop = calls.stop();
         nap(until);
@@ -121,12 +121,12 @@ impl Waiting {
         Ok(())
     }
 
-    /// Somebody called.
+    /// Returns true if a call arrived.
     pub fn called(&self, _calls: &Calls) -> bool {
         self.called
     }
 
-    /// The port at `index` may have something.
+    /// Returns whether the port at `index` may have something.
     pub fn has(&self, _index: usize) -> bool {
         true
     }
@@ -136,7 +136,7 @@ fn nap(until: Instant) {
     std::thread::sleep(until.saturating_since(now()).min(NAP));
 }
 
-/// Sleeps until `port` has octets, somebody calls, or `until`.
+/// Sleeps until `port` has octets, a call arrives, or `until`.
 pub fn wait_for_octets(port: &impl SerialPort, until: Instant, calls: &Calls) -> io::Result<()> {
     let stop = calls.stop();
     let called = || calls.heard() || stop.is_some_and(Stop::is_stopped);

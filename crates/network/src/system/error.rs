@@ -10,7 +10,7 @@ pub enum Error {
     /// Raw sockets need a right that the program does not have.
     #[error("not allowed to open a raw socket on `{interface}`")]
     NoPermission {
-        /// The interface asked for.
+        /// The interface requested.
         interface: String,
     },
     /// This build of the library, or this system, has no raw Ethernet.
@@ -19,7 +19,7 @@ pub enum Error {
     /// There is no interface of this name.
     #[error("there is no network interface `{interface}`")]
     NoSuchInterface {
-        /// The name asked for.
+        /// The name requested.
         interface: String,
         /// The names there are.
         existing: Vec<String>,
@@ -59,7 +59,7 @@ pub enum Error {
     /// The local address belongs to no interface.
     #[error("{address} is no address of this computer")]
     NotOurAddress {
-        /// The address asked for.
+        /// The address requested.
         address: Ipv4Addr,
     },
     /// Anything else the operating system refuses.
@@ -73,7 +73,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What one can do about it, where that is known.
+    /// Returns what one can do about it, where that is known.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {

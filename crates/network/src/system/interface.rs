@@ -24,15 +24,15 @@ pub struct InterfaceInfo {
 }
 
 impl InterfaceInfo {
-    /// All interfaces, by name; none on a system whose interfaces this library does not list (any but Linux).
+    /// Returns all interfaces, by name; none on a system whose interfaces this library does not list (any but Linux).
     ///
     /// # Errors
-    /// When the operating system does not tell.
+    /// When the operating system does not list them.
     pub fn list() -> Result<Vec<Self>, Error> {
         super::os::interfaces()
     }
 
-    /// The interface `name`, up or down.
+    /// Returns the interface `name`, up or down.
     ///
     /// # Errors
     /// [`Error::NoSuchInterface`] with the names there are.
@@ -50,7 +50,7 @@ impl InterfaceInfo {
         }
     }
 
-    /// The Ethernet address, if the interface is up and an Ethernet interface.
+    /// Returns the Ethernet address, if the interface is up and an Ethernet interface.
     ///
     /// # Errors
     /// [`Error::NotEthernet`] or [`Error::InterfaceDown`].
@@ -67,7 +67,7 @@ impl InterfaceInfo {
         }
     }
 
-    /// The first IPv4 address, [`IpSuite::NONE`] if there is none.
+    /// Returns the first IPv4 address, [`IpSuite::NONE`] if there is none.
     ///
     /// An interface may have several; which of them leads to a station is [`InterfaceInfo::ip_towards`].
     #[must_use]
@@ -75,20 +75,20 @@ impl InterfaceInfo {
         self.addresses.first().copied().unwrap_or_default()
     }
 
-    /// The address in the subnet of `other`, in the smallest one where several contain it.
+    /// Returns the address in the subnet of `other`, in the smallest one where several contain it.
     #[must_use]
     pub fn ip_towards(&self, other: Ipv4Addr) -> Option<IpSuite> {
         towards(&self.addresses, other)
     }
 
-    /// Whether `address` is one of the interface's own.
+    /// Returns whether `address` is one of the interface's own.
     #[must_use]
     pub fn owns(&self, address: Ipv4Addr) -> bool {
         self.addresses.iter().any(|own| own.address == address)
     }
 }
 
-/// Which of several own addresses has `other` in its subnet; the longest mask wins, as in a routing table.
+/// Returns which of several own addresses has `other` in its subnet; the longest mask wins, as in a routing table.
 pub(super) fn towards(own: &[IpSuite], other: Ipv4Addr) -> Option<IpSuite> {
     let near = own.iter().copied().filter(|own| own.is_local(other));
     // of equals the first: the kernel lists the main address before the others

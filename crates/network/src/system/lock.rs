@@ -28,7 +28,7 @@ pub enum LockError {
     File(#[from] StateFileError),
 }
 
-/// A folder that one program uses: others that ask for it are refused and learn who has it. Given back when dropped,
+/// A folder that one program uses: others that request it are refused and learn who has it. Given back when dropped,
 /// and by the system when the program is killed.
 #[derive(Debug)]
 pub struct FolderLock {
@@ -96,7 +96,7 @@ impl FolderLock {
 
 impl Drop for FolderLock {
     fn drop(&mut self) {
-        // still locked: nobody can have taken it yet
+        // still locked: no other program can hold it yet
         let _ = std::fs::remove_file(&self.path);
     }
 }

@@ -84,7 +84,7 @@ impl UdpMedium {
         self.common.calls.bell = Some(bell);
     }
 
-    /// True while devices can call their controller here, on UDP port 34964.
+    /// Returns true while devices can call their controller here, on UDP port 34964.
     #[must_use]
     pub fn hears_calls(&self) -> bool {
         self.udp.as_ref().is_some_and(Ports::hears_calls)
@@ -165,7 +165,7 @@ impl Common {
         }
     }
 
-    /// Hands one datagram of a socket that has some to the endpoint; the next wait tells of more.
+    /// Hands one datagram of a socket to the endpoint; the next wait reports further ones.
     pub fn receive(&mut self, udp: Option<&mut Ports>, index: usize, endpoint: &mut dyn Endpoint) -> bool {
         if !self.waiting.has(index) {
             return false;
@@ -178,7 +178,7 @@ impl Common {
     }
 }
 
-/// The sockets of the own addresses, the server ports among them if wanted.
+/// Returns the sockets of the own addresses, the server ports among them if wanted.
 pub(crate) fn with_server(own: Vec<IpSuite>, server: ServerPort) -> Result<Ports, Error> {
     let mut ports = Ports::new(own, server);
     ports.listen()?;

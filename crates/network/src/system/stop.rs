@@ -62,7 +62,7 @@ pub struct Bell {
 }
 
 impl Bell {
-    /// A bell that is silent.
+    /// Returns a bell that is silent.
     ///
     /// # Errors
     /// When the operating system has no descriptor left.
@@ -75,7 +75,7 @@ impl Bell {
         self.inner.set();
     }
 
-    /// True if it has rung since the last look.
+    /// Returns true if it has rung since the last look.
     #[must_use]
     pub fn heard(&self) -> bool {
         let rung = self.inner.set.swap(false, Ordering::SeqCst);
@@ -102,19 +102,19 @@ pub struct Calls {
 }
 
 impl Calls {
-    /// The flag, unless it is set already: then it wakes no more, as its owner may have things to bring to an end.
+    /// Returns the flag. A flag that is set already does not wake, as its owner may have things to bring to an end.
     pub(super) fn stop(&self) -> Option<&Stop> {
         self.stop.as_ref().filter(|stop| !stop.is_stopped())
     }
 
-    /// True if the bell has rung since the last look.
+    /// Returns true if the bell has rung since the last look.
     pub(crate) fn heard(&self) -> bool {
         self.bell.as_ref().is_some_and(Bell::heard)
     }
 }
 
 impl Stop {
-    /// A flag that only the program sets.
+    /// Returns a flag that only the program sets.
     ///
     /// # Errors
     /// When the operating system has no descriptor left.
@@ -122,9 +122,9 @@ impl Stop {
         Inner::new().map(|inner| Self { inner })
     }
 
-    /// A flag that Ctrl-C (SIGINT), Ctrl-\ (SIGQUIT), SIGTERM and a terminal that goes away (SIGHUP, unless ignored as by
-    /// `nohup`) set; on other systems than Linux what ends a program there.
-    /// Signals within a second count as one; a later one ends the program at once, as without this.
+    /// Returns a flag that Ctrl-C (SIGINT), Ctrl-\ (SIGQUIT), SIGTERM and a terminal that goes away (SIGHUP, unless
+    /// ignored as by `nohup`) set; on other systems than Linux what ends a program there. Signals within a second count
+    /// as one; a later one ends the program at once, as without this.
     ///
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
@@ -132,7 +132,7 @@ impl Stop {
         Self::on_signals_with(ForcedExit::Second)
     }
 
-    /// The same, and `forced_exit` says which signal ends the program at once.
+    /// Returns the same, and `forced_exit` says which signal ends the program at once.
     ///
     /// # Errors
     /// When the operating system has no descriptor left or refuses the handler.
@@ -152,13 +152,14 @@ impl Stop {
         self.inner.set();
     }
 
-    /// True once the flag is set.
+    /// Returns true once the flag is set.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.inner.event.signals() > 0 || self.inner.set.load(Ordering::SeqCst)
     }
 
-    /// True once a second signal came, more than a second after the first: what takes its time is to be cut short.
+    /// Returns true once a second signal came, more than a second after the first: what takes its time is to be cut
+    /// short.
     #[must_use]
     pub fn is_urgent(&self) -> bool {
         self.inner.event.signals() > 1

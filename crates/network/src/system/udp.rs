@@ -94,7 +94,8 @@ impl Ports {
         Ok(())
     }
 
-    /// The own address a datagram leaves from: of the receiver's subnet, else the one the kernel's routes lead through.
+    /// Returns the own address a datagram leaves from: of the receiver's subnet, else the one the kernel's routes lead
+    /// through.
     fn source(&self, destination: SocketAddrV4) -> Ipv4Addr {
         let first = || self.own.first().map_or(Ipv4Addr::UNSPECIFIED, |own| own.address);
         match (towards(&self.own, *destination.ip()), self.own.len()) {
@@ -130,7 +131,7 @@ impl Ports {
         let port = self.open.get(index)?;
         match port.socket.recv_from(buffer) {
             Ok((length, SocketAddr::V4(from))) => Some((from, port.number, length)),
-            // Errors of a datagram socket tell of earlier datagrams; nothing is lost by going on.
+            // Errors of a datagram socket concern earlier datagrams; continuing loses nothing.
             Ok(_) | Err(_) => None,
         }
     }
@@ -190,7 +191,7 @@ impl Ports {
     }
 }
 
-/// The address the kernel would send from; nothing is sent to find out.
+/// Returns the address the kernel would send from; nothing is sent to find out.
 fn routed(destination: SocketAddrV4) -> Option<Ipv4Addr> {
     let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;
     socket.connect(destination).ok()?;
@@ -240,7 +241,7 @@ fn bind(address: Ipv4Addr, number: u16, share: bool) -> Result<UdpSocket, Error>
         socket.set_reuse_address(true).map_err(system)?;
     }
     socket.set_nonblocking(true).map_err(system)?;
-    // Only needed for datagrams to everybody; no failure otherwise.
+    // Only needed for broadcasts; a failure is ignored.
     let _ = socket.set_broadcast(true);
     Ok(socket.into())
 }

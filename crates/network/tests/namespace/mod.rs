@@ -7,7 +7,8 @@ use std::process::{Child, Command, Stdio};
 /// Set in the process that is inside.
 const INSIDE: &str = "PROFIDRIVE_TEST_NAMESPACE";
 
-/// True inside; outside, runs the test `name` inside and fails if it fails there. Works as root and as a plain user.
+/// Returns true inside; outside, runs the test `name` inside and fails if it fails there. Works as root and as a plain
+/// user.
 pub fn inside(name: &str) -> bool {
     if std::env::var_os(INSIDE).is_some() {
         run("ip link set lo up");

@@ -60,7 +60,7 @@ pub enum InjectError {
 }
 
 impl InjectRequest {
-    /// A request of this process: `events` happen to `drive`, in this order, and end after `lasts`.
+    /// Returns a request of this process: `events` happen to `drive`, in this order, and end after `lasts`.
     ///
     /// # Errors
     /// When one of `events` is not valid, or has no end where it is to have one.
@@ -148,7 +148,7 @@ pub fn target(request: &InjectRequest) -> Result<Target, InjectError> {
     }
 }
 
-/// The only one of `found`; those of the own network namespace come before all others.
+/// Returns the only one of `found`; those of the own network namespace come before all others.
 fn only(drive: &str, mut found: Vec<Target>) -> Result<Option<Target>, InjectError> {
     let here = found.iter().any(|target| target.here);
     if here {
@@ -164,7 +164,7 @@ fn only(drive: &str, mut found: Vec<Target>) -> Result<Option<Target>, InjectErr
     })
 }
 
-/// The drives that other processes simulate on an interface: their frames do not come back to it.
+/// Returns the drives that other processes simulate on an interface: their frames do not come back to it.
 #[must_use]
 pub fn neighbours(interface: &str) -> Vec<Station> {
     let request = Request::Drives(segment(interface));

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 
 use super::ControlSocketError;
 
-/// The network namespace of this process, as a number that two processes of one namespace share.
+/// Returns the network namespace of this process, as a number that two processes of one namespace share.
 pub fn namespace() -> u64 {
     fs::metadata("/proc/self/ns/net").map_or(0, |namespace| namespace.ino())
 }
 
-/// The folder of the sockets, made if it is not there.
+/// Returns the folder of the sockets, made if it is not there.
 pub fn folder() -> Result<PathBuf, ControlSocketError> {
     let user = user();
     let path = match std::env::var_os("XDG_RUNTIME_DIR").filter(|path| Path::new(path).is_dir()) {
@@ -35,7 +35,7 @@ pub fn folder() -> Result<PathBuf, ControlSocketError> {
     Ok(path)
 }
 
-/// The user this program runs as: whoever owns its own entry in /proc.
+/// Returns the user this program runs as: whoever owns its own entry in /proc.
 fn user() -> u32 {
     fs::metadata("/proc/self").map_or(0, |own| own.uid())
 }

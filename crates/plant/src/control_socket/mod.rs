@@ -108,7 +108,7 @@ impl InjectRequest {
         text + "end\n"
     }
 
-    /// What follows the first line.
+    /// Returns what follows the first line.
     fn read(mut lines: impl Iterator<Item = std::io::Result<String>>) -> Option<Self> {
         let mut request = Self {
             drive: lines.next()?.ok()?.strip_prefix("drive ")?.to_owned(),
@@ -212,7 +212,7 @@ pub enum ControlSocketError {
     },
 }
 
-/// The sockets of all running simulations, in a stable order.
+/// Returns the sockets of all running simulations, in a stable order.
 fn sockets() -> Result<Vec<PathBuf>, ControlSocketError> {
     let path = folder()?;
     let entries = fs::read_dir(&path).map_err(|source| ControlSocketError::Io {
@@ -261,7 +261,7 @@ impl<'s> Deadline<'s> {
         }
     }
 
-    /// The time that is left.
+    /// Returns the time that is left.
     fn left(&self) -> std::io::Result<Option<Duration>> {
         let left = self.until.saturating_duration_since(Instant::now());
         if left.is_zero() {

@@ -49,7 +49,7 @@ impl ControlSocket {
         Ok(socket)
     }
 
-    /// The socket at `path`, and the thread that serves it.
+    /// Returns the socket at `path`, and the thread that serves it.
     fn at(path: PathBuf, bell: Bell) -> Result<(Self, impl FnOnce() + Send), ControlSocketError> {
         let listener = Listener::bind(&path).map_err(|source| ControlSocketError::Io {
             action: "listen on",
@@ -72,7 +72,7 @@ impl ControlSocket {
         Ok((socket, listen))
     }
 
-    /// The next request.
+    /// Returns the next request.
     pub fn take(&self) -> Option<Pending> {
         self.requests.try_recv().ok()
     }
@@ -158,8 +158,8 @@ impl Drop for Place {
     }
 }
 
-/// Serves every client in a thread of its own, so that a slow one holds up nobody. When `accept` fails (no file handle
-/// is left) `rest` waits, longer each time it fails again. Ends when `accept` returns no client.
+/// Serves every client in a thread of its own, so that a slow one blocks no other. When `accept` fails (no file handle
+/// is left) `rest` waits, longer after each failure. Ends when `accept` returns no client.
 fn listen(
     accept: impl Fn() -> std::io::Result<Option<Stream>>,
     requests: &SyncSender<Pending>,

@@ -38,8 +38,8 @@ pub enum DescriptionError {
 }
 
 impl ForeignDescription {
-    /// The description of `file` for `chosen`, else for the model of its vendor, in a scenario for one of its drives;
-    /// with `access_point` only that of the file.
+    /// Returns the description of `file` for `chosen`, else for the model of its vendor, in a scenario for one of its
+    /// drives; with `access_point` only that of the file.
     ///
     /// # Errors
     /// When there is no such model, or when the file does not fit it.
@@ -70,7 +70,7 @@ impl ForeignDescription {
     }
 }
 
-/// The description of a drive of `model`.
+/// Returns the description of a drive of `model`.
 pub(super) fn description_of(model: &'static Model, foreign: Option<&ForeignDescription>) -> Description {
     match foreign {
         Some(foreign) if std::ptr::eq(foreign.model, model) => foreign.import.description.clone(),

@@ -48,7 +48,8 @@ impl Wanted {
     }
 }
 
-/// A search for stations with the same name or address. It goes on while the drives run, so that nobody waits for it.
+/// The duplicate check: a search for stations with the same name or address. It runs beside the drives, so that
+/// starting them does not wait for it.
 #[derive(Debug)]
 pub struct DuplicateCheck {
     wanted: Vec<Wanted>,
@@ -84,13 +85,13 @@ impl DuplicateCheck {
         })
     }
 
-    /// When all who respond have responded.
+    /// Returns the time when all who respond have responded.
     pub const fn due(&self) -> Instant {
         self.due
     }
 
     /// Reports names and addresses that are in use, on the segment or by this computer. That can be what is to be
-    /// tried, so it is no error.
+    /// tried, so it is not an error.
     ///
     /// # Errors
     /// When a station on the segment has the MAC address of a drive.
@@ -169,7 +170,7 @@ impl fmt::Display for Duplicate {
     }
 }
 
-/// The stations that responded to DCP or ARP; removes the probe.
+/// Returns the stations that responded to DCP or ARP; removes the probe.
 fn answers(runner: &mut Runner, id: StationId) -> Vec<Station> {
     let mut stations = Vec::new();
     if let Some(probe) = runner.station_mut::<Probe<Host<Controller>>>(id) {

@@ -121,7 +121,7 @@ pub enum SaveResult {
 }
 
 impl Event {
-    /// True for what somebody should see.
+    /// Returns true for an event that requires attention.
     #[must_use]
     pub const fn is_warning(&self) -> bool {
         match self {
@@ -241,7 +241,7 @@ pub(super) fn count(drives: usize) -> String {
     }
 }
 
-/// A channel for events: sending never waits, so that a slow receiver cannot hold up a cycle.
+/// Returns a channel for events: sending never waits, so that a slow receiver cannot hold up a cycle.
 #[must_use]
 pub fn events() -> (EventSender, Events) {
     channel(WAITING)

@@ -116,7 +116,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Its name in this simulation; names its files.
+    /// Returns its name in this simulation; names its files.
     pub fn key(&self) -> String {
         if self.drive.name.is_empty() {
             format!("drive-{}", self.number)
@@ -147,7 +147,7 @@ impl Fleet {
         }
     }
 
-    /// The drives; `host` is the Ethernet address of the interface.
+    /// Returns the drives; `host` is the Ethernet address of the interface.
     pub(super) fn plans(&self, host: Option<MacAddress>) -> Result<Vec<Plan>, FleetError> {
         let interval = self.min_cycle.map(interval).transpose()?;
         self.check()?;
@@ -260,7 +260,7 @@ fn room(first: Ipv4Addr, prefix: u8) -> u32 {
     }
 }
 
-/// The address so many behind the first; that there is room is known.
+/// Returns the address so many behind the first; that there is room is known.
 fn address(first: Ipv4Addr, prefix: u8, offset: u16) -> IpSuite {
     IpSuite {
         address: u32::from(first).saturating_add(offset.into()).into(),
@@ -269,7 +269,7 @@ fn address(first: Ipv4Addr, prefix: u8, offset: u16) -> IpSuite {
     }
 }
 
-/// The fastest update time in steps of 31.25 us: a power of two of them, as every update time of PROFINET here.
+/// Returns the fastest update time in steps of 31.25 us: a power of two of them, as every update time of PROFINET here.
 fn interval(time: Duration) -> Result<u16, FleetError> {
     let wanted = time.as_nanos();
     let nanos = |ticks: &u16| u128::from(*ticks) * TICK_NANOS;

@@ -14,7 +14,7 @@ use crate::event::{ScenarioEvent, ScenarioEventError, Unit};
 use crate::text::station_text;
 
 impl Host {
-    /// The drives, where they are on this segment.
+    /// Returns the drives, where they are on this segment.
     pub(super) fn drives_on(&self, place: &str) -> Response {
         if place != segment(&self.runner.interface().name) {
             return Response::Drives(Vec::new());
@@ -102,7 +102,7 @@ fn is_meant(station: &Station, drive: &str) -> bool {
         || station.ip().is_set() && station.ip().address.to_string() == drive
 }
 
-/// What a request asks for, if it can happen to a drive of this model.
+/// Returns what a request requests, if it can happen to a drive of this model.
 pub(super) fn events(
     request: &InjectRequest,
     model: &Model,

@@ -116,7 +116,7 @@ impl HostedDrive {
         }
     }
 
-    /// The parameters that were saved earlier.
+    /// Returns the parameters that were saved earlier.
     fn saved_parameters(&self, events: &EventSender) -> Result<Option<Vec<u8>>, HostError> {
         let found = self.state.read_parameters(self.model)?;
         found
@@ -126,7 +126,8 @@ impl HostedDrive {
         Ok(found.content)
     }
 
-    /// Name and address that the drive begins with: those saved earlier, else the planned ones, which are saved now.
+    /// Returns the name and address that the drive begins with: those saved earlier, else the planned ones, which are
+    /// saved now.
     fn network(&self, planned: Stored, events: &EventSender) -> Result<Stored, HostError> {
         let found = self.state.read_network()?;
         found
@@ -416,7 +417,7 @@ impl Host {
     }
 }
 
-/// What the station of a drive is made with.
+/// Returns what the station of a drive is made with.
 fn station(
     config: &HostConfig,
     plan: &Plan,
@@ -447,7 +448,7 @@ fn open_control_socket(bell: Bell, events: &EventSender) -> Option<ControlSocket
         .ok()
 }
 
-/// Whether the interface could be opened again; down and not there are no failures.
+/// Returns whether the interface could be opened again; down and not there are no failures.
 fn is_back(reopened: Result<(), NetworkError>) -> Result<bool, NetworkError> {
     match reopened {
         Ok(()) => Ok(true),

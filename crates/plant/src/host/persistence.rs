@@ -84,7 +84,7 @@ impl Persistence {
         }
     }
 
-    /// The next report of a save. Only drives with a state folder wait for theirs.
+    /// Returns the next report of a save. Only drives with a state folder wait for theirs.
     pub fn report(&self) -> Option<SaveReport> {
         self.reports.try_recv().ok()
     }
@@ -139,7 +139,7 @@ impl Writer {
     }
 
     fn report(&self, drive: &Arc<HostedDrive>, what: Kind, save: SaveId, stored: bool) {
-        // nobody waits for it when the simulation ends
+        // the end of the simulation does not wait for it
         let _ = self.reports.send(SaveReport {
             drive: Arc::clone(drive),
             what,

@@ -14,7 +14,7 @@ use super::HostedDrive;
 pub struct Parameters {
     /// Their text.
     pub text: String,
-    /// Somebody asked for it.
+    /// A client requested it.
     pub asked: bool,
     /// Number of the save, which counts for those before it too.
     pub save: SaveId,

@@ -200,7 +200,7 @@ fn open(port: &str, settings: Settings, stop: &Stop) -> Result<Line, SerialError
     Ok(line)
 }
 
-/// The drives of the line, with consecutive addresses.
+/// Returns the drives of the line, with consecutive addresses.
 fn drives(
     config: &SerialHostConfig,
     state: Option<&StateFolder>,
@@ -223,7 +223,7 @@ fn drives(
         .collect()
 }
 
-/// The slave of a drive, if there is such an address.
+/// Returns the slave of a drive, if there is such an address.
 fn slave(config: &SerialHostConfig, number: u16) -> Result<SlaveConfig, HostError> {
     let (range, slave): (_, fn(u8, u32) -> SlaveConfig) = match config.protocol {
         Protocol::Fc => (1..=126, SlaveConfig::fc),

@@ -24,7 +24,7 @@ pub struct SerialLine {
 }
 
 impl SerialLine {
-    /// The line at `port` with these drives.
+    /// Returns the line at `port` with these drives.
     pub const fn new(
         protocol: Protocol,
         port: String,
@@ -83,7 +83,7 @@ impl SerialLine {
         Ok(at)
     }
 
-    /// The one drive of this name or place.
+    /// Returns the one drive of this name or place.
     fn find(&self, drive: &str) -> Result<usize, Response> {
         let mut found = Vec::new();
         for (at, (hosted, station)) in self.drives.iter().enumerate() {
@@ -129,8 +129,8 @@ impl SerialLine {
     }
 }
 
-/// True for what can happen to a drive at a serial line. Its parameter channel can refuse; the other faults of answers are
-/// those of records.
+/// Returns true for what can happen to a drive at a serial line. Its parameter channel can refuse; the other faults of
+/// answers are those of records.
 const fn is_on_line(event: &ScenarioEvent) -> bool {
     matches!(
         event,
@@ -164,8 +164,8 @@ impl Place {
         format!("{protocol}:{}/{number}", self.port)
     }
 
-    /// Whether `text` is the drive with this address: protocol, port and address, or port and address. Settings of the
-    /// line may follow (`fc:ttyUSB0/1,baud=19200`).
+    /// Returns whether `text` is the drive with this address: protocol, port and address, or port and address. Settings
+    /// of the line may follow (`fc:ttyUSB0/1,baud=19200`).
     fn is(&self, text: &str, number: u8) -> bool {
         let (protocol, rest) = match text.split_once(':') {
             Some((scheme, rest)) if scheme.eq_ignore_ascii_case("fc") => (Some(Protocol::Fc), rest),

@@ -46,7 +46,7 @@ impl StateFolder {
         })
     }
 
-    /// The files of the drive `key`.
+    /// Returns the files of the drive `key`.
     #[must_use]
     pub fn drive(&self, key: &str) -> DriveState {
         let file = |ending: &str| StateFile::new(self.path.join(format!("{key}.{ending}")));
@@ -72,7 +72,7 @@ pub struct DriveState {
 }
 
 impl DriveState {
-    /// True when there is a folder to keep things in.
+    /// Returns true when there is a folder to keep things in.
     #[must_use]
     pub const fn is_kept(&self) -> bool {
         self.files.is_some()

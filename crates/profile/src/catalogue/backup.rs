@@ -1,4 +1,5 @@
-//! What a parameter is to a tool that saves and restores: data, one rule for each parameter that is no plain setting.
+//! What a parameter is to a tool that saves and restores: data, one rule for each parameter that is not a plain
+//! setting.
 
 /// What a parameter is to a tool that saves and restores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -17,7 +18,7 @@ pub enum Role {
     State,
     /// The same value as another parameter.
     Alias {
-        /// Number of the other one, which is no element of a collecting number.
+        /// Number of the other one, which is not an element of a collecting number.
         of: u16,
     },
     /// Writing it saves all settings.
@@ -42,7 +43,7 @@ pub enum Phase {
     /// Everything else.
     #[default]
     Value,
-    /// Switches that make other values count.
+    /// Switches that bring other values into effect.
     Enable,
 }
 
@@ -62,7 +63,7 @@ pub struct BackupRule {
 }
 
 impl BackupRule {
-    /// The rule of a parameter that no row names.
+    /// Returns the rule of a parameter that no row names.
     #[must_use]
     pub const fn plain(pnu: u16) -> Self {
         Self {

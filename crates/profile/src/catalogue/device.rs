@@ -11,9 +11,9 @@ pub struct Device {
     pub vendor_id: u16,
     /// Device number of the vendor.
     pub device_id: u16,
-    /// Name of the maker.
+    /// Name of the vendor.
     pub vendor: &'static str,
-    /// Type of station as told in discovery.
+    /// Type of station as reported in discovery (DCP).
     pub station_type: &'static str,
     /// Order number.
     pub order_id: &'static str,
@@ -90,7 +90,7 @@ impl RecordView {
     /// What the 32-bit view multiplies with where it resolves finer: a frequency 0.0001 Hz instead of 0.01 Hz.
     const FINER: i64 = 100;
 
-    /// What the raw value of a parameter is multiplied with in this view.
+    /// Returns what the raw value of a parameter is multiplied with in this view.
     ///
     /// Source: Vacon 100 PROFINET manual 5.4.4, OPTEA manual p. 116 (ID 102 is 0x1388 in 16 bits and 0x0007A120 in 32).
     /// That every frequency of two decimals is like it, and nothing else, is our reading of the one example there is.
@@ -162,13 +162,13 @@ pub struct TelegramModule {
 }
 
 impl Device {
-    /// The module of a telegram.
+    /// Returns the module of a telegram.
     #[must_use]
     pub fn telegram(&self, number: u16) -> Option<&'static TelegramModule> {
         self.telegrams.iter().find(|module| module.telegram == number)
     }
 
-    /// True when one of its telegrams carries traversing tasks: the drive positions. All others control speed.
+    /// Returns true when one of its telegrams carries traversing tasks: the drive positions. All others control speed.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, VACON, VLT};
@@ -203,7 +203,7 @@ impl Device {
         .chain(ports)
     }
 
-    /// The telegram of a module ident.
+    /// Returns the telegram of a module ident.
     #[must_use]
     pub fn telegram_of_module(&self, module: u32) -> Option<&'static TelegramModule> {
         self.telegrams.iter().find(|known| known.module == module)

@@ -6,8 +6,8 @@ use alloc::string::String;
 use super::{Catalogue, Role};
 use crate::state::FaultReaction;
 
-/// What a fault or warning number means, what the drive does about it and what a person can do.
-/// Source: the maker's lists, named in [`source`](Self::source).
+/// What a fault or warning number means, what the drive does about it and what a person can do. Source: the vendor's
+/// lists, named in [`source`](Self::source).
 ///
 /// ```
 /// use profidrive_profile::catalogue::{AKD, Cleared, Reaction};
@@ -35,7 +35,7 @@ pub struct Fault {
     pub cleared: Cleared,
     /// True where the row is from memory and no source was open when it was written.
     pub recalled: bool,
-    /// Names of the columns of a row that no source tells, empty when there is none.
+    /// Names of the columns of a row that no source states, empty when there is none.
     pub assumed: &'static str,
     /// Where this is from.
     pub source: &'static str,
@@ -58,7 +58,7 @@ pub enum Reaction {
 }
 
 impl Reaction {
-    /// What it is for the general state machine; `None` for a warning.
+    /// Returns what it is for the general state machine; `None` for a warning.
     #[must_use]
     pub const fn of_machine(self) -> Option<FaultReaction> {
         match self {
@@ -91,7 +91,7 @@ impl core::fmt::Display for Reaction {
 /// How a fault or warning goes away.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Cleared {
-    /// When its cause is gone and somebody acknowledges: STW1 bit 7, DRV.CLRFAULTS or an input that does it.
+    /// On acknowledge, once the cause is gone: STW1 bit 7, DRV.CLRFAULTS or an input with that function.
     Acknowledge,
     /// By itself when its cause is gone: a warning.
     ByItself,

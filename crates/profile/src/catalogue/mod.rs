@@ -47,7 +47,7 @@ pub use word::{Field, Word, WordKind};
 pub struct Catalogue {
     /// Name of the model, for example `AKD`.
     pub model: &'static str,
-    /// How the maker writes the numbers of its parameters.
+    /// How the vendor writes the numbers of its parameters.
     pub notation: Notation,
     /// What scales values in a drive as delivered.
     pub scaling: Scaling,
@@ -57,7 +57,7 @@ pub struct Catalogue {
     pub faults: &'static [Fault],
     /// Identity, modules and telegrams on the field bus.
     pub device: Device,
-    /// What each parameter that is no plain setting is to a tool that saves and restores, ascending by PNU.
+    /// What each parameter that is not a plain setting is to a tool that saves and restores, ascending by PNU.
     pub backup: &'static [BackupRule],
     /// What parameters are to a client, in the order of the table.
     pub parts: &'static [PartRow],
@@ -73,11 +73,12 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// The parameter with this name, case does not matter. Where the maker gave one name to several numbers, the
-    /// first of the maker's own range; [`all_by_name`](Self::all_by_name) has all. Three other ways to
-    /// write a name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), with `PN.` before a signal
-    /// (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6), and a signal by the parameter that it sets (`MT.FEEDRATE`, 5.8). Where parameters are numbers to their maker (VLT, Vacon), only
-    /// letters and digits of a name count: `ramp-1-ramp-up-time` is `Ramp 1 Ramp up Time`.
+    /// Returns the parameter with this name, case does not matter. Where the vendor gave one name to several numbers,
+    /// the first of the vendor's own range; [`all_by_name`](Self::all_by_name) has all. Three other ways to write a
+    /// name are understood too: without the `_32` of a value cut to 32 bits (`VL.FB`), with `PN.` before a signal
+    /// (`PN.STW1`, AKD PROFINET manual 6.3 and 6.6), and a signal by the parameter that it sets (`MT.FEEDRATE`, 5.8).
+    /// Where parameters are numbers to their vendor (VLT, Vacon), only letters and digits of a name count:
+    /// `ramp-1-ramp-up-time` is `Ramp 1 Ramp up Time`.
     #[must_use]
     pub fn by_name(&self, name: &str) -> Option<&'static Parameter> {
         let exact = |name: &str| self.all_by_name(name).next();
@@ -92,7 +93,7 @@ impl Catalogue {
             .or_else(|| self.by_letters(name))
     }
 
-    /// The first parameter with these letters and digits in its name, whatever stands between them.
+    /// Returns the first parameter with these letters and digits in its name, whatever stands between them.
     fn by_letters(&self, name: &str) -> Option<&'static Parameter> {
         let letters = |text: &str| -> Vec<u8> {
             let used = text.bytes().filter(u8::is_ascii_alphanumeric);
@@ -107,7 +108,7 @@ impl Catalogue {
             .find(|parameter| letters(parameter.name) == wanted)
     }
 
-    /// All parameters with this name, case does not matter.
+    /// Returns all parameters with this name, case does not matter.
     pub fn all_by_name(&self, name: &str) -> impl Iterator<Item = &'static Parameter> {
         let named = |position: &u16| {
             self.parameters
@@ -140,7 +141,7 @@ impl Catalogue {
             .filter(move |parameter| contains(parameter.name, text) || contains(parameter.description, text))
     }
 
-    /// What to do when a write of this parameter is refused because of the present state (error 0x11).
+    /// Returns what to do when a write of this parameter is refused because of the present state (error 0x11).
     ///
     /// ```
     /// use profidrive_profile::catalogue::AKD;
@@ -155,7 +156,7 @@ impl Catalogue {
         found.ok().and_then(|at| self.not_now.get(at)).map(|row| row.1)
     }
 
-    /// What the bits of a parameter say; `None` when it is no word.
+    /// Returns what the bits of a parameter say; `None` when it is not a word.
     #[must_use]
     pub fn word(&self, pnu: u16) -> Option<&'static Word> {
         self.word_at(pnu, None)
@@ -170,7 +171,7 @@ impl Catalogue {
         found.ok().and_then(|at| self.words.get(at))
     }
 
-    /// What a parameter is to a tool that saves and restores.
+    /// Returns what a parameter is to a tool that saves and restores.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, Phase, Role};
@@ -199,8 +200,8 @@ impl Catalogue {
             })
     }
 
-    /// Whether the drive can keep the value of a parameter over a power cycle: another name for a setting is kept with
-    /// that setting. Source: column `nv` of the tables, and their rows of aliases.
+    /// Returns whether the drive can keep the value of a parameter over a power cycle: another name for a setting is
+    /// kept with that setting. Source: column `nv` of the tables, and their rows of aliases.
     #[must_use]
     pub fn is_kept(&self, parameter: &Parameter) -> bool {
         match self.backup_rule_at(parameter.pnu, parameter.base).role {
@@ -209,7 +210,7 @@ impl Catalogue {
         }
     }
 
-    /// The first parameter with this role.
+    /// Returns the first parameter with this role.
     #[must_use]
     pub fn with_role(&self, role: Role) -> Option<&'static Parameter> {
         let rule = self.backup.iter().find(|rule| rule.role == role)?;
@@ -236,7 +237,7 @@ fn compare(a: &str, b: &str) -> Ordering {
         .cmp(b.bytes().map(|byte| byte.to_ascii_uppercase()))
 }
 
-/// True when `text` contains `part` without regard to ASCII case.
+/// Returns true when `text` contains `part` without regard to ASCII case.
 fn contains(text: &str, part: &str) -> bool {
     let (text, part) = (text.as_bytes(), part.as_bytes());
     part.is_empty()

@@ -46,8 +46,8 @@ fn score(name: &str, text: &str) -> usize {
     }
 }
 
-/// How far apart two names are: the least number of characters inserted, deleted, replaced or swapped with their
-/// neighbour, without regard to ASCII case.
+/// Returns how far apart two names are: the least number of characters inserted, deleted, replaced or swapped with
+/// their neighbour, without regard to ASCII case.
 #[must_use]
 pub fn name_distance(a: &str, b: &str) -> usize {
     distance(a.as_bytes(), b.as_bytes())

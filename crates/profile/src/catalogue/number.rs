@@ -1,4 +1,4 @@
-//! From numbers to parameters: PNU and subindex on the wire, and numbers as the maker writes them.
+//! From numbers to parameters: PNU and subindex on the wire, and numbers as the vendor writes them.
 
 use alloc::format;
 use alloc::string::String;
@@ -9,9 +9,9 @@ use super::{Catalogue, Device, Parameter, Scaling, compare};
 use crate::notation::{Notation, Prefix, Shown};
 
 impl Catalogue {
-    /// A catalogue made at run time, for example of what a drive tells of itself. It holds no faults and every
-    /// parameter is a plain setting. Its tables live as long as the program: make one for each type of drive, not one
-    /// for each connection.
+    /// Creates a catalogue made at run time, for example of what a drive reports of itself. It holds no faults and
+    /// every parameter is a plain setting. Its tables live as long as the program: make one for each type of drive, not
+    /// one for each connection.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, Catalogue};
@@ -62,22 +62,22 @@ impl Catalogue {
         }
     }
 
-    /// The parameter with this number. Takes constant time. An element of a collecting number has none of its own:
-    /// [`by_address`](Self::by_address).
+    /// Returns the parameter with this number. Takes constant time. An element of a collecting number has none of its
+    /// own: [`by_address`](Self::by_address).
     #[must_use]
     pub fn by_pnu(&self, pnu: u16) -> Option<&'static Parameter> {
         self.position(pnu)
             .and_then(|position| self.parameters.get(position))
     }
 
-    /// Where in [`parameters`](Self::parameters) the parameter with this number is. Takes constant time.
+    /// Returns where in [`parameters`](Self::parameters) the parameter with this number is. Takes constant time.
     #[must_use]
     pub fn position(&self, pnu: u16) -> Option<usize> {
         usize::from(*self.index.get(usize::from(pnu))?).checked_sub(1)
     }
 
-    /// Where in [`parameters`](Self::parameters) the parameter is that a PNU and a subindex on the wire mean, and which
-    /// element of it. That it has such an element is not checked.
+    /// Returns where in [`parameters`](Self::parameters) the parameter is that a PNU and a subindex on the wire mean,
+    /// and which element of it. That it has such an element is not checked.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{VACON, VLT};
@@ -102,13 +102,13 @@ impl Catalogue {
         (parameter.pnu == pnu && element < parameter.elements.max(1)).then_some((position, element))
     }
 
-    /// The parameter that a PNU and a subindex on the wire mean.
+    /// Returns the parameter that a PNU and a subindex on the wire mean.
     #[must_use]
     pub fn at(&self, pnu: u16, subindex: u16) -> Option<&'static Parameter> {
         self.parameters.get(self.place(pnu, subindex)?.0)
     }
 
-    /// The parameter with this number and [`base`](Parameter::base).
+    /// Returns the parameter with this number and [`base`](Parameter::base).
     #[must_use]
     pub fn by_address(&self, pnu: u16, base: Option<u16>) -> Option<&'static Parameter> {
         let key = |parameter: &Parameter| (parameter.pnu, parameter.base);
@@ -116,7 +116,7 @@ impl Catalogue {
         self.parameters.get(found)
     }
 
-    /// True for a number whose elements are parameters of their own, as PNU 10001 of a Vacon.
+    /// Returns true for a number whose elements are parameters of their own, as PNU 10001 of a Vacon.
     #[must_use]
     pub fn is_collecting(&self, pnu: u16) -> bool {
         let start = self.parameters.partition_point(|parameter| parameter.pnu < pnu);
@@ -124,7 +124,7 @@ impl Catalogue {
         found.is_some_and(|parameter| parameter.pnu == pnu && parameter.base.is_some())
     }
 
-    /// The 64-bit parameter whose high half has this number.
+    /// Returns the 64-bit parameter whose high half has this number.
     #[must_use]
     pub fn by_high(&self, pnu: u16) -> Option<&'static Parameter> {
         self.by_pnu(pnu.checked_sub(1)?)
@@ -147,8 +147,8 @@ impl Catalogue {
             .flatten()
     }
 
-    /// What a number written by a person means: the PNU, and the subindex where it is an element of a collecting
-    /// number.
+    /// Returns what a number written by a person means: the PNU, and the subindex where it is an element of a
+    /// collecting number.
     ///
     /// Only where application ids are used (Vacon) a bare number can mean two things: it is an application id, but a
     /// PNU where the tables have that and no such id, where the profile has its numbers (900 to 999), and above 32767.
@@ -178,7 +178,8 @@ impl Catalogue {
         }
     }
 
-    /// A parameter as its maker writes it: `DRV.ACC`, `1-20`, `ID 103`; what has no number of the maker by its PNU.
+    /// Returns a parameter as its vendor writes it: `DRV.ACC`, `1-20`, `ID 103`; what has no number of the vendor by
+    /// its PNU.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, VACON, VLT};

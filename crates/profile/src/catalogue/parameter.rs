@@ -85,7 +85,7 @@ pub struct Parameter {
     /// Subindex of a parameter that is one element of a collecting parameter number: a Vacon has all its application
     /// ids as elements of PNU 10001. None for a parameter with a number of its own.
     pub base: Option<u16>,
-    /// The maker's name, for example `DRV.ACC`; the profile's where the maker has none.
+    /// The vendor's name, for example `DRV.ACC`; the profile's where the vendor has none.
     pub name: &'static str,
     /// Size of one value; that of a string is [`length`](Self::length).
     pub size: Size,
@@ -94,13 +94,13 @@ pub struct Parameter {
     pub format: Format,
     /// Octets of a string (VisibleString, OctetString), 0 for a number.
     pub length: u16,
-    /// Number of elements, 1 for a parameter that is no array.
+    /// Number of elements, 1 for a parameter that is not an array.
     pub elements: u16,
     /// True when the number is two's complement.
     pub signed: bool,
     /// What may be done with it.
     pub access: Access,
-    /// True when the drive can keep it over a power cycle; how it is told to is a fact of the model.
+    /// True when the drive can keep it over a power cycle; how it is commanded to is a fact of the model.
     pub saved: bool,
     /// True for a 64-bit value: this number is its low half, the next number its high half. That the manual leaves the
     /// next number free is all that is known of it; which half is which is our reading.
@@ -136,7 +136,8 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The format that its values are written in: its true type where drives of this dialect accept that, else its size.
+    /// Returns the format that its values are written in: its true type where drives of this dialect accept that, else
+    /// its size.
     #[must_use]
     pub const fn format_in(&self, dialect: &Dialect) -> Format {
         if dialect.substitution_only {
@@ -146,7 +147,7 @@ impl Parameter {
         }
     }
 
-    /// The unit of the engineering value of a drive with this scaling.
+    /// Returns the unit of the engineering value of a drive with this scaling.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, Scaling};
@@ -165,8 +166,8 @@ impl Parameter {
         }
     }
 
-    /// A value with whatever unit a person wrote in the unit that it has in a drive with this scaling: a position may be
-    /// written in revolutions and angles too.
+    /// Returns a value with whatever unit a person wrote in the unit that it has in a drive with this scaling: a
+    /// position may be written in revolutions and angles too.
     ///
     /// # Errors
     /// When the unit written measures something else.
@@ -201,13 +202,13 @@ impl Parameter {
         }
     }
 
-    /// True when its value is characters.
+    /// Returns true when its value is characters.
     #[must_use]
     pub const fn is_text(&self) -> bool {
         self.format.0 == Format::VISIBLE_STRING.0
     }
 
-    /// The subindex of an element on the wire.
+    /// Returns the subindex of an element on the wire.
     #[must_use]
     pub const fn subindex(&self, element: u16) -> u16 {
         match self.base {
@@ -216,13 +217,13 @@ impl Parameter {
         }
     }
 
-    /// True when it has more than one element.
+    /// Returns true when it has more than one element.
     #[must_use]
     pub const fn is_array(&self) -> bool {
         self.elements > 1
     }
 
-    /// Number of the high half of a 64-bit value.
+    /// Returns the number of the high half of a 64-bit value.
     #[must_use]
     pub const fn high(&self) -> Option<u16> {
         if self.wide { self.pnu.checked_add(1) } else { None }
@@ -248,7 +249,7 @@ impl Parameter {
         }
     }
 
-    /// The whole number of a 64-bit value out of its halves.
+    /// Returns the whole number of a 64-bit value out of its halves.
     #[must_use]
     pub const fn whole(&self, high: u32, low: u32) -> i64 {
         let whole = ((high as u64) << 32 | low as u64).cast_signed();
@@ -260,7 +261,7 @@ impl Parameter {
         }
     }
 
-    /// What the low half of a 64-bit value means when it comes alone: with the sign of the parameter.
+    /// Returns what the low half of a 64-bit value means when it comes alone: with the sign of the parameter.
     #[must_use]
     pub const fn low_word(&self, low: u32) -> i64 {
         if self.signed {
@@ -270,13 +271,13 @@ impl Parameter {
         }
     }
 
-    /// The engineering value of a number from the wire.
+    /// Returns the engineering value of a number from the wire.
     #[must_use]
     pub fn engineering(&self, raw: i64, scaling: &Scaling) -> f64 {
         scaling.linear(self.scale).engineering(raw)
     }
 
-    /// The number on the wire for an engineering value: nearest, halves away from zero, cut to what fits.
+    /// Returns the number on the wire for an engineering value: nearest, halves away from zero, cut to what fits.
     #[must_use]
     pub fn raw(&self, engineering: f64, scaling: &Scaling) -> i64 {
         let exact = scaling.linear(self.scale).exact(engineering);
@@ -303,13 +304,13 @@ impl Parameter {
         )
     }
 
-    /// The engineering value as delivered, in the unit of a drive with this scaling.
+    /// Returns the engineering value as delivered, in the unit of a drive with this scaling.
     #[must_use]
     pub fn default_in(&self, scaling: &Scaling) -> Option<f64> {
         self.default.map(|value| value * self.per_delivered(scaling))
     }
 
-    /// How many of the unit in force are one of the unit in which the tables have their values.
+    /// Returns how many of the unit in force are one of the unit in which the tables have their values.
     fn per_delivered(&self, scaling: &Scaling) -> f64 {
         if self.user_unit {
             scaling.unit.unit().per_revolution / unit::UnitChoice::DELIVERED.unit().per_revolution
@@ -334,14 +335,14 @@ impl Parameter {
         )
     }
 
-    /// The number on the wire of a limit: the next one inside, `upwards` for a lowest value; cut to what fits.
+    /// Returns the number on the wire of a limit: the next one inside, `upwards` for a lowest value; cut to what fits.
     #[must_use]
     pub fn raw_limit(&self, engineering: f64, upwards: bool, scaling: &Scaling) -> i64 {
         let exact = scaling.linear(self.scale).exact(engineering);
         unit::inside(exact, upwards, self.range().into_inner())
     }
 
-    /// The number on the wire as delivered; 0, or the nearest that the limits allow, where no default is known.
+    /// Returns the number on the wire as delivered; 0, or the nearest that the limits allow, where no default is known.
     #[must_use]
     pub fn raw_default(&self, scaling: &Scaling) -> i64 {
         let (low, high) = self.raw_limits(scaling);
@@ -351,7 +352,7 @@ impl Parameter {
         }
     }
 
-    /// The rule by which the number on the wire is made, for people: `raw 1000 = 1 rpm/s`.
+    /// Returns the rule by which the number on the wire is made, for people: `raw 1000 = 1 rpm/s`.
     ///
     /// One rule for each parameter: positions by PN.POSSCALE, signals as the manual has them, other floats 1000:1, whole
     /// numbers as they are. Where a value of the drive takes part in the rule, its name stands behind.

@@ -1,10 +1,11 @@
-//! What a parameter is to a client: where a drive tells its speed, its ramps, its control word.
+//! The role of a parameter for a client: which parameter holds the speed, the ramps, the control word.
 
 use super::{Catalogue, Parameter};
 
 macro_rules! parts {
     ($($(#[$doc:meta])* $name:ident = $key:literal;)*) => {
-        /// What a parameter tells or sets that more than one make has. A make without it has no such row.
+        /// A role that parameters of several vendors have, for reading or writing. A model without such a parameter has
+        /// no row.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         pub enum Part {
@@ -15,7 +16,7 @@ macro_rules! parts {
             /// Every part.
             pub const ALL: &'static [Self] = &[$(Self::$name,)*];
 
-            /// The word for it in `data/<model>/parts.csv`.
+            /// Returns the word for it in `data/<model>/parts.csv`.
             #[must_use]
             pub const fn key(self) -> &'static str {
                 match self {
@@ -95,7 +96,7 @@ parts! {
     Jog1 = "jog-1";
     /// Speed of jog 2.
     Jog2 = "jog-2";
-    /// Speed of jog with control words of the maker that have one only.
+    /// Speed of jog with control words of the vendor that have one only.
     JogOnly = "jog-only";
     /// Not 0: the axis is a modulo axis.
     Modulo = "modulo";
@@ -147,7 +148,7 @@ parts! {
     MotorSpeed = "motor-speed";
     /// Poles of the motor, twice its pole pairs.
     MotorPoles = "motor-poles";
-    /// Which bits the control word of the maker's own telegrams has.
+    /// Which bits the control word of the vendor's own telegrams has.
     ControlProfile = "control-profile";
     /// Decides what the drive does when its controller is lost. With the values of the row it stops.
     LostController = "lost-controller";
@@ -191,7 +192,7 @@ parts! {
     FaultLogValue = "fault-log-value";
     /// When each of them came.
     FaultLogTime = "fault-log-time";
-    /// Tells who and how the drive is.
+    /// Identity and state of the drive.
     Page = "page";
 }
 
@@ -204,12 +205,12 @@ pub struct PartRow {
     pub pnu: u16,
     /// Its subindex where it is an element of a collecting number.
     pub base: Option<u16>,
-    /// Values that the part is about; which ones is told there.
+    /// Values that the part is about; which ones is reported there.
     pub values: &'static [i64],
 }
 
 impl Catalogue {
-    /// The parameter that has this part; the first one where several have it.
+    /// Returns the parameter that has this part; the first one where several have it.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{AKD, Part, VACON, VLT};
@@ -228,7 +229,7 @@ impl Catalogue {
         rows.filter_map(|row| self.by_address(row.pnu, row.base))
     }
 
-    /// The values that the row of a part names.
+    /// Returns the values that the row of a part names.
     ///
     /// ```
     /// use profidrive_profile::catalogue::{Part, VLT};
@@ -240,7 +241,7 @@ impl Catalogue {
         row.map_or(&[], |row| row.values)
     }
 
-    /// The parts that a parameter has.
+    /// Returns the parts that a parameter has.
     pub fn parts_at(&self, pnu: u16, base: Option<u16>) -> impl Iterator<Item = Part> {
         let rows = self
             .parts

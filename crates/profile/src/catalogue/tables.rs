@@ -12,20 +12,20 @@ impl Catalogue {
         Some(parameter.attributes())
     }
 
-    /// True for a parameter number that exists, also when no parameter is at its subindex 0.
+    /// Returns true for a parameter number that exists, also when no parameter is at its subindex 0.
     #[must_use]
     pub fn exists(&self, pnu: u16) -> bool {
         self.attributes(pnu, 0).is_some() || self.is_collecting(pnu)
     }
 
-    /// The text of a value in 16 characters.
+    /// Returns the text of a value in 16 characters.
     #[must_use]
     pub fn text(&self, pnu: u16, value: u16) -> Option<[u8; 16]> {
         self.at(pnu, 0)?.choice(value.into()).map(padded)
     }
 }
 
-/// A text in the 16 characters of names and texts, filled with blanks.
+/// Returns a text in the 16 characters of names and texts, filled with blanks.
 #[must_use]
 pub fn padded(text: &str) -> [u8; 16] {
     let mut padded = [b' '; 16];

@@ -11,11 +11,11 @@ use crate::state::{Mode, Profile, bits};
 /// Whose bits a word has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum WordKind {
-    /// The control word: bits of STW1, which depend on the mode, or of the profile that a maker has in its place.
+    /// The control word: bits of STW1, which depend on the mode, or of the profile that a vendor has in its place.
     Control,
     /// The status word: the same of ZSW1.
     Status,
-    /// The maker's own.
+    /// The vendor's own.
     Own,
 }
 
@@ -38,11 +38,11 @@ pub struct Field {
 /// use profidrive_profile::catalogue::{AKD, VLT};
 /// use profidrive_profile::state::{Mode, Profile};
 /// let word = AKD.word(2120).unwrap(); // DRV.DISSOURCES
-/// assert_eq!(word.told(0x0003, Profile::Profidrive, Mode::Velocity), ["Software disable", "Fault present"]);
+/// assert_eq!(word.describe(0x0003, Profile::Profidrive, Mode::Velocity), ["Software disable", "Fault present"]);
 /// let word = AKD.word(2).unwrap(); // ZSW1
-/// assert_eq!(word.told(0x0231, Profile::Profidrive, Mode::Velocity), ["READY_ON", "CTRL_REQ"]);
+/// assert_eq!(word.describe(0x0231, Profile::Profidrive, Mode::Velocity), ["READY_ON", "CTRL_REQ"]);
 /// let word = VLT.word(1603).unwrap(); // 16-03, while a PPO type carries the FC profile
-/// assert_eq!(word.told(0x0603, Profile::DanfossFc, Mode::Velocity), ["CTRL_READY", "DRIVE_READY", "BUS_CTRL", "FREQ_OK"]);
+/// assert_eq!(word.describe(0x0603, Profile::DanfossFc, Mode::Velocity), ["CTRL_READY", "DRIVE_READY", "BUS_CTRL", "FREQ_OK"]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
@@ -52,14 +52,14 @@ pub struct Word {
     pub base: Option<u16>,
     /// Whose bits these are.
     pub kind: WordKind,
-    /// Texts of the maker's own bits.
+    /// Texts of the vendor's own bits.
     pub bits: &'static [Meaning],
     /// Bits that belong together.
     pub fields: &'static [Field],
 }
 
 impl Field {
-    /// Its number in a word.
+    /// Returns its number in a word.
     #[must_use]
     pub const fn of(&self, word: u64) -> u64 {
         let width = self.last.saturating_sub(self.first) as u32 + 1;
@@ -85,9 +85,9 @@ impl Field {
 }
 
 impl Word {
-    /// What a value says: the bits that are set by their name, an inverse bit by its meaning and only where it stops
-    /// something, a few bits that are a number by its text. Empty when no bit says anything. `profile` is whose words the
-    /// drive has now.
+    /// Returns what a value says: the bits that are set by their name, an inverse bit by its meaning and only where it
+    /// stops something, a few bits that are a number by its text. Empty when no bit says anything. `profile` is whose
+    /// words the drive has now.
     #[must_use]
     pub fn describe(&self, value: u64, profile: Profile, mode: Mode) -> Vec<String> {
         let table = match self.kind {

@@ -8,7 +8,7 @@ const CAPACITY: usize = 64;
 /// One entry of the buffer; all zeros is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Fault {
-    /// Fault number of the maker, PNU 947.
+    /// Fault number of the vendor, PNU 947.
     pub number: u16,
     /// Fault code, PNU 945.
     pub code: u16,
@@ -49,7 +49,7 @@ impl Default for FaultBuffer {
 }
 
 impl FaultBuffer {
-    /// An empty buffer of eight situations with eight faults.
+    /// Creates an empty buffer of eight situations with eight faults.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -62,27 +62,27 @@ impl FaultBuffer {
         }
     }
 
-    /// An empty buffer of another shape; none when it has no element or more than 64.
+    /// Returns an empty buffer of another shape; none when it has no element or more than 64.
     #[must_use]
     pub fn with_shape(shape: Shape) -> Option<Self> {
         let possible = (1..=CAPACITY).contains(&usize::from(shape.elements()));
         possible.then(|| Self { shape, ..Self::new() })
     }
 
-    /// The same buffer with another rule of the fault message counter.
+    /// Returns the same buffer with another rule of the fault message counter.
     #[must_use]
     pub const fn with_counting(mut self, counting: Counting) -> Self {
         self.counting = counting;
         self
     }
 
-    /// How it is divided, PNU 950.
+    /// Returns how it is divided, PNU 950.
     #[must_use]
     pub const fn shape(&self) -> Shape {
         self.shape
     }
 
-    /// A fault came. It takes the next place of situation 0; when there is none left it is dropped and the answer is
+    /// Adds a fault. It takes the next place of situation 0; when there is none left it is dropped and the answer is
     /// false (that is our reading, the sources are silent).
     pub fn raise(&mut self, fault: Fault) -> bool {
         if self.active >= usize::from(self.shape.faults) {
@@ -99,7 +99,7 @@ impl FaultBuffer {
         true
     }
 
-    /// The faults are acknowledged: every situation moves one further, situation 0 is empty. Without a fault nothing
+    /// Acknowledges the faults: every situation moves one further, situation 0 is empty. Without a fault nothing
     /// changes and the answer is false.
     pub fn acknowledge(&mut self) -> bool {
         if self.active == 0 {
@@ -153,26 +153,26 @@ impl FaultBuffer {
         self.situations
     }
 
-    /// The element with this subindex; none past the end.
+    /// Returns the element with this subindex; none past the end.
     #[must_use]
     pub fn element(&self, index: u16) -> Option<&Fault> {
         self.shape.place(index)?;
         self.elements.get(usize::from(index))
     }
 
-    /// The faults that are not acknowledged, first one first.
+    /// Returns the faults that are not acknowledged, first one first.
     #[must_use]
     pub fn active(&self) -> &[Fault] {
         self.elements.get(..self.active).unwrap_or_default()
     }
 
-    /// True when a fault with this number is not acknowledged.
+    /// Returns true when a fault with this number is not acknowledged.
     #[must_use]
     pub fn is_active(&self, number: u16) -> bool {
         self.active().iter().any(|fault| fault.number == number)
     }
 
-    /// All faults with their places, newest situation first.
+    /// Returns all faults with their places, newest situation first.
     pub fn iter(&self) -> impl Iterator<Item = (Place, &Fault)> {
         (0..self.shape.elements())
             .filter_map(|index| Some((self.shape.place(index)?, self.element(index)?)))

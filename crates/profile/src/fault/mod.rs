@@ -1,6 +1,6 @@
 //! Fault buffer of an axis: what is wrong now and what was wrong before, PNU 944, 945, 947, 948, 949, 950 and 952.
 //!
-//! Source: profile 6.3.8 as the AKD PROFINET manual ed. M 5.14, ABB RETA and Siemens V90 p. 109 tell it.
+//! Source: profile 6.3.8 as documented in the AKD PROFINET manual ed. M 5.14, ABB RETA and Siemens V90 p. 109.
 //!
 //! All faults between one acknowledge and the next are one *situation*. Situation 0 is not acknowledged yet; each
 //! acknowledge moves every situation one further, the oldest is lost.
@@ -65,7 +65,7 @@ impl Shape {
         faults: 1,
     };
 
-    /// The shape out of PNU 950; none when there are fewer than two values or one of them cannot be.
+    /// Returns the shape out of PNU 950; none when there are fewer than two values or one of them cannot be.
     #[must_use]
     pub fn from_scaling(values: &[u16]) -> Option<Self> {
         let [situations, faults, ..] = values else {
@@ -78,13 +78,13 @@ impl Shape {
         (shape.elements() > 0).then_some(shape)
     }
 
-    /// Number of elements of PNU 945, 947, 948 and 949.
+    /// Returns the number of elements of PNU 945, 947, 948 and 949.
     #[must_use]
     pub const fn elements(self) -> u16 {
         self.situations as u16 * self.faults as u16
     }
 
-    /// Where the element with this subindex is; none past the end.
+    /// Returns where the element with this subindex is; none past the end.
     ///
     /// ```
     /// use profidrive_profile::fault::{Place, Shape};
@@ -101,7 +101,7 @@ impl Shape {
         })
     }
 
-    /// The subindex of a place; none when it is outside.
+    /// Returns the subindex of a place; none when it is outside.
     #[must_use]
     pub fn index(self, place: Place) -> Option<u16> {
         (place.situation < self.situations && place.position < self.faults)

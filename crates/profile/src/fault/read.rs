@@ -51,7 +51,7 @@ impl ConsistentRead {
         }
     }
 
-    /// What to do next; the same until it is reported.
+    /// Returns what to do next; the same until it is reported.
     #[must_use]
     pub const fn next(&self) -> Next {
         self.next
@@ -72,8 +72,9 @@ impl ConsistentRead {
         self.before = Some(value);
     }
 
-    /// The buffer was read, and its parts are not of one moment although the counter did not change: a counter of
-    /// situations ([`Counting`](super::Counting)) does not tell an acknowledge. Has no effect when something else was due.
+    /// Handles a buffer whose parts are not from one moment although the counter did not change: a counter of
+    /// situations ([`Counting`](super::Counting)) does not count an acknowledge. Has no effect when another step is
+    /// due.
     pub fn torn(&mut self) {
         if self.next == Next::Buffer {
             self.attempts -= 1;

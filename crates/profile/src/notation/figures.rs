@@ -10,8 +10,8 @@ const HUGE: f64 = 9_007_199_254_740_992.0;
 /// Below this the digits behind the point are mostly zeros.
 const TINY: f64 = 1e-4;
 
-/// A number for people: seven digits at most, no tail of zeros, no dirt of binary fractions. Very large and very small
-/// ones are written with a power of ten. Programs are given the number itself.
+/// Returns a number for people: seven digits at most, no tail of zeros, no dirt of binary fractions. Very large and
+/// very small ones are written with a power of ten. Programs are given the number itself.
 ///
 /// ```
 /// use profidrive_profile::notation::figures;

@@ -59,7 +59,7 @@ pub struct Quantity {
     pub unit: Option<String>,
 }
 
-/// Why a text is no value.
+/// Why a text is not a value.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum QuantityError {
@@ -122,7 +122,7 @@ impl fmt::Display for UnitMismatch {
 impl core::error::Error for UnitMismatch {}
 
 impl Quantity {
-    /// The number in `wanted` (empty for a value without unit). A bare number is in `wanted` already.
+    /// Returns the number in `wanted` (empty for a value without unit). A bare number is in `wanted` already.
     ///
     /// # Errors
     /// When the unit written measures something else.
@@ -145,7 +145,7 @@ impl Quantity {
         }
     }
 
-    /// The raw number where it was written as such (`0x047F`).
+    /// Returns the raw number where it was written as such (`0x047F`).
     #[must_use]
     pub const fn raw(&self) -> Option<u64> {
         match self.number {
@@ -253,7 +253,7 @@ fn raw(text: &str, digits: &str, radix: u32) -> Result<Quantity, QuantityError> 
     })
 }
 
-/// Where the decimal number at the start of `text` ends. An `e` belongs to it only when digits follow.
+/// Returns where the decimal number at the start of `text` ends. An `e` belongs to it only when digits follow.
 fn number_end(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |mut at: usize| {

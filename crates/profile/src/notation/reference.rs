@@ -6,8 +6,8 @@ use core::str::FromStr;
 
 /// Which parameter, and which of its elements, as a person wrote it.
 ///
-/// A name is not looked up here: the catalogue of the drive does that, so that the same text can mean the parameter
-/// of another maker.
+/// A name is not looked up here: the catalogue of the drive does that, so that the same text can mean the parameter of
+/// another vendor.
 ///
 /// ```
 /// use profidrive_profile::notation::{ParameterReference, Target};
@@ -28,12 +28,12 @@ pub struct ParameterReference {
     pub prefix: Option<Prefix>,
 }
 
-/// A parameter by number or by the maker's name.
+/// A parameter by number or by the vendor's name.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Target {
     /// Parameter number (PNU), 1 to 65535.
     Number(u16),
-    /// The maker's name, as written.
+    /// The vendor's name, as written.
     Name(String),
 }
 
@@ -63,7 +63,7 @@ pub enum Prefix {
     Number,
 }
 
-/// How the maker of a drive writes the numbers of its parameters.
+/// How the vendor of a drive writes the numbers of its parameters.
 ///
 /// ```
 /// use profidrive_profile::catalogue::{AKD, VACON, VLT};
@@ -87,7 +87,7 @@ pub enum Notation {
 }
 
 impl Notation {
-    /// How a parameter may be written, for messages.
+    /// Returns how a parameter may be written, for messages.
     #[must_use]
     pub const fn example(self) -> &'static str {
         match self {
@@ -98,7 +98,7 @@ impl Notation {
     }
 }
 
-/// Why a text is no parameter, with what to write instead.
+/// Why a text is not a parameter, with what to write instead.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReferenceError {
@@ -146,7 +146,7 @@ pub enum ReferenceError {
 }
 
 impl ParameterReference {
-    /// The parameter `pnu` without elements.
+    /// Returns the parameter `pnu` without elements.
     #[must_use]
     pub const fn number(pnu: u16) -> Self {
         Self {
@@ -202,7 +202,7 @@ impl FromStr for ParameterReference {
     }
 }
 
-/// A name in words, as Danfoss and Vacon have them.
+/// Returns true for a name in words, as Danfoss and Vacon have them.
 fn is_title(text: &str) -> bool {
     text.contains(' ') && text.starts_with(|first: char| first.is_ascii_alphabetic())
 }
@@ -384,7 +384,7 @@ impl fmt::Display for Elements {
 }
 
 /// A parameter number as it is printed: `p0922`, `r0947[0]`, and `0922` while it is not known whether it can be
-/// written; as its maker writes it where that is another way: `1-20`, `ID 103`.
+/// written; as its vendor writes it where that is another way: `1-20`, `ID 103`.
 ///
 /// ```
 /// use profidrive_profile::notation::{Notation, Shown};
@@ -402,7 +402,7 @@ pub struct Shown {
     pub index: Option<u16>,
     /// From the description or the table of the drive.
     pub writable: Option<bool>,
-    /// How its maker writes it.
+    /// How its vendor writes it.
     pub notation: Notation,
 }
 

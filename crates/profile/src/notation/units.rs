@@ -185,7 +185,7 @@ pub const UNITS: &[Unit] = &[
     unit("rad", &[], Dimension::Turns, 1.0 / core::f64::consts::TAU),
 ];
 
-/// The unit written as `text`: exact spelling first, then without regard to case where that is unambiguous.
+/// Returns the unit written as `text`: exact spelling first, then without regard to case where that is unambiguous.
 #[must_use]
 pub fn unit_named(text: &str) -> Option<&'static Unit> {
     let spelled = |unit: &Unit, same: &dyn Fn(&str, &str) -> bool| {
@@ -203,7 +203,7 @@ pub fn unit_named(text: &str) -> Option<&'static Unit> {
     }
 }
 
-/// The units that measure the same as `dimension`, in table order.
+/// Returns the units that measure the same as `dimension`, in table order.
 pub fn units_of(dimension: Dimension) -> impl Iterator<Item = &'static Unit> {
     UNITS.iter().filter(move |unit| unit.dimension == dimension)
 }

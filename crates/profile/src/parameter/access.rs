@@ -32,7 +32,7 @@ pub struct Attributes {
 }
 
 impl Attributes {
-    /// A parameter of one value.
+    /// Creates a parameter of one value.
     #[must_use]
     pub const fn simple(format: Format, octets: usize, writable: bool) -> Self {
         Self {
@@ -54,7 +54,7 @@ impl Attributes {
         }
     }
 
-    /// An array of `count` strings of `octets` characters each.
+    /// Creates an array of `count` strings of `octets` characters each.
     #[must_use]
     pub const fn strings(count: u16, octets: u16, writable: bool) -> Self {
         Self {
@@ -64,7 +64,7 @@ impl Attributes {
         }
     }
 
-    /// True for characters, or octets without a numeric meaning, of which the number of values counts octets.
+    /// Returns true for characters, or octets without a numeric meaning, of which the number of values counts octets.
     #[must_use]
     pub const fn is_string(&self) -> bool {
         matches!(self.format, Format::VISIBLE_STRING | Format::OCTET_STRING)
@@ -80,21 +80,21 @@ impl Attributes {
         }
     }
 
-    /// True for more than one element, octets of a string among them.
+    /// Returns true for more than one element, octets of a string among them.
     #[must_use]
     pub const fn is_array(&self) -> bool {
         self.elements > 0
     }
 }
 
-/// How a change is meant to last. What a drive does beyond that is its maker's: an AKD keeps what its command DRV.NVSAVE
-/// saves, a Vacon keeps every change, a VLT only what a request says is to be kept.
+/// How a change is meant to last. What a drive does beyond that is its vendor's: an AKD keeps what its command
+/// DRV.NVSAVE saves, a Vacon keeps every change, a VLT only what a request says is to be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Keep {
     /// An ordinary change: request ID 2, AK 2, 3, 7 and 8 of the PKW channel.
     #[default]
     Volatile,
-    /// To be kept over a power cycle: Danfoss request ID 0x42, AK 11 to 14 of the PKW channel.
+    /// To be retained over a power cycle: Danfoss request ID 0x42, AK 11 to 14 of the PKW channel.
     Permanent,
 }
 
@@ -121,7 +121,7 @@ pub trait ParameterAccess {
     /// collects many parameters ([`Attributes::first`]).
     fn attributes(&self, pnu: u16, subindex: u16) -> Option<Attributes>;
 
-    /// True for a parameter number that exists, also when no parameter is at its subindex 0.
+    /// Returns true for a parameter number that exists, also when no parameter is at its subindex 0.
     fn exists(&self, pnu: u16) -> bool {
         self.attributes(pnu, 0).is_some()
     }

@@ -18,7 +18,7 @@ pub enum RequestId {
     Read,
     /// 0x02.
     Change,
-    /// 0x42, Danfoss: a change that is kept over a power cycle; one with 0x02 is not.
+    /// 0x42, Danfoss: a change that is retained over a power cycle; one with 0x02 is not.
     ChangePermanent,
     /// 0x51, Danfoss: a read that has every value as a double word.
     ReadWide,
@@ -42,7 +42,7 @@ impl RequestId {
         }
     }
 
-    /// The octet on the wire.
+    /// Returns the octet on the wire.
     #[must_use]
     pub const fn octet(self) -> u8 {
         match self {
@@ -55,19 +55,19 @@ impl RequestId {
         }
     }
 
-    /// True for requests that carry values.
+    /// Returns true for requests that carry values.
     #[must_use]
     pub const fn is_change(self) -> bool {
         matches!(self, Self::Change | Self::ChangePermanent | Self::ChangeWide)
     }
 
-    /// True for the requests that have every value as a double word.
+    /// Returns true for the requests that have every value as a double word.
     #[must_use]
     pub const fn is_wide(self) -> bool {
         matches!(self, Self::ReadWide | Self::ChangeWide)
     }
 
-    /// How a change with this ID is meant to last.
+    /// Returns how a change with this ID is meant to last.
     #[must_use]
     pub const fn keep(self) -> Keep {
         match self {
@@ -87,17 +87,17 @@ impl RequestId {
         }
     }
 
-    /// True when a response with this ID answers such a request, positively or negatively. Mirrored IDs are accepted
-    /// beside those of [`response_octet`](Self::response_octet).
+    /// Returns true when a response with this ID answers such a request, positively or negatively. Mirrored IDs are
+    /// accepted beside those of [`response_octet`](Self::response_octet).
     #[must_use]
     pub const fn is_answered_by(self, response_id: u8) -> bool {
         let id = response_id & 0x7F;
         id == self.response_octet() || id == self.octet()
     }
 
-    /// True when a response with this ID can refuse such a request because the drive does not know it. Every drive knows the
-    /// requests of the profile. For the others the response ID is not standardised: a Vacon has 0x80, others 0x81 or that of
-    /// the request.
+    /// Returns true when a response with this ID can refuse such a request because the drive does not know it. Every
+    /// drive knows the requests of the profile. For the others the response ID is not standardised: a Vacon has 0x80,
+    /// others 0x81 or that of the request.
     ///
     /// ```
     /// use profidrive_profile::parameter::RequestId;
@@ -119,7 +119,7 @@ pub enum Attribute {
     Description,
     /// 0x30, texts of 16 octets.
     Text,
-    /// Anything else; from 0x80 the maker's own.
+    /// Anything else; from 0x80 the vendor's own.
     Other(u8),
 }
 
@@ -135,7 +135,7 @@ impl Attribute {
         }
     }
 
-    /// The octet on the wire.
+    /// Returns the octet on the wire.
     #[must_use]
     pub const fn octet(self) -> u8 {
         match self {
@@ -152,7 +152,7 @@ impl Attribute {
 pub struct ParameterAddress {
     /// Value, description or text.
     pub attribute: Attribute,
-    /// Elements from the subindex on; 0 or 1 for a parameter that is no array.
+    /// Elements from the subindex on; 0 or 1 for a parameter that is not an array.
     pub elements: u8,
     /// Parameter number.
     pub pnu: u16,
@@ -183,7 +183,7 @@ impl ParameterAddress {
         }
     }
 
-    /// The whole description, 46 octets.
+    /// Returns the whole description, 46 octets.
     #[must_use]
     pub const fn description(pnu: u16) -> Self {
         Self {
@@ -194,7 +194,7 @@ impl ParameterAddress {
         }
     }
 
-    /// The six octets.
+    /// Returns the six octets.
     #[must_use]
     pub const fn to_octets(self) -> [u8; ADDRESS] {
         let [pnu_high, pnu_low] = self.pnu.to_be_bytes();

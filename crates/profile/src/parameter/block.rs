@@ -88,7 +88,7 @@ impl<'a> ValueBlock<'a> {
         self.data.len().checked_div(usize::from(self.count)).unwrap_or(0)
     }
 
-    /// The octets of value `index`.
+    /// Returns the octets of value `index`.
     #[must_use]
     pub fn octets(&self, index: usize) -> Option<&'a [u8]> {
         let width = self.width();
@@ -160,7 +160,7 @@ impl<'a> BlockWriter<'a> {
         self.position
     }
 
-    /// What is written so far.
+    /// Returns what is written so far.
     pub(super) fn written(&mut self) -> &mut [u8] {
         self.out.get_mut(..self.position).unwrap_or_default()
     }

@@ -39,7 +39,7 @@ impl Identifier {
     /// Standardisation factor and variable attribute mean nothing.
     pub const NO_SCALE: u16 = 1 << 8;
 
-    /// True when all bits of `flag` are set.
+    /// Returns true when all bits of `flag` are set.
     #[must_use]
     pub const fn has(self, flag: u16) -> bool {
         self.0 & flag == flag
@@ -51,7 +51,7 @@ impl Identifier {
         super::Format(self.0.to_be_bytes()[1])
     }
 
-    /// The same with the format, given as its V4 code, in another code space.
+    /// Returns the same with the format, given as its V4 code, in another code space.
     #[must_use]
     pub const fn in_space(self, space: super::CodeSpace) -> Self {
         let [flags, _] = self.0.to_be_bytes();
@@ -76,7 +76,7 @@ pub struct Description {
     pub identifier: Identifier,
     /// Elements of an array, length of a string, or 0.
     pub elements: u16,
-    /// Standardisation factor; makers differ in its direction, the variable attribute is safer.
+    /// Standardisation factor; vendors differ in its direction, the variable attribute is safer.
     pub factor: f32,
     /// Physical size (4 time, 11 rotation, 17 temperature, 21 voltage, 22 current, 28 frequency ...).
     pub size_index: u8,
@@ -115,7 +115,7 @@ impl Default for Description {
 }
 
 impl Description {
-    /// The octets that subindex `number` of a description request means: 0 all, 1 to 12 one element.
+    /// Returns the octets that subindex `number` of a description request means: 0 all, 1 to 12 one element.
     #[must_use]
     pub fn element(number: u16) -> Option<Range<usize>> {
         match number {
@@ -124,7 +124,7 @@ impl Description {
         }
     }
 
-    /// The name without the blanks, `?` for octets that are no ASCII.
+    /// Returns the name without the blanks, `?` for octets that are no ASCII.
     pub fn name(&self) -> impl Iterator<Item = char> + '_ {
         let used = self
             .name
@@ -137,8 +137,8 @@ impl Description {
         })
     }
 
-    /// Lowest and highest number of a value with so many octets, whatever stands in front of them; `None` where the drive
-    /// tells none: both are 0.
+    /// Returns the lowest and highest number of a value with this many octets, ignoring leading octets. `None` when the
+    /// drive reports no limits: both are 0.
     ///
     /// ```
     /// use profidrive_profile::parameter::Description;
@@ -163,7 +163,7 @@ impl Description {
         Some((number(self.minimum), number(self.maximum)))
     }
 
-    /// The 46 octets.
+    /// Returns the 46 octets.
     #[must_use]
     pub fn encode(&self) -> [u8; 46] {
         let mut out = [0; 46];

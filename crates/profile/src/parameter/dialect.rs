@@ -1,4 +1,4 @@
-//! What the parameter managers of different makers do differently, as data.
+//! What the parameter managers of different vendors do differently, as data.
 
 use super::access::Keep;
 use super::address::RequestId;
@@ -26,8 +26,8 @@ pub enum Saving {
     Always,
 }
 
-/// Facts about one maker's parameter manager. A virtual drive answers by them, a client asks by them.
-/// Source: AKD PROFINET manual 3.6; Danfoss MG06G102 5.5 and MCA 101 p. 27-34; Vacon OPTEA manual p. 116-123.
+/// Facts about one vendor's parameter manager. A virtual drive answers by them, a client asks by them. Source: AKD
+/// PROFINET manual 3.6; Danfoss MG06G102 5.5 and MCA 101 p. 27-34; Vacon OPTEA manual p. 116-123.
 ///
 /// ```
 /// use profidrive_profile::parameter::{ChangeResponse, Dialect, Keep, RequestId};
@@ -42,7 +42,7 @@ pub struct Dialect {
     pub name: &'static str,
     /// Requests that exist.
     pub requests: &'static [RequestId],
-    /// When changes are kept over a power cycle.
+    /// When changes are retained over a power cycle.
     pub saving: Saving,
     /// Axis or drive object number that a request carries.
     pub axis: u8,
@@ -56,7 +56,7 @@ pub struct Dialect {
     pub repeats_addresses: bool,
     /// Parameters in one request at most.
     pub max_parameters: u8,
-    /// Values in one request or response at most, all parameters together, that a client asks for.
+    /// Values in one request or response at most, all parameters together, that a client requests.
     pub max_values: u16,
     /// The same that a drive answers: more where its documents name two numbers.
     pub served_values: u16,
@@ -89,7 +89,7 @@ pub struct Dialect {
     pub too_many_values: ErrorNumber,
     /// Error number for a value that the non-volatile memory did not store.
     pub not_saved: ErrorNumber,
-    /// Tells with an error which subindex it is about.
+    /// Errors report the subindex that they concern.
     pub error_info: bool,
     /// Error number for the reserved reference 0; `None`: it is mirrored like any other.
     pub bad_reference: Option<ErrorNumber>,
@@ -146,8 +146,8 @@ impl Dialect {
         ..Self::STANDARD
     };
 
-    /// Danfoss VLT with the PROFINET option: axis 0, true types with V2/V3 codes, 37 parameters, three more requests, data
-    /// of exactly the size asked for.
+    /// Danfoss VLT with the PROFINET option: axis 0, true types with V2/V3 codes, 37 parameters, three more requests,
+    /// data of exactly the size requested.
     ///
     /// Interpretation: the error number for octets too many (0x18) and the response ID for an unknown request (0x81) are
     /// in no public document.
@@ -178,10 +178,10 @@ impl Dialect {
     /// information.
     ///
     /// Interpretation: 0x6D (invalid change request) is the answer to octets behind the values; a wrong axis gets the
-    /// profile's 0x19, as OPTEA has 0x67 as reserved. OPTEA p. 119 allows 1 to 234 elements of an array, p. 120 names 39
-    /// values for a frame: a drive answers what fits a block, a client asks for 39 at a time, which is right for both.
-    /// That errors have no additional information is how the examples of the manual look. 0x6E (general error) answers a
-    /// value that could not be stored.
+    /// profile's 0x19, as OPTEA has 0x67 as reserved. OPTEA p. 119 allows 1 to 234 elements of an array, p. 120 names
+    /// 39 values for a frame: a drive answers what fits a block, a client requests 39 at a time, which is right for
+    /// both. That errors have no additional information is how the examples of the manual look. 0x6E (general error)
+    /// answers a value that could not be stored.
     pub const VACON: Self = Self {
         name: "Vacon",
         saving: Saving::Always,
@@ -206,13 +206,13 @@ impl Dialect {
         ..Self::STANDARD
     };
 
-    /// True when the drive knows requests with this ID.
+    /// Returns true when the drive knows requests with this ID.
     #[must_use]
     pub fn knows(&self, id: RequestId) -> bool {
         self.requests.contains(&id)
     }
 
-    /// The request that changes a value so that it lasts like that; `None` when the drive has none, see
+    /// Returns the request that changes a value so that it lasts like that; `None` when the drive has none, see
     /// [`saving`](Self::saving).
     #[must_use]
     pub fn change_id(&self, keep: Keep) -> Option<RequestId> {

@@ -47,7 +47,7 @@ pub struct ErrorInfo {
 pub struct ErrorNumber(pub u16);
 
 impl ErrorNumber {
-    /// From here on the numbers are the maker's.
+    /// From here on the numbers are the vendor's.
     pub const FIRST_OWN: u16 = 0x65;
     /// Danfoss: wrong axis.
     pub const DANFOSS_WRONG_AXIS: Self = Self(0x65);
@@ -72,7 +72,7 @@ impl ErrorNumber {
     /// Vacon: general error.
     pub const VACON_GENERAL: Self = Self(0x6E);
 
-    /// Meaning and remedy, `None` for a reserved number or another maker's.
+    /// Meaning and remedy, `None` for a reserved number or another vendor's.
     #[must_use]
     pub fn info(self, names: ErrorNames) -> Option<&'static ErrorInfo> {
         let special: &'static [ErrorInfo] = match names {
@@ -84,7 +84,7 @@ impl ErrorNumber {
         special.iter().chain(ERRORS).find(|row| row.number == self.0)
     }
 
-    /// Number and meaning, with the words of a make.
+    /// Returns the number and meaning, with the words of a model.
     ///
     /// ```
     /// use profidrive_profile::parameter::{ErrorNames, ErrorNumber};
@@ -154,7 +154,7 @@ mod tests {
             ErrorNumber(0x65).info(ErrorNames::Danfoss).map(|i| i.meaning),
             Some("wrong axis")
         );
-        // a number of the profile of which a make says more
+        // a number of the profile of which a model says more
         let remedy = |names| ErrorNumber::NOT_NOW.info(names).map_or("", |info| info.remedy);
         assert!(remedy(ErrorNames::Danfoss).contains("0-11"));
         assert!(!remedy(ErrorNames::Profile).contains("0-11"));

@@ -124,7 +124,7 @@ impl Format {
     /// An error number, perhaps with additional information.
     pub const ERROR: Self = Self(0x44);
 
-    /// The row of the table, `None` for a code that is reserved or unknown.
+    /// Returns the row of the table, `None` for a code that is reserved or unknown.
     #[must_use]
     pub fn info(self, space: CodeSpace) -> Option<&'static FormatInfo> {
         if space == CodeSpace::V3 {
@@ -139,7 +139,7 @@ impl Format {
             .and_then(|row| FORMATS.get(row))
     }
 
-    /// The code on the wire of a type given as its V4 code: only the profile-specific types differ.
+    /// Returns the code on the wire of a type given as its V4 code: only the profile-specific types differ.
     ///
     /// ```
     /// use profidrive_profile::parameter::{CodeSpace, Format};
@@ -155,7 +155,7 @@ impl Format {
         }
     }
 
-    /// The type, as its V4 code, of a code on the wire.
+    /// Returns the type, as its V4 code, of a code on the wire.
     #[must_use]
     pub const fn of_code(code: u8, space: CodeSpace) -> Self {
         match (space, code) {
@@ -164,7 +164,7 @@ impl Format {
         }
     }
 
-    /// The substitution code for a value of this many octets: Byte, Word or Double word.
+    /// Returns the substitution code for a value of this many octets: Byte, Word or Double word.
     #[must_use]
     pub const fn for_octets(octets: usize) -> Option<Self> {
         match octets {
@@ -175,8 +175,8 @@ impl Format {
         }
     }
 
-    /// True when a change may carry a value of the type `own` in this format, the lengths being equal: the type itself,
-    /// Byte, Word and Double word, and another integer type in the place of one. Both are codes of `space`.
+    /// Returns true when a change may carry a value of the type `own` in this format, the lengths being equal: the type
+    /// itself, Byte, Word and Double word, and another integer type in the place of one. Both are codes of `space`.
     ///
     /// ```
     /// use profidrive_profile::parameter::{CodeSpace, Format};
@@ -193,8 +193,9 @@ impl Format {
             || is_integer(self) && is_integer(own)
     }
 
-    /// The sign of a whole number: `Some(true)` for a signed type, `Some(false)` for an unsigned one, `None` for every type
-    /// that is not a whole number. The substitution codes are not one: their octets mean what the parameter says.
+    /// Returns the sign of a whole number: `Some(true)` for a signed type, `Some(false)` for an unsigned one, `None`
+    /// for every type that is not a whole number. The substitution codes are not one: their octets mean what the
+    /// parameter says.
     ///
     /// ```
     /// use profidrive_profile::parameter::{CodeSpace, Format};

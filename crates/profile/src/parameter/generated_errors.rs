@@ -131,7 +131,7 @@ pub static SIEMENS: &[ErrorInfo] = &[
     ErrorInfo { number: 0x6b, meaning: "no write access while the controller is enabled", remedy: "switch the drive off, then write", subindex: false, source: "SINAMICS G120, G115D list of request errors" },
     ErrorInfo { number: 0x6c, meaning: "unknown unit", remedy: "use another unit", subindex: false, source: "SINAMICS G120, G115D list of request errors" },
     ErrorInfo { number: 0x86, meaning: "write only in commissioning state 15", remedy: "set p0010 to 15 first", subindex: false, source: "SINAMICS G120, G115D list of request errors" },
-    ErrorInfo { number: 0x87, meaning: "know-how protection", remedy: "remove the protection with the maker's tool", subindex: false, source: "SINAMICS G120, G115D list of request errors" },
+    ErrorInfo { number: 0x87, meaning: "know-how protection", remedy: "remove the protection with the vendor's tool", subindex: false, source: "SINAMICS G120, G115D list of request errors" },
     ErrorInfo { number: 0xc8, meaning: "below the limit that is valid now", remedy: "send a higher value", subindex: false, source: "SINAMICS G120, G115D list of request errors" },
     ErrorInfo { number: 0xc9, meaning: "above the limit that is valid now", remedy: "send a lower value", subindex: false, source: "SINAMICS G120, G115D list of request errors" },
     ErrorInfo { number: 0xcc, meaning: "access code missing", remedy: "enter the access code", subindex: false, source: "SINAMICS G120, G115D list of request errors" },

@@ -7,7 +7,7 @@
 //! * a drive answers with [`serve`] over its [`ParameterAccess`];
 //! * a client writes with [`encode_read`] and [`encode_change`], packs many parameters with [`plan_reads`] and
 //!   [`plan_changes`], and reads the answer with [`Response`];
-//! * makers differ by data: [`Dialect`].
+//! * vendors differ by data: [`Dialect`].
 //!
 //! Source: PROFIdrive base mode parameter access; AKD PROFINET manual 3.6.
 //!

@@ -108,7 +108,7 @@ pub enum Forbidden {
 }
 
 impl Forbidden {
-    /// The reason where a drive does not have this parameter.
+    /// Returns the reason where a drive does not have this parameter.
     pub(super) const fn unknown(pnu: u16) -> Self {
         match pnu {
             0 => Self::NumberZero,
@@ -116,7 +116,7 @@ impl Forbidden {
         }
     }
 
-    /// The refusal for this reason.
+    /// Returns the refusal for this reason.
     pub(super) fn refused(self, error: impl Into<ParameterError>) -> Denial {
         Denial {
             what: self,
@@ -271,7 +271,7 @@ pub fn objections(
     found
 }
 
-/// What `drive` refuses of a request; `next` is called behind each parameter.
+/// Returns what `drive` refuses of a request; `next` is called behind each parameter.
 fn denied<D: ParameterAccess + ?Sized>(
     request: &[u8],
     dialect: &Dialect,

@@ -6,7 +6,7 @@ use core::ops::Range;
 use super::address::{ADDRESS, HEADER, MAX_ELEMENTS, ParameterAddress};
 use super::dialect::Dialect;
 
-/// Octets of an element where nobody knows better.
+/// Octets assumed for an element without tables.
 const UNKNOWN_OCTETS: usize = 4;
 
 /// Groups reads so that each group is one request: not more parameters and values than the drive takes, and neither request nor

@@ -1,6 +1,6 @@
-//! Numbers of the parameters that the profile itself has, the same for every maker.
+//! Numbers of the parameters that the profile itself has, the same for every vendor.
 //!
-//! Source: PROFIdrive profile as AKD PROFINET manual 3.8 and chapter 6, MCA 101 and OPTEA manuals tell it.
+//! Source: PROFIdrive profile as AKD PROFINET manual 3.8 and chapter 6, MCA 101 and OPTEA manuals state it.
 //!
 //! ```
 //! use profidrive_profile::catalogue::{AKD, VACON, VLT};
@@ -26,7 +26,7 @@ pub const FAULT_TIMES: u16 = 948;
 pub const FAULT_VALUES: u16 = 949;
 /// How the fault buffer is divided into situations.
 pub const FAULT_DIVISION: u16 = 950;
-/// Drive unit identification: maker, type, version, date.
+/// Drive unit identification: vendor, type, version, date.
 pub const IDENTIFICATION: u16 = 964;
 /// Number and version of the profile.
 pub const PROFILE: u16 = 965;

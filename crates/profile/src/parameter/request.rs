@@ -78,20 +78,20 @@ impl<'a> Request<'a> {
         self.header()[2]
     }
 
-    /// Number of parameters.
+    /// Returns the number of parameters.
     #[must_use]
     pub fn parameters(&self) -> u8 {
         self.header()[3]
     }
 
-    /// The parameter addresses in order.
+    /// Returns the parameter addresses in order.
     pub fn addresses(&self) -> impl ExactSizeIterator<Item = ParameterAddress> + 'a {
         self.addresses
             .iter()
             .map(|octets| ParameterAddress::from_octets(*octets))
     }
 
-    /// What stands behind the addresses.
+    /// Returns what stands behind the addresses.
     #[must_use]
     pub fn tail(&self) -> &'a [u8] {
         self.bytes.get(self.tail_offset()..).unwrap_or(&[])
@@ -101,8 +101,8 @@ impl<'a> Request<'a> {
         HEADER + ADDRESS * self.addresses.len()
     }
 
-    /// What stands behind everything that belongs to the request. Nothing too when a value block cannot be taken apart,
-    /// which is told by [`values`](Self::values).
+    /// Returns what stands behind everything that belongs to the request. Nothing too when a value block cannot be
+    /// taken apart, which is reported by [`values`](Self::values).
     #[must_use]
     pub fn behind(&self) -> &'a [u8] {
         let mut end = self.tail_offset();
@@ -127,7 +127,7 @@ impl<'a> Request<'a> {
             .map_or(0, |last| last + 1)
     }
 
-    /// The value blocks of a change request in order, one for each address. After a block that cannot be taken
+    /// Returns the value blocks of a change request in order, one for each address. After a block that cannot be taken
     /// apart the place of the next is unknown, so every further one gives the same error.
     pub fn values(&self) -> impl Iterator<Item = Result<ValueBlock<'a>, DecodeError>> + use<'a> {
         let (bytes, space, mut offset) = (self.bytes, self.space, self.tail_offset());

@@ -9,7 +9,7 @@ use super::format::{CodeSpace, Format, Octets};
 /// The answer to one parameter of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer<'a> {
-    /// What was asked for.
+    /// What was requested.
     Values(ValueBlock<'a>),
     /// The value was changed.
     Written,
@@ -161,8 +161,9 @@ impl<'a> Response<'a> {
         Ok(response)
     }
 
-    /// A negative response that answers the request itself instead of its parameters: one error block for several of
-    /// them, a response ID of no request (Vacon: 0x80), or that of another kind to a request which only some drives know.
+    /// Returns a negative response that answers the request itself instead of its parameters: one error block for
+    /// several of them, a response ID of no request (Vacon: 0x80), or that of another kind to a request which only some
+    /// drives know.
     fn whole_refusal(
         bytes: &[u8],
         found_id: u8,
@@ -213,13 +214,13 @@ impl<'a> Response<'a> {
         Ok(())
     }
 
-    /// True when at least one parameter was refused.
+    /// Returns true when at least one parameter was refused.
     #[must_use]
     pub fn is_negative(&self) -> bool {
         self.bytes.get(1).is_some_and(|id| id & 0x80 != 0)
     }
 
-    /// The answers in the order of the request.
+    /// Returns the answers in the order of the request.
     #[must_use]
     pub fn answers(&self) -> Answers<'a> {
         Answers {
@@ -230,7 +231,8 @@ impl<'a> Response<'a> {
     }
 }
 
-/// True when the octets behind the header of a response are the addresses of its request. The values follow them then.
+/// Returns true when the octets behind the header of a response are the addresses of its request. The values follow
+/// them then.
 ///
 /// ```
 /// use profidrive_profile::parameter::{ParameterAddress, repeats_addresses};

@@ -34,9 +34,9 @@ pub enum Refusal {
 /// Answers `request` from `drive`; writes the response block into `out` and gives its length. Nothing is allocated.
 ///
 /// The response is never longer than the dialect's largest block: what does not fit is answered with 0x15. Order of the
-/// checks (our choice, no public text tells one): request ID, number of parameters, length, reference; then for each
-/// parameter axis, attribute, PNU, elements and subindex, and for a change: rights, read-only, format, number of values,
-/// size, and what the drive itself says (state, limits).
+/// checks (our choice, no public text states one): request ID, number of parameters, length, reference; then for each
+/// parameter axis, attribute, PNU, elements and subindex, and for a change: rights, read-only, format, number of
+/// values, size, and what the drive itself says (state, limits).
 ///
 /// Elements of an array are written in order up to the first that is refused; the additional information of that error
 /// is its subindex.
@@ -356,7 +356,7 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// How values of a parameter are sent.
+    /// Returns how values of a parameter are sent.
     fn form(&self, facts: &Attributes) -> Result<Form, Denial> {
         let narrow = Forbidden::NoDoubleWord.refused(ErrorNumber::DATA_TYPE);
         let own = Form {
@@ -459,7 +459,7 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// A number of the maker's older channel (PKW) that this one does not have: not now.
+    /// Returns a number of the vendor's older channel (PKW) that this one does not have: not now.
     fn known(&self, number: ErrorNumber) -> ErrorNumber {
         let own = number.0 >= ErrorNumber::FIRST_OWN;
         if own && number.info(self.dialect.error_names).is_none() {
@@ -502,7 +502,7 @@ fn is_signed(facts: &Attributes) -> bool {
         .is_some_and(|info| info.kind == Kind::Signed)
 }
 
-/// A number of one or two octets with its sign in all of them.
+/// Returns a number of one or two octets with its sign in all of them.
 fn extended(raw: u64, octets: usize) -> u64 {
     match octets {
         1 => i64::from(raw as i8).cast_unsigned(),

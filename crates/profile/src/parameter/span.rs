@@ -5,7 +5,7 @@ use super::address::MAX_ELEMENTS;
 use super::error::{ErrorNames, ErrorNumber, ParameterError};
 use super::objection::{Denial, Forbidden};
 
-/// The number with the subindex as additional information, where the profile says so.
+/// Returns the number with the subindex as additional information, where the profile says so.
 pub(super) fn at(number: ErrorNumber, subindex: u16) -> ParameterError {
     let has_subindex = number.info(ErrorNames::Profile).is_some_and(|info| info.subindex);
     ParameterError {
@@ -73,9 +73,9 @@ impl Span {
     }
 }
 
-/// Checks the elements of an address that asks for a description. Their number says as much of the parameter as in an
-/// address of its value: 0 or 1 of a single value, 1 to 234 of an array. An element of the description (subindex 1 to 12)
-/// is read alone. Source: Vacon OPTEA p. 119, whose numbers hold for every attribute.
+/// Checks the elements of an address that requests a description. Their number says as much of the parameter as in an
+/// address of its value: 0 or 1 of a single value, 1 to 234 of an array. An element of the description (subindex 1 to
+/// 12) is read alone. Source: Vacon OPTEA p. 119, whose numbers hold for every attribute.
 pub(super) fn check_description(facts: &Attributes, elements: u8, subindex: u16) -> Result<(), Denial> {
     let is_plain = facts.elements == 0 || facts.string_octets() == facts.elements;
     let what = match elements {

@@ -367,7 +367,7 @@ fn refusals() {
         let request = alloc::format!("01 02 00 01 10 01 03 A2 00 00 {format} 01 00 01");
         assert_eq!(ask(akd, &request).unwrap()[1], 2);
     }
-    // the error of an array tells the element, those before it are written
+    // the error of an array reports the element, those before it are written
     let mut drive = Bench::default();
     let request = "01 02 00 01 10 03 03 93 00 02 42 03 00 05 FF FF 00 06";
     assert_eq!(
@@ -482,8 +482,8 @@ fn whole_requests_are_refused_parameter_by_parameter() {
     ));
 }
 
-/// What stands behind the values: zeros of a buffer of fixed length are nothing, anything else is no request, and then
-/// nothing is written.
+/// What stands behind the values: zeros of a buffer of fixed length are nothing, anything else is not a request, and
+/// then nothing is written.
 #[test]
 fn octets_behind_a_change() {
     let change = "05 02 00 01 10 01 03 A2 00 00 42 01 00 01";
@@ -561,7 +561,7 @@ fn wrong_responses_are_distinguished() {
         parse("09 01 00 01 42 01 00 02 00 00"),
         Err(ResponseError::Malformed(_))
     ));
-    // as many values as elements; "written" is no answer to a read
+    // as many values as elements; "written" is not an answer to a read
     for (bytes, found) in [
         ("09 01 00 01 42 02 00 02 00 03", 2),
         ("09 01 00 01 42 00", 0),

@@ -34,7 +34,7 @@ impl ClientTiming {
 /// How a job ended.
 pub type Outcome = Result<Answer, JobError>;
 
-/// A message that no request asked for (AK 9 to 12).
+/// A message that no request requested (AK 9 to 12).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spontaneous {
     /// Parameter number.
@@ -48,7 +48,7 @@ pub struct Spontaneous {
 /// The parameter channel of a master. Time is counted from an origin the caller chose.
 ///
 /// In every cycle send what [`Client::request`] gives and hand what came to [`Client::handle`]; the outcome of a job is
-/// told once, by [`Client::handle`] or, when it ran out of time, by [`Client::handle_timeout`].
+/// reported once, by [`Client::handle`] or, when it ran out of time, by [`Client::handle_timeout`].
 ///
 /// * A request stands until a reply with its parameter number, its IND and one of the AKs of its row comes.
 /// * Nothing in a reply says which of two equal requests it belongs to. So before a request for the parameter, element
@@ -110,7 +110,7 @@ enum Rest {
 }
 
 impl Client {
-    /// A channel of which nothing is known yet.
+    /// Creates a channel of which nothing is known yet.
     #[must_use]
     pub const fn new(dialect: PkwDialect, timing: ClientTiming) -> Self {
         Self {
@@ -128,19 +128,19 @@ impl Client {
         }
     }
 
-    /// The facts it asks by.
+    /// Returns the facts it asks by.
     #[must_use]
     pub const fn dialect(&self) -> &PkwDialect {
         &self.dialect
     }
 
-    /// True while a job is under way.
+    /// Returns true while a job is under way.
     #[must_use]
     pub const fn is_busy(&self) -> bool {
         self.job.is_some()
     }
 
-    /// Starts a job; its outcome is told within twice [`ClientTiming::reply`] and [`ClientTiming::round_trip`].
+    /// Starts a job; its outcome is reported within twice [`ClientTiming::reply`] and [`ClientTiming::round_trip`].
     ///
     /// # Errors
     /// When another job is under way or the dialect has no such request; nothing has changed then.
@@ -178,7 +178,7 @@ impl Client {
         Ok(())
     }
 
-    /// What to send now: eight octets, or more or fewer in a text block.
+    /// Returns what to send now: eight octets, or more or fewer in a text block.
     pub fn request(&mut self, now: Duration) -> &[u8] {
         if let Rest::Anything {
             after: after @ None, ..
@@ -214,7 +214,7 @@ impl Client {
                 self.text_length = text.len().min(self.text.len());
             }
             self.job = None;
-            // a request whose address cannot be told was never sent
+            // a request whose address cannot be reported was never sent
             self.rest = self
                 .standing()
                 .address(&self.dialect)
@@ -238,7 +238,7 @@ impl Client {
         Some(Err(error))
     }
 
-    /// When [`Client::handle_timeout`] is due, if ever.
+    /// Returns the time when [`Client::handle_timeout`] is due, if ever.
     #[must_use]
     pub const fn poll_timeout(&self) -> Option<Duration> {
         match self.job {
@@ -247,19 +247,19 @@ impl Client {
         }
     }
 
-    /// The carrier lost the slave: ends the job under way, and what still comes counts for nothing.
+    /// Handles the loss of the slave: ends the job under way and ignores later replies.
     pub fn lost(&mut self) -> Option<Outcome> {
         self.rest = Rest::Anything { after: None };
         self.job.take().map(|_| Err(JobError::Lost))
     }
 
-    /// The text of the last answer [`Answer::Text`].
+    /// Returns the text of the last answer [`Answer::Text`].
     #[must_use]
     pub fn text(&self) -> &[u8] {
         self.text.get(..self.text_length).unwrap_or_default()
     }
 
-    /// The last spontaneous message since this was asked before.
+    /// Returns the last spontaneous message since this was asked before.
     pub fn take_spontaneous(&mut self) -> Option<Spontaneous> {
         self.spontaneous.take()
     }
@@ -279,7 +279,7 @@ impl Client {
     /// A zero telegram came.
     fn rested(&mut self, now: Duration) {
         match (self.rest, self.job) {
-            // it is from before the request, or the slave does not do what it is told yet
+            // it is from before the request, or the slave does not follow it yet
             (_, Some(Stage::Asking { .. })) => return,
             (Rest::Anything { after }, _) if after.is_none_or(|after| now < after) => return,
             _ => self.rest = Rest::Zero,
@@ -297,7 +297,7 @@ impl Client {
         Pkw::from_octets(octets)
     }
 
-    /// The outcome if this reply belongs to the standing request.
+    /// Returns the outcome if this reply belongs to the standing request.
     fn judge(&self, reply: Pkw) -> Option<Outcome> {
         let request = self.standing();
         let info = request.request_code().info();
@@ -338,14 +338,14 @@ impl Client {
     }
 }
 
-/// A reply mirrors PNU and IND; of the text code only what the layout has.
+/// Returns whether a reply mirrors PNU and IND; of the text code only what the layout has.
 fn same(dialect: &PkwDialect, asked: PkwAddress, replied: PkwAddress) -> bool {
     asked.pnu == replied.pnu
         && asked.subindex == replied.subindex
         && (dialect.ind != IndLayout::TextIndex || asked.text == replied.text)
 }
 
-/// The fixed part and the characters.
+/// Returns the fixed part and the characters.
 fn parse(reply: &[u8]) -> Option<(Pkw, &[u8])> {
     let (head, text) = reply.split_first_chunk::<TEXT_AT>()?;
     let [a, b, c, d] = *head;

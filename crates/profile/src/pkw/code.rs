@@ -37,7 +37,7 @@ pub enum Width {
 pub enum Memory {
     /// Gone with the next power cycle.
     Ram,
-    /// Kept over a power cycle.
+    /// Retained over a power cycle.
     Eeprom,
 }
 
@@ -63,7 +63,7 @@ pub struct RequestInfo {
 }
 
 impl RequestInfo {
-    /// True when the request needs the right to change parameters.
+    /// Returns true when the request needs the right to change parameters.
     #[must_use]
     pub const fn changes(&self) -> bool {
         matches!(self.action, Action::Change | Action::ChangeDescription)
@@ -81,7 +81,7 @@ pub struct ReplyInfo {
     pub width: Option<Width>,
     /// True when the value is an element of an array.
     pub array: bool,
-    /// True for a message that no request asked for.
+    /// True for a message that no request requested.
     pub spontaneous: bool,
 }
 
@@ -131,7 +131,7 @@ impl RequestCode {
     /// 15: read or write text.
     pub const TEXT: Self = Self(15);
 
-    /// The row of the table; only the low four bits count.
+    /// Returns the row of the table; only the low four bits count.
     #[must_use]
     pub fn info(self) -> &'static RequestInfo {
         &REQUESTS[usize::from(self.0 & 0x0F)]
@@ -176,7 +176,7 @@ impl ReplyCode {
     /// 15: text.
     pub const TEXT: Self = Self(15);
 
-    /// The row of the table; only the low four bits count.
+    /// Returns the row of the table; only the low four bits count.
     #[must_use]
     pub fn info(self) -> &'static ReplyInfo {
         &REPLIES[usize::from(self.0 & 0x0F)]

@@ -1,4 +1,4 @@
-//! What the PKW channels of different makers and carriers do differently, as data.
+//! What the PKW channels of different vendors and carriers do differently, as data.
 
 use super::code::{ReplyCode, RequestCode};
 use super::error::{PkwErrorNames, PkwErrorNumber};
@@ -18,7 +18,7 @@ pub enum IndLayout {
 }
 
 impl IndLayout {
-    /// True where IND carries the page of the parameter number.
+    /// Returns true where IND carries the page of the parameter number.
     #[must_use]
     pub const fn has_page(self) -> bool {
         matches!(self, Self::SubindexPage | Self::PageSubindex)
@@ -67,7 +67,7 @@ pub enum PlainArray {
     Refused(PkwErrorNumber),
 }
 
-/// Facts about the PKW channel of one maker in one carrier. A virtual drive answers by them, a client asks by them.
+/// Facts about the PKW channel of one vendor in one carrier. A virtual drive answers by them, a client asks by them.
 ///
 /// ```
 /// use profidrive_profile::pkw::{PkwDialect, RequestCode};
@@ -97,7 +97,7 @@ pub struct PkwDialect {
     pub unknown_request: PkwErrorNumber,
     /// Error number for a value that does not fit PWE.
     pub too_wide: PkwErrorNumber,
-    /// Meanings of the maker's own error numbers.
+    /// Meanings of the vendor's own error numbers.
     pub error_names: PkwErrorNames,
 }
 
@@ -111,7 +111,7 @@ const PROFILE_REPLIES: u16 = 0x1FFF;
 /// AK 15 among requests or replies.
 const TEXT: u16 = 1 << 15;
 
-/// Makers with a channel of their own at serial lines: with texts, and without.
+/// Vendors with a channel of their own at serial lines: with texts, and without.
 static VENDORS: [(u16, PkwDialect, PkwDialect); 1] =
     [(DANFOSS, PkwDialect::DANFOSS_FC, PkwDialect::DANFOSS_WORDS)];
 
@@ -173,7 +173,7 @@ impl PkwDialect {
     };
 
     /// As [`DANFOSS_FC`](Self::DANFOSS_FC) in parameter parts of four words, as USS has them: no room for texts. No
-    /// document tells of a VLT at a USS line, this is ours.
+    /// document states of a VLT at a USS line, this is ours.
     pub const DANFOSS_WORDS: Self = Self {
         name: "Danfoss FC in four words",
         requests: Self::DANFOSS_FC.requests & !TEXT,
@@ -181,8 +181,8 @@ impl PkwDialect {
         ..Self::DANFOSS_FC
     };
 
-    /// What the drives of a maker speak at a serial line, whatever protocol carries it; `None` for a maker without a
-    /// channel of its own. `texts` says whether the parameter part has room for them.
+    /// Returns what the drives of a vendor speak at a serial line, whatever protocol carries it; `None` for a vendor
+    /// without a channel of its own. `texts` says whether the parameter part has room for them.
     ///
     /// ```
     /// use profidrive_profile::pkw::PkwDialect;
@@ -197,31 +197,31 @@ impl PkwDialect {
         Some(if texts { *with } else { *without })
     }
 
-    /// True when the request exists.
+    /// Returns true when the request exists.
     #[must_use]
     pub const fn knows(&self, request: RequestCode) -> bool {
         self.requests >> (request.0 & 0x0F) & 1 == 1
     }
 
-    /// True when the reply exists.
+    /// Returns true when the reply exists.
     #[must_use]
     pub const fn replies_with(&self, reply: ReplyCode) -> bool {
         self.replies >> (reply.0 & 0x0F) & 1 == 1
     }
 
-    /// True when there are text blocks (AK 15).
+    /// Returns true when there are text blocks (AK 15).
     #[must_use]
     pub const fn has_text(&self) -> bool {
         self.knows(RequestCode::TEXT)
     }
 
-    /// The bits of PKE that are the parameter number.
+    /// Returns the bits of PKE that are the parameter number.
     #[must_use]
     pub const fn pnu_mask(&self) -> u16 {
         if self.pnu_bits >= 12 { 0x0FFF } else { 0x07FF }
     }
 
-    /// A parameter number as PNU of PKE and page of IND; `None` when the channel cannot name it.
+    /// Returns a parameter number as PNU of PKE and page of IND; `None` when the channel cannot name it.
     #[must_use]
     pub fn split(&self, number: u16) -> Option<(u16, u8)> {
         if self.ind.has_page() {
@@ -232,7 +232,7 @@ impl PkwDialect {
         (number <= self.pnu_mask()).then_some((number, 0))
     }
 
-    /// The parameter number of a PNU and a page; `None` for a page that nobody told about.
+    /// Returns the parameter number of a PNU and a page; `None` for an undocumented page.
     #[must_use]
     pub fn join(&self, pnu: u16, page: u8) -> Option<u16> {
         if !self.ind.has_page() {

@@ -23,7 +23,7 @@ pub enum PkwErrorNames {
 }
 
 impl PkwErrorNames {
-    /// The rows of this maker alone.
+    /// Returns the rows of this vendor alone.
     #[must_use]
     pub const fn rows(self) -> &'static [PkwErrorInfo] {
         match self {
@@ -48,8 +48,8 @@ pub struct PkwErrorInfo {
     pub source: &'static str,
 }
 
-/// Number in PWE low of a reply with AK 7.
-/// Source: Danfoss FC parameter block description p. 73 (0 to 5, 17, 130, 131) and the makers named in the rows.
+/// Number in PWE low of a reply with AK 7. Source: Danfoss FC parameter block description p. 73 (0 to 5, 17, 130, 131)
+/// and the vendors named in the rows.
 ///
 /// ```
 /// use profidrive_profile::pkw::{PkwErrorNames, PkwErrorNumber};
@@ -65,7 +65,7 @@ impl PkwErrorNumber {
     /// Danfoss: the factory set-up is the one that is edited.
     pub const FACTORY_SET_UP: Self = Self(131);
 
-    /// Meaning and remedy, `None` for a number nobody told about or another maker's.
+    /// Returns meaning and remedy; `None` for an undocumented number or that of another vendor.
     #[must_use]
     pub fn info(self, names: PkwErrorNames) -> Option<&'static PkwErrorInfo> {
         PKW_ERRORS
@@ -74,13 +74,13 @@ impl PkwErrorNumber {
             .find(|row| row.number == self.0)
     }
 
-    /// Number and meaning, with the meanings of a vendor.
+    /// Returns the number and meaning, with the meanings of a vendor.
     ///
     /// ```
     /// use profidrive_profile::pkw::{PkwErrorNames, PkwErrorNumber};
     /// let number = PkwErrorNumber(130);
     /// assert_eq!(number.words(PkwErrorNames::Danfoss), "130 no bus access to the parameter");
-    /// assert_eq!(number.words(PkwErrorNames::Profile), "130 (the maker's own number)");
+    /// assert_eq!(number.words(PkwErrorNames::Profile), "130 (vendor-specific number)");
     /// ```
     #[must_use]
     pub fn words(self, names: PkwErrorNames) -> String {
@@ -90,8 +90,8 @@ impl PkwErrorNumber {
         }
     }
 
-    /// The number under which a drive that serves both channels refuses here what it refuses acyclically with
-    /// `number`. Up to 18 the numbers agree; beyond, each maker has others, and what has none is 18, other error.
+    /// Returns the number under which a drive that serves both channels refuses here what it refuses acyclically with
+    /// `number`. Up to 18 the numbers agree; beyond, each vendor has others, and what has none is 18, other error.
     ///
     /// ```
     /// use profidrive_profile::parameter::ErrorNumber;
@@ -120,13 +120,13 @@ impl PkwErrorNumber {
             0x21 if names == PkwErrorNames::Abb => Self(102),
             // Danfoss 0x68: the bus has no access to the value
             0x68 if danfoss => Self(130),
-            // the maker's own numbers of the one channel are those of the other
+            // the vendor's own numbers of the one channel are those of the other
             own if own >= 0x65 && names.rows().iter().any(|row| row.number == own) => Self(own),
             _ => Self::OTHER,
         }
     }
-    /// The number of the acyclic channel that says the same, for a client that knows those. Beyond 18 some makers have
-    /// own numbers for what the profile has one for; what has none keeps its number.
+    /// Returns the number of the acyclic channel that says the same, for a client that knows those. Beyond 18 some
+    /// vendors have own numbers for what the profile has one for; what has none keeps its number.
     ///
     /// ```
     /// use profidrive_profile::parameter::ErrorNumber;
@@ -163,7 +163,7 @@ impl fmt::Display for PkwErrorNumber {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.info(PkwErrorNames::Profile) {
             Some(info) => write!(f, "{} {}", self.0, info.meaning),
-            None => write!(f, "{} (the maker's own number)", self.0),
+            None => write!(f, "{} (vendor-specific number)", self.0),
         }
     }
 }

@@ -43,7 +43,7 @@ impl PkwErrorNumber {
     pub const OTHER: Self = Self(18);
 }
 
-/// Error numbers that mean the same for every maker, ascending.
+/// Error numbers that mean the same for every vendor, ascending.
 #[rustfmt::skip]
 pub static PKW_ERRORS: &[PkwErrorInfo] = &[
     PkwErrorInfo { number: 0, meaning: "parameter number does not exist", remedy: "the drive has no such PNU: check the number, the model and the firmware", source: "Danfoss FC parameter block description p.73" },
@@ -103,7 +103,7 @@ pub static SIEMENS: &[PkwErrorInfo] = &[
 /// ABB.
 #[rustfmt::skip]
 pub static ABB: &[PkwErrorInfo] = &[
-    PkwErrorInfo { number: 101, meaning: "error of the maker's own", remedy: "look at the drive's own display or log", source: "ABB FPBA-01 p.90" },
+    PkwErrorInfo { number: 101, meaning: "vendor-specific error", remedy: "look at the drive's own display or log", source: "ABB FPBA-01 p.90" },
     PkwErrorInfo { number: 102, meaning: "request not supported", remedy: "use another request", source: "ABB FPBA-01 p.90" },
     PkwErrorInfo { number: 103, meaning: "communication error between adapter and drive", remedy: "check that the adapter sits right, then ask again", source: "ABB FPBA-01 p.90" },
     PkwErrorInfo { number: 110, meaning: "writing the permanent memory failed", remedy: "write again; if it stays, write to RAM only", source: "ABB FPBA-01 p.90" },
@@ -114,5 +114,5 @@ pub static ABB: &[PkwErrorInfo] = &[
     PkwErrorInfo { number: 130, meaning: "bit of the control word cannot be mapped", remedy: "choose another bit", source: "ABB FPBA-01 p.90" },
     PkwErrorInfo { number: 140, meaning: "torque mode", remedy: "leave torque control, then write", source: "ABB FPBA-01 p.90" },
     PkwErrorInfo { number: 150, meaning: "buffer overflow", remedy: "ask for less at once", source: "ABB FPBA-01 p.90" },
-    PkwErrorInfo { number: 160, meaning: "internal error", remedy: "restart the drive; if it stays, ask the maker", source: "ABB FPBA-01 p.90" },
+    PkwErrorInfo { number: 160, meaning: "internal error", remedy: "restart the drive; if it stays, contact the vendor", source: "ABB FPBA-01 p.90" },
 ];

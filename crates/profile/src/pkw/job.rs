@@ -24,7 +24,7 @@ impl PkwValue {
         }
     }
 
-    /// The number without a sign.
+    /// Returns the number without a sign.
     #[must_use]
     pub const fn raw(self) -> u32 {
         match self {
@@ -33,7 +33,7 @@ impl PkwValue {
         }
     }
 
-    /// The number in two's complement of its width.
+    /// Returns the number in two's complement of its width.
     ///
     /// ```
     /// use profidrive_profile::pkw::PkwValue;
@@ -59,7 +59,7 @@ impl PkwValue {
     }
 }
 
-/// One request of a client. `element` is `None` for a parameter that is no array.
+/// One request of a client. `element` is `None` for a parameter that is not an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Job<'a> {
     /// A value.
@@ -113,7 +113,7 @@ pub enum Job<'a> {
 /// What a drive answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
-    /// A value: what was asked for, or what is there after a change.
+    /// A value: what was requested, or what is there after a change.
     Value(PkwValue),
     /// An element of the description, right-aligned.
     Description(u32),
@@ -144,7 +144,7 @@ pub enum JobError {
 }
 
 impl JobError {
-    /// What a person can do about it.
+    /// Returns what a person can do about it.
     #[must_use]
     pub fn remedy(self, names: PkwErrorNames) -> &'static str {
         match self {
@@ -199,8 +199,8 @@ pub(super) struct Order<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// The AK the job needs in this dialect: for elements of arrays the array requests, or the plain ones where those
-    /// are all there is.
+    /// Returns the AK the job needs in this dialect: for elements of arrays the array requests, or the plain ones where
+    /// those are all there is.
     pub(super) fn order(&self, dialect: &PkwDialect) -> Result<Order<'a>, StartError> {
         let plain = |code, pnu, subindex| Order {
             code,
@@ -264,7 +264,7 @@ impl<'a> Job<'a> {
     }
 }
 
-/// The request that fits, the array form first when an element is meant.
+/// Returns the request that fits, the array form first when an element is meant.
 fn choose(dialect: &PkwDialect, array: bool, fits: impl Fn(&RequestInfo) -> bool) -> RequestCode {
     let form = |array| REQUESTS.iter().find(|row| row.array == array && fits(row));
     let fallback = form(false).map_or(RequestCode::RESERVED, |row| row.code);

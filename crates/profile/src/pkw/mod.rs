@@ -4,10 +4,10 @@
 //! PWE is the value. A request stands until its reply comes; then the reply stands. How the octets travel is not this
 //! module's business: in the cyclic data of a PPO, or in a serial telegram.
 //!
-//! * [`Pkw`] is the telegram, [`REQUESTS`] and [`REPLIES`] are its codes, [`PkwErrorNumber`] tells why a drive refused;
+//! * [`Pkw`] is the telegram, [`REQUESTS`] and [`REPLIES`] are its codes, [`PkwErrorNumber`] is the cause of a refusal;
 //! * a drive answers with a [`Server`] over its [`ParameterAccess`](crate::parameter::ParameterAccess);
 //! * a master asks with a [`Client`], one [`Job`] after the other;
-//! * makers and carriers differ by data: [`PkwDialect`].
+//! * vendors and carriers differ by data: [`PkwDialect`].
 //!
 //! Source: PROFIdrive V2 parameter channel as printed in Danfoss FC parameter block description p. 73, Siemens CU240S
 //! p. 123, Kollmorgen S300 PROFIBUS p. 18.

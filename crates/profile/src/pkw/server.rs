@@ -9,7 +9,7 @@ use crate::parameter::{
     SaveState,
 };
 
-/// A block that is no request of the channel.
+/// A block that is not a request of the channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum BlockError {
     /// Neither the eight octets of PKE, IND and PWE, nor six with a PWE of one word, nor a text block.
@@ -20,7 +20,7 @@ pub enum BlockError {
     Room,
 }
 
-/// What came of a change; it is done once and told for as long as the request stands.
+/// Result of a change. The change is executed once; its result is repeated while the request stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Done {
     Changed,
@@ -44,8 +44,7 @@ enum Refusal {
 ///   shows the present value.
 /// * AK 0 is answered with the zero telegram. So is a change whose value the drive has not stored yet: no reply (AK 0).
 /// * A value of one or two octets travels as a word, of four as a double word. One octet is widened to a word by the
-///   sign of its type; PWE high of a word reply is 0, also when the value is negative, and nobody looks at it in a
-///   request.
+///   sign of its type; PWE high of a word reply is 0, also when the value is negative, and is ignored in a request.
 ///
 /// Source: Parker Compax3 p. 358, Danfoss FCM 300 p. 18-30, Kollmorgen S300 PROFIBUS p. 46, Lenze E82ZAFPC p. 66.
 ///
@@ -87,7 +86,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// A channel at rest.
+    /// Creates a channel at rest.
     #[must_use]
     pub const fn new(dialect: PkwDialect) -> Self {
         Self {
@@ -100,7 +99,7 @@ impl Server {
         }
     }
 
-    /// The facts it answers by.
+    /// Returns the facts it answers by.
     #[must_use]
     pub const fn dialect(&self) -> &PkwDialect {
         &self.dialect
@@ -303,10 +302,10 @@ impl Server {
         Err(Refusal::Number(number))
     }
 
-    /// How a value of the parameter fills PWE.
+    /// Returns how a value of the parameter fills PWE.
     fn width(&self, facts: &Attributes) -> Result<Width, Refusal> {
         if counted(facts.format) {
-            // a text is no value of the channel: it has a request of its own, where there is one
+            // a text is not a value of the channel: it has a request of its own, where there is one
             return Err(Refusal::Number(PkwErrorNumber::DATA_TYPE));
         }
         match facts.octets {
@@ -486,7 +485,7 @@ enum Reply {
     Text(usize),
 }
 
-/// The fixed part and the characters of a block.
+/// Returns the fixed part and the characters of a block.
 fn parse(request: &[u8]) -> Result<(Pkw, &[u8]), BlockError> {
     let wrong = BlockError::Length(request.len());
     let (head, text) = request.split_first_chunk::<TEXT_AT>().ok_or(wrong)?;
@@ -530,7 +529,7 @@ fn signed(format: Format) -> bool {
         .is_some_and(|info| info.kind == Kind::Signed)
 }
 
-/// A word as one octet; `None` when it does not fit.
+/// Returns a word as one octet; `None` when it does not fit.
 fn octet(word: u16, signed: bool) -> Option<u8> {
     let [_, low] = word.to_be_bytes();
     if signed {

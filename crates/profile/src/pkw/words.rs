@@ -73,7 +73,7 @@ impl Pkw {
         }
     }
 
-    /// The eight octets.
+    /// Returns the eight octets.
     #[must_use]
     pub const fn to_octets(self) -> [u8; PKW_LEN] {
         let [a, b] = self.pke.to_be_bytes();
@@ -82,7 +82,7 @@ impl Pkw {
         [a, b, c, d, e, f, g, h]
     }
 
-    /// A telegram with this AK for a parameter; `None` when the dialect cannot name the parameter.
+    /// Returns a telegram with this AK for a parameter; `None` when the dialect cannot name the parameter.
     ///
     /// ```
     /// use profidrive_profile::pkw::{Pkw, PkwAddress, PkwDialect, RequestCode};
@@ -106,7 +106,7 @@ impl Pkw {
         })
     }
 
-    /// The upper four bits of PKE.
+    /// Returns the upper four bits of PKE.
     #[must_use]
     pub const fn ak(self) -> u8 {
         self.pke.to_be_bytes()[0] >> 4
@@ -124,13 +124,13 @@ impl Pkw {
         ReplyCode(self.ak())
     }
 
-    /// The bit for spontaneous messages; always false where the parameter number has 12 bits.
+    /// Returns the bit for spontaneous messages; always false where the parameter number has 12 bits.
     #[must_use]
     pub const fn spm(self, dialect: &PkwDialect) -> bool {
         dialect.pnu_bits < 12 && self.pke & SPM != 0
     }
 
-    /// The parameter it means; `None` for a page that nobody told about.
+    /// Returns the parameter that the words address; `None` for an undocumented page.
     #[must_use]
     pub fn address(self, dialect: &PkwDialect) -> Option<PkwAddress> {
         let [first, second] = self.ind.to_be_bytes();
@@ -147,7 +147,7 @@ impl Pkw {
         })
     }
 
-    /// True for a request that the dialect has. With text (AK 15) IND has to say whether it is read or written.
+    /// Returns true for a request that the dialect has. With text (AK 15) IND has to say whether it is read or written.
     ///
     /// ```
     /// use profidrive_profile::pkw::{Pkw, PkwDialect};
@@ -171,8 +171,8 @@ impl Pkw {
         u16::from_be_bytes([high, low])
     }
 
-    /// The value in PWE. Of a word only PWE low counts, whatever the sender put into PWE high: makers differ in
-    /// extending the sign there.
+    /// Returns the value in PWE. Of a word only PWE low counts, whatever the sender put into PWE high: vendors differ
+    /// in extending the sign there.
     #[must_use]
     pub const fn value(self, width: Width) -> u32 {
         match width {
@@ -181,7 +181,7 @@ impl Pkw {
         }
     }
 
-    /// A telegram that mirrors PNU and IND of this one under another AK; the SPM bit goes back as 0.
+    /// Creates a telegram that mirrors PNU and IND of this one under another AK; the SPM bit goes back as 0.
     #[must_use]
     pub const fn mirrored(self, dialect: &PkwDialect, reply: ReplyCode, pwe: u32) -> Self {
         Self {

@@ -77,7 +77,7 @@ pub struct BitMeaning {
     pub inverse: bool,
 }
 
-/// The bits of STW1 in this mode.
+/// Returns the bits of STW1 in this mode.
 #[must_use]
 pub const fn stw1(mode: Mode) -> &'static [Bit; 16] {
     match mode {
@@ -86,7 +86,7 @@ pub const fn stw1(mode: Mode) -> &'static [Bit; 16] {
     }
 }
 
-/// The bits of ZSW1 in this mode.
+/// Returns the bits of ZSW1 in this mode.
 #[must_use]
 pub const fn zsw1(mode: Mode) -> &'static [Bit; 16] {
     match mode {
@@ -114,8 +114,8 @@ pub fn describe(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = Bi
 ///
 /// ```
 /// use profidrive_profile::state::{Mode, bits};
-/// let told: Vec<_> = bits::told(bits::stw1(Mode::Velocity), 0x047D).collect();
-/// assert_eq!(told[..2], ["ON", "OFF2: coast stop, pulses off at once"]);
+/// let texts: Vec<_> = bits::texts(bits::stw1(Mode::Velocity), 0x047D).collect();
+/// assert_eq!(texts[..2], ["ON", "OFF2: coast stop, pulses off at once"]);
 /// ```
 pub fn texts(table: &'static [Bit; 16], word: u16) -> impl Iterator<Item = &'static str> {
     describe(table, word).filter_map(|bit| match (bit.inverse, bit.set) {

@@ -9,7 +9,7 @@ use super::{Motion, State, Stw1, Zsw1};
 pub struct Inputs {
     /// Control word 1 as received; zero when there is no connection.
     pub stw1: Stw1,
-    /// `stw1` did not come from a controller: its bit 7 is no level that an edge could start from.
+    /// `stw1` did not come from a controller: its bit 7 is not a level that an edge could start from.
     pub silent: bool,
     /// Control word of local operation (panel, setup software); it takes the place of `stw1`, bit 10 does not matter.
     pub local: Option<Stw1>,
@@ -55,7 +55,7 @@ pub struct Path {
 }
 
 impl Path {
-    /// The transitions, first one first.
+    /// Returns the transitions, first one first.
     pub fn iter(&self) -> impl Iterator<Item = &'static Transition> + use<> {
         self.rows.into_iter().flatten()
     }
@@ -70,7 +70,7 @@ impl Path {
         self
     }
 
-    /// True when the state did not change.
+    /// Returns true when the state did not change.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.iter().next().is_none()
@@ -89,12 +89,12 @@ impl core::fmt::Debug for Path {
 /// Source: profile 6.3.2; AKD manual 5.3, 5.4 and 5.9. The transitions are in [`TRANSITIONS`].
 ///
 /// - A word without bit 10 is ignored: the last accepted one stays in force. Before the first accepted one the drive is
-///   in S1 as with a word of zeros, and asks for control (ZSW1 bit 9).
+///   in S1 as with a word of zeros, and requests control (ZSW1 bit 9).
 /// - A step goes on until nothing changes any more, so `0x040F` leads from S2 through S3 to S4 at once.
 /// - A fault with the motor on starts its reaction, any other leads to S1. It stays in ZSW1 bit 3 until an edge of STW1
 ///   bit 7 comes without the cause being present. Then OFF leads to S2.
 /// - The edge needs bit 10 in the word with the 1; the word with the 0 before it may be without. A bit 7 that is 1 from
-///   the first word on is no edge. Source: the profile wants control with the edge; that the 0 needs none is ours.
+///   the first word on is not an edge. Source: the profile wants control with the edge; that the 0 needs none is ours.
 /// - When control changes between the PLC and local operation, S2 and S3 fall back to S1, so that an ON that waits on the
 ///   other side cannot start the motor; in S4 the other side takes over. Source: ours, the profile is silent.
 ///
@@ -133,13 +133,13 @@ impl Default for Machine {
 }
 
 impl Machine {
-    /// A drive after power-on: S1, no word accepted, no fault.
+    /// Creates a drive after power-on: S1, no word accepted, no fault.
     #[must_use]
     pub const fn new() -> Self {
         Self {
             state: State::S1,
             word: Stw1(0),
-            // A bit that is 1 from the beginning is no edge.
+            // A bit that is 1 from the beginning is not an edge.
             acknowledge_level: true,
             local: false,
             fault: false,
@@ -147,19 +147,19 @@ impl Machine {
         }
     }
 
-    /// The state after the last step.
+    /// Returns the state after the last step.
     #[must_use]
     pub const fn state(&self) -> State {
         self.state
     }
 
-    /// The word in force: the last accepted one.
+    /// Returns the word in force: the last accepted one.
     #[must_use]
     pub const fn word(&self) -> Stw1 {
         self.word
     }
 
-    /// True while a fault waits for its acknowledge.
+    /// Returns true while a fault waits for its acknowledge.
     #[must_use]
     pub const fn fault(&self) -> bool {
         self.fault
@@ -220,7 +220,8 @@ impl Machine {
         }
     }
 
-    /// Takes over the word of who has control. Tells if a word was accepted, if bit 7 rose, and if control changed.
+    /// Takes over the word of the controller. Returns whether a word was accepted, whether bit 7 rose, and whether
+    /// control changed.
     fn take_word(&mut self, inputs: &Inputs) -> (bool, bool, bool) {
         let local = inputs.local.is_some();
         let takeover = local != self.local;
@@ -295,7 +296,7 @@ impl Machine {
         word
     }
 
-    /// A machine in the middle of something.
+    /// Creates a machine in the middle of something.
     #[cfg(test)]
     pub(super) fn in_state(state: State, fault: bool, stopped_by_fault: bool) -> Self {
         Self {
@@ -503,7 +504,7 @@ mod tests {
             });
             machine
         };
-        // A level is no edge, and an edge in a word without control is none.
+        // A level is not an edge, and an edge in a word without control is none.
         let mut machine = faulty();
         machine.step(&Inputs {
             cause_present: true,

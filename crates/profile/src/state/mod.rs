@@ -1,12 +1,12 @@
 //! General state machine of an axis: states, control and status word, transitions, setpoint channel, jog.
 //!
-//! Source: PROFIdrive profile V4.1 (3.172) 6.3.2 and 6.3.4 as the AKD PROFINET manual ed. M 5.3 to 5.5 and 5.9 and
-//! the manuals of Eaton, Lenze and Parker tell it. The profile text itself was not at hand; where those differ, the
-//! items say so.
+//! Source: PROFIdrive profile V4.1 (3.172) 6.3.2 and 6.3.4 as documented in the AKD PROFINET manual ed. M 5.3 to 5.5
+//! and 5.9 and in the manuals of Eaton, Lenze and Parker. The text of the profile itself was not available. Items
+//! mention where those sources differ.
 //!
 //! The facts are tables ([`TRANSITIONS`], the bit tables in [`bits`]); [`Machine`] walks them. It has no clock and does
 //! nothing by itself: each drive cycle calls [`Machine::step`] once. What happens inside S4 of an axis in position mode
-//! is a table and a machine of its own, [`POSITION_TRANSITIONS`] and [`PositionMachine`]. Makers with control words of
+//! is a table and a machine of its own, [`POSITION_TRANSITIONS`] and [`PositionMachine`]. Vendors with control words of
 //! their own have a [`Profile`], a translation to and from the same machine.
 //!
 //! ```
@@ -135,25 +135,25 @@ impl State {
         rest.iter().find(|facts| facts.state == self).unwrap_or(s1)
     }
 
-    /// Number 1 to 5; both ways of switching off are 5.
+    /// Returns the number 1 to 5; both ways of switching off are 5.
     #[must_use]
     pub fn number(self) -> u8 {
         self.facts().number
     }
 
-    /// Name in words, for example `switching on inhibited`.
+    /// Returns the name in words, for example `switching on inhibited`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.facts().name
     }
 
-    /// True when the power stage is on.
+    /// Returns true when the power stage is on.
     #[must_use]
     pub fn pulses(self) -> bool {
         self.facts().pulses
     }
 
-    /// What the axis does in this state.
+    /// Returns what the axis does in this state.
     #[must_use]
     pub fn motion(self) -> Motion {
         self.facts().motion

@@ -1,11 +1,11 @@
 //! The extended state machine of positioning: what happens inside S4 when the axis is in position mode.
 //!
-//! Source: AKD manual 5.10.1 to 5.10.3 and 5.4; names of the states as Festo and ABB tell of the profile's diagram. The
-//! diagrams of the manual are pictures without text, so the priorities between simultaneous wishes are ours: what stops
-//! comes before what starts.
+//! Source: AKD manual 5.10.1 to 5.10.3 and 5.4. The names of the states come from Festo and ABB manuals. The diagrams
+//! of the manual are pictures without text, so the priorities between simultaneous requests are our choice: stopping
+//! precedes starting.
 //!
-//! The facts are one table, [`POSITION_TRANSITIONS`]; [`PositionMachine`] walks it, one transition in one drive cycle.
-//! It decides what shall happen. Where the axis goes, and if a task can run at all, its owner knows and tells.
+//! The facts are one table, [`POSITION_TRANSITIONS`]; [`PositionMachine`] applies it, one transition per drive cycle.
+//! It decides the next action. Its owner determines where the axis goes and whether a task can run.
 
 use super::{Stw1, Zsw1};
 
@@ -53,7 +53,7 @@ impl PositionState {
         Braking,
     ];
 
-    /// Number and name as the profile's diagram has them.
+    /// Returns the number and name as the profile's diagram has them.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -68,13 +68,13 @@ impl PositionState {
         }
     }
 
-    /// True while a traversing task is there, running or waiting.
+    /// Returns true while a traversing task is there, running or waiting.
     #[must_use]
     pub const fn has_task(self) -> bool {
         matches!(self, Task | Pause)
     }
 
-    /// True while the axis jogs.
+    /// Returns true while the axis jogs.
     #[must_use]
     pub const fn is_jogging(self) -> bool {
         matches!(self, Jog1 | Jog2 | RealTimeJog)
@@ -90,11 +90,11 @@ pub enum PositionCondition {
     TaskEdge,
     /// Bit 11 rose in this step.
     HomingEdge,
-    /// The task that is asked for can run.
+    /// The task that is requested can run.
     TaskPermitted,
     /// Homing can run.
     HomingPermitted,
-    /// Nothing keeps the axis from jogging the way that is asked for.
+    /// Nothing keeps the axis from jogging the way that is requested.
     JogPermitted,
     /// The jog bits that are 1 were 0 after the last task, homing or stop by a command.
     JogAnew,
@@ -129,7 +129,7 @@ pub enum PositionCommand {
 pub enum PositionEffect {
     /// Nothing but what the new state says.
     None,
-    /// The task that was asked for becomes the running one, in the place of any other.
+    /// The task that was requested becomes the running one, in the place of any other.
     StartTask,
     /// The running task goes on where it was interrupted.
     ContinueTask,
@@ -182,7 +182,7 @@ const HOME: u16 = 1 << 11;
 const REAL_TIME: u16 = 1 << 12;
 /// Bits 4, 5 and 6: all 0 for jog 1 and 2.
 const TASK_BITS: u16 = KEEP | GO | ACTIVATE;
-/// Bits that ask for a jog.
+/// Bits that request a jog.
 const JOG_BITS: u16 = JOG1 | JOG2 | REAL_TIME;
 
 /// No bit of STW1 is looked at.
@@ -286,11 +286,11 @@ pub struct PositionInputs {
     pub stw1: Stw1,
     /// The axis stands still: neither moves nor is led by its trajectory.
     pub standstill: bool,
-    /// The task that [`PositionMachine::wants_task`] or the command asks for can run.
+    /// The task that [`PositionMachine::wants_task`] or the command requests can run.
     pub task_permitted: bool,
     /// Homing can run.
     pub homing_permitted: bool,
-    /// Jogging the way that the word asks for can begin.
+    /// Jogging the way that the word requests can begin.
     pub jog_permitted: bool,
     /// The running task (with all that follow it) or homing came to its end.
     pub finished: bool,
@@ -307,12 +307,12 @@ pub struct PositionOutput {
     pub state: PositionState,
     /// The transition of this step.
     pub transition: Option<&'static PositionTransition>,
-    /// A task or homing was asked for and is not taken: it gets no acknowledge.
+    /// A task or homing was requested and is not taken: it gets no acknowledge.
     pub refused: bool,
 }
 
 impl PositionOutput {
-    /// What the owner has to do.
+    /// Returns what the owner has to do.
     #[must_use]
     pub fn effect(&self) -> PositionEffect {
         self.transition.map_or(PositionEffect::None, |row| row.effect)
@@ -335,9 +335,9 @@ pub struct PositionFacts {
 /// Extended state machine of one axis in position mode.
 /// Source: AKD manual 5.10; the transitions are in [`POSITION_TRANSITIONS`].
 ///
-/// - It runs in S4 only. Whoever enters or leaves S4 calls [`reset`](Self::reset): bits that are 1 already are no edges
-///   then, so nothing that was asked for outside S4 starts.
-/// - Bit 12 of ZSW1 rises when a task that bit 6 asked for is taken, and falls when bit 6 does. A task that cannot run
+/// - It runs in S4 only. Whoever enters or leaves S4 calls [`reset`](Self::reset): bits that are 1 already are not
+///   edges then, so nothing that was requested outside S4 starts.
+/// - Bit 12 of ZSW1 rises when a task that bit 6 requested is taken, and falls when bit 6 does. A task that cannot run
 ///   is not acknowledged; the one that runs is not disturbed.
 ///
 /// ```
@@ -360,7 +360,7 @@ pub struct PositionMachine {
     acknowledge: bool,
     homing_by_bus: bool,
     paused_by_command: bool,
-    /// Bits that ask for a jog and have to be 0 first: they were 1 while a task or homing had the axis.
+    /// Bits that request a jog and have to be 0 first: they were 1 while a task or homing had the axis.
     spent_jogs: u16,
 }
 
@@ -392,7 +392,7 @@ impl PositionMachine {
         };
     }
 
-    /// The state after the last step.
+    /// Returns the state after the last step.
     #[must_use]
     pub const fn state(&self) -> PositionState {
         self.state
@@ -404,13 +404,13 @@ impl PositionMachine {
         self.acknowledge
     }
 
-    /// True when a step with this word sees bit 6 rise: the owner has to find out if the task can run.
+    /// Returns true when a step with this word sees bit 6 rise: the owner has to find out if the task can run.
     #[must_use]
     pub const fn wants_task(&self, word: Stw1) -> bool {
         self.rises(word, Stw1::ACTIVATE_TASK)
     }
 
-    /// True when a step with this word sees bit 11 rise.
+    /// Returns true when a step with this word sees bit 11 rise.
     #[must_use]
     pub const fn wants_homing(&self, word: Stw1) -> bool {
         self.rises(word, Stw1::START_HOMING)
@@ -494,7 +494,7 @@ impl PositionMachine {
         word
     }
 
-    /// A machine in the middle of something.
+    /// Creates a machine in the middle of something.
     #[cfg(test)]
     pub(super) const fn in_state(
         state: PositionState,

@@ -111,15 +111,16 @@ impl Zsw1 {
     /// Bit 14, position: motion task active. AKD only, manual 5.5.
     pub const TASK_ACTIVE: Self = Self(1 << 14);
 
-    /// The bits that tell the state: 0, 1, 2, 4, 5 and 6.
+    /// Bits that encode the state: 0, 1, 2, 4, 5 and 6.
     pub const STATE_BITS: Self = Self(0x0077);
     /// The bits that the state machine leaves to the application: 7, 8 and 10 to 15.
     pub const APPLICATION_BITS: Self = Self(0xFD80);
 
-    /// The state that the word tells, none for a drive that is not ready (self test).
+    /// Returns the state encoded in the word; `None` for a drive that is not ready (self test).
     ///
-    /// S3 and a ramp stop have the same bits. A drive that was sent OFF, or that has a fault, is in the ramp stop. Bit 2
-    /// is not looked at while a stop runs, makers differ. The separate fault state of some makers (bit 6 is 0) is S1.
+    /// S3 and a ramp stop have the same bits. A drive that was sent OFF, or that has a fault, is in the ramp stop. Bit
+    /// 2 is not looked at while a stop runs, vendors differ. The separate fault state of some vendors (bit 6 is 0) is
+    /// S1.
     #[must_use]
     pub const fn state(self, sent: Stw1) -> Option<State> {
         let fault = self.has(Self::FAULT);
@@ -148,25 +149,26 @@ impl Zsw1 {
 macro_rules! word {
     ($name:ident, $table:path) => {
         impl $name {
-            /// True when all of these bits are 1.
+            /// Returns true when all of these bits are 1.
             #[must_use]
             pub const fn has(self, bits: Self) -> bool {
                 self.0 & bits.0 == bits.0
             }
 
-            /// The word with these bits 1.
+            /// Returns the word with these bits 1.
             #[must_use]
             pub const fn with(self, bits: Self) -> Self {
                 Self(self.0 | bits.0)
             }
 
-            /// The word with these bits 0.
+            /// Returns the word with these bits 0.
             #[must_use]
             pub const fn without(self, bits: Self) -> Self {
                 Self(self.0 & !bits.0)
             }
 
-            /// Number, short name and meaning of each bit, bit 0 first. An inverse bit is told by what it holds off.
+            /// Number, short name and meaning of each bit, bit 0 first. An inverse bit is reported by what it holds
+            /// off.
             pub fn describe(self, mode: Mode) -> impl Iterator<Item = BitMeaning> {
                 bits::describe($table(mode), self.0)
             }

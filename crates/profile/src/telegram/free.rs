@@ -4,10 +4,9 @@ use super::mapping::MOST_WORDS;
 use super::{Direction, Mapping, MappingError, Signal};
 
 /// The words of PNU 915 or 916 of a free telegram. Whatever is written, what stands here is a mapping: each word alone
-/// is accepted or refused.
-/// Source: AKD manual 5.8, 5.11.1 and 5.11.10. How a drive takes a signal of two words that is written word by word no
-/// source tells; here its number written into one word fills the next one too, and to write it there again changes
-/// nothing. So both ways to write an array work: all at once, and one subindex after the other.
+/// is accepted or refused. Source: AKD manual 5.8, 5.11.1 and 5.11.10. How a drive takes a signal of two words that is
+/// written word by word no source states; here its number written into one word fills the next one too, and to write it
+/// there again changes nothing. So both ways to write an array work: all at once, and one subindex after the other.
 ///
 /// ```
 /// use profidrive_profile::telegram::{Direction, FreeMapping, KOLLMORGEN};
@@ -32,7 +31,7 @@ impl FreeMapping {
     /// only whole signals are taken over.
     ///
     /// # Errors
-    /// The words are no mapping.
+    /// The words are not mapping.
     pub fn new(
         words: &[u16],
         length: usize,
@@ -59,7 +58,7 @@ impl FreeMapping {
         Ok(free)
     }
 
-    /// The words, as PNU 915 or 916 shows them.
+    /// Returns the words, as PNU 915 or 916 shows them.
     #[must_use]
     pub fn words(&self) -> &[u16] {
         self.words.get(..self.length).unwrap_or_default()
@@ -96,7 +95,7 @@ impl FreeMapping {
         Ok(())
     }
 
-    /// The places of the signals.
+    /// Returns the places of the signals.
     ///
     /// # Errors
     /// Never for what [`new`](Self::new) and [`set`](Self::set) have accepted.

@@ -742,7 +742,7 @@ pub mod signal {
     pub const STW2_ENC: u16 = 80;
     /// Status word 2 of an encoder.
     pub const ZSW2_ENC: u16 = 81;
-    /// Signal numbers of this maker.
+    /// Signal numbers of this vendor.
     pub mod kollmorgen {
         /// Homing distance.
         pub const HOME_DIST: u16 = 100;
@@ -765,7 +765,7 @@ pub mod signal {
         /// Deceleration.
         pub const DRV_DEC: u16 = 109;
     }
-    /// Signal numbers of this maker.
+    /// Signal numbers of this vendor.
     pub mod siemens {
         /// Torque reduction.
         pub const MOMRED: u16 = 101;
@@ -776,7 +776,7 @@ pub mod signal {
         /// Warning number.
         pub const WARN_CODE: u16 = 303;
     }
-    /// Signal numbers of this maker.
+    /// Signal numbers of this vendor.
     pub mod vacon {
         /// 32-bit process data in 6.
         pub const DW_PDI6: u16 = 137;

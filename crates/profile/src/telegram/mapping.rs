@@ -40,13 +40,13 @@ static NOTHING: Signal = Signal {
     source: "",
 };
 
-/// Why signal numbers are no mapping.
+/// Why signal numbers are not mapping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum MappingError {
     /// More words than this crate handles.
     #[error("a telegram of {words} words, {MOST_WORDS} are possible")]
     Long {
-        /// Words asked for.
+        /// Words requested.
         words: usize,
     },
     /// The drive has no such signal.
@@ -92,7 +92,8 @@ pub enum MappingError {
 }
 
 impl MappingError {
-    /// Position of the word that is wrong, from 0; of the first one too many for a mapping that is too long.
+    /// Returns the position of the word that is wrong, from 0; of the first one too many for a mapping that is too
+    /// long.
     #[must_use]
     pub const fn word(&self) -> usize {
         match *self {
@@ -117,7 +118,7 @@ impl Mapping {
         octets: 0,
     };
 
-    /// The half of a fixed telegram as a mapping.
+    /// Returns the half of a fixed telegram as a mapping.
     #[must_use]
     pub fn of(image: &Image) -> Self {
         let mut mapping = Self {
@@ -130,7 +131,8 @@ impl Mapping {
         mapping
     }
 
-    /// A mapping for a drive of this vendor; `direction` says if it is that of PNU 915 (setpoint) or 916 (actual).
+    /// Returns a mapping for a drive of this vendor; `direction` says if it is that of PNU 915 (setpoint) or 916
+    /// (actual).
     ///
     /// # Errors
     /// What is wrong, and in which word.
@@ -196,13 +198,13 @@ impl Mapping {
         }
     }
 
-    /// Length of the data.
+    /// Returns the length of the data.
     #[must_use]
     pub const fn octets(&self) -> u16 {
         self.octets
     }
 
-    /// The signals with their places, in order.
+    /// Returns the signals with their places, in order.
     #[must_use]
     pub fn fields(&self) -> &[Field] {
         self.fields.get(..self.count).unwrap_or_default()
@@ -226,7 +228,7 @@ impl Mapping {
             .map_or(0, |field| field.signal.number)
     }
 
-    /// True when the signal has a place here.
+    /// Returns true when the signal has a place here.
     #[must_use]
     pub fn has(&self, signal: u16) -> bool {
         self.position_of(signal).is_some()

@@ -1,7 +1,8 @@
 //! Signals and telegrams: what is where in the cyclic data.
 //!
-//! Source: the tables in `data/profile/`, with one source per row: AKD PROFINET manual ed. M 5.8 and 5.11 and manuals of
-//! Siemens, Heidenhain and LinMot. Numbers from 100 on are the makers' own, so that a search needs the vendor number.
+//! Source: the tables in `data/profile/`, with one source per row: AKD PROFINET manual ed. M 5.8 and 5.11 and manuals
+//! of Siemens, Heidenhain and LinMot. Numbers from 100 on are the vendor-specific, so that a search needs the vendor
+//! number.
 //!
 //! ```
 //! use profidrive_profile::telegram::{KOLLMORGEN, Telegram, signal};
@@ -43,15 +44,14 @@ pub enum Direction {
     Either,
 }
 
-/// One signal.
-/// Source: profile 6.3.4.3 for numbers below 100, above them the maker; see `source`.
+/// One signal. Source: profile 6.3.4.3 for numbers below 100, above them the vendor; see `source`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Signal {
     /// Number, as in PNU 915 and 916.
     pub number: u16,
     /// Short name, for example `NSOLL_A`.
     pub name: &'static str,
-    /// Vendor number of the maker whose signal it is, none for the profile's.
+    /// Vendor number of the vendor whose signal it is, none for the profile's.
     pub vendor: Option<u16>,
     /// Size: 16, 32 or 64.
     pub bits: u8,
@@ -66,7 +66,7 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// The signal with this number on a drive of this vendor.
+    /// Returns the signal with this number on a drive of this vendor.
     #[must_use]
     pub fn find(number: u16, vendor: u16) -> Option<&'static Self> {
         SIGNALS
@@ -74,7 +74,7 @@ impl Signal {
             .find(|signal| signal.number == number && signal.vendor.is_none_or(|owner| owner == vendor))
     }
 
-    /// The signal with this name on a drive of this vendor; case does not matter.
+    /// Returns the signal with this name on a drive of this vendor; case does not matter.
     #[must_use]
     pub fn by_name(name: &str, vendor: u16) -> Option<&'static Self> {
         SIGNALS.iter().find(|signal| {
@@ -100,7 +100,7 @@ impl Signal {
         }
     }
 
-    /// The value out of its octets, high octet first; none when they are too few.
+    /// Returns the value out of its octets, high octet first; none when they are too few.
     #[must_use]
     pub fn decode(&self, octets: &[u8]) -> Option<i64> {
         let octets = octets.get(..usize::from(self.octets()))?;
@@ -182,7 +182,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// The value in this data; none when they are too short.
+    /// Returns the value in this data; none when they are too short.
     #[must_use]
     pub fn get(&self, data: &[u8]) -> Option<i64> {
         self.signal.decode(data.get(usize::from(self.offset)..)?)
@@ -250,13 +250,12 @@ impl Image {
     }
 }
 
-/// One telegram.
-/// Source: profile 6.3.4.3; makers' telegrams as in `source`.
+/// One telegram. Source: profile 6.3.4.3; vendors' telegrams as in `source`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Telegram {
     /// Number, PNU 922.
     pub number: u16,
-    /// Vendor number of the maker whose telegram it is, none for the profile's.
+    /// Vendor number of the vendor whose telegram it is, none for the profile's.
     pub vendor: Option<u16>,
     /// The mapping can be changed, `setpoint` and `actual` are the default; see [`Mapping`].
     pub free: bool,
@@ -265,7 +264,7 @@ pub struct Telegram {
     /// Words without a signal carry parameters that settings of the drive choose, see
     /// [`parameter_words`](Self::parameter_words).
     pub parameters: bool,
-    /// The words in the places of STW1 and ZSW1 have the bits of the maker's own profile (VLT: as 8-10 says), see
+    /// The words in the places of STW1 and ZSW1 have the bits of the vendor's own profile (VLT: as 8-10 says), see
     /// [`Profile`](crate::state::Profile).
     pub own_words: bool,
     /// The number of NSOLL_A and NIST_A that is 100 % where the telegram has a scale of its own; none: that of the drive.
@@ -282,8 +281,9 @@ impl Telegram {
     /// Octets of the parameter channel.
     pub const PKW: u16 = 8;
 
-    /// The process data of a serial line: control word and setpoint there, status word and actual value back. That is the
-    /// telegram of the maker with these two words alone, in the maker's own words (PPO 3 of a VLT), else telegram 1.
+    /// Returns the process data of a serial line: control word and setpoint there, status word and actual value back.
+    /// That is the telegram of the vendor with these two words alone, in the vendor's own words (PPO 3 of a VLT), else
+    /// telegram 1.
     ///
     /// ```
     /// use profidrive_profile::telegram::{DANFOSS, KOLLMORGEN, Telegram};
@@ -302,8 +302,8 @@ impl Telegram {
         TELEGRAMS.iter().find(two).or_else(|| Self::find(1, vendor))
     }
 
-    /// The words of one half that carry a parameter chosen by settings of the drive: index of the word behind the
-    /// parameter channel (that of VLT 9-15 and 9-16) and first octet.
+    /// Returns the words of one half that carry a parameter chosen by settings of the drive: index of the word behind
+    /// the parameter channel (that of VLT 9-15 and 9-16) and first octet.
     ///
     /// ```
     /// use profidrive_profile::telegram::{DANFOSS, Telegram};
@@ -333,7 +333,7 @@ impl Telegram {
         self.setpoint.field(signal::SATZANW).is_some()
     }
 
-    /// The telegram with this number on a drive of this vendor.
+    /// Returns the telegram with this number on a drive of this vendor.
     #[must_use]
     pub fn find(number: u16, vendor: u16) -> Option<&'static Self> {
         TELEGRAMS

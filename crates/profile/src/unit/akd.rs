@@ -35,7 +35,7 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// The raw number times 10^`exponent`.
+    /// Returns the raw number times 10^`exponent`.
     #[must_use]
     pub const fn decimal(exponent: i8) -> Self {
         match exponent {
@@ -44,7 +44,7 @@ impl Scale {
         }
     }
 
-    /// True where no value of the drive takes part in the conversion.
+    /// Returns true where no value of the drive takes part in the conversion.
     #[must_use]
     pub const fn is_fixed(self) -> bool {
         matches!(
@@ -53,7 +53,7 @@ impl Scale {
         )
     }
 
-    /// The power of ten between the raw number and the value in the unit, where it is that.
+    /// Returns the power of ten between the raw number and the value in the unit, where it is that.
     #[must_use]
     pub const fn exponent(self) -> Option<i8> {
         match self {
@@ -111,7 +111,7 @@ impl Scaling {
         Self { position: 1, ..*self }
     }
 
-    /// A drive whose speed setpoint is N2: 100 % is `reference` rpm.
+    /// Creates a drive whose speed setpoint is N2: 100 % is `reference` rpm.
     #[must_use]
     pub const fn of_reference(reference: f64) -> Self {
         Self {
@@ -135,8 +135,8 @@ impl Scaling {
         }
     }
 
-    /// The conversion of a scale. [`Scale::Raw`], [`Scale::Milli`] and [`Scale::Decimal`] occur in all sizes; their
-    /// width here is that of a signed double word.
+    /// Returns the conversion of a scale. [`Scale::Raw`], [`Scale::Milli`] and [`Scale::Decimal`] occur in all sizes;
+    /// their width here is that of a signed double word.
     #[must_use]
     pub const fn linear(&self, scale: Scale) -> Linear {
         match scale {

@@ -18,11 +18,11 @@ use super::{Linear, Width};
 pub struct ConversionIndex(pub i8);
 
 impl ConversionIndex {
-    /// Steps of one (and of a unit whose size is not told otherwise).
+    /// Steps of one, also for a unit without a step of its own.
     pub const ONE: Self = Self(0);
 
-    /// The factor as a fraction, multiplier first: both are whole, so that nothing is rounded before the division.
-    /// None for an index that no table has.
+    /// Returns the factor as a fraction, multiplier first: both are whole, so that nothing is rounded before the
+    /// division. None for an index that no table has.
     #[must_use]
     pub const fn fraction(self) -> Option<(u64, u64)> {
         Some(match self.0 {
@@ -38,7 +38,7 @@ impl ConversionIndex {
         })
     }
 
-    /// The power of ten, none for a special index.
+    /// Returns the power of ten, none for a special index.
     #[must_use]
     pub const fn exponent(self) -> Option<i8> {
         match self.0 {
@@ -47,7 +47,7 @@ impl ConversionIndex {
         }
     }
 
-    /// The conversion between raw numbers and the SI unit; none for an index that no table has.
+    /// Returns the conversion between raw numbers and the SI unit; none for an index that no table has.
     #[must_use]
     pub const fn linear(self, width: Width) -> Option<Linear> {
         match self.fraction() {
@@ -60,7 +60,7 @@ impl ConversionIndex {
         }
     }
 
-    /// The value of a raw number in the SI unit; none for an index that no table has.
+    /// Returns the value of a raw number in the SI unit; none for an index that no table has.
     #[must_use]
     pub const fn engineering(self, raw: i64) -> Option<f64> {
         match self.linear(Width::I32) {
@@ -87,7 +87,7 @@ pub struct Variable {
     pub conversion: ConversionIndex,
 }
 
-/// One physical size and the units it is told in.
+/// One physical quantity and its units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PhysicalSize {
     /// Number in the description.
@@ -118,13 +118,13 @@ pub static QUANTITIES: &[PhysicalSize] = &[
 ];
 
 impl Variable {
-    /// Nothing is told: whole numbers without a unit.
+    /// Nothing is reported: whole numbers without a unit.
     pub const NONE: Self = Self {
         size: 0,
         conversion: ConversionIndex::ONE,
     };
 
-    /// The physical size; none for a number that no table has.
+    /// Returns the physical size; none for a number that no table has.
     #[must_use]
     pub fn quantity(self) -> Option<&'static PhysicalSize> {
         QUANTITIES.iter().find(|quantity| quantity.index == self.size)
@@ -132,8 +132,8 @@ impl Variable {
 
     /// Unit and power of ten: the value in that unit is the raw number times 10^power. The unit is the one of its size
     /// that the step is one of, else the next greater one (steps of 10 W are hundredths of a kilowatt). Without a known
-    /// size the unit is empty; rotation is told in rpm also by an index 0, as in older books. An index that no table
-    /// has counts as 0.
+    /// size the unit is empty; rotation is reported in rpm also by an index 0, as in older books. An index that no
+    /// table has counts as 0.
     #[must_use]
     pub fn unit(self) -> (&'static str, i8) {
         let index = self.conversion.0;
@@ -154,8 +154,8 @@ impl Variable {
         }
     }
 
-    /// What to tell for a raw number whose value in `unit` is the number times 10^`exponent`. None where no pair of
-    /// indices says that.
+    /// Returns the attribute for a raw number whose value in `unit` is the number times 10^`exponent`. `None` when no
+    /// pair of indices expresses it.
     #[must_use]
     pub fn of(unit: &str, exponent: i8) -> Option<Self> {
         QUANTITIES.iter().find_map(|quantity| {

@@ -59,7 +59,7 @@ impl Width {
 pub struct Raw {
     /// The nearest number that fits.
     pub value: i64,
-    /// The value asked for does not fit (or is not a number at all), `value` is the nearest end of the range.
+    /// The value requested does not fit (or is not a number at all), `value` is the nearest end of the range.
     pub saturated: bool,
 }
 
@@ -72,10 +72,10 @@ pub struct DoesNotFit {
 }
 
 impl Raw {
-    /// The number, or an error when it had to be cut.
+    /// Returns the number, or an error when it had to be cut.
     ///
     /// # Errors
-    /// The value asked for does not fit.
+    /// The value requested does not fit.
     pub const fn checked(self) -> Result<i64, DoesNotFit> {
         if self.saturated {
             Err(DoesNotFit { nearest: self.value })
@@ -126,7 +126,7 @@ impl Linear {
         }
     }
 
-    /// The raw number times 10^`index`, as the conversion index of Danfoss says; at most 22 either way.
+    /// Returns the raw number times 10^`index`, as the conversion index of Danfoss says; at most 22 either way.
     #[must_use]
     pub const fn decimal(index: i8, width: Width) -> Self {
         let mut power = 1.0;
@@ -183,19 +183,19 @@ impl Linear {
         self.width
     }
 
-    /// The engineering value of a number from the wire.
+    /// Returns the engineering value of a number from the wire.
     #[must_use]
     pub const fn engineering(&self, raw: i64) -> f64 {
         raw as f64 * self.multiplier / self.divisor
     }
 
-    /// The number for the wire: nearest, halves away from zero. Not-a-number gives 0, marked as saturated.
+    /// Returns the number for the wire: nearest, halves away from zero. Not-a-number gives 0, marked as saturated.
     #[must_use]
     pub const fn raw(&self, engineering: f64) -> Raw {
         nearest(self.exact(engineering), self.width.range())
     }
 
-    /// The number for the wire before it is rounded and cut.
+    /// Returns the number for the wire before it is rounded and cut.
     pub(crate) const fn exact(&self, engineering: f64) -> f64 {
         engineering * self.divisor / self.multiplier
     }
@@ -232,8 +232,8 @@ pub(crate) const fn nearest(exact: f64, (lowest, highest): (i64, i64)) -> Raw {
     }
 }
 
-/// The step that a limit allows: a limit between two steps is the one inside, so upwards for a lowest and downwards for
-/// a highest value. What differs from a step by the arithmetic only is that step.
+/// Returns the step that a limit allows: a limit between two steps is the one inside, so upwards for a lowest and
+/// downwards for a highest value. What differs from a step by the arithmetic only is that step.
 pub(crate) const fn inside(exact: f64, upwards: bool, range: (i64, i64)) -> i64 {
     const NEAR: f64 = 1e-6;
     let step = nearest(exact, range).value;

@@ -43,8 +43,8 @@ impl UnitChoice {
         pitch: 1000,
     };
 
-    /// The unit that they choose; that the custom unit is UNIT.PIN / UNIT.POUT for each revolution is the reading of the
-    /// names.
+    /// Returns the unit that they choose; that the custom unit is UNIT.PIN / UNIT.POUT for each revolution is the
+    /// reading of the names.
     ///
     /// ```
     /// use profidrive_profile::unit::UnitChoice;

@@ -24,7 +24,7 @@ impl Reciprocal {
         Self { sampling }
     }
 
-    /// The time of a number from the wire; none for 0.
+    /// Returns the time of a number from the wire; none for 0.
     #[must_use]
     pub const fn engineering(&self, raw: u16) -> Option<f64> {
         if raw == 0 {
@@ -34,8 +34,8 @@ impl Reciprocal {
         }
     }
 
-    /// The number for the wire: nearest, halves away from zero. A time so long that 0 would be nearest gives 1, marked
-    /// as saturated, since 0 is no time.
+    /// Returns the number for the wire: nearest, halves away from zero. A time so long that 0 would be nearest gives 1,
+    /// marked as saturated, since 0 is not time.
     #[must_use]
     pub const fn raw(&self, engineering: f64) -> Raw {
         let raw = nearest(16_384.0 * self.sampling / engineering, Width::U16.range());

@@ -21,7 +21,7 @@ pub struct Assignment {
 }
 
 impl Assignment {
-    /// A whole number for a parameter of the tables, as it travels.
+    /// Creates a whole number for a parameter of the tables, as it travels.
     #[must_use]
     pub fn of(parameter: &Parameter, number: i64) -> Self {
         let base = parameter.base.map(|first| Elements { first, count: 1 });
@@ -58,39 +58,40 @@ impl FromStr for Assignment {
     }
 }
 
-/// A value that fits its parameter as far as the tables tell.
+/// A value that fits its parameter as far as the tables state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckedValue {
     /// The number on the wire.
     pub raw: i64,
-    /// Its engineering value, at most [`MOST_ROUNDING`] away from the one asked for.
+    /// Its engineering value, at most [`MOST_ROUNDING`] away from the one requested.
     pub engineering: f64,
-    /// The engineering value asked for.
+    /// The engineering value requested.
     pub asked: f64,
     /// Unit of the engineering value, empty for none.
     pub unit: &'static str,
 }
 
-/// How far the nearest value that a drive can hold may be from the one asked for, as a share of it: a tenth. What is
-/// further away is refused before anything is sent, and so is a value that would become zero; what is nearer is told.
+/// How far the nearest value that a drive can hold may be from the one requested, as a share of it: a tenth. What is
+/// further away is refused before anything is sent, and so is a value that would become zero; what is nearer is
+/// reported.
 pub const MOST_ROUNDING: f64 = 0.1;
-/// A value this near to the one asked for is the same for everybody.
+/// Values with a smaller relative difference count as equal.
 const SAME: f64 = 1e-6;
 
-/// True when `held` is no rounding of `asked` but another value.
+/// Returns true when `held` is not a rounding of `asked` but another value.
 #[must_use]
 pub fn is_other_value(asked: f64, held: f64) -> bool {
     (held - asked).abs() > asked.abs() * MOST_ROUNDING * (1.0 + 1e-9)
 }
 
-/// True when `held` is what a drive makes of `asked` because it has steps.
+/// Returns true when `held` is the representable value nearest to `asked`.
 #[must_use]
 pub fn is_rounding(asked: f64, held: f64) -> bool {
     (held - asked).abs() > asked.abs() * SAME
 }
 
 impl CheckedValue {
-    /// True when the drive cannot hold the value asked for and gets one beside it.
+    /// Returns true when the drive cannot hold the value requested and gets one beside it.
     #[must_use]
     pub fn is_rounded(&self) -> bool {
         is_rounding(self.asked, self.engineering)
@@ -98,7 +99,7 @@ impl CheckedValue {
 }
 
 impl Parameters {
-    /// The number to send for a value, once unit, limits and access are right.
+    /// Returns the number to send for a value, once unit, limits and access are right.
     ///
     /// A selection takes its texts too. A parameter without table entry takes bare numbers only; its size comes from the
     /// drive. A value between two that the drive can hold becomes the nearer one, if that is not more than
@@ -146,7 +147,7 @@ impl Parameters {
         })
     }
 
-    /// The characters to send for a string, `None` for a parameter that is not one.
+    /// Returns the characters to send for a string, `None` for a parameter that is not one.
     ///
     /// # Errors
     /// When the string cannot be written, does not hold so many characters, or one of them is not printable ASCII.
@@ -222,7 +223,7 @@ impl Parameters {
         })
     }
 
-    /// A raw number is taken bit by bit; the limits hold for it all the same.
+    /// Checks a raw number bit by bit; the limits apply to it too.
     fn check_raw(
         &self,
         selection: &Selection,
@@ -312,7 +313,7 @@ fn unknown_parameter(selection: &Selection, quantity: &Quantity) -> Result<Check
     }
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "saturates; the size is checked when the drive tells it"
+        reason = "saturates; the size is checked against the description of the drive"
     )]
     let raw = quantity
         .raw()
@@ -394,7 +395,7 @@ mod tests {
                 "{high} {most}"
             );
             assert!((low + high).abs() <= 1e-9 * high, "{low} {high}");
-            // 2 * 10^11 revolutions are beyond, in every unit that can tell them
+            // 2 * 10^11 revolutions are out of range in every unit that can express them
             let assignment: Assignment = "SWLS.LIMIT1=200000000000rev".parse().unwrap();
             let selection = drive.select(&assignment.reference).unwrap();
             let checked = drive.check(&selection, &assignment.value);

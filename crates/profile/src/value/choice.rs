@@ -9,7 +9,7 @@ use crate::notation::{Quantity, QuantityError};
 
 use super::{ParameterProblem, Selection};
 
-/// Octets of a text that a drive tells (attribute text): longer ones are cut.
+/// Octets of a text in a parameter description (attribute text): longer ones are truncated.
 const CUT: usize = 16;
 
 /// A value as given.
@@ -60,26 +60,26 @@ impl Given {
         }
     }
 
-    /// The number as it travels, where it was given as such (`0x047F`).
+    /// Returns the number as it travels, where it was given as such (`0x047F`).
     #[must_use]
     pub fn raw(&self) -> Option<u64> {
         self.quantity.as_ref().ok()?.raw()
     }
 
-    /// The number with its unit, where one was given.
+    /// Returns the number with its unit, where one was given.
     #[must_use]
     pub fn number(&self) -> Option<&Quantity> {
         self.quantity.as_ref().ok()
     }
 
-    /// The characters that were given, without quotation marks. Between these all blanks are part of the text, without
-    /// them those around it are not.
+    /// Returns the characters that were given, without quotation marks. Between these all blanks are part of the text,
+    /// without them those around it are not.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// True when blanks stood in front of a text without quotation marks: they are not part of it.
+    /// Returns true when blanks stood in front of a text without quotation marks: they are not part of it.
     ///
     /// ```
     /// use profidrive_profile::value::Assignment;
@@ -92,7 +92,7 @@ impl Given {
         self.cut
     }
 
-    /// The number that was given.
+    /// Returns the number that was given.
     pub(super) fn quantity(&self, parameter: &str) -> Result<Quantity, ParameterProblem> {
         self.quantity
             .clone()
@@ -102,8 +102,8 @@ impl Given {
             })
     }
 
-    /// The value whose text was given: all of it, or as much as only one text begins with; case does not matter. `None`
-    /// for a number, and where the parameter is no selection.
+    /// Returns the value whose text was given: all of it, or as much as only one text begins with; case does not
+    /// matter. `None` for a number, and where the parameter is not a selection.
     pub(super) fn choice(
         &self,
         selection: &Selection,
@@ -230,7 +230,7 @@ mod tests {
         );
         let error = raw(&VLT, "8-10=\"0\"").unwrap_err();
         assert!(error.contains("none of its texts"), "{error}");
-        // a text for something that is no selection
+        // a text for something that is not a selection
         let error = raw(&VLT, "3-41=fast").unwrap_err();
         assert!(error.contains("does not start with a number"), "{error}");
         assert!(raw(&VLT, "8-10=").unwrap_err().contains("no value given"));

@@ -24,7 +24,7 @@ use crate::notation::{Quantity, QuantityError, ReferenceError, UnitMismatch, fig
 /// What is known about the parameters of one drive: its tables, if there are any, and the values that scale others.
 #[derive(Debug, Clone, Copy)]
 pub struct Parameters {
-    /// Tables of the model; `None` for a drive that nobody described.
+    /// Tables of the model; `None` for a drive without a built-in catalogue or description.
     pub catalogue: Option<&'static Catalogue>,
     /// Values of the drive that scale other values.
     pub scaling: Scaling,
@@ -40,7 +40,7 @@ impl Parameters {
         }
     }
 
-    /// The number that means here what `raw` means under another scaling.
+    /// Returns the number that means here what `raw` means under another scaling.
     pub fn converted(&self, parameter: &Parameter, raw: i64, from: &Scaling) -> i64 {
         if self.scales_as(parameter, from) {
             raw
@@ -50,13 +50,13 @@ impl Parameters {
         }
     }
 
-    /// True when the numbers of a parameter mean the same under both scalings.
+    /// Returns true when the numbers of a parameter mean the same under both scalings.
     pub fn scales_as(&self, parameter: &Parameter, other: &Scaling) -> bool {
         self.scaling.linear(parameter.scale) == other.linear(parameter.scale)
             && (!parameter.user_unit || self.scaling.unit.unit() == other.unit.unit())
     }
 
-    /// How many units of a parameter here are one unit of it under another scaling.
+    /// Returns how many units of a parameter here are one unit of it under another scaling.
     fn units_for_one(&self, parameter: &Parameter, from: &Scaling) -> f64 {
         if parameter.user_unit && self.scaling.unit.unit() != from.unit.unit() {
             self.scaling.unit.unit().per_revolution / from.unit.unit().per_revolution
@@ -70,10 +70,10 @@ impl Parameters {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParameterProblem {
-    /// The text is no parameter.
+    /// The text is not a parameter.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
-    /// The text is no value.
+    /// The text is not a value.
     #[error("{parameter}: {problem}")]
     Quantity {
         /// The parameter to be written.
@@ -116,7 +116,7 @@ pub enum ParameterProblem {
         parameter: String,
         /// How many elements there are.
         elements: u16,
-        /// The first element asked for that is not there.
+        /// The first element requested that is not there.
         index: u32,
     },
     /// Cannot be written.
@@ -248,7 +248,7 @@ pub enum ParameterProblem {
 }
 
 impl ParameterProblem {
-    /// What to do, where the message does not say it already.
+    /// Returns what to do, where the message does not say it already.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -280,7 +280,7 @@ fn elements_text(elements: u16) -> String {
     }
 }
 
-/// A limit in as many decimals as tell it from the value that is beyond it.
+/// Formats a limit with as many decimals as distinguish it from the value beyond it.
 fn limit_text(limit: f64, value: f64) -> String {
     let short = figures(limit);
     if limit == value || short != figures(value) {

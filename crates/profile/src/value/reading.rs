@@ -18,11 +18,11 @@ use crate::model::Model;
 pub struct Reading {
     /// Parameter number.
     pub pnu: u16,
-    /// Element, where elements are told apart.
+    /// Element, where elements are distinguished.
     pub index: Option<u16>,
     /// How its number is written.
     pub notation: Notation,
-    /// The maker's name, where known.
+    /// The vendor's name, where known.
     pub name: Option<&'static str>,
     /// Whether it can be written, where known.
     pub writable: Option<bool>,
@@ -38,7 +38,8 @@ pub struct Reading {
     pub decimals: u8,
     /// Text of the value of an enumeration.
     pub choice: Option<&'static str>,
-    /// What the bits say, for a word: see [`Word::word_of`](crate::catalogue::Word::told). `None` for all others.
+    /// Texts of the bits of a word, see [`Word::describe`](crate::catalogue::Word::describe). `None` for other
+    /// parameters.
     pub word: Option<Vec<String>>,
     /// Name of the 64-bit value whose high half this is.
     pub high_half_of: Option<&'static str>,
@@ -47,14 +48,14 @@ pub struct Reading {
 /// Which end of its numbers a measured signal is at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Beyond {
-    /// The value may be higher than what is told.
+    /// The value may be higher than what is reported.
     Above,
     /// The value may be lower.
     Below,
 }
 
 impl Beyond {
-    /// The end that a signal of 16 bits is at.
+    /// Returns the end that a signal of 16 bits is at.
     #[must_use]
     pub const fn of(raw: i16) -> Option<Self> {
         match raw {
@@ -119,7 +120,7 @@ pub enum Interpretation {
 }
 
 impl Interpretation {
-    /// What a format code says about the octets.
+    /// Returns what a format code says about the octets.
     #[must_use]
     pub fn of(format: Format, space: CodeSpace) -> Self {
         match format {
@@ -136,7 +137,7 @@ impl Interpretation {
 }
 
 impl Reading {
-    /// The number, in the unit of the reading; `None` for text and octets.
+    /// Returns the number, in the unit of the reading; `None` for text and octets.
     #[must_use]
     pub const fn number(&self) -> Option<f64> {
         match self.content {
@@ -146,14 +147,14 @@ impl Reading {
         }
     }
 
-    /// The number as it travels; `None` for everything else, and for a 64-bit number without sign from 2^63 on.
+    /// Returns the number as it travels; `None` for everything else, and for a 64-bit number without sign from 2^63 on.
     #[must_use]
     pub fn raw(&self) -> Option<i64> {
         self.content.raw()
     }
 
-    /// The end of the numbers of a measured signal: the value is at least, or at most, what is told. `None` for a value
-    /// that is told as it is.
+    /// Returns the end of the numbers of a measured signal: the value is at least, or at most, what is reported. `None`
+    /// for a value that is reported as it is.
     ///
     /// NIST_A of an AKD ends at 200 % (N2, N4), though the motor may turn faster.
     #[must_use]
@@ -181,7 +182,7 @@ impl Reading {
 }
 
 impl Parameters {
-    /// What `octets` of element `offset` of a selection mean.
+    /// Returns what `octets` of element `offset` of a selection mean.
     #[must_use]
     pub fn reading(
         &self,
@@ -220,8 +221,8 @@ impl Parameters {
         }
     }
 
-    /// The same reading of a drive with these control words, `None`: not known, and in this mode, which decides over some
-    /// bits of STW1 and ZSW1.
+    /// Returns the same reading of a drive with these control words, `None`: not known, and in this mode, which decides
+    /// over some bits of STW1 and ZSW1.
     #[must_use]
     pub fn in_words(&self, mut reading: Reading, profile: Option<Profile>, mode: Mode) -> Reading {
         if reading.raw().is_some() {
@@ -230,7 +231,7 @@ impl Parameters {
         reading
     }
 
-    /// True for a control or status word: what its bits are called depends on the drive's telegram and mode.
+    /// Returns true for a control or status word: what its bits are called depends on the drive's telegram and mode.
     #[must_use]
     pub fn is_word_of_state(&self, reading: &Reading) -> bool {
         let parameter = self.at(reading.pnu, reading.index.unwrap_or(0));
@@ -251,7 +252,7 @@ impl Parameters {
         let base = tables.at(pnu, index.unwrap_or(0))?.base;
         let word = tables.word_at(pnu, base)?;
         let words = Model::by_name(tables.model).map(|model| model.words);
-        // a make with one kind of words has these
+        // a model with one kind of words has these
         let profile = profile.or_else(|| {
             let one = words.map_or(Some(Profile::default()), |words| words.only());
             one.or_else(|| (word.kind == WordKind::Own).then(Profile::default))

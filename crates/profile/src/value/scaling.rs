@@ -98,7 +98,7 @@ pub fn take_scale(
     })
 }
 
-/// True for a parameter that scales others.
+/// Returns true for a parameter that scales others.
 #[must_use]
 pub fn is_scaling(tables: &Catalogue, parameter: &Parameter) -> bool {
     let mut parts = tables.parts_at(parameter.pnu, parameter.base);

@@ -14,11 +14,11 @@ use super::{ParameterProblem, Parameters};
 pub struct Selection {
     /// Parameter number.
     pub pnu: u16,
-    /// First element as a subindex on the wire: 0 for a parameter that is no array, the application id of a Vacon.
+    /// First element as a subindex on the wire: 0 for a parameter that is not an array, the application id of a Vacon.
     pub first: u16,
     /// How many elements, at least 1.
     pub count: u16,
-    /// True when elements are told apart: an array, or an index was given.
+    /// True when elements are distinguished: an array, or an index was given.
     pub indexed: bool,
     /// What the tables say.
     pub parameter: Option<&'static Parameter>,
@@ -27,7 +27,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// All of one parameter of the tables.
+    /// Returns all of one parameter of the tables.
     #[must_use]
     pub fn of(parameter: &'static Parameter, notation: Notation) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl Selection {
         }
     }
 
-    /// A number of which nothing else is known.
+    /// Creates a number of which nothing else is known.
     #[must_use]
     pub const fn number(pnu: u16, notation: Notation) -> Self {
         Self {
@@ -53,14 +53,14 @@ impl Selection {
         }
     }
 
-    /// True when it can be written, as far as is known.
+    /// Returns true when it can be written, as far as is known.
     #[must_use]
     pub fn writable(&self) -> Option<bool> {
         self.parameter
             .map(|parameter| parameter.access != Access::ReadOnly)
     }
 
-    /// Number of element `offset` of the selection as printed: `p2108`, `r0947[3]`.
+    /// Returns the number of element `offset` of the selection as printed: `p2108`, `r0947[3]`.
     #[must_use]
     pub fn shown(&self, offset: u16) -> Shown {
         let index = self.indexed.then(|| self.first.saturating_add(offset));
@@ -72,7 +72,7 @@ impl Selection {
         }
     }
 
-    /// Number and name: `DRV.ACC (p2108)`.
+    /// Returns the number and name: `DRV.ACC (p2108)`.
     #[must_use]
     pub fn label(&self) -> String {
         let elements = Elements {
@@ -178,13 +178,13 @@ impl Parameters {
         Ok(selection)
     }
 
-    /// How the maker writes numbers.
+    /// Returns how the vendor writes numbers.
     #[must_use]
     pub fn notation(&self) -> Notation {
         self.catalogue.map_or(Notation::Name, |tables| tables.notation)
     }
 
-    /// One element as a drive tells it: by number, and by index where there is one.
+    /// Formats one element by number, and by index where there is one.
     #[must_use]
     pub fn element(&self, pnu: u16, index: Option<u16>) -> Selection {
         Selection {
@@ -195,7 +195,7 @@ impl Parameters {
         }
     }
 
-    /// The parameter of the tables that a number and a subindex on the wire mean.
+    /// Returns the parameter of the tables that a number and a subindex on the wire mean.
     #[must_use]
     pub fn at(&self, pnu: u16, subindex: u16) -> Option<&'static Parameter> {
         self.catalogue?.at(pnu, subindex)
@@ -219,7 +219,7 @@ impl Parameters {
     }
 }
 
-/// An application id that no table has: the drive may know it.
+/// Returns an application id that no table has: the drive may know it.
 const fn unknown_id(pnu: u16, id: u16, notation: Notation) -> Selection {
     Selection {
         first: id,

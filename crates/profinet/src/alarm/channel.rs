@@ -64,7 +64,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// A fresh channel: RTATimeoutFactor x 100 ms and RTARetries.
+    /// Creates a fresh channel: RTATimeoutFactor x 100 ms and RTARetries.
     #[must_use]
     pub const fn new(timeout: Duration, retries: u16) -> Self {
         Self {
@@ -116,7 +116,7 @@ impl Channel {
         }
     }
 
-    /// The next PDU to send, if any; addresses are left 0 for the caller. The acknowledgement goes before data.
+    /// Returns the next PDU to send, if any; addresses are left 0 for the caller. The acknowledgement goes before data.
     pub fn poll_transmit(&mut self, now: Instant) -> Option<RtaPdu<'_>> {
         if let Some(kind) = self.reply.take() {
             return Some(self.pdu(kind, RtaPdu::FLAGS, self.last_sent, self.last_received, &[]));
@@ -160,7 +160,7 @@ impl Channel {
         }
     }
 
-    /// Says whether the last repetition stayed without answer.
+    /// Returns true if the last repetition stayed without an answer.
     ///
     /// # Errors
     /// [`NotAcknowledged`] when it did; the connection is to be aborted.
@@ -173,14 +173,14 @@ impl Channel {
         }
     }
 
-    /// When something is to be sent again or given up; `None` if nothing is outstanding. Something not sent yet is
-    /// told by [`wants_to_send`](Self::wants_to_send).
+    /// Returns the time of the next repetition or timeout; `None` if nothing is outstanding. An unsent frame is
+    /// reported by [`wants_to_send`](Self::wants_to_send).
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
         self.outstanding.as_ref().and_then(|out| out.due)
     }
 
-    /// True when [`poll_transmit`](Self::poll_transmit) has something at once.
+    /// Returns true when [`poll_transmit`](Self::poll_transmit) has something at once.
     #[must_use]
     pub fn wants_to_send(&self) -> bool {
         self.reply.is_some()
@@ -190,7 +190,7 @@ impl Channel {
             }
     }
 
-    /// True when all data was sent and acknowledged.
+    /// Returns true when all data was sent and acknowledged.
     #[must_use]
     pub fn is_idle(&self) -> bool {
         self.outstanding.is_none() && self.queue.is_empty()
@@ -342,7 +342,7 @@ mod tests {
         assert_eq!(
             channel.handle(&data(0xFFFE, 0xFFFE)),
             Received::OutOfSequence,
-            "never sent by anybody"
+            "never sent by any station"
         );
         assert_eq!(channel.handle(&data(0xFFFF, 0xFFFE)), Received::New);
         assert_eq!(channel.handle(&data(1, 0xFFFE)), Received::OutOfSequence);

@@ -14,7 +14,7 @@ use crate::{Instant, MacAddress};
 /// Alarms of one priority waiting for their turn at most.
 const WAITING: usize = 16;
 
-/// What an [`Alarms`] needs to know; both AlarmCR blocks agree on it.
+/// Parameters of an [`Alarms`], as agreed in both AlarmCR blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AlarmConfig {
     /// Own address.
@@ -109,7 +109,7 @@ impl Side {
     }
 }
 
-/// The alarm connection of one application relation.
+/// The alarm connection of one application AR.
 ///
 /// One alarm per priority is under way at a time; up to 16 more wait. An alarm that is taken but not answered within
 /// ten times the RTA time-out is dropped, the connection stays.
@@ -150,7 +150,7 @@ pub struct Alarms {
 }
 
 impl Alarms {
-    /// A fresh connection.
+    /// Creates a fresh connection.
     #[must_use]
     pub fn new(config: AlarmConfig) -> Self {
         Self {
@@ -161,7 +161,7 @@ impl Alarms {
         }
     }
 
-    /// Its settings.
+    /// Returns its settings.
     #[must_use]
     pub const fn config(&self) -> &AlarmConfig {
         &self.config
@@ -216,8 +216,8 @@ impl Alarms {
         self.side(alarm.priority).channel.send(block)
     }
 
-    /// True if this frame belongs to this connection: kind of frame, sender and both alarm references. The peer's
-    /// reference tells its former connection from this one when our own is the same in both.
+    /// Returns true if this frame belongs to this connection: kind of frame, sender and both alarm references. The
+    /// peer's reference distinguishes its former connection from this one when our own reference is the same in both.
     #[must_use]
     pub fn is_for_us(&self, frame: &Frame<'_>) -> bool {
         let references = frame
@@ -242,7 +242,7 @@ impl Alarms {
             FrameKind::AlarmHigh => Priority::High,
             _ => Priority::Low,
         };
-        // what cannot be understood is not acknowledged either
+        // frames that cannot be decoded are not acknowledged either
         let alarm = match pdu.kind {
             RtaType::Data => Some(pdu.alarm().ok()?),
             _ => None,
@@ -297,7 +297,7 @@ impl Alarms {
         self.error = Some(status);
     }
 
-    /// Writes the ERR PDU asked for by [`abort`](Self::abort), and nothing else.
+    /// Writes the ERR PDU requested by [`abort`](Self::abort), and nothing else.
     pub fn poll_error(&mut self, buffer: &mut [u8]) -> Option<usize> {
         let status = self.error.take()?;
         emit_error(buffer, &self.config, status)
@@ -320,8 +320,8 @@ impl Alarms {
         None
     }
 
-    /// When [`handle_timeout`](Self::handle_timeout) or [`poll_transmit`](Self::poll_transmit) has something to do
-    /// next.
+    /// Returns the time at which [`handle_timeout`](Self::handle_timeout) or [`poll_transmit`](Self::poll_transmit) is
+    /// due.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
         [&self.high, &self.low]

@@ -1,4 +1,4 @@
-//! The alarm connection of one application relation, the same for both sides.
+//! The alarm connection of one application AR, the same for both sides.
 //!
 //! [`Alarms`] holds the two channels (high and low priority), raises and acknowledges alarms, and builds whole frames.
 //! Source: IEC 61158-6-10, RTA protocol and alarm services.

@@ -83,7 +83,7 @@ pub(super) struct Ar {
     pub consumer: Option<Consumer>,
     pub alarms: Option<Alarms>,
     pub run: bool,
-    /// PrmEnd waits until the caller wants it.
+    /// PrmEnd waits for a request of the caller.
     held: bool,
     early_ready: Option<Option<ModuleDiff>>,
     running: bool,
@@ -327,7 +327,7 @@ impl Ar {
         });
     }
 
-    /// Ends the connection with an error; the device is told where that helps.
+    /// Ends the connection with an error; notifies the device where that helps.
     pub(super) fn lose(&mut self, shared: &mut Shared<'_>, cause: LostCause) {
         if !self.advance(Trigger::End) {
             return;
@@ -366,7 +366,7 @@ impl Ar {
         }
     }
 
-    /// The caller wants to end it.
+    /// Ends the connection on request of the caller.
     pub(super) fn release(&mut self, shared: &mut Shared<'_>) {
         if !self.advance(Trigger::Release) {
             return;
@@ -438,7 +438,7 @@ impl Ar {
         }
     }
 
-    /// When something is due.
+    /// Returns the time of the next timeout.
     pub(super) fn poll_timeout(&self) -> Option<Instant> {
         if self.phase == Phase::Closed {
             return None;

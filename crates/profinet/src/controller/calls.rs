@@ -20,7 +20,7 @@ use crate::{Instant, RPC_PORT};
 /// Record calls waiting per connection at most.
 pub(super) const MAX_WAITING: usize = 1024;
 
-/// Record a device answers with nothing: keeps a connection alive.
+/// Record without content: reading it keeps a connection alive.
 const KEEP_ALIVE: RecordAddress = RecordAddress {
     api: 0,
     slot: 0,
@@ -28,7 +28,7 @@ const KEEP_ALIVE: RecordAddress = RecordAddress {
     index: 0xFBFF,
 };
 
-/// A call a connection wants to make.
+/// A call that a connection has queued.
 #[derive(Debug, Clone)]
 pub(super) enum Op {
     Connect,
@@ -105,7 +105,7 @@ impl Ar {
         }
     }
 
-    /// When a sign of life is due; only where the device counts the time without one.
+    /// Returns the time when a sign of life is due; only where the device counts the time without one.
     pub(super) fn keep_alive_due(&self) -> Option<Instant> {
         let counted = matches!(
             self.phase,
@@ -122,7 +122,7 @@ impl Ar {
         let now = shared.now;
         self.writes_from = self.writes_from.filter(|from| now < *from);
         let held = self.writes_from.is_some();
-        // what was asked for later does not overtake
+        // what was requested later does not overtake
         if held && matches!(self.ops.front(), Some(Op::Write { .. } | Op::WriteMany { .. })) {
             return;
         }
@@ -324,7 +324,7 @@ impl Ar {
                     self.lose(shared, LostCause::Service(error));
                 }
             }
-            // whatever the device says, it is over
+            // the connection is over with any answer of the device
             (Op::Release, _) => self.close(shared),
             _ => {}
         }
@@ -392,7 +392,7 @@ fn ended(shared: &mut Shared<'_>, call: CallId, what: &'static str) {
     });
 }
 
-/// The device says that it does not know the connection.
+/// Returns true if the device reports that the connection does not exist.
 fn is_gone(error: &ServiceError) -> bool {
     matches!(error, ServiceError::Refused { status, .. }
         if (status.decode, status.code1, status.code2) == (0x81, 0x40, 0x05))

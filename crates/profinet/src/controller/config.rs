@@ -14,7 +14,7 @@ pub struct ControllerConfig {
     pub mac: MacAddress,
     /// Own IP configuration.
     pub ip: IpSuite,
-    /// Own name of station, told to devices when connecting.
+    /// Own name of station, sent to devices in a connect.
     pub station_name: String,
     /// Own vendor id.
     pub vendor_id: u16,
@@ -26,14 +26,14 @@ pub struct ControllerConfig {
     pub seed: u64,
     /// UDP port calls leave from; 0xC000 or above.
     pub client_port: u16,
-    /// Application relations at most.
+    /// Application ARs at most.
     pub max_connections: u16,
     /// Time a call is repeated after, and DCP requests with it.
     pub timeouts: Timeouts,
 }
 
 impl ControllerConfig {
-    /// A controller with the usual settings: 256 connections, 2 s x 3 calls, 1 s x 3 DCP requests.
+    /// Creates a controller with the usual settings: 256 connections, 2 s x 3 calls, 1 s x 3 DCP requests.
     #[must_use]
     pub fn new(mac: MacAddress, ip: IpSuite, station_name: &str, seed: u64) -> Self {
         Self {
@@ -58,7 +58,7 @@ pub struct Timeouts {
     pub call: Duration,
     /// How often it is sent.
     pub call_sends: u8,
-    /// Longest time a device may say that it is working on a call.
+    /// Maximum time for which a device may answer "working" to a call.
     pub call_limit: Duration,
     /// A DCP Get or Set without answer is sent again after this time.
     pub dcp: Duration,
@@ -102,7 +102,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// The device a station found by Identify is.
+    /// Returns the device a station found by Identify is.
     #[must_use]
     pub fn of(station: &super::Station) -> Self {
         Self {
@@ -205,7 +205,7 @@ pub struct ConnectConfig {
     pub modules: Vec<ModuleConfig>,
     /// Interval of the frames in both directions.
     pub timing: Timing,
-    /// WatchdogFactor, told to the device; 3 usually.
+    /// WatchdogFactor, sent to the device; usually 3.
     pub watchdog_factor: u16,
     /// DataHoldFactor: intervals without a frame until the connection is lost, on both sides; 3 usually.
     pub data_hold_factor: u16,
@@ -236,7 +236,8 @@ pub struct ConnectConfig {
 }
 
 impl ConnectConfig {
-    /// The usual settings of a PLC: advanced start-up, class 2, three intervals, 20 s activity, 300 s to get ready.
+    /// Returns the usual settings of a PLC: advanced start-up, class 2, three intervals, 20 s activity, 300 s to get
+    /// ready.
     #[must_use]
     pub const fn new(modules: Vec<ModuleConfig>, timing: Timing) -> Self {
         Self {
@@ -258,9 +259,9 @@ impl ConnectConfig {
         }
     }
 
-    /// A connection for the records of a device that accepts none for records alone: the start-up is held, and the
-    /// outputs never become valid (IOPS bad, provider stopped). A device thus has no control word to follow, not even
-    /// one that says stop, and sees no change from run to stop when the connection is released.
+    /// Creates a connection for the records of a device that accepts none for records alone: the start-up is held, and
+    /// the outputs never become valid (IOPS bad, provider stopped). The device never receives a valid control word, not
+    /// even a stop, and sees no change from run to stop at the release.
     #[must_use]
     pub const fn for_records(modules: Vec<ModuleConfig>, timing: Timing) -> Self {
         let mut config = Self::new(modules, timing);
@@ -278,7 +279,7 @@ impl ConnectConfig {
         config
     }
 
-    /// All submodules with their lengths, in slot order.
+    /// Returns all submodules with their lengths, in slot order.
     pub fn sizes(&self) -> impl Iterator<Item = SubmoduleSize> + '_ {
         self.modules.iter().flat_map(|module| {
             module.submodules.iter().map(|sub| {

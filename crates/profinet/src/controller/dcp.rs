@@ -1,4 +1,4 @@
-//! Discovery and basic configuration as the asking side: windows, repetitions, answers.
+//! Requesting side of discovery and basic configuration: windows, repetitions, answers.
 
 use alloc::collections::{BTreeSet, VecDeque};
 use alloc::string::String;
@@ -21,7 +21,7 @@ const MAX_STATIONS: usize = 4096;
 /// Requests open at once at most.
 const MAX_REQUESTS: usize = 1024;
 
-/// Whom an Identify request asks. Everything given must fit (AND); nothing given asks everybody.
+/// Filter of an Identify request. A station answers if all given values match; without values every station answers.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Filter {
     /// Name of station, exactly.
@@ -43,7 +43,7 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Everybody.
+    /// Returns all stations.
     #[must_use]
     pub fn all() -> Self {
         Self::default()
@@ -100,7 +100,7 @@ impl IdentifyOptions {
         margin: Duration::from_millis(390),
         sends: 2,
     };
-    /// For everybody: answers spread over 640 ms.
+    /// For all stations: answers spread over 640 ms.
     pub const MANY: Self = Self {
         delay_factor: 64,
         margin: Duration::from_millis(360),
@@ -287,7 +287,7 @@ impl DcpClient {
                 continue;
             }
             if let Kind::Identify { seen, .. } = &mut request.kind {
-                // an answer that cannot be understood does not count as one
+                // a malformed answer does not count as one
                 let Ok(station) = station(source, pdu) else { return };
                 if seen.len() < MAX_STATIONS && seen.insert(source) {
                     self.events.push_back(DcpEvent::Identified(request.id, station));
@@ -413,7 +413,7 @@ fn write_request(out: &mut SliceWriter<'_>, request: &Request) {
     }
 }
 
-/// What all blocks of an Identify or Get answer or of a Hello say together.
+/// Combines all blocks of an Identify or Get answer or of a Hello.
 fn station(mac: MacAddress, pdu: &Pdu<'_>) -> Result<Station, crate::wire::DecodeError> {
     let mut station = Station {
         mac,

@@ -1,4 +1,4 @@
-//! What a controller asks by DCP.
+//! DCP requests of a controller.
 
 use super::Controller;
 use super::dcp::{Filter, IdentifyOptions, Setting};
@@ -9,7 +9,7 @@ use crate::{Instant, IpSuite, MacAddress};
 
 /// Discovery and basic configuration.
 impl Controller {
-    /// Asks who is there, for 400 ms if one name is asked for, else for 1 s with spread answers.
+    /// Searches for stations, for 400 ms if one name is requested, else for 1 s with spread answers.
     ///
     /// # Errors
     /// When the name is illegal or too many requests are open.
@@ -23,11 +23,11 @@ impl Controller {
         self.identify_with(now, filter, options)
     }
 
-    /// The same with a window of the caller's choice.
+    /// Returns the same with a window of the caller's choice.
     ///
     /// # Errors
-    /// When the name is longer than a name can be, or too many requests are open. An illegal name may be looked for:
-    /// somebody may have it.
+    /// When the name exceeds the maximum length, or too many requests are open. A search for an invalid name is
+    /// allowed, as a station may use one.
     pub fn identify_with(
         &mut self,
         now: Instant,
@@ -55,7 +55,7 @@ impl Controller {
     /// Reads settings of the station `mac`.
     ///
     /// # Errors
-    /// When the address is no station's, or too many requests are open.
+    /// When the address is not a station's, or too many requests are open.
     pub fn dcp_get(&mut self, now: Instant, mac: MacAddress, options: &[DcpOption]) -> Result<DcpId, Misuse> {
         if options.is_empty() || options.len() > 64 {
             return Err(Misuse::Range("number of options"));
@@ -66,10 +66,10 @@ impl Controller {
             .ok_or(Misuse::TooMany("DCP requests"))
     }
 
-    /// Gives the station `mac` a name, for good or until power-off. An empty name takes it away.
+    /// Sets the name of the station `mac`, permanently or until power-off. An empty name deletes it.
     ///
     /// # Errors
-    /// When the name breaks a rule, the address is no station's, or too many requests are open.
+    /// When the name breaks a rule, the address is not a station's, or too many requests are open.
     pub fn dcp_set_name(
         &mut self,
         now: Instant,
@@ -83,10 +83,10 @@ impl Controller {
         self.set(now, mac, Setting::Name(qualifier(permanent)), Some(name))
     }
 
-    /// Gives the station `mac` an IP configuration, for good or until power-off. All zero takes it away.
+    /// Sets the IP configuration of the station `mac`, permanently or until power-off. All zero deletes it.
     ///
     /// # Errors
-    /// When the configuration breaks a rule, the address is no station's, or too many requests are open.
+    /// When the configuration breaks a rule, the address is not a station's, or too many requests are open.
     pub fn dcp_set_ip(
         &mut self,
         now: Instant,
@@ -101,7 +101,7 @@ impl Controller {
     /// Lets the station `mac` blink.
     ///
     /// # Errors
-    /// When the address is no station's, or too many requests are open.
+    /// When the address is not a station's, or too many requests are open.
     pub fn dcp_signal(&mut self, now: Instant, mac: MacAddress) -> Result<DcpId, Misuse> {
         self.set(now, mac, Setting::Signal, None)
     }
@@ -110,7 +110,7 @@ impl Controller {
     /// data, 8 device, 9 reset and restore; mode 0 is the old form without mode, which resets everything.
     ///
     /// # Errors
-    /// When there is no such mode, the address is no station's, or too many requests are open.
+    /// When there is no such mode, the address is not a station's, or too many requests are open.
     pub fn dcp_reset(&mut self, now: Instant, mac: MacAddress, mode: u8) -> Result<DcpId, Misuse> {
         let setting = match mode {
             0 => Setting::LegacyReset,
@@ -134,7 +134,7 @@ impl Controller {
     }
 }
 
-/// Everything else asks one station.
+/// All other requests address one station.
 pub(super) fn unicast(mac: MacAddress) -> Result<(), Misuse> {
     if mac.is_multicast() || mac == MacAddress::default() {
         Err(Misuse::Address(mac))

@@ -17,7 +17,7 @@ use crate::wire::{DecodeError, PnioStatus, Reader, Writer};
 use crate::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Transmit};
 
 impl Controller {
-    /// Does something with a connection, then brings its deadline up to date and lets it send.
+    /// Runs an operation on a connection, then updates its deadline and lets it send.
     pub(super) fn with<T>(
         &mut self,
         now: Instant,
@@ -92,7 +92,7 @@ impl Controller {
         }
     }
 
-    /// Hands DCP events to the connections that asked, the others to the application.
+    /// Hands DCP events to the connections that requested them, the others to the application.
     fn drain_dcp(&mut self, now: Instant) {
         while let Some(event) = self.dcp.poll_event() {
             let (id, last) = match &event {

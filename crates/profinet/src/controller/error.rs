@@ -1,4 +1,4 @@
-//! Why something a controller was asked to do did not come about.
+//! Errors of a controller.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -11,7 +11,7 @@ use crate::rpc::CallError;
 use crate::wire::dcp::{BlockError, DcpOption, IpRule, NameRule};
 use crate::wire::{DecodeError, PnioStatus};
 
-/// The caller asked for something that cannot be.
+/// An invalid request of the caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Misuse {
     /// The name breaks a rule.
@@ -23,7 +23,7 @@ pub enum Misuse {
     /// Cyclic settings break a rule.
     #[error("illegal cyclic settings: {0}")]
     Cyclic(#[from] IocrError),
-    /// An address that is no single station's.
+    /// An address that is not a single station's.
     #[error("{0} is not the address of one station")]
     Address(MacAddress),
     /// A setting out of its range.
@@ -74,7 +74,7 @@ pub enum ServiceError {
         /// Reason.
         error: CallError,
     },
-    /// The answer cannot be understood.
+    /// The answer cannot be decoded.
     #[error("{what}: malformed answer: {error}")]
     Malformed {
         /// The service.
@@ -101,7 +101,7 @@ pub enum ServiceError {
     NotReady {
         /// Time allowed.
         limit: Duration,
-        /// What the device said last.
+        /// Last status from the device.
         status: PnioStatus,
     },
 }
@@ -112,7 +112,7 @@ pub enum DcpError {
     /// No answer.
     #[error("no answer from {mac} after {sends} DCP requests")]
     Timeout {
-        /// Who was asked.
+        /// Address of the station.
         mac: MacAddress,
         /// How often.
         sends: u8,
@@ -120,18 +120,18 @@ pub enum DcpError {
     /// The station refused.
     #[error("{option}: {error}")]
     Refused {
-        /// What was asked for.
+        /// What was requested.
         option: DcpOption,
         /// Reason.
         error: BlockError,
     },
-    /// The station does not know the service.
+    /// The station does not support the service.
     #[error("the station does not support this DCP service")]
     NotSupported,
-    /// The answer cannot be understood.
+    /// The answer cannot be decoded.
     #[error("malformed DCP answer: {0}")]
     Malformed(#[from] DecodeError),
-    /// The answer says nothing about what was asked.
+    /// The answer lacks the requested option.
     #[error("the DCP answer does not say anything about {0}")]
     Missing(DcpOption),
 }

@@ -1,4 +1,4 @@
-//! What a controller tells its application.
+//! Events of a controller for its application.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -11,7 +11,7 @@ use crate::wire::block::ModuleDiff;
 use crate::wire::dcp::DcpOption;
 use crate::{IpSuite, MacAddress};
 
-/// Names an application relation of a controller.
+/// Names an application AR of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ArId {
     pub(super) slot: u16,
@@ -32,7 +32,7 @@ pub struct DcpId(pub(super) u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct CallId(pub(super) u32);
 
-/// What a station said about itself by DCP. What it did not say is empty or 0.
+/// A station as described by its DCP answer. Missing values are empty or 0.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Station {
     /// Ethernet address.
@@ -41,7 +41,7 @@ pub struct Station {
     pub name: String,
     /// IP configuration.
     pub ip: IpSuite,
-    /// Another station has the same address, it says.
+    /// The station reports that another one has the same address.
     pub ip_conflict: bool,
     /// The address came by DHCP.
     pub ip_by_dhcp: bool,
@@ -55,7 +55,7 @@ pub struct Station {
     pub role: u8,
     /// Type of station in the vendor's words.
     pub station_type: String,
-    /// Alias, when it was asked for.
+    /// Alias, when it was requested.
     pub alias: String,
     /// Vendor and device of the OEM.
     pub oem: Option<(u16, u16)>,
@@ -68,7 +68,7 @@ pub struct Station {
 pub enum DcpReply {
     /// Set: done.
     Done,
-    /// Get: what was asked for.
+    /// Get: what was requested.
     Values(Station),
 }
 
@@ -129,14 +129,14 @@ pub enum Event {
         /// It reports a problem.
         problem: bool,
     },
-    /// The connection could not be made, or ended without being asked to.
+    /// The connection could not be made, or ended without a request.
     Lost {
         /// The connection.
         ar: ArId,
         /// Why.
         cause: LostCause,
     },
-    /// The connection was released as asked for.
+    /// The connection was released as requested.
     Released {
         /// The connection.
         ar: ArId,
@@ -159,7 +159,7 @@ pub enum Event {
     WritesDone {
         /// The request.
         call: CallId,
-        /// How each record ended, in the order written; `None` for those the device said nothing about.
+        /// Result of each record, in the order written; `None` for those without a result from the device.
         result: Result<Vec<Option<PnioStatus>>, ServiceError>,
     },
 }

@@ -87,9 +87,9 @@ impl Controller {
         }
     }
 
-    /// Does one job on a parameter channel: writes `request` to the record, reads the answer from it, waits and
-    /// repeats as long as the device says "not ready" (10 to 50 ms apart, 10 s altogether unless configured
-    /// otherwise). Jobs of a connection are done one after the other. Event: `RecordDone` with the answer.
+    /// Executes one job on a parameter channel: writes `request` to the record, reads the answer from it, waits and
+    /// repeats while the device answers "not ready" (10 to 50 ms apart, 10 s altogether unless configured otherwise).
+    /// Jobs of a connection are executed one after the other. Event: `RecordDone` with the answer.
     ///
     /// # Errors
     /// When there is no such connection, it takes no records at present, or too many requests wait.
@@ -221,13 +221,13 @@ impl Controller {
         ))
     }
 
-    /// What a submodule's next frame carries as output.
+    /// Returns what a submodule's next frame carries as output.
     #[must_use]
     pub fn output(&self, ar: ArId, slot: u16, subslot: u16) -> Option<(&[u8], Iops)> {
         self.get(ar)?.provider.as_ref()?.data(slot, subslot)
     }
 
-    /// Whether the device takes the outputs of a submodule: its IOCS.
+    /// Returns whether the device takes the outputs of a submodule: its IOCS.
     #[must_use]
     pub fn output_consumed(&self, ar: ArId, slot: u16, subslot: u16) -> Option<Iops> {
         self.get(ar)?.consumer.as_ref()?.iocs(slot, subslot)
@@ -239,7 +239,7 @@ impl Controller {
         self.get(ar)?.consumer.as_ref().map(Consumer::status)
     }
 
-    /// What was received; stays readable after the connection ended.
+    /// Returns what was received; stays readable after the connection ended.
     #[must_use]
     pub fn statistics(&self, ar: ArId) -> Option<CyclicStatistics> {
         self.get(ar)?.consumer.as_ref().map(Consumer::statistics)
@@ -251,7 +251,7 @@ impl Controller {
         self.get(ar)?.provider.as_ref().map(|p| (p.sent(), p.skipped()))
     }
 
-    /// When the next output frame leaves: outputs set before are in it.
+    /// Returns the time when the next output frame leaves: outputs set before are in it.
     #[must_use]
     pub fn next_cycle(&self, ar: ArId) -> Option<Instant> {
         let ar = self.get(ar)?;

@@ -15,7 +15,7 @@ use crate::wire::block::RecordAddress;
 const FIRST_PAUSE: Duration = Duration::from_millis(10);
 /// Longest pause.
 const LONGEST_PAUSE: Duration = Duration::from_millis(50);
-/// Longest answer asked for.
+/// Longest answer requested.
 pub(super) const ANSWER: u32 = 4096;
 
 /// What a job does next.
@@ -71,7 +71,7 @@ impl Job {
         self.pause = FIRST_PAUSE;
     }
 
-    /// The step failed. True if it is to be tried again; else the error is final.
+    /// Handles a failed step. Returns true if it is to be tried again; else the error is final.
     pub(super) fn again(&mut self, now: Instant, error: &mut ServiceError) -> bool {
         let status: PnioStatus = match error {
             ServiceError::Refused { status, .. } if status.is_state_conflict() => *status,

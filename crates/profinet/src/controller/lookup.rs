@@ -31,7 +31,7 @@ pub(super) struct Lookup {
     pub settle: Option<Instant>,
 }
 
-/// Answers of one name kept at most: enough to say what was heard.
+/// Maximum number of stored answers of one name: enough for the error message.
 const MAX_ANSWERS: usize = 16;
 
 impl Ar {
@@ -43,7 +43,7 @@ impl Ar {
             return;
         }
         let filter = Filter::name(&self.target.name);
-        // three requests within 1.2 s; a device that was busy with another request hears one of them
+        // three requests within 1.2 s; a device that was busy with another request receives one of them
         let options = IdentifyOptions {
             delay_factor: 1,
             margin: core::time::Duration::from_millis(1190),
@@ -75,7 +75,7 @@ impl Ar {
     }
 
     fn answered(&mut self, shared: &mut Shared<'_>, station: Station) {
-        // a filter is the device's duty; one that ignores it must not be taken for the target
+        // filtering is the device's duty; one that ignores the filter is not the target
         if station.name != self.target.name || self.lookup.answers.len() >= MAX_ANSWERS {
             return;
         }
@@ -94,7 +94,7 @@ impl Ar {
         self.lose(shared, LostCause::SeveralStations { name, macs });
     }
 
-    /// Goes on when nobody else answered in time.
+    /// Continues when no other station answered in time.
     pub(super) fn lookup_due(&mut self, shared: &mut Shared<'_>) {
         if self.lookup.settle.is_some_and(|settle| shared.now >= settle) {
             self.lookup.settle = None;

@@ -86,7 +86,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// A controller without connections.
+    /// Creates a controller without connections.
     #[must_use]
     pub fn new(config: ControllerConfig) -> Self {
         let mut uuids = UuidSource::new(config.seed);
@@ -124,24 +124,24 @@ impl Controller {
         }
     }
 
-    /// Its configuration.
+    /// Returns its configuration.
     #[must_use]
     pub const fn config(&self) -> &ControllerConfig {
         &self.config
     }
 
-    /// Gives it another IP configuration; open connections keep the old one.
+    /// Sets another IP configuration; open connections keep the old one.
     pub const fn set_ip(&mut self, ip: IpSuite) {
         self.config.ip = ip;
     }
 
-    /// True while [`poll_event`](Self::poll_event) has something to tell.
+    /// Returns true while [`poll_event`](Self::poll_event) has an event.
     #[must_use]
     pub fn has_event(&self) -> bool {
         !self.events.is_empty()
     }
 
-    /// The next thing that happened.
+    /// Returns the next thing that happened.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
@@ -161,8 +161,8 @@ impl Controller {
         self.open(now, target, purpose, resolve)
     }
 
-    /// Opens a connection for records only (device access), beside whatever controller runs the device. It is kept
-    /// alive until released. Events: `Connected` or `Lost`.
+    /// Opens a connection for records only (device access), independent of the controller that runs the device. It is
+    /// kept alive until released. Events: `Connected` or `Lost`.
     ///
     /// # Errors
     /// When the target is incomplete or too many connections are open.
@@ -224,7 +224,7 @@ impl Controller {
         check_name(&station_name)?;
         let id = self.place()?;
         self.session = self.session.wrapping_add(1);
-        // a device ends the relation of an initiator that connects again: another program on this computer may control it
+        // a device ends the AR of an initiator that connects again: another program on this computer may control it
         let records = matches!(&purpose, Purpose::Cyclic { config, .. } if config.hold_start_up);
         let instance = self.config.instance ^ if records { RECORDS_INSTANCE } else { 0 };
         let identity = ArIdentity {
@@ -248,7 +248,7 @@ impl Controller {
         Ok(id)
     }
 
-    /// A free place: that of the connection closed longest ago is as good as a new one.
+    /// Returns a free place: that of the connection closed longest ago is as good as a new one.
     fn place(&self) -> Result<ArId, Misuse> {
         let closed = self.ars.iter().find(|ar| ar.phase == Phase::Closed && !ar.queued);
         if let Some(ar) = closed {
@@ -274,7 +274,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Ends a connection at once; the device is told by an ERR PDU. Event: `Lost`.
+    /// Ends a connection at once and notifies the device by an ERR PDU. Event: `Lost`.
     ///
     /// # Errors
     /// When there is no such connection.
@@ -284,13 +284,13 @@ impl Controller {
         Ok(())
     }
 
-    /// Where a connection stands; `None` if it never was or its place is taken again.
+    /// Returns where a connection stands; `None` if it never was or its place is taken again.
     #[must_use]
     pub fn phase(&self, ar: ArId) -> Option<Phase> {
         self.get(ar).map(|ar| ar.phase)
     }
 
-    /// The device of a connection, with what was found out about it.
+    /// Returns the device of a connection, with what was found out about it.
     #[must_use]
     pub fn target(&self, ar: ArId) -> Option<&Target> {
         self.get(ar).map(|ar| &ar.target)

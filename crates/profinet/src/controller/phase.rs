@@ -42,7 +42,7 @@ pub(super) enum Trigger {
     PrmEnd,
     /// ApplicationReady came and was confirmed.
     Ready,
-    /// The caller wants to end it.
+    /// The caller requested its end.
     Release,
     /// It ended, well or not.
     End,
@@ -75,7 +75,7 @@ const TRANSITIONS: &[(Phase, Trigger, Phase)] = &[
 ];
 
 impl Phase {
-    /// The phase that follows; `None` if nothing of the kind can happen here.
+    /// Returns the phase that follows; `None` if nothing of the kind can happen here.
     pub(super) fn after(self, trigger: Trigger) -> Option<Self> {
         TRANSITIONS
             .iter()

@@ -11,7 +11,7 @@ use crate::wire::block::{
 use crate::wire::rpc::{HEADER_LENGTH, NDR_LENGTH, NdrRequest, NdrResponse};
 use crate::wire::{ByteOrder, DecodeError, PnioStatus, Reader, Uuid, Writer};
 
-/// Largest record asked for or written in one request.
+/// Largest record requested or written in one request.
 pub const MAX_RECORD: u32 = 32 * 1024;
 
 /// Room offered for the blocks of an answer without record data.
@@ -30,7 +30,7 @@ pub(super) fn stub(room: u32, blocks: &[u8]) -> Vec<u8> {
     out
 }
 
-/// Result of a call as a service: RPC errors named, NDR header checked, refusal told.
+/// Decodes the result of a call: names RPC errors, checks the NDR header, returns refusals.
 pub(super) fn open<'a>(
     what: &'static str,
     reply: &'a Result<Reply, CallError>,
@@ -66,7 +66,7 @@ pub(super) fn matching(what: &'static str, checks: &[(bool, &'static str)]) -> R
     }
 }
 
-/// Who asks in a record request.
+/// Initiator of a record request.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Asker {
     pub sequence: u16,
@@ -167,7 +167,7 @@ pub(super) fn check_write(
     }
 }
 
-/// The stub of a multiple write and the headers in it, the container's first.
+/// Returns the stub of a multiple write and the headers in it, the container's first.
 pub(super) fn multiple_stub(
     asker: Asker,
     records: &[(RecordAddress, Vec<u8>)],
@@ -194,7 +194,7 @@ pub(super) fn multiple_stub(
     (stub(room, &blocks), headers)
 }
 
-/// How each record of a multiple write ended; `None` for those the device said nothing about.
+/// Returns the result of each record of a multiple write; `None` for those without a result from the device.
 pub(super) fn check_multiple(
     reply: &Result<Reply, CallError>,
     headers: &[WriteRequest],

@@ -20,7 +20,7 @@ pub enum ConsumerState {
     Waiting,
     /// Frames come; the data hold time runs.
     Running,
-    /// The data hold time is over. Frames are no longer taken.
+    /// The data hold time is over. Frames are no longer accepted.
     Expired,
 }
 
@@ -40,13 +40,13 @@ pub struct Accepted {
 pub enum Rejected {
     /// Another FrameID.
     FrameId,
-    /// From somebody else.
+    /// From another station.
     Source,
     /// Shorter than agreed.
     Length,
     /// TransferStatus is not 0.
     TransferStatus,
-    /// DataStatus says the data is not valid.
+    /// The DataStatus marks the data as not valid.
     DataInvalid,
     /// The cycle counter did not advance: a duplicate, or overtaken.
     OutOfOrder,
@@ -59,7 +59,7 @@ pub enum Rejected {
 pub struct CyclicStatistics {
     /// Frames taken.
     pub received: u64,
-    /// Frames that are missing between those taken, told by the cycle counter.
+    /// Frames missing between received ones, by the cycle counter.
     pub missed: u64,
     /// Frames ignored because their cycle counter did not advance.
     pub out_of_order: u64,
@@ -149,7 +149,7 @@ impl Consumer {
     /// Looks at a received frame; takes its data if it counts.
     ///
     /// # Errors
-    /// Says why the frame was ignored.
+    /// Handles a frame; returns why it was ignored.
     pub fn handle(&mut self, now: Instant, frame: &Frame<'_>) -> Result<Accepted, Rejected> {
         let result = self.judge(now, frame);
         match result {
@@ -203,7 +203,7 @@ impl Consumer {
         })
     }
 
-    /// When the connection is lost if nothing more comes; `None` while nothing is supervised.
+    /// Returns the time when the connection is lost if nothing more comes; `None` while nothing is supervised.
     #[must_use]
     pub fn deadline(&self) -> Option<Instant> {
         (self.state == ConsumerState::Running).then(|| self.last + self.hold)
@@ -226,7 +226,7 @@ impl Consumer {
         self.state = ConsumerState::Expired;
     }
 
-    /// Waits for a first frame again: gaps during an advanced start-up are no loss.
+    /// Waits for a first frame again: gaps during an advanced start-up are not loss.
     pub const fn restart(&mut self) {
         self.state = ConsumerState::Waiting;
     }
@@ -295,7 +295,7 @@ impl Consumer {
         &self.layout
     }
 
-    /// What was seen so far.
+    /// Returns what was seen so far.
     #[must_use]
     pub const fn statistics(&self) -> CyclicStatistics {
         self.statistics

@@ -12,7 +12,7 @@ use crate::{Instant, MacAddress};
 
 const TICK_NANOS: u64 = 31_250;
 
-/// What a [`Provider`] needs to know besides its layout.
+/// Parameters of a [`Provider`] in addition to its layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ProviderConfig {
     /// Receiver of the frames.
@@ -111,7 +111,7 @@ impl Provider {
         provider
     }
 
-    /// Time between the start of an interval and its frame.
+    /// Returns the time between the start of an interval and its frame.
     fn phase_nanos(&self) -> u64 {
         u64::from(self.timing.phase.saturating_sub(1)) * u64::from(self.timing.send_clock_factor) * TICK_NANOS
     }
@@ -129,28 +129,28 @@ impl Provider {
         first + Duration::from_nanos(intervals.saturating_mul(self.period_nanos()))
     }
 
-    /// When the next frame is due.
+    /// Returns the time when the next frame is due.
     #[must_use]
     pub const fn next_send(&self) -> Instant {
         self.next
     }
 
-    /// True when a frame is due.
+    /// Returns true when a frame is due.
     #[must_use]
     pub fn is_due(&self, now: Instant) -> bool {
         now >= self.next
     }
 
-    /// Time between two frames.
+    /// Returns the time between two frames.
     #[must_use]
     pub const fn interval(&self) -> Duration {
         self.timing.interval()
     }
 
-    /// Says that a frame of the peer has just come, so that the own frame goes out right behind it if it is due within a
-    /// quarter of the interval anyway: the station then wakes up once in a cycle instead of twice. The time of later
-    /// frames moves with it, cycle counters go on as before, and a peer that is late or silent changes nothing: the own
-    /// frame goes out at most a sixteenth of the interval (1 ms at most) after its time.
+    /// Reports a received frame of the peer. The own frame then follows at once if it is due within a quarter of the
+    /// interval, so that the station wakes up once per cycle instead of twice. Later frames are shifted accordingly,
+    /// and cycle counters continue. A late or silent peer has no effect: the own frame is sent at most a sixteenth of
+    /// the interval (1 ms at most) after its time.
     ///
     /// Only for a peer that sends with the same interval.
     pub fn follow(&mut self, now: Instant) {
@@ -162,7 +162,7 @@ impl Provider {
         }
     }
 
-    /// How long a following provider waits for the peer's frame beyond its own time.
+    /// Returns how long a following provider waits for the peer's frame beyond its own time.
     fn follow_wait(&self) -> Duration {
         (self.interval() / 16).min(Duration::from_millis(1))
     }
@@ -281,7 +281,7 @@ impl Provider {
         }
     }
 
-    /// What the next frame carries for a submodule: data and IOPS.
+    /// Returns what the next frame carries for a submodule: data and IOPS.
     #[must_use]
     pub fn data(&self, slot: u16, subslot: u16) -> Option<(&[u8], Iops)> {
         let object = self.layout.data(slot, subslot)?;

@@ -1,4 +1,4 @@
-//! Send interval, phase, data hold time, and what a connect request may ask for.
+//! Send interval, phase, data hold time, and what a connect request may request.
 
 use core::time::Duration;
 
@@ -20,8 +20,8 @@ pub enum IocrError {
     /// DataLength outside 40 to 1440.
     #[error("data length {0} is outside 40 to 1440 octets")]
     DataLength(u16),
-    /// SendClockFactor is no power of two from 1 to 128.
-    #[error("send clock factor {0} is no power of two from 1 to 128")]
+    /// SendClockFactor is not a power of two from 1 to 128.
+    #[error("send clock factor {0} is not a power of two from 1 to 128")]
     SendClockFactor(u16),
     /// ReductionRatio is not allowed, or the interval is shorter than the device can do.
     #[error("reduction ratio {0} is not possible with this send clock or device")]
@@ -114,19 +114,19 @@ impl Timing {
         if ticks == 0 { 1 } else { ticks }
     }
 
-    /// Time from frame to frame.
+    /// Returns the time from frame to frame.
     #[must_use]
     pub const fn interval(&self) -> Duration {
         Duration::from_nanos(self.ticks() as u64 * 31_250)
     }
 
-    /// How long the consumer waits for a frame before the connection is lost.
+    /// Returns how long the consumer waits for a frame before the connection is lost.
     #[must_use]
     pub const fn hold_time(&self, data_hold_factor: u16) -> Duration {
         Duration::from_nanos(self.ticks() as u64 * 31_250 * data_hold_factor as u64)
     }
 
-    /// The highest DataHoldFactor with this interval: 0x1E00, and no longer than 1.92 s.
+    /// Returns the highest DataHoldFactor with this interval: 0x1E00, and no longer than 1.92 s.
     ///
     /// ```
     /// use profidrive_profinet::cyclic::Timing;
@@ -140,8 +140,8 @@ impl Timing {
         u16::try_from(factor).map_or(MAX_FACTOR, |factor| factor.min(MAX_FACTOR))
     }
 
-    /// The usual timing of an interval: send clock 1 ms and a reduction ratio, or for shorter ones a shorter send
-    /// clock. `None` unless the interval is 31.25 us times a power of two up to 512 ms.
+    /// Returns the usual timing of an interval: send clock 1 ms and a reduction ratio, or for shorter ones a shorter
+    /// send clock. `None` unless the interval is 31.25 us times a power of two up to 512 ms.
     #[must_use]
     pub fn for_interval(interval: Duration) -> Option<Self> {
         let nanos = u64::try_from(interval.as_nanos()).ok()?;

@@ -1,4 +1,4 @@
-//! Application relations: their phases as a table, and what belongs to one.
+//! Application ARs: their phases as a table, and what belongs to one.
 
 use core::net::Ipv4Addr;
 use core::time::Duration;
@@ -11,7 +11,7 @@ use crate::rpc::CallId;
 use crate::wire::block::{ArRequest, IocrRequest, ModuleDiff};
 use crate::wire::record::Identification;
 
-/// Phase of a relation with cyclic data.
+/// Phase of an AR with cyclic data.
 ///
 /// IEC 61158-6-10, CMDEV: W_PEIND, W_ARDY, W_ARDYCNF, WDATA, DATA.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -28,7 +28,7 @@ pub(super) enum Phase {
     Data,
 }
 
-/// What moves a relation on.
+/// What moves an AR on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Trigger {
     /// PrmEnd of the controller.
@@ -50,7 +50,7 @@ const TRANSITIONS: &[(Phase, Trigger, Phase)] = &[
 ];
 
 impl Phase {
-    /// The phase that follows, `None` if the trigger means nothing here.
+    /// Returns the phase that follows, `None` if the trigger means nothing here.
     pub(super) fn after(self, trigger: Trigger) -> Option<Self> {
         TRANSITIONS
             .iter()
@@ -69,7 +69,7 @@ impl Phase {
     }
 }
 
-/// The time after which a relation without activity ends.
+/// The time after which an AR without activity ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Activity {
     limit: Duration,
@@ -104,20 +104,20 @@ impl Activity {
         self.deadline.is_some_and(|deadline| deadline <= now)
     }
 
-    /// How long nothing happened; `None` once stopped.
+    /// Returns how long nothing happened; `None` once stopped.
     pub(super) fn idle(&self, now: Instant) -> Option<Duration> {
         let left = self.deadline?.saturating_since(now);
         Some(self.limit.saturating_sub(left))
     }
 
-    /// True when more than half of the time went by without a sign of life: who wants to stay connected gives one well
-    /// before.
+    /// Returns true when more than half of the activity time passed without a sign of life: a client that stays
+    /// connected sends one earlier.
     pub(super) fn is_half_over(&self, now: Instant) -> bool {
         self.idle(now).is_some_and(|idle| idle * 2 > self.limit)
     }
 }
 
-/// A relation with cyclic data.
+/// An AR with cyclic data.
 #[derive(Debug)]
 pub(super) struct IoAr {
     pub(super) key: ArKey,
@@ -141,7 +141,7 @@ pub(super) struct IoAr {
     pub(super) run: Option<bool>,
 }
 
-/// A relation for record access.
+/// An AR for record access.
 #[derive(Debug)]
 pub(super) struct AccessAr {
     pub(super) key: ArKey,

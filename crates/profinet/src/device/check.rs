@@ -1,4 +1,4 @@
-//! What a connect request may ask for: every rule with the error it is refused with.
+//! What a connect request may request: every rule with the error it is refused with.
 
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
@@ -28,8 +28,8 @@ const OUT_OF_RESOURCES: u8 = 7;
 /// ErrorCode2 of [`RPC`]: out of memory.
 const OUT_OF_MEMORY: u8 = 8;
 
-// What follows bounds the work a request can make, so that nobody's connect delays the cyclic data of the controller.
-/// Most blocks of a request; controllers send one per slot and a handful beside.
+// The following limits bound the work of a request, so that no connect delays the cyclic data of the controller.
+/// Maximum number of blocks of a request; controllers send one per slot and a few more.
 const MAX_BLOCKS: usize = 512;
 /// Most submodules that may be expected, many times what a drive has. The octets of 1440 submodules fill a frame.
 const MAX_SUBMODULES: usize = 256;
@@ -40,7 +40,7 @@ const MAX_IOCR: usize = 40 + MAX_SUBMODULES * (8 + 6 + 6);
 /// Most IOCR blocks that are looked at; two are served.
 const MAX_IOCRS: usize = 4;
 
-/// One direction of cyclic data as the controller wants it.
+/// One direction of cyclic data as requested by the controller.
 #[derive(Debug)]
 pub(super) struct CheckedIocr {
     pub(super) request: IocrRequest,
@@ -48,7 +48,7 @@ pub(super) struct CheckedIocr {
     pub(super) layout: Layout,
 }
 
-/// What a relation with cyclic data consists of beside the ARBlockReq.
+/// Parts of an AR with cyclic data in addition to the ARBlockReq.
 #[derive(Debug)]
 pub(super) struct CheckedCyclic {
     /// In the order of the request.
@@ -57,11 +57,11 @@ pub(super) struct CheckedCyclic {
     pub(super) expected: Vec<ExpectedModule>,
 }
 
-/// A connect request that keeps all rules.
+/// A valid connect request.
 #[derive(Debug)]
 pub(super) struct CheckedConnect {
     pub(super) ar: ArRequest,
-    /// `None` for a relation for record access.
+    /// `None` for an AR for record access.
     pub(super) cyclic: Option<CheckedCyclic>,
     /// APStructureIdentifier and API of the vendor blocks, to be echoed.
     pub(super) vendor: Vec<(u16, u32)>,
@@ -88,7 +88,7 @@ fn block_code(block_type: BlockType) -> Option<u8> {
     })
 }
 
-/// Reads the blocks of a connect request and checks each by itself and all together.
+/// Reads the blocks of a connect request and checks each of them and their combination.
 pub(super) fn check(mut reader: Reader<'_>, min_device_interval: u16) -> Result<CheckedConnect, PnioStatus> {
     let mut ar = None;
     let mut iocrs: Vec<IocrRequest> = Vec::new();
@@ -226,7 +226,7 @@ fn check_ar(ar: &ArRequest) -> Result<(), PnioStatus> {
     first_broken(AR, &rules)
 }
 
-/// Refuses with the ErrorCode2 of the first rule that is not kept.
+/// Refuses with the ErrorCode2 of the first violated rule.
 fn first_broken(code1: u8, rules: &[(bool, u8)]) -> Result<(), PnioStatus> {
     match rules.iter().find(|rule| !rule.0) {
         Some((_, code2)) => Err(refuse(code1, *code2)),

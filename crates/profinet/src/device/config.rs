@@ -8,7 +8,7 @@ use crate::wire::dcp::{IpRule, NameRule, check_ip, check_name};
 use crate::wire::{ByteOrder, PnioStatus};
 use crate::{IpSuite, MacAddress};
 
-/// Who the device is; told by DCP, I&M0 and the endpoint mapper.
+/// Identity of the device; reported by DCP, I&M0 and the endpoint mapper.
 ///
 /// IEC 61158-6-10: VendorID, DeviceID, I&M0.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,7 +82,7 @@ pub enum ResetMode {
 }
 
 impl ResetMode {
-    /// The mode of a number.
+    /// Returns the mode of a number.
     #[must_use]
     pub const fn from_number(number: u16) -> Option<Self> {
         Some(match number {
@@ -96,7 +96,7 @@ impl ResetMode {
         })
     }
 
-    /// The number in a BlockQualifier (before it is doubled).
+    /// Returns the number in a BlockQualifier (before it is doubled).
     #[must_use]
     pub const fn number(self) -> u16 {
         match self {
@@ -109,13 +109,13 @@ impl ResetMode {
         }
     }
 
-    /// True when name and address are lost.
+    /// Returns true when name and address are lost.
     #[must_use]
     pub const fn clears_address(self) -> bool {
         !matches!(self, Self::ApplicationData | Self::Engineering)
     }
 
-    /// True when I&M1 to 4 are lost.
+    /// Returns true when I&M1 to 4 are lost.
     #[must_use]
     pub const fn clears_im(self) -> bool {
         !matches!(self, Self::Communication | Self::Engineering)
@@ -124,13 +124,13 @@ impl ResetMode {
 
 /// Services that a device refuses, each with the status of its answer; `None` accepts the service.
 ///
-/// Real devices differ in how they can be reached beside a PLC: many accept no device access connection, some no reads
-/// outside of a connection, some no records before data is exchanged.
+/// Access without a controller. Real devices differ: many accept no device access connection, some no reads outside of
+/// a connection, some no records before data is exchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Refusals {
     /// Connect for record access (ARType 6 with device access).
     pub device_access: Option<PnioStatus>,
-    /// Read without a relation (Read Implicit).
+    /// Read without an AR (Read Implicit).
     pub implicit_read: Option<PnioStatus>,
     /// Connect of a controller.
     pub controller: Option<PnioStatus>,
@@ -156,15 +156,16 @@ pub struct DeviceConfig {
     pub min_device_interval: u16,
     /// Resets offered by DCP; [`ResetMode::Communication`] is mandatory.
     pub reset_modes: Vec<ResetMode>,
-    /// DeviceAccess relations at once, beside the one controller; with 0 their ARType is refused as not known.
+    /// Maximum number of DeviceAccess ARs, in addition to the one controller; with 0 their ARType is refused as
+    /// unknown.
     pub max_device_access: usize,
     /// Services that the device refuses.
     pub refusals: Refusals,
     /// Sends each input frame right behind the controller's output frame where that is at most a quarter of the interval
     /// early, see [`Provider::follow`](crate::cyclic::Provider::follow): one wake-up in a cycle instead of two.
     pub follow_controller: bool,
-    /// Speaks with its neighbour: tells who it is by LLDP every 5 s, listens, and answers SNMP. A PROFINET device does; off
-    /// where only the connections matter.
+    /// Enables LLDP (sent every 5 s and received) and SNMP. A PROFINET device requires both; off where only connections
+    /// matter.
     pub neighbourhood: bool,
     /// FrameID of the outputs where the controller leaves the choice (0xFFFF): class 1 and class 2.
     pub output_frame_ids: [u16; 2],
@@ -185,7 +186,7 @@ pub struct DeviceConfig {
 }
 
 impl DeviceConfig {
-    /// A device with this identity and these modules; plugs the first module that fits each slot.
+    /// Creates a device with this identity and these modules; plugs the first module that fits each slot.
     #[must_use]
     pub fn new(mac: MacAddress, identity: Identity, modules: Vec<ModuleDescription>) -> Self {
         let mut plugged: Vec<(u16, u32)> = Vec::new();

@@ -1,4 +1,4 @@
-//! Context management: connect, control, release, and how relations end.
+//! Context management: connect, control, release, and how ARs end.
 
 use alloc::string::String;
 use alloc::vec;
@@ -26,7 +26,7 @@ use crate::wire::status::abort;
 use crate::wire::{PnioStatus, Reader, Uuid, Writer};
 use crate::{Instant, MAX_FRAME, RPC_PORT};
 
-/// A relation for record access that was silent for so long gives way to a new one of its own initiator.
+/// An AR for record access that was silent for so long gives way to a new one of its own initiator.
 const ABANDONED: Duration = Duration::from_secs(2);
 
 fn same_initiator(a: &ArRequest, b: &ArRequest) -> bool {
@@ -69,7 +69,7 @@ impl Device {
         let in_use = |request: &ArRequest| request.ar_uuid == checked.ar.ar_uuid;
         let own = self.controller.as_ref().is_some_and(|ar| in_use(&ar.request));
         if own || self.tools.iter().any(|ar| in_use(&ar.request)) {
-            // a new call with an old ARUUID: its owner has lost count, so the old relation is worth nothing
+            // a new call with an old ARUUID: its owner has lost count, so the old AR is worth nothing
             if let Some(ar) = &self.controller
                 && own
                 && same_initiator(&ar.request, &checked.ar)
@@ -151,13 +151,13 @@ impl Device {
         Ok(out)
     }
 
-    /// The relation for record access that makes room for another one when all are taken, and why it ends.
+    /// Selects the AR for record access to end when all are in use, and returns the cause.
     ///
-    /// The standard leaves the choice to the device. A tool that crashed keeps its relation until the activity time is
-    /// over, which may be 100 s; started again it must not be shut out by its former lives. So the relation that has been
-    /// silent for longest ends if it is the same initiator's (address, MAC address, object and station name) and was
-    /// silent for [`ABANDONED`], else if it was silent for more than half of its activity time. A relation whose record
-    /// is being worked on stays in any case.
+    /// The standard leaves the choice to the device. A tool that crashed keeps its AR until the activity time is over,
+    /// which may be 100 s; started again it must not be shut out by its former lives. So the AR that has been silent
+    /// for longest ends if it is the same initiator's (address, MAC address, object and station name) and was silent
+    /// for [`ABANDONED`], else if it was silent for more than half of its activity time. An AR whose record is being
+    /// worked on stays in any case.
     fn evictable(&self, now: Instant, source: SocketAddrV4, ar: &ArRequest) -> Option<(ArKey, u8)> {
         let silent = |tool: &&AccessAr| !self.has_job(tool.key);
         let longest = |tool: &&AccessAr| tool.activity.idle(now);
@@ -219,8 +219,7 @@ impl Device {
         };
         let mut provider = Provider::new(config, input.layout.clone(), now);
         for object in input.layout.data_objects() {
-            // submodules without data are good as soon as they are the right ones; the others when the
-            // application says so
+            // submodules without data are good once they are the right ones; the others when the application reports it
             if object.length == 0 && !differs(&diff, object.slot, object.subslot) {
                 provider.set_iops(object.slot, object.subslot, Iops::GOOD);
             }
@@ -413,14 +412,14 @@ impl Device {
         Ok(out)
     }
 
-    /// The relation with cyclic data if the call may speak for it.
+    /// Returns the AR with cyclic data if the call may act for it.
     pub(super) fn io_ar(&mut self, ar_uuid: Uuid, call: &Call) -> Option<&mut IoAr> {
         self.controller
             .as_mut()
             .filter(|ar| ar.request.ar_uuid == ar_uuid && ar.host == *call.source.ip())
     }
 
-    /// The relation for record access if the call may speak for it.
+    /// Returns the AR for record access if the call may act for it.
     pub(super) fn tool(&mut self, ar_uuid: Uuid, call: &Call) -> Option<&mut AccessAr> {
         self.tools
             .iter_mut()
@@ -432,7 +431,7 @@ impl Device {
         self.event(Event::Disconnected { ar, cause });
     }
 
-    /// Ends the relation with cyclic data, with or without a last word to the controller.
+    /// Ends the AR with cyclic data, with or without a last word to the controller.
     pub(super) fn close_controller(&mut self, now: Instant, cause: PnioStatus, notify: bool) {
         let Some(ar) = self.controller.take() else { return };
         if let Some(call) = ar.ready_call {
@@ -448,7 +447,7 @@ impl Device {
         self.ended(now, ar.key, ar.request.ar_uuid, cause);
     }
 
-    /// Ends every relation.
+    /// Ends every AR.
     pub(super) fn close_all(&mut self, now: Instant, cause: PnioStatus) {
         self.close_controller(now, cause, true);
         for tool in core::mem::take(&mut self.tools) {
@@ -456,7 +455,7 @@ impl Device {
         }
     }
 
-    /// Ends a relation for a reason of the application; see [`abort`] for the causes.
+    /// Ends an AR for a reason of the application; see [`abort`] for the causes.
     pub fn abort(&mut self, now: Instant, ar: ArKey, cause: u8) {
         let cause = PnioStatus::aborted(cause);
         if self.controller.as_ref().is_some_and(|io| io.key == ar) {
@@ -467,8 +466,8 @@ impl Device {
         }
     }
 
-    /// Tells the controller that inputs are set and the application runs. False if `ar` is not waiting for this
-    /// (only once after [`Event::ParameterEnd`]).
+    /// Reports to the controller that inputs are set and the application runs. Returns false if `ar` does not wait for
+    /// this (only once after [`Event::ParameterEnd`]).
     pub fn application_ready(&mut self, now: Instant, ar: ArKey) -> bool {
         let Some(io) = self.controller.as_mut().filter(|io| io.key == ar) else {
             return false;
@@ -530,7 +529,7 @@ impl Device {
         }
     }
 
-    /// Difference between expected and plugged of the relation with this UUID.
+    /// Difference between expected and plugged of the AR with this UUID.
     pub(super) fn diff_of(&self, ar_uuid: Uuid) -> Option<&ModuleDiff> {
         self.controller
             .as_ref()
@@ -539,7 +538,7 @@ impl Device {
     }
 }
 
-/// True if the answer to ApplicationReady says Done for this relation.
+/// Returns true if the answer to ApplicationReady says Done for this AR.
 fn confirms(reply: &Reply, ar_uuid: Uuid) -> bool {
     let mut reader = Reader::new(&reply.stub);
     let Ok(ndr) = NdrResponse::decode(&mut reader, reply.order) else {

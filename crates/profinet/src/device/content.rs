@@ -182,7 +182,7 @@ pub(super) struct PortRecord {
 }
 
 impl Device {
-    /// Writes the content of a record, or says that the application has it.
+    /// Writes the content of a record, or returns that the application has it.
     ///
     /// # Errors
     /// ErrorCode1.
@@ -312,7 +312,7 @@ impl Device {
         Ok(Owner::Engine)
     }
 
-    /// Takes the content of a record, or says that the application wants it.
+    /// Reads the content of a written record, or returns that the application handles it.
     ///
     /// # Errors
     /// ErrorCode1.
@@ -453,7 +453,7 @@ impl Device {
         .encode(out);
     }
 
-    /// What passed through the port; counters of 32 bits start again at 0.
+    /// Returns what passed through the port; counters of 32 bits start again at 0.
     fn port_statistic(&self) -> PortStatistic {
         let low = |octets: u64| (octets & u64::from(u32::MAX)) as u32;
         let (received, sent) = self.traffic();

@@ -26,10 +26,10 @@ const BLINK: Duration = Duration::from_secs(3);
 /// Delayed Identify answers that may wait; more requests for one are ignored.
 const WAITING: usize = 8;
 
-/// Blocks of one request that are answered; nobody needs more, and the answer must fit a frame.
+/// Maximum number of answered blocks of one request. The answer must fit a frame.
 const MAX_BLOCKS: usize = 64;
 
-/// Options told by 2/5, in the order of their numbers.
+/// Options reported by 2/5, ascending.
 const OPTIONS: &[DcpOption] = &[
     DcpOption::IP,
     DcpOption::FULL_IP,
@@ -131,7 +131,7 @@ impl Device {
         }
     }
 
-    /// False for a source that asks for more changes than anybody needs: its requests are ignored.
+    /// Returns false for a source that requests too many changes; its requests are ignored.
     fn may_change(&mut self, now: Instant, source: MacAddress) -> bool {
         let allowance = self.dcp.limit.count(now, source);
         if allowance == Allowance::Exceeded {
@@ -217,7 +217,7 @@ impl Device {
         for option in IDENTIFY_ANSWER {
             self.with_value(*option, |info, value| answer.info(info, value));
         }
-        // who asks by the neighbour's name gets it back
+        // a station that requests the neighbour's name gets it back
         for block in pdu.blocks().flatten().take(1) {
             if let Ok(alias @ Value::Alias(_)) = block.filter() {
                 answer.info(BlockInfo::NONE, &alias);
@@ -227,7 +227,7 @@ impl Device {
         self.send_dcp(now, due, source, FrameId::DCP_IDENTIFY_RESPONSE, &payload);
     }
 
-    /// True if every filter fits; a malformed or unknown one never does.
+    /// Returns true if every filter fits; a malformed or unknown one never does.
     fn is_meant(&self, pdu: &Pdu<'_>) -> bool {
         let mut filters = 0;
         for block in pdu.blocks() {
@@ -257,7 +257,7 @@ impl Device {
         same
     }
 
-    /// True if a neighbour gives this station that name: port and name of the neighbour, `port-001.plc1`.
+    /// Returns true if a neighbour gives this station that name: port and name of the neighbour, `port-001.plc1`.
     fn has_alias(&self, alias: &[u8]) -> bool {
         let mut neighbours = self.port.neighbours.iter();
         neighbours.any(|neighbour| neighbour.alias().is_some_and(|own| own.as_bytes() == alias))
@@ -379,7 +379,8 @@ impl Device {
         true
     }
 
-    /// True for what would end the connection of a controller that is moving something: another name, a reset.
+    /// Returns true for requests that would end the connection of a controller that is moving something: another name,
+    /// a reset.
     fn is_kept_from(&self, block: &Block<'_>) -> bool {
         if !(self.config.refuses_in_operation && self.operating && self.controller.is_some()) {
             return false;

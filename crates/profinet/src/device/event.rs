@@ -1,4 +1,4 @@
-//! What a device tells its application.
+//! Events of a device for its application.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -10,7 +10,7 @@ use crate::wire::block::RecordAddress;
 use crate::wire::dcp::DcpOption;
 use crate::{IpSuite, MacAddress};
 
-/// Names an application relation as long as it lives.
+/// Names an application AR as long as it lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ArKey(pub(super) u32);
 
@@ -18,7 +18,7 @@ pub struct ArKey(pub(super) u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Token(pub(super) u32);
 
-/// Kind of an application relation.
+/// Kind of an application AR.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ArKind {
     /// A controller with cyclic data.
@@ -30,8 +30,8 @@ pub enum ArKind {
 /// Why a DCP Set was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SetRefusal {
-    /// The source sends more than anybody needs; its requests are ignored until it is silent for some seconds.
-    /// Reported once for each flood.
+    /// The source sends too many requests; they are ignored until it was silent for some seconds. Reported once per
+    /// flood.
     TooMany,
     /// The application [operates](super::Device::set_operating) under a controller: block error 6.
     InOperation(DcpOption),
@@ -39,7 +39,7 @@ pub enum SetRefusal {
     Connected(DcpOption),
 }
 
-/// Something the application should know or do.
+/// An event that the application must handle or may report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Event {
     /// DCP changed the name of station.
@@ -63,16 +63,16 @@ pub enum Event {
         /// Why.
         refusal: SetRefusal,
     },
-    /// DCP asks to blink for three seconds.
+    /// DCP request to blink for three seconds.
     Signal,
-    /// DCP asks for a reset. Name, address and I&M are already reset where the mode says so.
+    /// DCP request for a reset. Name, address and I&M are already reset if the mode includes them.
     FactoryReset {
         /// How far.
         mode: ResetMode,
     },
     /// I&M1 to 4 were written and are to be stored.
     ImChanged(ImRecords),
-    /// A relation was opened.
+    /// An AR was opened.
     Connected {
         /// Its name from now on.
         ar: ArKey,
@@ -84,41 +84,40 @@ pub enum Event {
     /// The controller has written all parameters: set the inputs, then call
     /// [`application_ready`](super::Device::application_ready).
     ParameterEnd {
-        /// The relation.
+        /// The AR.
         ar: ArKey,
     },
     /// Start-up is over: the first valid outputs came after ApplicationReady.
     DataExchange {
-        /// The relation.
+        /// The AR.
         ar: ArKey,
     },
     /// The controller's provider changed between run and stop.
     ProviderState {
-        /// The relation.
+        /// The AR.
         ar: ArKey,
         /// True: run.
         run: bool,
     },
-    /// A relation ended.
+    /// An AR ended.
     Disconnected {
-        /// The relation.
+        /// The AR.
         ar: ArKey,
         /// Why: CF 81 FD xx.
         cause: PnioStatus,
     },
-    /// A record is read that the engine does not know; answer with
-    /// [`answer_read`](super::Device::answer_read).
+    /// A record is read that the engine does not implement; answer with [`answer_read`](super::Device::answer_read).
     RecordRead {
         /// Names the access.
         token: Token,
-        /// Who asks; `None` without a relation.
+        /// AR of the client; `None` without an AR.
         ar: Option<ArKey>,
         /// Which record.
         address: RecordAddress,
-        /// Most octets wanted.
+        /// Maximum number of octets.
         length: usize,
     },
-    /// A record is written that the engine does not know; answer with
+    /// A record is written that the engine does not implement; answer with
     /// [`answer_write`](super::Device::answer_write).
     RecordWrite {
         /// Names the access.
@@ -132,7 +131,7 @@ pub enum Event {
     },
     /// The controller answered an alarm.
     AlarmAcknowledged {
-        /// The relation.
+        /// The AR.
         ar: ArKey,
         /// Which alarm.
         alarm_type: AlarmType,

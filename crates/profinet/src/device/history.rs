@@ -8,12 +8,12 @@ use crate::wire::alarm::ChannelDiagnosis;
 use crate::wire::record::{DiagnosisHeader, LogData, LogEntry};
 use crate::wire::{PnioStatus, Uuid, Writer};
 
-/// Entries the log book keeps.
+/// Maximum number of log book entries.
 const LOG_ENTRIES: usize = 32;
 /// Diagnoses that may be pending at once.
 const DIAGNOSES: usize = 64;
 
-/// The latest ends of relations.
+/// The latest ends of ARs.
 #[derive(Debug, Default)]
 pub(super) struct LogBook {
     entries: VecDeque<LogEntry>,

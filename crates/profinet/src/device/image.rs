@@ -29,25 +29,25 @@ pub enum RaiseError {
         /// The subslot.
         subslot: u16,
     },
-    /// The channel does not take it.
+    /// The channel does not accept it.
     #[error(transparent)]
     Alarm(#[from] AlarmError),
 }
 
 impl Device {
-    /// Relation with cyclic data, if one is open.
+    /// AR with cyclic data, if one is open.
     #[must_use]
     pub fn controller(&self) -> Option<ArKey> {
         self.controller.as_ref().map(|io| io.key)
     }
 
-    /// Relations that are open, with cyclic data or for record access.
+    /// ARs that are open, with cyclic data or for record access.
     #[must_use]
     pub fn ars(&self) -> usize {
         usize::from(self.controller.is_some()) + self.tools.len()
     }
 
-    /// True while data is exchanged: start-up is over.
+    /// Returns true while data is exchanged: start-up is over.
     #[must_use]
     pub fn is_exchanging(&self) -> bool {
         self.controller.as_ref().is_some_and(|io| io.phase == Phase::Data)
@@ -65,7 +65,7 @@ impl Device {
         io.consumer.data(slot, subslot)
     }
 
-    /// True while outputs come and the controller's provider is in run.
+    /// Returns true while outputs come and the controller's provider is in run.
     #[must_use]
     pub fn provider_running(&self) -> bool {
         self.controller
@@ -73,7 +73,7 @@ impl Device {
             .is_some_and(|io| io.run == Some(true) && io.consumer.state() == ConsumerState::Running)
     }
 
-    /// Says whether the application moves something, so that DCP must not end the connection now; see
+    /// Sets whether the application moves something, so that DCP must not end the connection now; see
     /// [`DeviceConfig::refuses_in_operation`](super::DeviceConfig::refuses_in_operation).
     pub const fn set_operating(&mut self, operating: bool) {
         self.operating = operating;
@@ -88,7 +88,7 @@ impl Device {
         }
     }
 
-    /// Says whether the outputs of a submodule can be used (IOCS); good from the connect on.
+    /// Sets whether the outputs of a submodule can be used (IOCS); good from the connect on.
     pub fn set_usable(&mut self, slot: u16, subslot: u16, usable: bool) -> bool {
         let iocs = if usable { Iops::GOOD } else { Iops::BAD_SUBSLOT };
         match &mut self.controller {
@@ -97,26 +97,26 @@ impl Device {
         }
     }
 
-    /// When the next input frame is due. Step the application and set its inputs at this time, then call
-    /// [`handle_timeout`](crate::Endpoint::handle_timeout).
+    /// Returns the time when the next input frame is due. Step the application and set its inputs at this time, then
+    /// call [`handle_timeout`](crate::Endpoint::handle_timeout).
     #[must_use]
     pub fn next_cycle(&self) -> Option<Instant> {
         self.controller.as_ref().map(|io| io.provider.next_send())
     }
 
-    /// Time between two input frames.
+    /// Returns the time between two input frames.
     #[must_use]
     pub fn send_interval(&self) -> Option<Duration> {
         self.controller.as_ref().map(|io| io.provider.interval())
     }
 
-    /// Longest time between two output frames before the relation ends.
+    /// Longest time between two output frames before the AR ends.
     #[must_use]
     pub fn watchdog(&self) -> Option<Duration> {
         self.controller.as_ref().map(|io| io.consumer.hold_time())
     }
 
-    /// What was received.
+    /// Returns what was received.
     #[must_use]
     pub fn statistics(&self) -> Option<CyclicStatistics> {
         self.controller.as_ref().map(|io| io.consumer.statistics())
@@ -126,7 +126,7 @@ impl Device {
     /// back in [`Event::AlarmAcknowledged`](super::Event::AlarmAcknowledged).
     ///
     /// # Errors
-    /// Without data exchange, for a submodule that is not plugged, or when the alarm channel does not take it.
+    /// Without data exchange, for a submodule that is not plugged, or when the alarm channel rejects it.
     pub fn raise_alarm(
         &mut self,
         now: Instant,
@@ -165,9 +165,9 @@ impl Device {
         }
     }
 
-    /// Makes a diagnosis pending, or lets it go; tells a connected controller by alarm. A pending diagnosis is
-    /// also read by record and shows in the DataStatus. Of `item`'s properties the bits "appears" are set here.
-    /// At most 64 are kept. True if anything changed.
+    /// Sets or clears a pending diagnosis and notifies a connected controller by alarm. A pending diagnosis is also
+    /// readable as a record and visible in the DataStatus. Sets the "appears" bits in the properties of `item`. Keeps
+    /// at most 64. Returns true if anything changed.
     pub fn set_diagnosis(
         &mut self,
         now: Instant,
@@ -217,7 +217,7 @@ impl Device {
         changed
     }
 
-    /// Lets the DataStatus say whether a diagnosis is pending.
+    /// Updates the bit of the DataStatus for pending diagnoses.
     pub(super) fn update_station_problem(&mut self) {
         let status = DataStatus::GOOD.with_problem(!self.diagnoses.is_empty());
         if let Some(io) = &mut self.controller {

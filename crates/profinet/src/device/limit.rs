@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use crate::{Instant, MacAddress};
 
-/// Changes that one source may ask for at once, more than any engineering tool does.
+/// Changes that one source may request at once, more than any engineering tool does.
 const BURST: u32 = 100;
 /// Time after which one more is allowed.
 const REFILL: Duration = Duration::from_millis(40);
@@ -13,7 +13,7 @@ const WINDOW: Duration = Duration::from_millis(40 * 100);
 /// So far behind its allowance a flood gets at most: the time of silence after which it is served again. Longer than
 /// one client is held, so that others are served while the flood goes on.
 const LOCK: Duration = Duration::from_secs(4);
-/// Sources that are remembered; a further one takes the place of the one that asked longest ago.
+/// Number of sources remembered; a further one replaces the one whose last request is oldest.
 const SOURCES: usize = 8;
 
 const _: () = assert!(WINDOW.as_millis() == REFILL.as_millis() * BURST as u128);
@@ -32,13 +32,13 @@ pub(super) enum Allowance {
 #[derive(Debug, Clone, Copy, Default)]
 struct Source {
     mac: MacAddress,
-    /// When everything it asked for is within its allowance.
+    /// When everything it requested is within its allowance.
     paid: Instant,
     /// Its flood was reported.
     reported: bool,
 }
 
-/// The sources that asked for changes lately, the newest last.
+/// The sources that requested changes lately, the newest last.
 #[derive(Debug, Default)]
 pub(super) struct SourceLimit {
     sources: [Source; SOURCES],

@@ -1,4 +1,4 @@
-//! What the device tells by SNMP: system, interface, address, and LLDP with all neighbours.
+//! The SNMP tables of the device: system, interface, address, and LLDP with all neighbours.
 //!
 //! Source: RFC 3418 (system), RFC 2863 (interfaces), RFC 4293 (addresses), IEEE 802.1AB clause 12 (LLDP-MIB). The
 //! objects of conformance class B. Everything is read-only.
@@ -18,7 +18,7 @@ use crate::wire::snmp::{Oid, Value};
 
 /// The community that may read; the one that PROFINET tools use.
 pub const COMMUNITY: &[u8] = b"public";
-/// Answers that may wait to be sent; a client asks again for what is lost.
+/// Answers that may wait to be sent; a client repeats requests that are lost.
 const WAITING: usize = 8;
 /// Rate of the only port.
 const BITS_PER_SECOND: u32 = 100_000_000;
@@ -42,7 +42,7 @@ enum Rows {
     Management,
     /// One for each neighbour.
     Neighbour,
-    /// One for each neighbour that told an address.
+    /// One for each neighbour that reported an address.
     NeighbourAddress,
 }
 
@@ -67,7 +67,7 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// What its neighbour says.
+    /// Returns the LLDPDU of its neighbour.
     fn lldpdu(&self) -> Option<Lldpdu<'a>> {
         self.neighbour.and_then(Neighbour::lldpdu)
     }
@@ -83,7 +83,7 @@ fn text(octets: &[u8]) -> Value {
     Value::Octets(octets.to_owned())
 }
 
-/// A text that may be absent.
+/// Returns a text that may be absent.
 fn optional(octets: Option<&[u8]>) -> Value {
     text(octets.unwrap_or_default())
 }

@@ -1,9 +1,9 @@
-//! An IO device: found and named by DCP, connected by a controller, asked by tools, exchanging cyclic data.
+//! An IO device: found and named by DCP, connected by a controller, read by tools, exchanging cyclic data.
 //!
-//! IEC 61158-6-10, CMDEV and the machines around it. [`Device`] is a protocol engine: bytes and time in, bytes,
-//! events and the next deadline out. What it means is the application's business: it puts inputs with
-//! [`set_input`](Device::set_input), takes outputs with [`output`](Device::output) and answers the records that the
-//! engine does not know.
+//! IEC 61158-6-10, CMDEV and the machines around it. [`Device`] is a protocol engine: bytes and time in, bytes, events
+//! and the next deadline out. The application gives the data a meaning: it sets inputs with
+//! [`set_input`](Device::set_input), reads outputs with [`output`](Device::output) and answers the records that the
+//! engine does not implement.
 
 mod ar;
 mod check;
@@ -59,7 +59,7 @@ use crate::{Endpoint, Instant, IpSuite, MacAddress, RPC_PORT, Traffic, Transmit}
 
 /// Local UDP port of the device's own calls (ApplicationReady).
 pub const CLIENT_PORT: u16 = 0xC0DE;
-/// Events kept for an application that does not take them; the oldest go first.
+/// Number of queued events for a slow application; the oldest are dropped.
 const EVENTS: usize = 256;
 /// Frames that may wait to be sent besides cyclic ones.
 const FRAMES: usize = 16;
@@ -108,7 +108,7 @@ pub struct Device {
     port: Port,
     /// Answers to SNMP that wait to be sent.
     answers: VecDeque<(SocketAddrV4, Vec<u8>)>,
-    /// First time that was told.
+    /// First time that was reported.
     started: Option<Instant>,
     server: Server,
     client: Client,
@@ -127,7 +127,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// A device as it starts: with what it remembers, without relations.
+    /// Creates a device as it starts: with what it remembers, without ARs.
     #[must_use]
     pub fn new(config: DeviceConfig, stored: Stored) -> Self {
         let mut uuids = UuidSource::new(config.seed);
@@ -174,18 +174,18 @@ impl Device {
         }
     }
 
-    /// The next thing the application should know.
+    /// Returns the next event for the application.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
 
-    /// What was fixed at the start.
+    /// Returns what was fixed at the start.
     #[must_use]
     pub const fn config(&self) -> &DeviceConfig {
         &self.config
     }
 
-    /// Name of station, empty for none.
+    /// Returns the name of station, empty for none.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -207,7 +207,7 @@ impl Device {
         &self.im
     }
 
-    /// What is plugged in a slot.
+    /// Returns what is plugged in a slot.
     #[must_use]
     pub fn plugged_module(&self, slot: u16) -> Option<&ModuleDescription> {
         self.slots.module(&self.config.modules, slot)

@@ -1,4 +1,4 @@
-//! The port of the device: what it tells its neighbour by LLDP, whom it hears, what passes through it.
+//! The port of the device: sent and received LLDP frames and its traffic counters.
 //!
 //! The device has one Ethernet connection, so one port is modelled: the first of its port submodules.
 
@@ -83,7 +83,7 @@ impl<const N: usize> Text<N> {
 }
 
 impl<const N: usize> core::fmt::Write for Text<N> {
-    /// What does not fit is left out.
+    /// Returns what does not fit is left out.
     fn write_str(&mut self, text: &str) -> core::fmt::Result {
         for octet in text.bytes() {
             if let Some(place) = self.octets.get_mut(self.length) {
@@ -103,7 +103,8 @@ pub(super) fn port_name(subslot: u16) -> Text<8> {
     name
 }
 
-/// What a station is, in one line: product, order number, serial number, hardware and software revision in columns.
+/// Returns what a station is, in one line: product, order number, serial number, hardware and software revision in
+/// columns.
 ///
 /// Source: IEC 61158-6-10, SystemIdentification; the value of sysDescr.
 pub(super) fn system_identification(identity: &Identity) -> Text<MAX_NAME> {
@@ -132,14 +133,14 @@ pub(super) struct Port {
     next: Instant,
     /// An LLDP frame goes out as soon as possible.
     due: bool,
-    /// Chassis id and port id told last: taken back when they change.
+    /// Chassis id and port id sent last: withdrawn when they change.
     lldpdu: Vec<u8>,
 }
 
 impl Port {
     pub(super) fn handle_timeout(&mut self, now: Instant, mac: MacAddress) {
         if now >= self.next {
-            // stations that start together are not to speak together for ever
+            // stations that start together must not send together for ever
             let early = if self.lldpdu.is_empty() {
                 SPREAD * u32::from(mac.0[5] % 64)
             } else {
@@ -155,20 +156,20 @@ impl Port {
         [next, self.neighbours.poll_timeout()].into_iter().flatten().min()
     }
 
-    /// What is told has changed: the neighbour is to know now.
+    /// Sends a changed announcement to the neighbour at once.
     pub(super) const fn announce(&mut self) {
         self.due = true;
     }
 }
 
 impl Device {
-    /// Who is heard at the other end of the cable.
+    /// Returns the neighbours at the other end of the cable.
     #[must_use]
     pub const fn neighbours(&self) -> &Neighbours {
         &self.port.neighbours
     }
 
-    /// Frames and octets at the port, received and sent, as far as the carrier tells of them
+    /// Returns frames and octets at the port, received and sent, as reported by the carrier
     /// ([`Endpoint::note_traffic`](crate::Endpoint::note_traffic)).
     #[must_use]
     pub const fn traffic(&self) -> (DirectionCounts, DirectionCounts) {
@@ -191,11 +192,11 @@ impl Device {
             .unwrap_or(0x8001)
     }
 
-    /// Gives what LLDP tells of this station to `write`.
+    /// Passes the LLDPDU of this station to `write`.
     ///
-    /// PDInterfaceAdjust chooses how: the name of the station as chassis id and the bare name of the port, or the
-    /// identification of the system as chassis id and the name of the station behind that of the port. A station without
-    /// a name tells its Ethernet address instead.
+    /// PDInterfaceAdjust selects the format: the name of the station as chassis id and the bare name of the port, or
+    /// the identification of the system as chassis id and the name of the station behind that of the port. A station
+    /// without a name sends its Ethernet address instead.
     pub(super) fn with_lldpdu<T>(&self, write: impl FnOnce(&Lldpdu<'_>) -> T) -> T {
         let identification = system_identification(&self.config.identity);
         let port = port_name(self.port_subslot());
@@ -255,7 +256,7 @@ impl Device {
         write(&lldpdu)
     }
 
-    /// Writes the LLDP frame that is due: first one that takes back what is no longer so, then one with what is.
+    /// Writes the LLDP frame that is due: first a frame that withdraws the old identity, then one with the new.
     pub(super) fn emit_lldp(&mut self, buffer: &mut [u8]) -> Option<usize> {
         if !core::mem::take(&mut self.port.due) {
             return None;

@@ -19,7 +19,7 @@ const RECORD_HEADER_FAULT: u8 = 0x08;
 /// Record accesses that may wait for the application at once.
 const JOBS: usize = 16;
 
-/// Whether the engine knows a record.
+/// Whether the engine implements a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Owner {
     /// The engine has done it.
@@ -75,7 +75,7 @@ pub(super) const fn service_code(number: u16) -> u8 {
     }
 }
 
-/// True for records the application answers: user-defined and profile indices.
+/// Returns true for records the application answers: user-defined and profile indices.
 const fn is_application_index(index: u16) -> bool {
     index < 0x8000 || (index >= 0xB000 && index < 0xC000)
 }
@@ -132,8 +132,8 @@ impl Device {
         self.answer_read_call(now, call.key, call.order, args_maximum, &request, result);
     }
 
-    /// Finds the relation of a record access and restarts its activity time. The second value is why the relation takes
-    /// no writes now, if it does not.
+    /// Finds the AR of a record access and restarts its activity time. The second value is why the AR takes no writes
+    /// now, if it does not.
     fn access(
         &mut self,
         now: Instant,
@@ -332,7 +332,7 @@ impl Device {
         self.server.respond(now, call.key, stub);
     }
 
-    /// True while the application works on a record for this relation.
+    /// Returns true while the application works on a record for this AR.
     pub(super) fn has_job(&self, ar: ArKey) -> bool {
         self.jobs.iter().any(|job| job.ar == Some(ar))
     }
@@ -342,7 +342,7 @@ impl Device {
         Some(self.jobs.swap_remove(index))
     }
 
-    /// Answers [`Event::RecordRead`]. False if nobody waits for this answer any more.
+    /// Answers [`Event::RecordRead`]. Returns false if no request waits for this answer.
     pub fn answer_read(&mut self, now: Instant, token: Token, result: Result<&[u8], PnioStatus>) -> bool {
         let Some(job) = self.take_job(token) else {
             return false;
@@ -355,7 +355,7 @@ impl Device {
         true
     }
 
-    /// Answers [`Event::RecordWrite`]. False if nobody waits for this answer any more.
+    /// Answers [`Event::RecordWrite`]. Returns false if no request waits for this answer.
     pub fn answer_write(&mut self, now: Instant, token: Token, result: Result<(), PnioStatus>) -> bool {
         let Some(job) = self.take_job(token) else {
             return false;
@@ -411,7 +411,7 @@ impl Device {
         }
     }
 
-    /// Says whose record an index is that no table lists.
+    /// Returns the owner of an index that no table lists.
     pub(super) fn other_record(&self, api: u32, slot: u16, subslot: u16, index: u16) -> Result<Owner, u8> {
         self.check_subslot(api, slot, subslot)?;
         if is_application_index(index) {
@@ -431,7 +431,7 @@ const fn address_of(api: u32, slot: u16, subslot: u16, index: u16) -> RecordAddr
     }
 }
 
-/// A whole response stub; blocks that do not fit what the client allows are left out with an error.
+/// Returns a whole response stub; blocks that do not fit what the client allows are left out with an error.
 fn stub(code: u8, order: ByteOrder, args_maximum: u32, status: PnioStatus, blocks: &[u8]) -> Vec<u8> {
     let fits = u32::try_from(blocks.len()).is_ok_and(|length| length <= args_maximum);
     let (status, blocks) = if fits {

@@ -103,7 +103,7 @@ impl Slots {
             .find(|s| s.subslot == subslot)
     }
 
-    /// All APIs that have a submodule, ascending.
+    /// Returns all APIs that have a submodule, ascending.
     pub(super) fn apis(&self, catalogue: &[ModuleDescription]) -> Vec<u32> {
         let mut apis: Vec<u32> = self
             .iter(catalogue)
@@ -114,7 +114,7 @@ impl Slots {
         apis
     }
 
-    /// What is plugged where `keep` says so, by API and slot.
+    /// Returns the plugged modules accepted by `keep`, by API and slot.
     pub(super) fn identification(
         &self,
         catalogue: &[ModuleDescription],
@@ -143,8 +143,8 @@ impl Slots {
         result
     }
 
-    /// Plugs what a controller expects where the catalogue allows it, and says what differs then; of the slots
-    /// `always_listed` also what does not.
+    /// Plugs what a controller expects where the catalogue allows it, and returns the differences; for the slots
+    /// `always_listed` also the matching submodules.
     pub(super) fn adapt(
         &mut self,
         catalogue: &[ModuleDescription],
@@ -194,7 +194,7 @@ impl Slots {
     }
 }
 
-/// How an expected submodule differs from the real one; a wrong length counts as a wrong submodule.
+/// Returns how an expected submodule differs from the real one; a wrong length counts as a wrong submodule.
 fn compare(real: &ModuleDescription, api: u32, expected: &ExpectedSubmodule) -> Option<DiffSubmodule> {
     let subslot = expected.subslot;
     let Some(submodule) = real.submodules.iter().find(|s| s.subslot == subslot) else {
@@ -215,7 +215,7 @@ fn compare(real: &ModuleDescription, api: u32, expected: &ExpectedSubmodule) -> 
     })
 }
 
-/// True if the difference says that this submodule cannot be used.
+/// Returns true if this submodule is unusable according to the difference.
 pub(super) fn differs(diff: &ModuleDiff, slot: u16, subslot: u16) -> bool {
     diff.modules.iter().filter(|m| m.slot == slot).any(|module| {
         let unusable = |s: &DiffSubmodule| s.subslot == subslot && !s.state.is_usable();
@@ -269,7 +269,7 @@ mod tests {
             );
             assert_eq!(slots.plugged, [(1, index)]);
         }
-        // none fits: the first, and the difference is told
+        // none fits: the first, and the difference is reported
         let diff = slots.adapt(&catalogue, &expected(0x69, 4), &[]);
         assert_eq!((slots.plugged[0], diff.modules[0].submodules.len()), ((1, 0), 1));
     }

@@ -23,7 +23,7 @@ struct Fleet {
 }
 
 impl Fleet {
-    /// Carries everything until nobody has anything to send.
+    /// Carries all frames until no station has any to send.
     fn exchange(&mut self) {
         let mut buffer = [0; MAX_FRAME];
         for round in 0.. {

@@ -1,4 +1,4 @@
-//! The device of these tests, and how a controller is told to use it.
+//! The device of these tests, and how a controller is commanded to use it.
 
 use alloc::collections::BTreeMap;
 use alloc::vec;

@@ -1,4 +1,4 @@
-//! Makes calls: sends, repeats, asks, joins the answer, or says why there is none.
+//! Makes calls: sends, repeats, pings, joins the answer, or returns the cause of its absence.
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -21,7 +21,7 @@ pub struct ClientConfig {
     pub wait: Duration,
     /// How often a PDU is sent before the call fails.
     pub sends: u8,
-    /// A call fails after this time even if the server says that it is working on it.
+    /// Time after which a call fails even if the server answers "working".
     pub limit: Duration,
     /// Longest answer in octets.
     pub stub: usize,
@@ -129,7 +129,7 @@ pub struct Client {
 }
 
 impl Client {
-    /// A client without calls.
+    /// Creates a client without calls.
     #[must_use]
     pub const fn new(config: ClientConfig) -> Self {
         Self {
@@ -169,7 +169,7 @@ impl Client {
         self.events.retain(|event| event.0 != id);
     }
 
-    /// True while the call has no result.
+    /// Returns true while the call has no result.
     #[must_use]
     pub fn is_open(&self, id: CallId) -> bool {
         self.calls.iter().any(|call| call.id == id)
@@ -252,7 +252,7 @@ impl Client {
         true
     }
 
-    /// The next call that ended.
+    /// Returns the next call that ended.
     pub fn poll_event(&mut self) -> Option<(CallId, Result<Reply, CallError>)> {
         self.events.pop_front()
     }
@@ -282,13 +282,13 @@ impl Client {
         });
     }
 
-    /// When something is due.
+    /// Returns the time of the next timeout.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
         self.calls.iter().map(|call| call.due.min(call.limit)).min()
     }
 
-    /// Writes the next datagram and says where it goes.
+    /// Writes the next datagram and returns its destination.
     #[must_use]
     pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<(SocketAddrV4, usize)> {
         let mut out = SliceWriter::new(buffer);

@@ -1,4 +1,4 @@
-//! The endpoint mapper: tells tools which RPC servers this station has, and what it is.
+//! The endpoint mapper: reports the RPC servers and the identity of this station to tools.
 
 use alloc::vec::Vec;
 use core::fmt::Write as _;
@@ -17,7 +17,7 @@ const HANDLES: usize = 8;
 /// An enumeration ends when it is not continued within this time.
 const IDLE: Duration = Duration::from_secs(5);
 
-/// What a station tells about itself.
+/// What the endpoint mapper reports about a station.
 #[derive(Debug, Clone, Copy)]
 pub struct Registration {
     /// Interface it serves.
@@ -79,7 +79,7 @@ pub struct EndpointMapper {
 }
 
 impl EndpointMapper {
-    /// A mapper whose handles come from `seed`.
+    /// Creates a mapper whose handles come from `seed`.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
         Self {

@@ -23,7 +23,7 @@ impl Outgoing {
         u16::try_from(pieces - 1).unwrap_or(u16::MAX)
     }
 
-    /// True while fragments follow that the peer must ask for by acknowledging this one.
+    /// Returns true while fragments follow that the peer must request by acknowledging this one.
     pub(super) fn awaits_fack(&self) -> bool {
         self.current < self.last()
     }
@@ -86,7 +86,7 @@ pub(super) enum Progress {
     Complete,
     /// Taken (or had already been): acknowledge this number.
     Acknowledge(u16),
-    /// Nothing to say.
+    /// Nothing to send.
     Nothing,
     /// It does not fit what came before, or is too much: give the stub up.
     Broken,

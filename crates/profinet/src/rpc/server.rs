@@ -1,4 +1,4 @@
-//! Answers calls: joins fragments, never executes a call twice, says how a call stands.
+//! Answers calls: joins fragments, never executes a call twice, reports the state of a call.
 
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
@@ -16,7 +16,7 @@ const FACK_WAIT: Duration = Duration::from_secs(2);
 const FACK_SENDS: u8 = 3;
 /// How long the next fragment of a request may take.
 const REASSEMBLY: Duration = Duration::from_secs(5);
-/// How long an answer is kept for a client that did not get it.
+/// Time for which an answer is stored for a client that did not get it.
 const KEEP: Duration = Duration::from_secs(60);
 /// Short answers (working, nocall, fack, reject) that may wait to be sent.
 const QUEUE: usize = 32;
@@ -35,7 +35,7 @@ pub struct Interface {
 pub struct ServerLimits {
     /// Clients (activities) remembered at once.
     pub activities: usize,
-    /// Activities one address may hold at once, so that nobody pushes out all others.
+    /// Maximum number of activities of one address, so that one client cannot displace all others.
     pub activities_per_address: usize,
     /// Longest request stub in octets.
     pub stub: usize,
@@ -92,7 +92,7 @@ enum State {
         resend: Option<Instant>,
         sends: u8,
     },
-    /// Answered and nothing kept: repetitions are dropped.
+    /// Answered and no longer stored: repetitions are dropped.
     Forgotten,
     /// Never complete, so nothing was executed: its first fragment may come again.
     Dropped,
@@ -102,7 +102,8 @@ enum State {
 struct Activity {
     peer: SocketAddrV4,
     header: Header,
-    /// Of the body of the first PDU of the call: tells a repetition from another call with the same number.
+    /// Digest of the body of the first PDU of the call: distinguishes a repetition from another call with the same
+    /// number.
     digest: u64,
     state: State,
     used: Instant,
@@ -248,8 +249,8 @@ impl Server {
                     State::Receiving(_) | State::Executing => false,
                 };
                 if ahead > 0 || restarted {
-                    // A client that always begins with the same activity and number has started again when it says
-                    // something else: the answer to its former life is not for it.
+                    // A client that always begins with the same activity and number has restarted when its request
+                    // differs: the answer to its former life is not for it.
                     if header.flags.is_fragment() && header.fragment != 0 {
                         return None;
                     }
@@ -346,7 +347,7 @@ impl Server {
         None
     }
 
-    /// Where a new activity of `address` may live: a free place, or the place of the longest unused one that is
+    /// Returns where a new activity of `address` may live: a free place, or the place of the longest unused one that is
     /// not being executed.
     fn room(&self, address: Ipv4Addr) -> Option<usize> {
         let own = |a: &&(usize, &Activity)| *a.1.peer.ip() == address;
@@ -431,14 +432,14 @@ impl Server {
         self.answer(now, key, PacketType::Response, stub);
     }
 
-    /// Says that a call was not executed; see [`reject`] for the numbers.
+    /// Reports that a call was not executed; see [`reject`] for the numbers.
     pub fn reject(&mut self, now: Instant, key: CallKey, order: ByteOrder, status: u32) {
         let mut stub = Vec::new();
         stub.u32_in(order, status);
         self.answer(now, key, PacketType::Reject, stub);
     }
 
-    /// True while a call waits for its answer.
+    /// Returns true while a call waits for its answer.
     #[must_use]
     pub fn is_executing(&self, key: &CallKey) -> bool {
         self.activities.iter().any(|a| {
@@ -462,7 +463,7 @@ impl Server {
                 } if resend.is_some_and(|at| at <= now) => {
                     *resend = None;
                     if *sends >= FACK_SENDS {
-                        // silent until the client asks again
+                        // silent until the client pings again
                         *sends = 0;
                     } else {
                         *pending = true;
@@ -475,7 +476,7 @@ impl Server {
             .retain(|a| matches!(a.state, State::Executing) || a.used + KEEP > now);
     }
 
-    /// When something is due.
+    /// Returns the time of the next timeout.
     #[must_use]
     pub fn poll_timeout(&self) -> Option<Instant> {
         let due = |a: &Activity| match &a.state {
@@ -489,7 +490,7 @@ impl Server {
         self.activities.iter().filter_map(due).min()
     }
 
-    /// Writes the next datagram and says where it goes.
+    /// Writes the next datagram and returns its destination.
     #[must_use]
     pub fn poll_transmit(&mut self, now: Instant, buffer: &mut [u8]) -> Option<(SocketAddrV4, usize)> {
         let mut out = SliceWriter::new(buffer);

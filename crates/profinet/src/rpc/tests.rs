@@ -209,7 +209,7 @@ fn reassembly_is_bounded_in_size_and_time() {
             .count(),
         0
     );
-    // the queue of short answers is bounded too; the state says that the request was dropped
+    // the queue of short answers is bounded too; the state reports that the request was dropped
     assert!(matches!(server.poll_timeout(), Some(at) if at == Instant::from_millis(60_000)));
     let first = Header {
         flags: Flags(0x04),
@@ -250,7 +250,7 @@ fn a_flood_from_one_address_leaves_room_for_others() {
     assert_eq!(kinds(&mut server), [PacketType::Response]);
 }
 
-/// Runs calls over a bad pipe until they end; returns the results and how often the server executed something.
+/// Runs calls over a bad pipe until they end; returns the results and the number of executions by the server.
 fn run(
     seed: u64,
     loss: u64,
@@ -423,7 +423,7 @@ fn a_client_that_started_again_with_the_same_number_is_not_given_its_old_answer(
     assert_eq!(sent(&mut server, Instant::ZERO)[0].2, b"done 2");
 }
 
-/// The first, or another, fragment of a call in activity 1.
+/// Returns the first, or another, fragment of a call in activity 1.
 fn piece(fragment: u16, flags: u8) -> Vec<u8> {
     let header = Header {
         fragment,
@@ -450,7 +450,7 @@ fn a_request_that_broke_off_may_come_again() {
             now += Duration::from_secs(6);
             server.handle_timeout(now);
         }
-        // the client is told that the call is not known, and begins anew with the same number
+        // the client receives `unknown call` and starts again with the same number
         let ping = Header {
             packet_type: PacketType::Ping,
             ..header(1, 0)
@@ -512,7 +512,7 @@ fn an_acknowledgement_counts_for_all_fragments_before_it() {
     client.call(Instant::ZERO, SERVER, header(1, 0), vec![0; 5000]);
     let mut buffer = [0; 1518];
     let mut fragments = Vec::new();
-    // the server has lost the call after two fragments, then says that it has them after all
+    // the server lost the call after two fragments, then reports that it has them
     let answers: [(PacketType, u16); 4] = [
         (PacketType::Fack, 0),
         (PacketType::NoCall, 0),

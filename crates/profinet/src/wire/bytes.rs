@@ -15,7 +15,7 @@ pub enum ByteOrder {
     Little,
 }
 
-/// Why octets from the network could not be understood: what, where, expected and found.
+/// A decode error of octets from the network: field, offset, expected and found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{what} at octet {offset}: {problem}")]
 pub struct DecodeError {
@@ -49,7 +49,7 @@ pub enum Problem {
         /// The value found.
         found: u64,
     },
-    /// More of something than this implementation takes.
+    /// More elements than this implementation accepts.
     TooMany {
         /// The limit.
         limit: usize,
@@ -132,13 +132,13 @@ impl<'a> Reader<'a> {
         self.data.len() - self.position
     }
 
-    /// True when everything is read.
+    /// Returns true when everything is read.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.remaining() == 0
     }
 
-    /// The octets not read yet, without reading them.
+    /// Returns the octets not read yet, without reading them.
     #[must_use]
     pub fn peek_rest(&self) -> &'a [u8] {
         self.data.get(self.position..).unwrap_or(&[])
@@ -256,7 +256,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// An error about the field that starts `back` octets before the cursor.
+    /// Returns an error about the field that starts `back` octets before the cursor.
     #[must_use]
     pub const fn error(&self, what: &'static str, back: usize, problem: Problem) -> DecodeError {
         DecodeError {
@@ -269,7 +269,7 @@ impl<'a> Reader<'a> {
     /// Refuses octets left over.
     ///
     /// # Errors
-    /// When something is left.
+    /// When octets are left.
     pub fn finish(&self, what: &'static str) -> Result<(), DecodeError> {
         match self.remaining() {
             0 => Ok(()),
@@ -395,7 +395,7 @@ impl<'a> SliceWriter<'a> {
         Self { buffer, position: 0 }
     }
 
-    /// How many octets were written.
+    /// Returns how many octets were written.
     ///
     /// # Errors
     /// When they did not all fit; the buffer then holds the first ones.

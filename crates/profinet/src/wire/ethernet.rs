@@ -1,7 +1,7 @@
 //! Ethernet frames of EtherType 0x8892: header, optional 802.1Q tag, FrameID.
 //!
-//! Source: IEC 61158-6-10 clause 4.2 and 802.1Q. A receiver takes every frame tagged or untagged and never uses the
-//! tag to tell frames apart; a sender tags cyclic data and alarms.
+//! Source: IEC 61158-6-10 clause 4.2 and 802.1Q. A receiver accepts every frame tagged or untagged and ignores the tag;
+//! a sender tags cyclic data and alarms.
 
 use core::fmt;
 
@@ -55,7 +55,7 @@ impl Tag {
     }
 }
 
-/// What a frame is, told by the first two octets behind the EtherType.
+/// Kind of a frame, by the first two octets behind the EtherType.
 ///
 /// Source: IEC 61158-6-10, coding of the field FrameID.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -112,7 +112,7 @@ impl FrameId {
     /// In a connect request: the device chooses.
     pub const CHOOSE: Self = Self(0xFFFF);
 
-    /// The range this number lies in.
+    /// Returns the range this number lies in.
     #[must_use]
     pub const fn kind(self) -> FrameKind {
         match self.0 {
@@ -134,7 +134,7 @@ impl FrameId {
         }
     }
 
-    /// True for cyclic data to one receiver, of class 1 or 2.
+    /// Returns true for cyclic data to one receiver, of class 1 or 2.
     #[must_use]
     pub const fn is_cyclic(self) -> bool {
         matches!(self.kind(), FrameKind::RtClass1 | FrameKind::RtClass2)

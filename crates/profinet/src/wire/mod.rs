@@ -1,6 +1,6 @@
 //! What travels: views, builders and codes of every PROFINET PDU, without behaviour.
 //!
-//! Everything is decoded with a [`Reader`], which cannot read past the end and whose errors say where, and encoded
+//! Frames are decoded with a [`Reader`], which cannot read past the end and whose errors have an offset, and encoded
 //! into any [`Writer`]. Numbers are big-endian except in RPC headers.
 
 pub mod alarm;

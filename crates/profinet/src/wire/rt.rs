@@ -39,25 +39,25 @@ impl DataStatus {
     /// A controller in STOP: valid, not running, no problem: 0x25.
     pub const STOP: Self = Self(0x25);
 
-    /// The frame's data is valid.
+    /// Returns whether the frame's data is valid.
     #[must_use]
     pub const fn is_valid(self) -> bool {
         self.0 & Self::DATA_VALID != 0
     }
 
-    /// The provider runs.
+    /// Returns whether the provider runs.
     #[must_use]
     pub const fn is_run(self) -> bool {
         self.0 & Self::RUN != 0
     }
 
-    /// The provider reports a problem.
+    /// Returns whether the provider reports a problem.
     #[must_use]
     pub const fn has_problem(self) -> bool {
         self.0 & Self::NO_PROBLEM == 0
     }
 
-    /// The sender is the primary one.
+    /// Returns whether the sender is the primary one.
     #[must_use]
     pub const fn is_primary(self) -> bool {
         self.0 & Self::PRIMARY != 0
@@ -132,7 +132,7 @@ impl Iops {
     /// Bad, found by the controller.
     pub const BAD_CONTROLLER: Self = Self(0x60);
 
-    /// True when bit 7 says good.
+    /// Returns true when bit 7 is good.
     #[must_use]
     pub const fn is_good(self) -> bool {
         self.0 & 0x80 != 0

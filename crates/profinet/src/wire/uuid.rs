@@ -1,4 +1,4 @@
-//! UUIDs of interfaces, objects, activities and application relations.
+//! UUIDs of interfaces, objects, activities and application ARs.
 
 use core::fmt;
 
@@ -83,7 +83,7 @@ impl Uuid {
         })
     }
 
-    /// True when all octets are zero.
+    /// Returns true when all octets are zero.
     #[must_use]
     pub fn is_nil(&self) -> bool {
         *self == Self::NIL
@@ -142,7 +142,7 @@ impl fmt::Debug for Uuid {
 
 /// Makes UUIDs from a seed: the same seed gives the same row.
 ///
-/// The engines take no randomness of their own; whoever starts one hands in a seed that differs from run to run.
+/// The engines have no source of randomness; their creator passes a seed that differs from run to run.
 #[derive(Debug, Clone)]
 pub struct UuidSource {
     state: u64,
@@ -155,7 +155,7 @@ impl UuidSource {
         Self { state: seed }
     }
 
-    /// Mixes in something that differs from run to run even if the seed does not, for example a peer's UUID.
+    /// Mixes in a value that differs from run to run even if the seed does not, for example a peer's UUID.
     pub fn stir(&mut self, uuid: &Uuid) {
         for chunk in uuid.0.chunks_exact(8) {
             let mut octets = [0; 8];
@@ -165,7 +165,7 @@ impl UuidSource {
         }
     }
 
-    /// The next 64 bits (splitmix64).
+    /// Returns the next 64 bits (splitmix64).
     pub fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.state;
@@ -174,7 +174,7 @@ impl UuidSource {
         z ^ (z >> 31)
     }
 
-    /// The next UUID, marked as version 4.
+    /// Returns the next UUID, marked as version 4.
     pub fn uuid(&mut self) -> Uuid {
         let mut octets = [0; 16];
         octets[..8].copy_from_slice(&self.bits().to_be_bytes());

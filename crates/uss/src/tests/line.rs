@@ -42,9 +42,9 @@ struct Line {
     now: Duration,
     dice: Dice,
     faults: Faults,
-    /// What each slave was told by all, and how often it was asked.
+    /// Requests that each slave received, and how many.
     broadcasts: Vec<Vec<u8>>,
-    /// Replies taken and losses told, per slave.
+    /// Replies received and losses reported, per slave.
     replies: Vec<u32>,
     losses: Vec<u32>,
     /// What each slave is asked now, and a number for the next.
@@ -56,7 +56,7 @@ struct Line {
     spoiled: u32,
 }
 
-/// What slave number `slave` answers to data.
+/// Returns what slave number `slave` answers to data.
 fn answer(slave: usize, data: &[u8]) -> Vec<u8> {
     data.iter().map(|octet| octet ^ (slave as u8 + 1)).collect()
 }
@@ -112,7 +112,7 @@ impl Line {
         self.wire.sort_by_key(|octet| octet.0);
     }
 
-    /// Runs the line for a while; `alive` tells which slaves are switched on.
+    /// Runs the line for a while; `alive` returns which slaves are switched on.
     fn run(&mut self, time: Duration, alive: impl Fn(usize) -> bool) {
         let end = self.now + time;
         let mut out = [0; MAX_TELEGRAM];
@@ -246,7 +246,7 @@ fn a_dead_slave_is_reported_once_and_delays_the_others_little() {
     let seen = line.master.statistics(line.ids[1]);
     assert_eq!(seen.repeated, 2, "repeated at first, then asked once a round");
     assert!(seen.timeouts > 10);
-    // it comes back by itself, and its next loss is told again
+    // it comes back by itself, and its next loss is reported again
     line.run(Duration::from_secs(1), |_| true);
     assert!(line.replies[1] > 5);
     line.run(Duration::from_secs(1), |slave| slave != 1);
@@ -277,7 +277,7 @@ fn a_line_that_echoes() {
     assert!(line.master.hears_itself());
     assert!(line.replies.iter().all(|replies| *replies > 10));
     assert_eq!((line.wrong, line.losses.iter().sum::<u32>()), (0, 0));
-    // its own telegram is never the reply of a slave that is gone, not even before an echo was told from a reply
+    // its own telegram is never the reply of a lost slave, not even before an echo was distinguished from a reply
     for alive in [true, false] {
         let mut line = Line::new(&[1], 5, Faults { echo: true, ..CLEAN });
         line.run(Duration::from_millis(200), |_| alive);

@@ -56,7 +56,7 @@ fn silence_ends_whatever_was_wrong() {
     }
 }
 
-/// What looks like a telegram inside of a damaged one is none: nobody sent it.
+/// Octets inside a damaged telegram that look like a telegram are not one: no station sent them.
 #[test]
 fn a_telegram_inside_a_damaged_one_is_ignored() {
     let inner = process(3);
@@ -80,7 +80,7 @@ fn a_telegram_inside_a_damaged_one_is_ignored() {
     }
 }
 
-/// A damaged LGE that makes a telegram look shorter, with a check octet right by chance.
+/// A damaged LGE that shortens a telegram, with a check octet that matches by chance.
 #[test]
 fn what_follows_betrays_a_short_length() {
     let (timing, mut receiver) = receiver();

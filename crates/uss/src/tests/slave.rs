@@ -14,7 +14,7 @@ fn send(slave: &mut Slave, start: Duration, octets: &[u8]) -> Duration {
     now
 }
 
-/// What a request makes the slave do: its data and whether it was for all.
+/// Returns what a request makes the slave do: its data and whether it was for all.
 fn settle(slave: &mut Slave) -> Option<(Vec<u8>, bool)> {
     if let Some(due) = slave.poll_timeout() {
         slave.handle_timeout(due);
@@ -95,7 +95,7 @@ fn a_busy_line_takes_the_reply_away() {
     assert_eq!(out[..length], telegram(Address(0x81), &hex("06 03 00 01")));
 }
 
-/// Its own reply heard again is no request.
+/// Its own reply heard again is not a request.
 #[test]
 fn its_own_echo_is_not_answered() {
     for echo in [Echo::Yes, Echo::Detect] {

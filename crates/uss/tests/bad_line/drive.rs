@@ -1,4 +1,4 @@
-//! A drive whose every value tells whose it is and since when it is there.
+//! A drive whose values contain their owner and their time.
 
 use std::time::Duration;
 
@@ -9,8 +9,8 @@ pub const TEXT: usize = 12;
 /// The parameter with the text.
 pub const LABEL: u16 = 7;
 
-/// 1 to 3 are set by whoever writes them, 4 is an actual value that tells the time, 5 has two elements, 7 is a text.
-/// There is no 9.
+/// Values of 1 to 3 are those written last, 4 is an actual value that contains the time, 5 has two elements, 7 is a
+/// text. There is no 9.
 pub struct Named {
     number: u32,
     pub now: Duration,
@@ -39,7 +39,7 @@ impl Named {
         drive
     }
 
-    /// The first octet of every value that this parameter of this drive ever has.
+    /// Returns the first octet of every value that this parameter of this drive ever has.
     pub const fn name(number: u32, name: u32) -> u32 {
         number << 28 | name << 24
     }
@@ -69,7 +69,7 @@ impl Named {
         self.label.trim_ascii_end().to_vec()
     }
 
-    /// True when the parameter had this content at some time since `begun`.
+    /// Returns true when the parameter had this content at some time since `begun`.
     pub fn had(&self, pnu: u16, content: &[u8], begun: Duration) -> bool {
         let of_it: Vec<_> = self.history.iter().filter(|entry| entry.0 == pnu).collect();
         of_it.iter().enumerate().any(|(at, (_, known, _))| {

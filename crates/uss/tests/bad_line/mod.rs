@@ -144,7 +144,7 @@ impl Line {
         }
     }
 
-    /// A bad time, then a good one.
+    /// Returns a bad time, then a good one.
     pub fn run(mut self) -> Tally {
         let begin = self.now;
         let well = begin + BAD;
@@ -188,7 +188,7 @@ impl Line {
             .take_while(|octet| octet.0 <= self.now)
             .count();
         for (at, octet) in self.adapter.drain(..due) {
-            // nobody reads while the program is stopped
+            // the line is not read while the program is stopped
             if at >= self.stopped_until {
                 self.master.handle_octets(at, &[octet]);
             }
@@ -241,7 +241,7 @@ impl Line {
         if self.now >= self.stopped_until && self.dice.roll(2000) == 0 {
             self.stopped_until = self.now + self.dice.millis(1200);
             if self.dice.chance(50) {
-                // another program takes over; nobody waits for the old jobs any more
+                // another program takes over and drops the old jobs
                 let (master, known) = program(self.run, self.dialect);
                 (self.master, self.known) = (master, known);
             }
@@ -360,7 +360,7 @@ impl Line {
         } else {
             Duration::ZERO
         };
-        // an adapter keeps the order and lets telegrams be told apart
+        // an adapter keeps the order and lets telegrams be distinguished
         let free = self
             .adapter
             .last()
@@ -423,7 +423,7 @@ fn slave(protocol: Protocol, place: usize) -> Slave {
     })
 }
 
-/// A master that has just started, with a client for each drive.
+/// Returns a master that has just started, with a client for each drive.
 fn program(run: Run, dialect: PkwDialect) -> (Master, Vec<Known>) {
     let config = match run.protocol {
         Protocol::Fc => MasterConfig::fc(BAUD),

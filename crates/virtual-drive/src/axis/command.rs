@@ -1,4 +1,4 @@
-//! What the axis is told: commands, and the limits and gains that come from parameters.
+//! Inputs of the axis: commands, and the limits and gains that come from parameters.
 
 use super::electrical::Endurance;
 use super::induction::InverterTuning;

@@ -261,19 +261,19 @@ impl Electrical {
         self.motor_foldback.limit
     }
 
-    /// How much of the drive's reserve above its continuous current is used up, 0 to 1.
+    /// Returns how much of the drive's reserve above its continuous current is used up, 0 to 1.
     #[must_use]
     pub fn drive_load(&self) -> f64 {
         self.drive_foldback.load()
     }
 
-    /// How much of the motor's reserve above its continuous current is used up, 0 to 1 (IL.MI2T).
+    /// Returns how much of the motor's reserve above its continuous current is used up, 0 to 1 (IL.MI2T).
     #[must_use]
     pub fn motor_load(&self) -> f64 {
         self.motor_foldback.load()
     }
 
-    /// True while a foldback takes current away.
+    /// Returns true while a foldback takes current away.
     #[must_use]
     pub fn is_folding_back(&self) -> bool {
         self.drive_load() > NEARLY || self.motor_load() > NEARLY
@@ -309,7 +309,7 @@ impl Electrical {
         AMBIENT + 12.0
     }
 
-    /// The true voltage of the bus, V, whatever the drive measures.
+    /// Returns the true voltage of the bus, V, whatever the drive measures.
     pub(super) fn true_bus(&self) -> f64 {
         self.square.sqrt()
     }
@@ -322,7 +322,7 @@ impl Electrical {
         }
     }
 
-    /// The mains is there.
+    /// Returns whether the mains is there.
     #[must_use]
     pub const fn has_mains(&self) -> bool {
         self.mains > 0.0
@@ -355,12 +355,12 @@ impl Electrical {
     }
 }
 
-/// The number, or what is taken when it is none or too small to divide by.
+/// Returns the number, or what is taken when it is none or too small to divide by.
 fn least(value: f64, smallest: f64) -> f64 {
     value.max(smallest)
 }
 
-/// A voltage that can be: neither negative nor not a number.
+/// Returns a voltage that can be: neither negative nor not a number.
 fn sane(voltage: f64) -> f64 {
     within(voltage, 0.0, MOST)
 }

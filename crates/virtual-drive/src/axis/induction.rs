@@ -4,7 +4,7 @@
 //! Torque by slip after Kloss, rotor current by the same circle, magnetising current beside it. The numbers come from the
 //! name plate. What a current limit takes away, it takes from the frequency, so that the slip stays where the limit is.
 //!
-//! Steady state in each step, no electrical transients: those last a few milliseconds and nobody reads them over a bus.
+//! Steady state in each step, no electrical transients: those last a few milliseconds, too short to be read over a bus.
 
 use core::f64::consts::TAU;
 
@@ -17,7 +17,7 @@ pub enum Motor {
     /// A servo motor with feedback, under current, velocity and position loop.
     #[default]
     Servo,
-    /// An induction motor under voltage per frequency. It knows [`Command::Speed`](super::Command::Speed),
+    /// An induction motor under voltage per frequency. It supports [`Command::Speed`](super::Command::Speed),
     /// [`Command::Travel`](super::Command::Travel) and [`Command::DcBrake`](super::Command::DcBrake); with any other
     /// command no current flows.
     Induction(Induction),
@@ -57,8 +57,8 @@ impl Induction {
         breakdown: 2.8,
     };
 
-    /// A motor of which the plate tells only this: the pairs of poles follow from the speed, the current without load is
-    /// taken as half the nominal one, the highest torque as 2.8 times the nominal one.
+    /// Creates a motor known by its nameplate only: the number of pole pairs follows from the speed, the no-load
+    /// current is taken as half the nominal one, the maximum torque as 2.8 times the nominal one.
     #[must_use]
     pub fn from_plate(power: f64, voltage: f64, frequency: f64, current: f64, speed: f64) -> Self {
         let pairs = (60.0 * frequency / speed).floor();
@@ -249,7 +249,7 @@ impl Machine {
         &self.output
     }
 
-    /// True when the motor was driven in the last step.
+    /// Returns true when the motor was driven in the last step.
     pub const fn is_driving(&self) -> bool {
         self.driving
     }
@@ -360,7 +360,8 @@ impl Machine {
     }
 }
 
-/// The torque at the end of the step: the slip changes while the speed does, however steep the motor and light the load.
+/// Returns the torque at the end of the step: the slip changes while the speed does, however steep the motor and light
+/// the load.
 fn settle(torque: f64, slope: f64, dt: f64, around: &Around) -> f64 {
     let mut resistance = around.resistance;
     if around.omega == 0.0 {

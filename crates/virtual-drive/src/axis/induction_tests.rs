@@ -1,4 +1,4 @@
-//! What an engineer knows of an induction motor behind a frequency converter.
+//! Known behaviour of an induction motor behind a frequency converter.
 
 use core::f64::consts::TAU;
 
@@ -369,7 +369,7 @@ fn commands_of_a_servo_give_no_current() {
     };
     run(&mut axis, 2.0, travel, &tuning());
     assert!(axis.speed() > 490.0);
-    // A servo that is told to brake by direct current has none.
+    // A servo that is reported to brake by direct current has none.
     let mut servo = Axis::new(Plant::SERVO);
     run(&mut servo, 0.1, Command::DcBrake { current: 3.0 }, &tuning());
     assert_eq!((servo.current(), servo.speed()), (0.0, 0.0));

@@ -127,7 +127,7 @@ impl Sensors {
     pub fn set_plant(&mut self, plant: &Plant) {
         let travel = plant.travel.unwrap_or_default();
         let (home_from, home_to) = travel.home_switch.unwrap_or((1, 0));
-        // The ends of the numbers are no places: no switch is there.
+        // The ends of the numbers are not places: no switch is there.
         let none = (1, 0);
         let range = |there: bool, range: (i64, i64)| if there { range } else { none };
         let negative = range(
@@ -183,7 +183,7 @@ impl Sensors {
         self.home.force(on, position);
     }
 
-    /// What the drive reads at a place whose number it shows `shift` higher.
+    /// Returns what the drive reads at a place whose number it shows `shift` higher.
     pub fn read(&self, position: i64, shift: i64) -> Inputs {
         let shown = |latch: Latch| Latch {
             position: latch.position.wrapping_add(shift),

@@ -1,4 +1,4 @@
-//! Position and velocity loop: from a command to the current that is wanted.
+//! Position and velocity loop: from a command to the current setpoint.
 
 use core::f64::consts::TAU;
 
@@ -103,7 +103,7 @@ pub(super) struct Loops {
     position_integral: f64,
     /// Reference speed of the step before, 2^-32 rev/s; none while the position loop is open.
     before: Option<f64>,
-    /// What the velocity loop is told, rpm.
+    /// What the velocity loop is reported, rpm.
     speed_command: f64,
     /// The current was limited.
     limited: bool,
@@ -122,12 +122,12 @@ impl Loops {
         }
     }
 
-    /// True while the position loop is closed.
+    /// Returns true while the position loop is closed.
     pub const fn holds_position(&self) -> bool {
         self.before.is_some()
     }
 
-    /// What the velocity loop is told, rpm.
+    /// Returns the command of the velocity loop, rpm.
     pub const fn speed_command(&self) -> f64 {
         self.speed_command
     }
@@ -155,12 +155,12 @@ impl Loops {
         self.trajectory.aim(goal, manner(ramps, smooth, tuning));
     }
 
-    /// Where the reference would stand if it braked from now on.
+    /// Returns where the reference would stand if it braked from now on.
     pub fn stopping_position(&self, ramps: Ramps, smooth: bool, tuning: &Tuning) -> i64 {
         self.trajectory.stopping_position(&manner(ramps, smooth, tuning))
     }
 
-    /// One step: the current that is wanted, A.
+    /// Computes one step; returns the current setpoint, A.
     pub fn step(&mut self, command: &Command, gains: &Gains, seen: Feedback) -> f64 {
         match *command {
             Command::Off | Command::DcBrake { .. } => {
@@ -268,7 +268,7 @@ fn manner(ramps: Ramps, smooth: bool, tuning: &Tuning) -> Manner {
     }
 }
 
-/// What is no number is nothing.
+/// Replaces a value that is not a number by 0.
 const fn or_nothing(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value }
 }

@@ -291,7 +291,7 @@ impl Axis {
         }
     }
 
-    /// True speed in rpm.
+    /// Returns true speed in rpm.
     #[must_use]
     pub fn speed(&self) -> f64 {
         self.mechanics.omega * RPM
@@ -309,13 +309,13 @@ impl Axis {
         self.filtered
     }
 
-    /// What the velocity loop is told, rpm (VL.CMD): output of the ramp generator or of the position loop.
+    /// Returns the command of the velocity loop, rpm (VL.CMD): output of the ramp generator or of the position loop.
     #[must_use]
     pub const fn speed_command(&self) -> f64 {
         self.loops.speed_command()
     }
 
-    /// What goes to the motor: frequency, voltage, current, torque, power, thermal load.
+    /// Returns what goes to the motor: frequency, voltage, current, torque, power, thermal load.
     #[must_use]
     pub fn motor_output(&self) -> MotorOutput {
         if let Some(motor) = self.induction.as_deref() {
@@ -337,19 +337,22 @@ impl Axis {
         self.current
     }
 
-    /// Position in 2^-32 revolutions as the drive knows it (PL.FB): feedback plus the shift of the homing. Wraps.
+    /// Returns the position in 2^-32 revolutions seen by the drive (PL.FB): feedback plus the shift of the homing.
+    /// Wraps.
     #[must_use]
     pub const fn position(&self) -> i64 {
         self.seen.position.wrapping_add(self.shift)
     }
 
-    /// What the feedback itself gives in 2^-32 revolutions (FB1.P): not moved by homing; its low half is the angle.
+    /// Returns what the feedback itself gives in 2^-32 revolutions (FB1.P): not moved by homing; its low half is the
+    /// angle.
     #[must_use]
     pub const fn feedback(&self) -> i64 {
         self.seen.position
     }
 
-    /// Where the position loop wants the axis now, 2^-32 rev (PL.CMD); the position itself while that loop is open.
+    /// Returns the present setpoint of the position loop, 2^-32 rev (PL.CMD); the position itself while that loop is
+    /// open.
     #[must_use]
     pub const fn position_command(&self) -> i64 {
         if self.loops.holds_position() {
@@ -365,8 +368,9 @@ impl Axis {
         self.position_command().wrapping_sub(self.position())
     }
 
-    /// The reference has arrived: at the target of [`Command::Position`] (or past it, when it has an end speed), or at
-    /// the speed of [`Command::Travel`]. Not when it stopped elsewhere. False while the position loop is open.
+    /// Returns whether the reference has arrived: at the target of [`Command::Position`] (or past it, when it has an
+    /// end speed), or at the speed of [`Command::Travel`]. Not when it stopped elsewhere. False while the position loop
+    /// is open.
     #[must_use]
     pub const fn trajectory_done(&self) -> bool {
         self.loops.holds_position() && self.loops.trajectory.is_done()
@@ -392,15 +396,15 @@ impl Axis {
         }
     }
 
-    /// Where the reference would stand, 2^-32 rev, if [`Command::Travel`] with speed 0 stopped it from now on with these
-    /// ramps: to see beforehand whether a movement stays within its limits.
+    /// Returns where the reference would stand, 2^-32 rev, if [`Command::Travel`] with speed 0 stopped it from now on
+    /// with these ramps: to see beforehand whether a movement stays within its limits.
     #[must_use]
     pub fn stopping_position(&self, ramps: Ramps, smooth: bool, tuning: &Tuning) -> i64 {
         self.loops.stopping_position(ramps, smooth, tuning)
     }
 
-    /// Gives the place where the axis stands another number. Nothing moves: the reference and a target that is already
-    /// set keep their place, too.
+    /// Redefines the present position. Nothing moves: the reference and a target that is already set keep their place,
+    /// too.
     pub const fn set_position(&mut self, position: i64) {
         self.shift_position(position.wrapping_sub(self.position()));
     }
@@ -469,7 +473,7 @@ impl Axis {
         self.mechanics.set_blocked(blocked);
     }
 
-    /// True while something holds the shaft fast.
+    /// Returns true while something holds the shaft fast.
     #[must_use]
     pub const fn is_blocked(&self) -> bool {
         self.mechanics.is_blocked()
@@ -485,7 +489,7 @@ impl Axis {
         self.sto = active;
     }
 
-    /// Takes the feedback away (the drive keeps reading what it read last) or brings it back.
+    /// Removes the feedback (the drive keeps the last value) or restores it.
     pub const fn set_feedback_lost(&mut self, lost: bool) {
         self.feedback_lost = lost;
     }
@@ -525,20 +529,20 @@ impl Axis {
         self.electrical.override_power_stage(temperature);
     }
 
-    /// True when nothing will turn without a command, a load or the release of what holds it.
+    /// Returns true when nothing will turn without a command, a load or the release of what holds it.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         self.mechanics.is_at_rest()
     }
 
-    /// True when the speed is below `threshold` rpm.
+    /// Returns true when the speed is below `threshold` rpm.
     #[must_use]
     pub fn is_standing(&self, threshold: f64) -> bool {
         self.speed().abs() < threshold
     }
 }
 
-/// The nearest number in a range; what is no number is the lowest.
+/// Returns the nearest number in a range; what is not a number is the lowest.
 fn within(value: f64, lowest: f64, highest: f64) -> f64 {
     value.max(lowest).min(highest)
 }

@@ -122,7 +122,7 @@ impl Plant {
     }
 }
 
-/// The number, or what is taken when it is none or too small to divide by.
+/// Returns the number, or what is taken when it is none or too small to divide by.
 fn positive(value: f64, smallest: f64) -> f64 {
     if value.is_finite() {
         value.max(smallest)
@@ -295,7 +295,8 @@ impl Mechanics {
         if stops { 0.0 } else { next }
     }
 
-    /// A wave of amplitude 1 that repeats `cogging_periods` times in a revolution: two parabolas, as good as a sine here.
+    /// Returns a wave of amplitude 1 that repeats `cogging_periods` times in a revolution: two parabolas, as good as a
+    /// sine here.
     fn cogging(&self) -> f64 {
         let phase = (self.position as u32).wrapping_mul(self.plant.cogging_periods) as i32;
         let phase = f64::from(phase) * (1.0 / 2_147_483_648.0);

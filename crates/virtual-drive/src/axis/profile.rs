@@ -7,7 +7,7 @@
 /// what follows (1).
 const MOST: usize = 15;
 
-/// Most jerk there is, 2^-32 rev/s^3: far above all that is asked for, far below what floating point takes.
+/// Most jerk there is, 2^-32 rev/s^3: far above all that is requested, far below what floating point takes.
 const HARDEST: f64 = 1.0e30;
 
 /// Halvings when the highest speed of a smooth movement is looked for.
@@ -71,7 +71,7 @@ impl Default for Profile {
 }
 
 impl Profile {
-    /// An empty plan at a state.
+    /// Creates an empty plan at a state.
     pub fn new(start: State) -> Self {
         Self {
             pieces: [Piece::default(); MOST],
@@ -103,12 +103,12 @@ impl Profile {
         self.end
     }
 
-    /// True when nothing comes after piece `number`.
+    /// Returns true when nothing comes after piece `number`.
     pub const fn is_over(&self, number: usize) -> bool {
         number >= self.count
     }
 
-    /// True when nothing but one speed comes from piece `number` on.
+    /// Returns true when nothing but one speed comes from piece `number` on.
     pub fn is_steady(&self, number: usize) -> bool {
         self.is_over(number)
             || self
@@ -246,7 +246,7 @@ impl Profile {
 
     fn change_smoothly(&mut self, speed: f64, bounds: &Bounds, jerk: f64) {
         let (before, now) = (self.end.speed, self.end.acceleration);
-        // Which way the speed points while it changes; at standstill the acceleration tells.
+        // The sign of the speed while it changes; at standstill the sign of the acceleration.
         let side = [before, speed, now]
             .into_iter()
             .find(|value| *value != 0.0)

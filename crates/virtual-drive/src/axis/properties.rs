@@ -1,4 +1,4 @@
-//! What holds for the axis under position control whatever is asked of it.
+//! Invariants of the axis under position control for any command.
 
 use proptest::prelude::*;
 
@@ -71,7 +71,7 @@ fn commands() -> impl Strategy<Value = Command> {
 }
 
 proptest! {
-    /// What is said about the stop beforehand comes true.
+    /// The predicted stop position is reached.
     #[test]
     fn it_stops_at_the_planned_position(
         speed in -2900.0..2900.0_f64,
@@ -171,7 +171,7 @@ proptest! {
         }
     }
 
-    /// No input makes it panic or puts something that is no number into it, and the current keeps its limits.
+    /// No input makes it panic or puts something that is not a number into it, and the current keeps its limits.
     #[test]
     fn nothing_breaks_it(
         steps in proptest::collection::vec((commands(), odd(), any::<i64>(), odd()), 1..20),
@@ -199,7 +199,7 @@ proptest! {
             }
             axis.set_position(position);
         }
-        // It still does what it is told.
+        // It still follows commands.
         axis.set_load(0.0);
         axis.set_mains(None);
         axis.rest(1000.0, &Tuning::default());

@@ -139,7 +139,7 @@ impl Trajectory {
         }
     }
 
-    /// Sets what is wanted; makes a plan when it is not the same as before.
+    /// Sets the goal; makes a plan when the goal or the manner changed.
     pub fn aim(&mut self, goal: Goal, manner: Manner) {
         if self.goal == goal && self.manner == Some(manner) {
             return;
@@ -197,15 +197,16 @@ impl Trajectory {
         self.acceleration.clamp(-most, most)
     }
 
-    /// The jerk with which speeding up ends before a plan with these bounds begins, when it began with more jerk than the
-    /// plan has: ended more gently, the speed would go beyond what was asked for before and is asked for now.
+    /// Returns the jerk with which speeding up ends before a plan with these bounds begins, when it began with more
+    /// jerk than the plan has: ended more gently, the speed would go beyond what was requested before and is requested
+    /// now.
     fn relaxing(&self, bounds: &Bounds) -> Option<f64> {
         let before = self.manner?.bounds().jerk?;
         let speeds_up = self.acceleration * self.speed > 0.0;
         (speeds_up && before > bounds.jerk?).then_some(before)
     }
 
-    /// Where it would stand if it braked from now on.
+    /// Returns where it would stand if it braked from now on.
     pub fn stopping_position(&self, manner: &Manner) -> i64 {
         let bounds = manner.bounds();
         let mut brake = Profile::new(State {
@@ -323,22 +324,22 @@ impl Trajectory {
         };
     }
 
-    /// Where the reference is, 2^-32 rev.
+    /// Returns where the reference is, 2^-32 rev.
     pub const fn position(&self) -> i64 {
         self.position
     }
 
-    /// How fast it is, rpm.
+    /// Returns how fast it is, rpm.
     pub const fn speed(&self) -> f64 {
         self.speed * RPM_OF_COUNTS
     }
 
-    /// How fast it changes its speed, rpm/s.
+    /// Returns how fast it changes its speed, rpm/s.
     pub const fn acceleration(&self) -> f64 {
         self.acceleration * RPM_OF_COUNTS
     }
 
-    /// The target is reached or passed, or the speed; or it stands as it shall.
+    /// Returns whether the target is reached or passed, or the speed; or it stands as it shall.
     pub const fn is_done(&self) -> bool {
         self.done
     }

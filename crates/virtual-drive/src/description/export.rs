@@ -18,11 +18,11 @@ use crate::station::{StationConfig, describe};
 const GERMAN: &str = "de";
 /// Kind of line of the port: 100BASE-TX full duplex.
 const MAU_TYPE: u16 = 16;
-/// Longest record that every tool may ask for.
+/// Longest record that every tool may request.
 const RECORD: u32 = 4068;
 /// I&M records that can be written on slot 0.
 const WRITABLE_IM: std::ops::RangeInclusive<u32> = 1..=4;
-/// Send clocks every controller may ask for; the device takes all of them, and every reduction ratio.
+/// Send clocks every controller may request; the device takes all of them, and every reduction ratio.
 const SEND_CLOCKS: [u32; 5] = [8, 16, 32, 64, 128];
 const REDUCTION_RATIOS: std::ops::RangeInclusive<u32> = 0..=9;
 /// Identifiers of things that are there once.
@@ -40,7 +40,7 @@ pub struct Exported {
     pub pictures: Vec<(String, Vec<u8>)>,
 }
 
-/// The device description of a model. Always the same for the same model.
+/// Returns the device description of a model. Always the same for the same model.
 ///
 /// ```
 /// use profidrive_virtual_drive::description::export::export;
@@ -104,7 +104,7 @@ pub fn export(model: &'static Model) -> Exported {
     }
 }
 
-/// A text in both languages.
+/// Returns a text in both languages.
 fn add(texts: &mut Texts, id: &str, words: &Words) -> TextId {
     let id = texts.add(id, words.english);
     texts.translate(GERMAN, &id, words.german);
@@ -253,7 +253,7 @@ fn module_ref(id: &str) -> ModuleRef {
     }
 }
 
-/// The access point with the largest module in each direction, all with their status octets.
+/// Returns the access point with the largest module in each direction, all with their status octets.
 fn io_limits(point: &AccessPoint, modules: &[Module]) -> IoLimits {
     let own = point.own_octets();
     let largest = modules
@@ -344,7 +344,7 @@ fn module(texts: &mut Texts, device: &catalogue::Device, module: &TelegramModule
     })
 }
 
-/// The submodule that takes parameter jobs and has no data.
+/// Returns the submodule that takes parameter jobs and has no data.
 fn point(texts: &mut Texts) -> ModuleInfo {
     let words = Words {
         english: "Parameter access point",

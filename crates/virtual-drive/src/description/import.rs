@@ -1,4 +1,4 @@
-//! Identity and modules from a maker's device description.
+//! Identity and modules from a vendor's device description.
 
 use std::collections::BTreeMap;
 
@@ -45,7 +45,7 @@ pub enum ImportError {
     /// No access point with this identifier.
     #[error("the file has no access point `{wanted}`; it has {}", there.join(", "))]
     AccessPoint {
-        /// The identifier asked for.
+        /// The identifier requested.
         wanted: String,
         /// Those of the file.
         there: Vec<String>,
@@ -69,7 +69,7 @@ pub enum ImportError {
         /// What does not fit.
         reason: String,
     },
-    /// Something the virtual device cannot be.
+    /// A property that the virtual device cannot have.
     #[error("`{item}`: {reason}")]
     Unsupported {
         /// Identifier of what it is about.
@@ -87,7 +87,7 @@ fn reasons(left_out: &[String]) -> String {
 }
 
 impl Description {
-    /// Identity, modules and ident numbers as a maker's file has them, for a drive that behaves like the model.
+    /// Identity, modules and ident numbers as a vendor's file has them, for a drive that behaves like the model.
     ///
     /// Every access point of the file can be used by a controller, or only one when `access_point` names it. A module is
     /// that of a telegram by its name, by the signals its data items name or by lengths that only one telegram has.
@@ -110,8 +110,8 @@ impl Description {
         Self::under_the_name_of(gsdml, model, access_point)
     }
 
-    /// The same for a file of any vendor: a drive that goes by the name of another maker and is the model inside. Of
-    /// another maker's modules those are taken that are as long as the model's telegrams.
+    /// Returns the same for a file of any vendor: a drive that goes by the name of another vendor and is the model
+    /// inside. Of another vendor's modules those are taken that are as long as the model's telegrams.
     ///
     /// # Errors
     /// When no module carries a telegram of the model, or one of the model's own vendor contradicts it.
@@ -216,7 +216,7 @@ impl Description {
     }
 }
 
-/// Who the file says the drive is; revisions that are no numbers are those of the model.
+/// Returns the identity of the drive in the file; revisions that are not numbers are those of the model.
 fn identity(gsdml: &Gsdml, point: &AccessPoint, own: &Identity) -> Identity {
     let text = |text: &str, most: usize| -> String {
         let signs = text.chars().filter(|c| c.is_ascii_graphic() || *c == ' ');
@@ -252,7 +252,7 @@ fn software(text: &str) -> Option<(char, [u8; 3])> {
     Some((prefix, [major, minor, fix]))
 }
 
-/// The resets of the file that a virtual drive has; that of the communication parameters is always there.
+/// Returns the resets of the file that a virtual drive has; that of the communication parameters is always there.
 fn reset_modes(point: &AccessPoint) -> Vec<ResetMode> {
     let numbers = point.reset_modes.iter().take(16);
     let mut modes: Vec<ResetMode> = numbers
@@ -300,7 +300,7 @@ fn slot_zero(point: &AccessPoint) -> Result<ModuleDescription, ImportError> {
     })
 }
 
-/// A virtual submodule at each of its subslots.
+/// Returns a virtual submodule at each of its subslots.
 fn at_its_subslots(submodule: &Submodule) -> Result<Vec<SubmoduleDescription>, ImportError> {
     let subslots = submodule.fixed_in_subslots.iter().take(MOST_MODULES);
     subslots.map(|subslot| described(submodule, subslot)).collect()
@@ -386,7 +386,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A submodule of the drive with data in both directions.
+    /// Returns true for a submodule of the drive with data in both directions.
     fn carries_data(&self, submodule: &Submodule) -> bool {
         let (inputs, outputs) = submodule.lengths();
         submodule.api == self.api && inputs > 0 && outputs > 0
@@ -427,7 +427,7 @@ impl Reader<'_> {
                 }
                 Ok(())
             }
-            // numbers of telegrams from 100 on mean something else at each maker
+            // numbers of telegrams from 100 on mean something else at each vendor
             Found::Contradiction(reason)
                 if self.gsdml.identity.vendor_id == self.catalogue.device.vendor_id =>
             {
@@ -446,7 +446,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Name of a module, and of its submodule where that has one of its own.
+    /// Returns the name of a module, and of its submodule where that has one of its own.
     fn label(&self, module: &Module, submodule: &Submodule) -> String {
         let name = |info: Option<&gsdml::ModuleInfo>, id: &str| {
             let text = self.gsdml.text(info.and_then(|info| info.name.as_ref()));

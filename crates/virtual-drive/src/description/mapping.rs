@@ -1,4 +1,4 @@
-//! Which telegram of a model a maker's submodule carries.
+//! Which telegram of a model a vendor's submodule carries.
 
 use gsdml::{DataDescription, DataItem, Gsdml, Submodule, TextId};
 use profile::catalogue::{Catalogue, TelegramModule};
@@ -11,9 +11,9 @@ use super::LONGEST_TELEGRAM;
 pub(super) enum Found {
     /// This telegram, by name or by its data.
     Telegram(u16),
-    /// Nothing says which, and why.
+    /// The telegram is unknown, with the reason.
     Unknown(String),
-    /// The name says one, the data something else.
+    /// The name contradicts the data.
     Contradiction(String),
 }
 
@@ -106,7 +106,7 @@ fn fits(telegram: &Telegram, inputs: u32, outputs: u32) -> bool {
     ) == (inputs, outputs)
 }
 
-/// How many signals of a telegram the items of the file name, each at its place.
+/// Returns how many signals of a telegram the items of the file name, each at its place.
 fn signals_named(gsdml: &Gsdml, data: Option<&DataDescription>, image: &Image) -> usize {
     let mut at = 0_u32;
     let mut named = 0;
@@ -120,7 +120,7 @@ fn signals_named(gsdml: &Gsdml, data: Option<&DataDescription>, image: &Image) -
     named
 }
 
-/// The words of an item's name, in capitals.
+/// Returns the words of an item's name, in capitals.
 fn words(gsdml: &Gsdml, item: &DataItem) -> Vec<String> {
     gsdml
         .text(item.text.as_ref())
@@ -129,7 +129,8 @@ fn words(gsdml: &Gsdml, item: &DataItem) -> Vec<String> {
         .collect()
 }
 
-/// The number behind the word telegram: `Standard telegram 353, PZD-13/5`, `Telegramm 9`, `M_TEL_400`, `STD_TGM_7`.
+/// Returns the number behind the word telegram: `Standard telegram 353, PZD-13/5`, `Telegramm 9`, `M_TEL_400`,
+/// `STD_TGM_7`.
 fn number_in(name: &str) -> Option<u16> {
     const WORDS: [&str; 6] = ["TELEGRAMM", "TELEGRAM", "TELEGR", "TLG", "TGM", "TEL"];
     let capitals = name.to_uppercase();

@@ -1,6 +1,6 @@
 //! What a virtual drive is on its field bus: identity, modules and ident numbers.
 //!
-//! Made from the tables of a model ([`Description::of`]) or from a maker's device description
+//! Made from the tables of a model ([`Description::of`]) or from a vendor's device description
 //! ([`Description::from_gsdml`]), so that a project engineered for the real drive connects to the virtual one. The same
 //! tables make the device description of the virtual drive ([`export::export`]): what the file says and what the device
 //! answers have one source.
@@ -70,7 +70,7 @@ pub struct TelegramModule {
 }
 
 impl TelegramModule {
-    /// The submodule with the cyclic data.
+    /// Returns the submodule with the cyclic data.
     #[must_use]
     pub fn data(&self) -> Option<&SubmoduleDescription> {
         self.module
@@ -88,7 +88,7 @@ impl TelegramModule {
 }
 
 impl Description {
-    /// What the tables of a model say.
+    /// Returns the description from the tables of a model.
     #[must_use]
     pub fn of(model: &Model) -> Self {
         let device = &model.catalogue.device;
@@ -169,7 +169,7 @@ impl Description {
         modules.cloned().collect()
     }
 
-    /// The telegram of what is plugged, found by asking for the module of a slot.
+    /// Returns the telegram of what is plugged, found by requesting the module of a slot.
     pub(crate) fn plugged<'a>(
         &'a self,
         module_of: impl Fn(u16) -> Option<&'a ModuleDescription>,
@@ -179,7 +179,7 @@ impl Description {
             .find(|telegram| module_of(telegram.slot) == Some(&telegram.module))
     }
 
-    /// The identity of one drive: the last three octets of its Ethernet address make the serial number.
+    /// Returns the identity of one drive: the last three octets of its Ethernet address make the serial number.
     pub(crate) fn identity_of(&self, mac: MacAddress) -> Identity {
         let [_, _, _, a, b, c] = mac.0;
         Identity {

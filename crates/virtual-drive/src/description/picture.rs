@@ -28,7 +28,7 @@ const LETTERS: &[(char, [&str; 7])] = &[
 /// A letter that is not in the table: an empty box.
 const BOX: [&str; 7] = ["#####", "#   #", "#   #", "#   #", "#   #", "#   #", "#####"];
 
-/// A drive on the left, its name beside it.
+/// Returns a drive on the left, its name beside it.
 pub(super) fn draw(name: &str) -> Bitmap {
     let mut picture = Bitmap::new(PAPER);
     picture.fill(4, 2, 24, 36, EDGE);

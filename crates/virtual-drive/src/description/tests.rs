@@ -34,7 +34,7 @@ fn exported_and_imported_is_the_model_again() {
     assert_eq!(import.left_out, [] as [String; 0]);
 }
 
-/// Telegrams 1 and 7 are equally long: without a name only the ident number of the submodule tells them apart.
+/// Telegrams 1 and 7 have the same length: without a name only the ident number of the submodule distinguishes them.
 #[test]
 fn a_telegram_without_a_name_is_found_by_ident_and_length() {
     let mut file = export(&AKD).description;

@@ -35,7 +35,7 @@ impl Drive {
         self.rotary = Some(number);
     }
 
-    /// The position of the rotary switches.
+    /// Returns the position of the rotary switches.
     pub(super) fn rotary(&self) -> u8 {
         self.rotary.unwrap_or_default()
     }

@@ -8,7 +8,7 @@ use super::Drive;
 use crate::model::Live;
 
 impl Drive {
-    /// What the parameter reads as: the value of the other one.
+    /// Returns what the parameter reads as: the value of the other one.
     pub(super) fn same(&self, parameter: &Parameter, other: u16) -> i64 {
         match self.model.numbered(other) {
             Some(target) => self.converted(target, parameter, self.values.get(other)),
@@ -16,7 +16,7 @@ impl Drive {
         }
     }
 
-    /// The signal as it came, as long as the parameter it sets has taken it over; else the value of that one.
+    /// Returns the signal as it came, as long as the parameter it sets has taken it over; else the value of that one.
     pub(super) fn through(&self, signal: &Parameter, other: u16) -> i64 {
         let came = self.process.signal(signal.pnu);
         if self.differs(signal, other, came) {
@@ -26,7 +26,7 @@ impl Drive {
         }
     }
 
-    /// True when this signal is not the value that the other parameter has.
+    /// Returns true when this signal is not the value that the other parameter has.
     pub(super) fn differs(&self, signal: &Parameter, other: u16, raw: i64) -> bool {
         self.model
             .numbered(other)
@@ -77,8 +77,8 @@ impl Drive {
         (low.max(-most), high.min(most))
     }
 
-    /// The limits of another parameter in the steps of this one. Without a limit it is the size of the other one that ends
-    /// it.
+    /// Returns the limits of another parameter in the steps of this one. Without a limit it is the size of the other
+    /// one that ends it.
     fn limits_through(&self, parameter: &Parameter, target: &Parameter) -> (i64, i64) {
         let scaling = &self.settings.scaling;
         let limit = |known: Option<f64>, end: i64, upwards: bool| {

@@ -1,4 +1,4 @@
-//! A drive with a controller and a parameter tool, for the tests of the makers.
+//! A drive with a controller and a parameter tool, for the tests of the vendors.
 
 use super::*;
 

@@ -315,7 +315,7 @@ fn halves_of_a_64_bit_value() {
         "06 02 00 01 10 01 08 F7 00 00 43 01 00 00 00 00",
         "06 82 00 01 44 01 00 01",
     );
-    // What is no half is no number.
+    // What is not a half is not a number.
     check(bench, "07 01 00 01 10 01 09 E1 00 00", "07 81 00 01 44 01 00 00");
 }
 

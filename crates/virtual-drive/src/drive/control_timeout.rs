@@ -22,7 +22,7 @@ pub(super) enum ControllerLoss {
 }
 
 impl ControllerLoss {
-    /// The last control word is as good as one of a controller.
+    /// Returns whether the last control word is as good as one of a controller.
     pub(super) const fn holds(self) -> bool {
         !matches!(
             self,
@@ -32,7 +32,7 @@ impl ControllerLoss {
 }
 
 impl Drive {
-    /// How long a control word counts, where parameters say that.
+    /// Returns how long a control word counts, where parameters say that.
     #[must_use]
     pub fn control_timeout(&self) -> Option<Duration> {
         self.time_of(self.control_word_rule()?)
@@ -64,7 +64,7 @@ impl Drive {
                 if at_once {
                     self.act_on_timeout(rule);
                 }
-                // a line has no connection whose loss could be told
+                // a line has no connection whose loss could be reported
                 let announced = at_once || cause != Disconnect::Silent;
                 if announced && self.controller_loss.is_some_and(ControllerLoss::holds) {
                     self.keep(number, Keeper::Action, true);
@@ -73,7 +73,7 @@ impl Drive {
         }
     }
 
-    /// A controller speaks again.
+    /// Handles the return of a controller.
     pub(super) fn controller_is_back(&mut self) {
         if self.controller_loss.take().is_some()
             && let Some(rule) = self.control_word_rule()
@@ -97,7 +97,7 @@ impl Drive {
         self.act_on_timeout(rule);
     }
 
-    /// Does what the parameter says.
+    /// Executes the configured action.
     fn act_on_timeout(&mut self, rule: &ControlTimeout) {
         let function = self.values.get(rule.function);
         let action = rule.actions.iter().find(|(value, _)| *value == function);
@@ -114,7 +114,7 @@ impl Drive {
         }
     }
 
-    /// What the axis does instead of following the last setpoint.
+    /// Returns what the axis does instead of following the last setpoint.
     pub(super) fn timeout_command(&mut self) -> Option<Command> {
         let Some(ControllerLoss::Acts(action)) = self.controller_loss else {
             return None;

@@ -4,7 +4,7 @@ use super::bench::Bench;
 use super::*;
 use crate::model::{AKD, VACON, VLT};
 
-/// The texts that the drive wants to be kept, and if somebody asked for them.
+/// Texts that the drive emits for saving, and whether a client requested the save.
 fn texts(drive: &mut Drive) -> Vec<(String, bool)> {
     let events = std::iter::from_fn(|| drive.poll_event());
     let texts = events.filter_map(|event| match event {
@@ -60,7 +60,7 @@ fn counters_and_log_survive_and_what_was_not_saved_does_not() {
     assert_eq!(all.len(), 1 + 17 + 1);
     let (text, _) = all.last().unwrap();
     let mut again = restarted(text);
-    assert_eq!(again.read(341), 300, "nobody saved it");
+    assert_eq!(again.read(341), 300, "not saved");
     let after = [1500, 1501, 1502, 1503, 1504, 1505].map(|number| again.read(number));
     assert_eq!(after, [on, running, energy, 2, hot, over]);
     let log = [1, 1, 0, 1, 0x10, 3, 0x05, 0xFA, 0, 0];

@@ -1,5 +1,4 @@
-//! What a drive counts as long as it lives (VLT 15-0*) and the faults that came last (15-3*): kept over power-off without
-//! being told to.
+//! Lifetime counters (VLT 15-0*) and the latest faults (15-3*): retained over power-off without a save request.
 //!
 //! The text that keeps them is due a second after power on, then every ten minutes, when a fault came, and when the drive
 //! is switched off in order. So a kill costs ten minutes of operating hours. Source of what is counted: FC 300 programming
@@ -57,7 +56,7 @@ impl Default for Meter {
 impl Meter {
     /// Counts a step.
     ///
-    /// The first step only tells what time it is: a drive that starts has not been on since the origin of the clock.
+    /// The first step only sets the reference time: a drive that starts has not been on since the origin of the clock.
     pub fn count(&mut self, passed: Duration, running: bool, axis: &Axis) {
         if !std::mem::replace(&mut self.counting, true) {
             return;
@@ -133,7 +132,7 @@ fn put<T>(place: &mut T, value: Option<T>) -> bool {
 }
 
 impl Drive {
-    /// True for a drive that keeps its counters.
+    /// Returns true for a drive that keeps its counters.
     fn keeps_counters(&self) -> bool {
         self.model
             .roles
@@ -158,7 +157,7 @@ impl Drive {
         self.meter.at_once = true;
     }
 
-    /// Power goes in order: what is counted is kept. What was not told to be kept is not.
+    /// Switches off in an orderly way: counters are saved, other unsaved values are lost.
     pub fn switch_off(&mut self) {
         self.meter.at_once = self.keeps_counters();
     }
@@ -211,7 +210,7 @@ impl Drive {
         }
     }
 
-    /// True for a line of counters.
+    /// Returns true for a line of counters.
     pub(super) fn is_counter_line(&self, name: &str, text: &str) -> bool {
         self.keeps_counters() && (Meter::default().take(name, text) || fault_line(name, text).is_some())
     }

@@ -1,4 +1,4 @@
-//! What happens to the drive from outside, and what its inputs tell of it.
+//! External inputs (STO, mains, load) and the status of the digital inputs.
 
 use super::panel::Panel;
 use super::{Drive, Injection, RESTLESS};

@@ -463,7 +463,7 @@ fn without_a_controller_the_status_word_follows_at_once() {
     let mut bench = Bench::new();
     bench.drive.disconnect(Disconnect::Released);
     bench.drive.inject_fault(439, false);
-    assert!(bench.drive.next_tick().is_some(), "somebody has to look after it");
+    assert!(bench.drive.next_tick().is_some(), "the drive needs further ticks");
     bench.drive.tick(Instant::from_millis(5000), None, &mut []);
     assert_eq!(bench.drive.status_word().0 & FAULT, FAULT);
     bench.write("DRV.CLRFAULTS", 1).unwrap();

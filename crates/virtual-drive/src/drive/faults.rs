@@ -32,7 +32,7 @@ const IGNORE: i64 = 1;
 /// Value of FAULTn.ACTION: a warning instead.
 const WARN: i64 = 4;
 
-/// A few numbers in the order in which they came; 0 is no number.
+/// A few numbers in the order in which they came; 0 is not a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Numbers<const N: usize>([u16; N]);
 
@@ -80,7 +80,7 @@ impl<const N: usize> Numbers<N> {
     }
 }
 
-/// Who keeps a warning up.
+/// Cause of an active warning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Keeper {
     /// A condition of the model.
@@ -100,7 +100,7 @@ pub(super) struct Faults {
     active: Numbers<MOST_ACTIVE>,
     lasting: Numbers<MOST_LASTING>,
     warnings: Numbers<MOST_WARNINGS>,
-    /// Who keeps the warning in the same place up, bits of [`Keeper`].
+    /// Causes of the warning in the same place, bits of [`Keeper`].
     keepers: [u8; MOST_WARNINGS],
     /// Conditions whose cause is there, by place in the table of the model; and those that count.
     present: u32,
@@ -149,12 +149,12 @@ impl Faults {
         }
     }
 
-    /// True while a fault is there that only a restart clears, or whose cause was put there from outside.
+    /// Returns true while a fault is there that only a restart clears, or whose cause was put there from outside.
     pub const fn has_lasting(&self) -> bool {
         self.lasting.0[0] != 0
     }
 
-    /// The faults whose cause was put there from outside and lasts.
+    /// Returns the faults whose cause was put there from outside and lasts.
     pub fn lasting_numbers(&self) -> impl Iterator<Item = u16> {
         self.lasting.iter()
     }
@@ -178,7 +178,7 @@ impl Faults {
         self.active.contains(number)
     }
 
-    /// True while a fault is not acknowledged.
+    /// Returns true while a fault is not acknowledged.
     pub fn any(&self) -> bool {
         self.active.at(0) != 0
     }
@@ -188,7 +188,7 @@ impl Faults {
         self.warnings.at(place)
     }
 
-    /// Sets or takes away one keeper of a warning; tells if the warning came or went by that.
+    /// Sets or clears one cause of a warning; returns whether the warning appeared or disappeared.
     fn keep(&mut self, number: u16, keeper: Keeper, active: bool) -> bool {
         if number == 0 {
             return false;
@@ -274,13 +274,13 @@ impl Watching {
 }
 
 impl Drive {
-    /// True while there is a fault that is not acknowledged.
+    /// Returns true while there is a fault that is not acknowledged.
     #[must_use]
     pub fn has_fault(&self) -> bool {
         self.faults.any()
     }
 
-    /// True while there is a warning (ZSW1 bit 7).
+    /// Returns true while there is a warning (ZSW1 bit 7).
     #[must_use]
     pub fn has_warning(&self) -> bool {
         self.faults.warning(0) != 0
@@ -292,7 +292,7 @@ impl Drive {
         self.faults.number(index)
     }
 
-    /// The n-th warning, from 0; 0 where there is none.
+    /// Returns the n-th warning, from 0; 0 where there is none.
     #[must_use]
     pub fn warning_number(&self, place: usize) -> u16 {
         self.faults.warning(place)
@@ -351,7 +351,7 @@ impl Drive {
         actions.get(place).map(|(_, pnu)| self.values.get(*pnu))
     }
 
-    /// True while the cause of a fault that has come is there: it cannot be acknowledged.
+    /// Returns true while the cause of a fault that has come is there: it cannot be acknowledged.
     pub(super) fn a_cause_lasts(&self) -> bool {
         let faults = &self.faults;
         faults.lasting.at(0) != 0 || self.lasting_conditions().next().is_some()
@@ -392,7 +392,7 @@ impl Drive {
     /// last; those come straight back, as a new situation. Source: AKD Parameter Guide 12/2009.
     pub(super) fn clear_faults(&mut self) {
         self.end_actions();
-        // without a controller nobody else asks for the next tick
+        // without a controller no other caller requests the next tick
         self.restless = RESTLESS;
         if !self.faults.any() || !self.a_cause_lasts() {
             self.clear_requested = true;
@@ -501,7 +501,8 @@ impl Drive {
         self.keep(number, Keeper::Action, false);
     }
 
-    /// The values that conditions look at, by number of the cause; negated where the cause must be below its limit.
+    /// Returns the values that conditions look at, by number of the cause; negated where the cause must be below its
+    /// limit.
     fn watched(&self) -> [f64; Cause::COUNT] {
         let mut values = [0.0; Cause::COUNT];
         let mut put = |cause: Cause, value: f64| {
@@ -546,7 +547,7 @@ impl Drive {
 }
 
 impl Drive {
-    /// How long a disable on the ramp takes already, ms.
+    /// Returns how long a disable on the ramp takes already, ms.
     fn disabling_for(&self) -> f64 {
         if self.disable_requested {
             (self.last - self.disable_since).as_secs_f64() * 1000.0
@@ -580,7 +581,7 @@ pub(super) fn motor_sensor(temperature: f64) -> f64 {
     1000.0 * (1.0 + 6.12e-3 * above + 1.1e-5 * above * above)
 }
 
-/// The reaction that takes the power away sooner.
+/// Returns the reaction that takes the power away sooner.
 const fn stronger(one: FaultReaction, other: FaultReaction) -> FaultReaction {
     match (one, other) {
         (FaultReaction::Coast, _) | (_, FaultReaction::Coast) => FaultReaction::Coast,

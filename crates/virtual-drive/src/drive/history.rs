@@ -61,7 +61,7 @@ impl History {
         }
     }
 
-    /// An entry, 0 the newest.
+    /// Returns an entry, 0 the newest.
     pub fn at(&self, place: usize) -> Change {
         let index = (self.newest + place) % LENGTH;
         let change = self.changes.get(index).filter(|_| place < LENGTH);

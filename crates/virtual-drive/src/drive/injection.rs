@@ -89,7 +89,7 @@ pub enum Injection {
     ButtonB1(f64),
 }
 
-/// A text that is no injection.
+/// A text that is not an injection.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InjectionError {
@@ -129,7 +129,7 @@ pub struct Key {
 }
 
 impl Injection {
-    /// The keys of the notation, in the order in which help shows them.
+    /// Returns the keys of the notation, in the order in which help shows them.
     pub fn keys() -> impl Iterator<Item = Key> {
         ROWS.iter().map(|row| Key {
             key: row.key,

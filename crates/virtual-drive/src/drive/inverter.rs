@@ -1,5 +1,5 @@
-//! What a frequency converter obeys beside what all drives do: motor data, references, ramp times, jog speeds, DC brake;
-//! and what it tells of that.
+//! The functions of a frequency converter in addition to those of all drives: motor data, references, ramp times, jog
+//! speeds, DC brake, and their status.
 
 use profile::catalogue::{Parameter, Part};
 use profile::state::{Conditions, Correction, Orders, Profile, SpeedCommand, State};
@@ -48,7 +48,7 @@ pub(super) struct Inverter {
     pub inverter_current: [f64; 2],
     pub current_limit: f64,
     tuning: InverterTuning,
-    /// Words of the maker's own telegrams.
+    /// Words of the vendor's own telegrams.
     pub own_words: Profile,
     /// The control word of the bus has no effect.
     pub not_by_bus: bool,
@@ -58,7 +58,7 @@ pub(super) struct Inverter {
     pub watched: [[f64; 2]; 2],
 }
 
-/// Reads parameters by the number of the maker.
+/// Reads parameters by the number of the vendor.
 struct Reader<'a> {
     model: &'a Model,
     values: &'a Values,
@@ -237,12 +237,12 @@ impl Inverter {
         }
     }
 
-    /// Speed in rpm that a number of the maker's own speed word means, `full` of them being all.
+    /// Speed in rpm that a number of the vendor's own speed word means, `full` of them being all.
     pub fn own_speed(&self, value: i64, full: u16) -> f64 {
         self.speed_of_range(value as f64 / f64::from(full.max(1)))
     }
 
-    /// The speed that is this part of the way from the lowest to the highest reference, or of the highest one.
+    /// Returns the speed that is this part of the way from the lowest to the highest reference, or of the highest one.
     pub fn speed_of_range(&self, part: f64) -> f64 {
         let [lowest, highest] = self.reference;
         if self.own_speed_of_range {
@@ -252,7 +252,7 @@ impl Inverter {
         }
     }
 
-    /// The number of a speed in the maker's own speed word.
+    /// Returns the number of a speed in the vendor's own speed word.
     pub fn own_number(&self, speed: f64, full: u16) -> f64 {
         f64::from(full) * self.part_of_range(speed)
     }
@@ -267,7 +267,7 @@ impl Inverter {
         speed.signum() * ((speed.abs() - lowest) / way).max(0.0)
     }
 
-    /// The motor follows its frequency: it is not behind by more than twice its nominal slip.
+    /// Returns whether the motor follows its frequency: it is not behind by more than twice its nominal slip.
     pub fn follows(&self, command: f64, measured: f64) -> bool {
         let slip = self.plate.synchronous_speed() - self.plate.speed;
         (command - measured).abs() <= 2.0 * slip.abs().max(1.0)
@@ -278,7 +278,7 @@ impl Inverter {
         speed / self.reference[1].max(1e-9)
     }
 
-    /// What a reference with the other bits of the control word comes to, rpm.
+    /// Returns what a reference with the other bits of the control word comes to, rpm.
     ///
     /// Bus reference and preset reference add up (3-04 "sum"), never to more than the highest reference; below the lowest
     /// one the motor runs with that. Catch up and slow down work on the amount.
@@ -337,7 +337,7 @@ fn plate(roles: &InverterRoles, read: &Reader<'_>) -> Induction {
 }
 
 impl Drive {
-    /// Whose words the telegram in use has.
+    /// Returns whose words the telegram in use has.
     pub(super) fn profile(&self) -> Profile {
         let words = &self.model.known.words;
         match &self.settings.inverter {
@@ -358,7 +358,7 @@ impl Drive {
         }
     }
 
-    /// The speed that is asked for, rpm.
+    /// Returns the speed that is requested, rpm.
     pub(super) fn wanted_speed(&self) -> f64 {
         match &self.settings.inverter {
             Some(inverter) => inverter.wanted(self.process.speed, &self.orders),
@@ -382,7 +382,7 @@ impl Drive {
         }
     }
 
-    /// What a status word tells beside the state.
+    /// Returns the bits of the status word that are not part of the state.
     pub(super) fn conditions(&self) -> Conditions {
         let electrical = self.axis.electrical();
         let output = self.axis.motor_output();
@@ -405,7 +405,7 @@ impl Drive {
         }
     }
 
-    /// The bus is where a warning about it does not begin.
+    /// Returns whether the bus is where a warning about it does not begin.
     fn is_bus_fine(&self, bus: f64) -> bool {
         let nominal = self.axis.plant().power.mains * std::f64::consts::SQRT_2;
         (0.75 * nominal..=1.45 * nominal).contains(&bus)

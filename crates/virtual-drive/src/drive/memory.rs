@@ -1,5 +1,5 @@
-//! What the drive keeps when it is switched off: the parameters that the table marks as non-volatile, and only those that
-//! were saved. Everything else is gone with the power.
+//! Non-volatile memory: the parameters that the table marks as non-volatile, and only those that were saved. Everything
+//! else is gone with the power.
 //!
 //! DRV.NVSAVE saves, DRV.NVLOAD fetches what was saved last, DRV.RSTVAR puts the values as delivered into the working
 //! memory and leaves what is saved alone. Motion tasks are kept like parameters. Source: AKD Parameter Guide 12/2009.
@@ -130,7 +130,7 @@ impl Drive {
         image
     }
 
-    /// What was saved last; the values as delivered where nothing ever was.
+    /// Returns what was saved last; the values as delivered where nothing ever was.
     pub(super) fn saved_image(&self) -> Image {
         let saved = self.saving.newest();
         saved

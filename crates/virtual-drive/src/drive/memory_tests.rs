@@ -7,7 +7,7 @@ use crate::store::Image;
 use profile::catalogue::Access;
 use profile::parameter::ErrorNumber;
 
-/// The text that the drive wants to be kept.
+/// Returns the text that the drive emits for saving.
 fn saved(bench: &mut Bench) -> Option<String> {
     bench.events().into_iter().rev().find_map(|event| match event {
         Event::Save { text, .. } => Some(text),
@@ -15,7 +15,7 @@ fn saved(bench: &mut Bench) -> Option<String> {
     })
 }
 
-/// A new drive of the same model that starts with the text.
+/// Returns a new drive of the same model that starts with the text.
 fn restarted(text: &str) -> Bench {
     let mut bench = Bench::new();
     assert_eq!(bench.drive.start_with(text.as_bytes()), Ok(0));

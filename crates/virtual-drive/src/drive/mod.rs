@@ -66,7 +66,7 @@ const RESTLESS: u16 = 500;
 /// Most events that wait; older ones are dropped.
 const MOST_EVENTS: usize = 64;
 
-/// Something that happened in the drive and that its owner may want to know or must do.
+/// An event of the drive that its owner may report or must handle.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Event {
     /// The profile state changed.
@@ -94,7 +94,7 @@ pub enum Event {
     Save {
         /// The image of all saved parameters.
         text: String,
-        /// Somebody asked for it. Else the drive keeps what it counts.
+        /// A client requested it. Otherwise the drive saves its counters.
         asked: bool,
         /// Number of the save, for [`Drive::report_save`].
         save: SaveId,
@@ -129,7 +129,7 @@ pub enum Disconnect {
     Released,
     /// It broke.
     Lost,
-    /// There was none, only a master of a line that does not speak any more.
+    /// No connection, but the master of a serial line became silent.
     Silent,
 }
 
@@ -208,7 +208,7 @@ pub struct Drive {
     settings: Settings,
     saving: Saving,
     machine: Machine,
-    /// What the control word asks for that the machine took last.
+    /// What the control word requests that the machine took last.
     orders: Orders,
     /// Parameter channel in the process data.
     pkw: Option<pkw::Server>,
@@ -248,7 +248,7 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// A drive as delivered, at rest.
+    /// Creates a drive as delivered, at rest.
     #[must_use]
     pub fn new(model: &'static Model) -> Self {
         let values = Values::new(model.catalogue);
@@ -297,13 +297,13 @@ impl Drive {
         drive
     }
 
-    /// The model of the drive.
+    /// Returns the model of the drive.
     #[must_use]
     pub const fn model(&self) -> &'static Model {
         self.model
     }
 
-    /// Takes one event. A drive that keeps what it counts has one of its own from time to time.
+    /// Returns the next event. A drive with counters emits a save event from time to time.
     pub fn poll_event(&mut self) -> Option<Event> {
         self.count_due();
         self.events.pop_front().or_else(|| self.saving.poll())
@@ -391,8 +391,8 @@ impl Drive {
         self.give_inputs(inputs);
     }
 
-    /// When a drive without a connection has to be ticked; `None` while nothing moves. With a connection the cycle of
-    /// the input frames ticks it.
+    /// Returns the time when a drive without a connection has to be ticked; `None` while nothing moves. With a
+    /// connection the cycle of the input frames ticks it.
     #[must_use]
     pub fn next_tick(&self) -> Option<Instant> {
         let waits = matches!(self.controller_loss, Some(ControllerLoss::Waits(_)));
@@ -406,19 +406,19 @@ impl Drive {
         }
     }
 
-    /// The control word received last.
+    /// Returns the control word received last.
     #[must_use]
     pub const fn control_word(&self) -> Stw1 {
         self.process.control
     }
 
-    /// The status word sent last.
+    /// Returns the status word sent last.
     #[must_use]
     pub const fn status_word(&self) -> Zsw1 {
         Zsw1(self.process.status)
     }
 
-    /// The values of its parameters that scale others.
+    /// Returns the values of its parameters that scale others.
     #[must_use]
     pub const fn scaling(&self) -> Scaling {
         self.settings.scaling
@@ -430,7 +430,7 @@ impl Drive {
         self.machine.state()
     }
 
-    /// The mechanics, to look at.
+    /// Returns the mechanics, to look at.
     #[must_use]
     pub const fn axis(&self) -> &Axis {
         &self.axis
@@ -447,13 +447,13 @@ impl Drive {
         self.fit_motor();
     }
 
-    /// True while the power stage is on (DRV.ACTIVE).
+    /// Returns true while the power stage is on (DRV.ACTIVE).
     #[must_use]
     pub fn is_enabled(&self) -> bool {
         self.state().pulses()
     }
 
-    /// True while the motor turns or may turn: the power stage is on, or the axis is not at standstill yet.
+    /// Returns true while the motor turns or may turn: the power stage is on, or the axis is not at standstill yet.
     #[must_use]
     pub fn is_operating(&self) -> bool {
         self.is_enabled() || !self.axis.is_standing(self.settings.standstill)

@@ -77,7 +77,7 @@ impl Drive {
         output.zsw1.0
     }
 
-    /// The control word of the service channel, which knows no OFF: run. Else that of the panel.
+    /// Returns the control word of the service channel, which knows no OFF: run. Else that of the panel.
     fn local_word(&mut self) -> Option<Stw1> {
         if self.service == Service::Starting {
             self.service = Service::On;
@@ -111,7 +111,7 @@ impl Drive {
         }
     }
 
-    /// The ramp of a stop outside S4; in position mode it keeps the axis inside its software limits.
+    /// Returns the ramp of a stop outside S4; in position mode it keeps the axis inside its software limits.
     fn safe_stop(&self, ramps: Ramps) -> Ramps {
         if self.settings.mode == Mode::Position {
             self.positioning
@@ -121,7 +121,7 @@ impl Drive {
         }
     }
 
-    /// What the power stage has to do.
+    /// Returns what the power stage has to do.
     pub(super) fn command(&mut self) -> Command {
         let settings = &self.settings;
         match self.state().motion() {
@@ -158,7 +158,7 @@ impl Drive {
         }
     }
 
-    /// The status word for a state, with the bits that depend on the axis, in the words of the telegram in use.
+    /// Returns the status word for a state, with the bits that depend on the axis, in the words of the telegram in use.
     pub(super) fn in_profile_bits(&self, status: u16) -> u16 {
         let profile = self.profile();
         let status = Zsw1(status | self.application_status());
@@ -168,7 +168,7 @@ impl Drive {
         profile.status(self.state(), status, &self.conditions())
     }
 
-    /// The bits of the status word that depend on the axis.
+    /// Returns the bits of the status word that depend on the axis.
     fn application_status(&self) -> u16 {
         let warning = if self.has_warning() { Zsw1::WARNING.0 } else { 0 };
         if self.settings.mode == Mode::Position {

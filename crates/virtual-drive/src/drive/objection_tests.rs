@@ -1,4 +1,4 @@
-//! What `profile::parameter::objections` says of a request is what a drive answers.
+//! A drive answers with the error that `profile::parameter::objections` predicts.
 
 use profile::catalogue::Tables;
 use profile::parameter::{ErrorNumber, Format, Objection, ValueBlock, objections};
@@ -27,7 +27,7 @@ fn number(objection: &Objection) -> u16 {
     objection.answer.map_or(REFUSED, |ErrorNumber(number)| number)
 }
 
-/// The error numbers of an answer with the place of their parameters.
+/// Returns the error numbers of an answer with the place of their parameters.
 fn answered(model: &'static Model, request: &[u8]) -> Vec<(usize, u16)> {
     let mut out = [0; 240];
     let Ok(length) = Drive::new(model).serve(request, &mut out) else {
@@ -45,7 +45,7 @@ fn answered(model: &'static Model, request: &[u8]) -> Vec<(usize, u16)> {
     errors
 }
 
-/// The error number that is said beforehand and the one that is answered.
+/// Returns the predicted error number and the one of the answer.
 fn both(model: &'static Model, hex: &str) -> [Option<u16>; 2] {
     let request = octets(hex);
     let answered = answered(model, &request);
@@ -144,10 +144,10 @@ fn forbidden_writes_answer_with_the_documented_error() {
     }
 }
 
-/// Numbers of an answer that the state of a drive decides, and the limits of a parameter: no table says them beforehand.
+/// Error numbers that depend on the state of the drive or the limits of a parameter, so that no table predicts them.
 const OF_THE_STATE: [u16; 3] = [0x02, 0x11, 0x14];
 
-/// A request with at most two parameters, of which anything can be wrong.
+/// Returns a request with at most two parameters, of which anything can be wrong.
 fn requests() -> impl Strategy<Value = (&'static Model, Vec<u8>)> {
     let pnu = prop_oneof![
         Just(930_u16),
@@ -194,7 +194,7 @@ fn requests() -> impl Strategy<Value = (&'static Model, Vec<u8>)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
-    /// What is said is answered, and what is answered was said, unless the state of the drive decides it.
+    /// Predicted errors are answered and answered errors were predicted, unless they depend on the state of the drive.
     #[test]
     fn every_request_answers_as_documented((model, request) in requests()) {
         let (said, answered) = (said(model, &request), answered(model, &request));

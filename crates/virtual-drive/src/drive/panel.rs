@@ -47,7 +47,7 @@ impl Drive {
         }
     }
 
-    /// Ends the run that somebody at the drive commanded, who keeps control.
+    /// Ends a run commanded at the local panel. The panel keeps control.
     pub(super) const fn end_local_speed(&mut self) {
         self.external.panel.speed = None;
     }
@@ -66,7 +66,7 @@ impl Drive {
         parameter == 0 || self.values.get(parameter) != 0
     }
 
-    /// The panel has the drive, or a setting keeps the bus off it.
+    /// Returns whether the panel has the drive, or a setting keeps the bus off it.
     pub(super) fn is_local(&self) -> bool {
         let inverter = self.settings.inverter.as_ref();
         self.external.panel.has || inverter.is_some_and(|inverter| inverter.not_by_bus)
@@ -78,15 +78,15 @@ impl Drive {
         speed.filter(|_| self.external.panel.has && self.settings.mode == Mode::Speed)
     }
 
-    /// The control word of local operation, if anything but the bus has the drive. The service channel knows no OFF; a panel
-    /// gives OFF first where the machine asks for it.
+    /// Returns the control word of local operation, if anything but the bus has the drive. The service channel knows no
+    /// OFF; a panel gives OFF first where the machine requests it.
     pub(super) fn panel_word(&self) -> Option<Stw1> {
         let stopped = self.panel_speed().is_none() || self.state() == State::S1;
         self.is_local()
             .then_some(if stopped { Stw1::READY } else { Stw1::RUN })
     }
 
-    /// What the panel has the axis do in S4, if it has it.
+    /// Returns what the panel has the axis do in S4, if it has it.
     pub(super) fn panel_command(&mut self) -> Option<Command> {
         if self.service != Service::Off || !self.is_local() {
             return None;

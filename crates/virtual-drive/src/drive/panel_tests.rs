@@ -13,7 +13,7 @@ fn inject(bench: &mut Bench, text: &str) {
 
 #[test]
 fn the_panel_stops_a_running_drive_and_the_bus_is_without_effect() {
-    // telegram 1 of each make, and the words of the makers
+    // telegram 1 of each model, and the words of the vendors
     for (model, telegram, speed) in [
         (&AKD, 1, 0x0199),
         (&VLT, 1, 0x2000),
@@ -133,7 +133,7 @@ fn stop_and_disable_by_parameter_reach_a_drive_in_local_operation() {
     bench.write(2137, 1).unwrap();
     bench.send(0x047E, 0, 2000);
     assert!(bench.drive.is_enabled() && bench.drive.axis().speed_command().abs() < 1.0);
-    // DRV.DIS: off, until somebody at the drive starts it again
+    // DRV.DIS: off, until the local panel starts it again
     bench.write(2118, 1).unwrap();
     bench.send(0x047E, 0, 2000);
     assert!(!bench.drive.is_enabled());

@@ -25,7 +25,7 @@ impl Drive {
     /// but for the commands that save.
     ///
     /// # Errors
-    /// When the block is no request; the record write is to be refused then.
+    /// When the block is not a request; the record write is to be refused then.
     pub fn serve(&mut self, request: &[u8], out: &mut [u8]) -> Result<usize, Refusal> {
         serve(request, self.model.known.dialect, self, out)
     }
@@ -38,7 +38,7 @@ impl Drive {
         serve_saving(request, self.model.known.dialect, self, out)
     }
 
-    /// Where the parameter is in the catalogue, and which element of it is meant.
+    /// Returns where the parameter is in the catalogue, and which element of it is meant.
     fn place(&self, pnu: u16, subindex: u16) -> Result<(usize, u16, &'static Parameter), ErrorNumber> {
         let catalogue = self.model.catalogue;
         let (position, element) = catalogue
@@ -80,8 +80,8 @@ impl ParameterAccess for Drive {
         Ok(whole.cast_unsigned())
     }
 
-    /// Of a 64-bit value the high half is written first and has no effect before the low half, which makes one value of
-    /// both. A low half that comes alone is the whole value. Any other access in between forgets the high half.
+    /// Writes a raw value. The high half of a 64-bit value is written first and takes effect with the low half. A low
+    /// half without a high half is the whole value. Any other access in between discards the high half.
     fn write(&mut self, pnu: u16, subindex: u16, raw: u64, keep: Keep) -> Result<(), ErrorNumber> {
         let kept = self.half.take();
         if let Some(parameter) = self.model.catalogue.by_high(pnu) {
@@ -138,8 +138,8 @@ impl ParameterAccess for Drive {
         self.model.catalogue.text(pnu, index)
     }
 
-    /// The limits are those of a double word: what can be written to this number alone. A high half is described as the
-    /// bare number that it is.
+    /// Returns the description. Its limits are those of a double word: the values that can be written to this number. A
+    /// high half is described as the bare number that it is.
     fn description(&self, pnu: u16) -> Option<Description> {
         let catalogue = self.model.catalogue;
         let high = catalogue.by_high(pnu);
@@ -216,7 +216,8 @@ impl Drive {
     }
 }
 
-/// Unit and step of a value whose table has no indices for them: as unit and scale say. Dimensionless numbers tell none.
+/// Returns unit and step of a value whose table has no indices for them, from unit and scale. Dimensionless numbers
+/// have none.
 fn variable(parameter: &Parameter) -> Option<Variable> {
     let exponent = match parameter.scale {
         Scale::Raw => 0,

@@ -16,17 +16,17 @@ const LISTS: core::ops::RangeInclusive<u16> = 980..=989;
 /// PNUs in one list: with the closing 0 they fit the answer to one request (117 words in 240 octets).
 pub(super) const PER_LIST: usize = 116;
 
-/// Value of PNU 930 in current mode: bit 15 marks modes of the maker.
+/// Value of PNU 930 in current mode: bit 15 marks modes of the vendor.
 const MODE_CURRENT: i64 = 0x8000;
 
 impl Drive {
-    /// The number of one element as on the wire (sign included); `position` is the place in the catalogue.
+    /// Returns the number of one element as on the wire (sign included); `position` is the place in the catalogue.
     pub(super) fn element(&self, position: usize, element: u16) -> Result<i64, ErrorNumber> {
         let parameter = self.parameter_with(position, element)?;
         Ok(self.number(position, parameter, element))
     }
 
-    /// The parameter at a place in the catalogue, if it has this element.
+    /// Returns the parameter at a place in the catalogue, if it has this element.
     pub(super) fn parameter_with(
         &self,
         position: usize,
@@ -132,12 +132,12 @@ impl Drive {
         }
     }
 
-    /// The number of a parameter that is no array.
+    /// Returns the number of a parameter that is not an array.
     pub(super) fn parameter(&self, pnu: u16) -> Option<i64> {
         self.element(numbered(self.model.catalogue, pnu)?, 0).ok()
     }
 
-    /// A measured value in its engineering unit.
+    /// Returns a measured value in its engineering unit.
     pub(super) fn measured(&self, quantity: Quantity) -> f64 {
         let axis = &self.axis;
         match quantity {
@@ -242,7 +242,7 @@ impl Drive {
         }
     }
 
-    /// What the lists of PNUs hold together: they do not name themselves.
+    /// Returns what the lists of PNUs hold together: they do not name themselves.
     pub(super) fn listed_numbers(model: &crate::model::Model) -> Box<[u16]> {
         model
             .catalogue
@@ -253,7 +253,7 @@ impl Drive {
 }
 
 impl Drive {
-    /// What the motor shows, in its engineering unit.
+    /// Returns what the motor shows, in its engineering unit.
     fn of_motor(&self, quantity: Quantity) -> f64 {
         let output = self.axis.motor_output();
         let plate = self.settings.inverter.as_ref().map(|inverter| inverter.plate);
@@ -281,7 +281,7 @@ impl Drive {
         }
     }
 
-    /// What the reference asks for and what is reached of it.
+    /// Returns what the reference requests and what is reached of it.
     fn of_reference(&self, quantity: Quantity) -> f64 {
         let Some(inverter) = &self.settings.inverter else {
             return 0.0;
@@ -297,7 +297,7 @@ impl Drive {
         }
     }
 
-    /// The n-th number of a parameter that is not as delivered.
+    /// Returns the n-th number of a parameter that is not as delivered.
     fn changed(&self, place: usize, in_list: usize) -> i64 {
         if in_list >= PER_LIST {
             return 0;

@@ -28,7 +28,7 @@ pub(super) struct Saving {
     stored: Option<String>,
     /// Images that the owner is storing, the newest last.
     under_way: VecDeque<(u64, String)>,
-    /// Image that the owner has not fetched, and whether somebody asked for it to be saved.
+    /// Image that the owner has not fetched, and whether a client requested the save.
     due: Option<(String, bool)>,
     /// Newest save that a channel has not looked at.
     started: Option<SaveId>,
@@ -45,7 +45,7 @@ impl Saving {
         self.confirmed = true;
     }
 
-    /// The newest image.
+    /// Returns the newest image.
     pub fn newest(&self) -> Option<&str> {
         let due = self.due.as_ref().map(|(image, _)| image);
         let under_way = || self.under_way.back().map(|(_, image)| image);
@@ -62,7 +62,7 @@ impl Saving {
         self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed);
     }
 
-    /// The newest image has what is to be saved. Whoever asks for that waits for this image, unless it is stored.
+    /// The newest image has what is to be saved. Whoever requests that waits for this image, unless it is stored.
     pub fn join(&mut self) {
         if let Some((_, asked)) = &mut self.due {
             *asked = true;
@@ -71,7 +71,7 @@ impl Saving {
         self.started = Some(SaveId(self.issued)).filter(|_| self.confirmed && is_pending);
     }
 
-    /// The image that the owner is to store.
+    /// Returns the image that the owner is to store.
     pub fn poll(&mut self) -> Option<Event> {
         let (text, asked) = self.due.take()?;
         if self.confirmed {
@@ -105,7 +105,7 @@ impl Saving {
         }
     }
 
-    /// What became of a save.
+    /// Returns what became of a save.
     pub fn state(&self, SaveId(number): SaveId) -> SaveState {
         if !self.confirmed {
             SaveState::Stored
@@ -118,7 +118,7 @@ impl Saving {
         }
     }
 
-    /// The newest save since the last call, where somebody has to wait for it.
+    /// Returns the newest save since the last call, if a client waits for it.
     pub fn take_started(&mut self) -> Option<SaveId> {
         self.started.take()
     }

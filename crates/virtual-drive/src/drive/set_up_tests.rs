@@ -13,7 +13,7 @@ const COPY: u16 = 51;
 const RAMP: u16 = 341;
 const HIGHEST: u16 = 303;
 
-/// The last text that the drive wants to be kept.
+/// Returns the last text that the drive emits for saving.
 fn saved(drive: &mut Drive) -> String {
     let events = std::iter::from_fn(|| drive.poll_event());
     let texts = events.filter_map(|event| match event {
@@ -103,7 +103,7 @@ fn the_control_word_chooses_while_zero_ten_lets_it() {
         bench.write(RAMP, ramp).unwrap();
     }
     bench.write(EDIT, 9).unwrap();
-    // not asked for: 0-10 is 1
+    // not requested: 0-10 is 1
     bench.send(0x643C, 0, 8);
     assert_eq!((bench.drive.set_up(), bench.read(RAMP)), (1, 100));
     bench.write(ACTIVE, 9).unwrap();

@@ -98,7 +98,7 @@ impl SetUps {
         }
     }
 
-    /// A motor that runs may change to this set-up: nothing that holds while it runs is different.
+    /// Returns whether a motor that runs may change to this set-up: nothing that holds while it runs is different.
     fn is_like(&self, number: usize, values: &Values) -> bool {
         self.bank(number)
             .filter(|((position, _), _)| self.model.is_only_stopped(*position))
@@ -113,19 +113,20 @@ const FACTORY: ErrorNumber = ErrorNumber(PkwErrorNumber::FACTORY_SET_UP.0);
 const PREFIX: &str = "set-up ";
 
 impl Drive {
-    /// Number of the set-up that the drive obeys: 1 to 4, 0 for the factory set-up; 1 where the model has none.
+    /// Returns the number of the set-up that the drive obeys: 1 to 4, 0 for the factory set-up; 1 where the model has
+    /// none.
     #[must_use]
     pub fn set_up(&self) -> u8 {
         self.set_ups.as_ref().map_or(1, |set_ups| set_ups.active as u8)
     }
 
-    /// Number of the set-up that is read and written.
+    /// Returns the number of the set-up that is read and written.
     fn edited(&self, set_ups: &SetUps) -> usize {
         let chosen = usize::try_from(self.values.get(set_ups.roles.edit)).unwrap_or(COUNT);
         if chosen < COUNT { chosen } else { set_ups.active }
     }
 
-    /// Where another set-up than the active one keeps the value that is meant: its number and the place there.
+    /// Returns where another set-up than the active one keeps the value that is meant: its number and the place there.
     fn elsewhere(&self, position: usize, element: u16) -> Option<(usize, usize)> {
         let set_ups = self.set_ups.as_ref()?;
         let place = set_ups.place(position, element)?;
@@ -133,7 +134,7 @@ impl Drive {
         (edited != set_ups.active).then_some((edited, place))
     }
 
-    /// The value of a parameter that is kept.
+    /// Returns the value of a parameter that is kept.
     pub(super) fn stored(&self, position: usize, element: u16) -> i64 {
         let other = self.elsewhere(position, element).and_then(|(number, place)| {
             let bank = self.set_ups.as_ref()?.banks.get(number)?;
@@ -168,12 +169,12 @@ impl Drive {
         Ok(())
     }
 
-    /// The motor runs, and this cannot be changed meanwhile.
+    /// Returns whether the motor runs, and this cannot be changed meanwhile.
     fn is_fixed(&self, position: usize) -> bool {
         self.is_enabled() && self.model.is_only_stopped(position)
     }
 
-    /// The set-up that settings and control word ask for.
+    /// Returns the set-up that settings and control word request.
     fn wanted_set_up(&self, set_ups: &SetUps) -> usize {
         let chosen = self.values.get(set_ups.roles.active);
         if let Some(number) = usize::try_from(chosen).ok().filter(|number| *number < COUNT) {
@@ -188,7 +189,7 @@ impl Drive {
         }
     }
 
-    /// Changes the set-up when another one is asked for; true when it did, and then the settings are to be applied.
+    /// Changes the set-up when another one is requested; true when it did, and then the settings are to be applied.
     /// Allocates nothing.
     pub(super) fn follow_set_up(&mut self) -> bool {
         let Some(set_ups) = &self.set_ups else {
@@ -256,7 +257,7 @@ impl Drive {
 
 /// What is kept.
 impl Drive {
-    /// The values that stand without the number of a set-up: those of the first one.
+    /// Returns the values that stand without the number of a set-up: those of the first one.
     pub(super) fn first_set_up(&self) -> Values {
         let mut values = self.values.clone();
         if let Some(set_ups) = self.set_ups.as_ref().filter(|set_ups| set_ups.active != 1) {
@@ -321,7 +322,7 @@ impl Drive {
         }
     }
 
-    /// What stands for a value in a saved text.
+    /// Returns what stands for a value in a saved text.
     pub(super) fn saved_key(&self, position: usize, element: u16) -> String {
         let key = key(self.model.catalogue, position, element);
         let number = self.set_ups.as_ref().and_then(|set_ups| {

@@ -148,7 +148,7 @@ impl Settings {
         }
     }
 
-    /// What a frequency converter has in the place of the parameters of a servo drive.
+    /// Returns what a frequency converter has in the place of the parameters of a servo drive.
     fn with(self, inverter: &Inverter) -> Self {
         Self {
             tuning: inverter.tuning(self.tuning),

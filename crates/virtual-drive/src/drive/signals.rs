@@ -15,7 +15,7 @@ use crate::model::{Live, Model};
 /// Number of the telegram in use until a controller or PNU 922 chooses another.
 pub(super) const FIRST_TELEGRAM: u16 = 1;
 
-/// Signal numbers that have a place: those of the profile up to 99 and those of the maker behind them.
+/// Signal numbers that have a place: those of the profile up to 99 and those of the vendor behind them.
 const SIGNALS: usize = 128;
 
 /// One step of a sign of life: bits 12 to 15 of STW2 and ZSW2.
@@ -25,7 +25,7 @@ const LIFE: i64 = 0x1000;
 /// its own telegram may give them, and they start with 0 in each connection.
 const MOVING: [u16; 2] = [signal::NSOLL_A, signal::kollmorgen::IL_CMD_FIELDBUS];
 
-/// Value of a setpoint signal that nobody gave: no motion task is slowed down, everything else is 0.
+/// Value of a setpoint signal that was never received: no motion task is slowed down, everything else is 0.
 const fn ungiven(number: u16) -> i64 {
     if number == signal::kollmorgen::MT_FEEDRATE {
         100
@@ -56,9 +56,9 @@ pub(super) struct Process {
     pub control: Stw1,
     /// Status word as sent last.
     pub status: u16,
-    /// What the control word asks for.
+    /// What the control word requests.
     pub orders: Orders,
-    /// The telegram in use is one of the maker's own.
+    /// The telegram in use is one of the vendor's own.
     own: Option<&'static Telegram>,
     /// Words that carry a parameter which is chosen by settings: first octet and word.
     pub words_in: Vec<ChosenWord>,
@@ -70,7 +70,7 @@ pub(super) struct Process {
 }
 
 impl Process {
-    /// The first telegram, nothing received: switching on inhibited, control requested.
+    /// Returns the first telegram, nothing received: switching on inhibited, control requested.
     pub fn new(model: &Model) -> Self {
         let mut process = Self {
             telegram: 0,
@@ -104,8 +104,8 @@ impl Process {
         process
     }
 
-    /// Puts a telegram into use. Its setpoints start as if nobody gave them, and so do those that move the axis and the
-    /// feedrate that the telegram before it carried; the others keep what was written into their parameters.
+    /// Activates a telegram. Its setpoints start with their defaults, and so do those of the previous telegram that
+    /// move the axis or scale the feedrate; the others keep the values of their parameters.
     pub fn use_telegram(&mut self, model: &Model, number: u16, setpoint: Mapping, actual: Mapping) {
         let places = |mapping: &Mapping, into: &mut Vec<(Field, Option<usize>)>| {
             into.clear();
@@ -165,27 +165,27 @@ impl Process {
         ignored && !before
     }
 
-    /// The control and status word of the telegram in use have the maker's bits.
+    /// Returns whether the control and status word of the telegram in use have the vendor's bits.
     pub fn has_own_words(&self) -> bool {
         self.own.is_some_and(|telegram| telegram.own_words)
     }
 
-    /// The telegram in use if it is one of the maker's own.
+    /// Returns the telegram in use if it is one of the vendor's own.
     pub const fn own_telegram(&self) -> Option<&'static Telegram> {
         self.own
     }
 
-    /// Number of the telegram in use, PNU 922.
+    /// Returns the number of the telegram in use, PNU 922.
     pub const fn telegram(&self) -> u16 {
         self.telegram
     }
 
-    /// The setpoints of the telegram in use.
+    /// Returns the setpoints of the telegram in use.
     pub const fn setpoints(&self) -> &Mapping {
         &self.setpoint
     }
 
-    /// The actual values of the telegram in use.
+    /// Returns the actual values of the telegram in use.
     pub const fn actuals(&self) -> &Mapping {
         &self.actual
     }
@@ -211,7 +211,7 @@ impl Drive {
         }
     }
 
-    /// True while nobody but the controller may give this setpoint.
+    /// Returns true while only the controller may set this setpoint.
     pub(super) fn is_commanded(&self, number: u16) -> bool {
         self.link.is_cyclic() && (self.process.setpoints().has(number) || MOVING.contains(&number))
     }

@@ -73,7 +73,7 @@ fn words(drive: &Drive, pnu: u16) -> Vec<i64> {
         .collect()
 }
 
-/// A value of a setpoint signal that the parameter behind it can take.
+/// Returns a value of a setpoint signal that the parameter behind it can take.
 fn a_value(signal: u16) -> i64 {
     match signal {
         103 => 7,             // HOME_MODE

@@ -27,7 +27,7 @@ pub(super) struct FreeTelegram {
 }
 
 impl FreeTelegram {
-    /// The free telegrams of a model as delivered; each is as long as its module.
+    /// Returns the free telegrams of a model as delivered; each is as long as its module.
     pub fn of(model: &Model) -> Vec<Self> {
         let device = &model.catalogue.device;
         let free = device.telegrams.iter().filter_map(|module| {
@@ -110,8 +110,8 @@ impl Drive {
         true
     }
 
-    /// Tells how long the module of a telegram is, in octets: that is the length of a free telegram. Other telegrams have
-    /// their own, and nothing happens. Without this call it is the length in the tables of the model.
+    /// Sets the length of the module of a telegram in octets: the length of a free telegram. Has no effect on other
+    /// telegrams, whose length is fixed. Without this call the length comes from the tables of the model.
     ///
     /// ```
     /// use std::time::Duration;
@@ -144,7 +144,7 @@ impl Drive {
         self.aside = Some(self.process.telegram());
     }
 
-    /// What PNU 922 says.
+    /// Returns the value of PNU 922.
     pub(super) fn telegram_setting(&self) -> u16 {
         self.aside.unwrap_or_else(|| self.process.telegram())
     }
@@ -246,8 +246,8 @@ impl Drive {
         Ok(())
     }
 
-    /// True for a signal that the drive has: one with a parameter of its number, or one of its fixed telegrams (STW2 and
-    /// ZSW2 have no parameter).
+    /// Returns true for a signal that the drive has: one with a parameter of its number, or one of its fixed telegrams
+    /// (STW2 and ZSW2 have no parameter).
     fn has_signal(&self, number: u16) -> bool {
         let device = &self.model.catalogue.device;
         self.parameter_of_signal(number).is_some()
@@ -262,15 +262,15 @@ impl Drive {
                 })
     }
 
-    /// PNU of the parameter that a signal is (PNU 923); none for a number that is no signal or is reserved.
+    /// PNU of the parameter that a signal is (PNU 923); none for a number that is not a signal or is reserved.
     pub(super) fn parameter_of_signal(&self, number: u16) -> Option<u16> {
         Signal::find(number, self.model.catalogue.device.vendor_id)?;
         let of = self.model.process.signals.parameter(number)?;
         let parameter = self.model.numbered(of)?;
-        // an application id is a subindex of a number that is no parameter by itself
+        // an application id is a subindex of a number that is not a parameter by itself
         (parameter.name != RESERVED && parameter.base.is_none()).then_some(parameter.pnu)
     }
 }
 
-/// Name of a number that the maker keeps free.
+/// Name of a number that the vendor keeps free.
 const RESERVED: &str = "reserved";

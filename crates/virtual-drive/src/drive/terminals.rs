@@ -1,4 +1,4 @@
-//! Digital inputs: their levels, and what their modes make of them.
+//! Digital inputs: their levels, and the functions of their modes.
 //!
 //! Source: AKD Parameter Guide 12/2009, DINx.MODE, DINx.INV, DINx.PARAM, DINx.STATE.
 
@@ -23,7 +23,7 @@ fn bit(number: u8) -> u32 {
 }
 
 impl Terminals {
-    /// The level at this number is high.
+    /// Returns whether the level at this number is high.
     pub fn is_high(&self, number: u8) -> bool {
         self.high & bit(number) != 0
     }
@@ -49,7 +49,7 @@ impl Drive {
         }
     }
 
-    /// The controlled stop is commanded from outside.
+    /// Returns whether the controlled stop is commanded from outside.
     pub(super) const fn is_stopped_by_input(&self) -> bool {
         self.external.controlled_stop || self.terminals.stops
     }
@@ -81,7 +81,8 @@ impl Drive {
         }
     }
 
-    /// An input becomes active. What cannot be done now is not done; motion tells it by its warnings.
+    /// Handles an input that becomes active. A function that is impossible now is skipped; motion reports it by its
+    /// warnings.
     fn obey_edge(&mut self, terminal: &Terminal) {
         match self.function(terminal) {
             Some(InputFunction::ClearFaults) => self.clear_faults(),

@@ -543,6 +543,6 @@ fn a_drive_at_rest_needs_no_ticks() {
     drive.set_load(1.0);
     assert!(
         drive.next_tick().is_some(),
-        "a load turns a shaft that nobody holds"
+        "a load turns a shaft without holding torque"
     );
 }

@@ -7,18 +7,18 @@ use profile::state::{Setpoint, SpeedCommand, Zsw1};
 use super::{Drive, Mode};
 use crate::axis::{Command, Ramps};
 
-/// Tolerance of ZSW1 bits 8 and 10: 1 rpm, or this part of the speed, whichever is more. No source tells the AKD's; the
-/// sample of manual 7.1.4 has 158 steps for 163 (1.83 rpm at 60 rpm) and neither bit.
+/// Tolerance of ZSW1 bits 8 and 10: 1 rpm, or this part of the speed, whichever is more. No source states the AKD's;
+/// the sample of manual 7.1.4 has 158 steps for 163 (1.83 rpm at 60 rpm) and neither bit.
 const TOLERANCE: f64 = 0.005;
 const LEAST_TOLERANCE: f64 = 1.0;
 
-/// True when a measured speed counts as the wanted one, in rpm; the limits belong to it.
+/// Returns true when a measured speed counts as the wanted one, in rpm; the limits belong to it.
 fn within(wanted: f64, measured: f64) -> bool {
     (wanted - measured).abs() <= (TOLERANCE * wanted.abs()).max(LEAST_TOLERANCE)
 }
 
 impl Drive {
-    /// The setpoint channel in S4.
+    /// Returns the setpoint channel in S4.
     pub(super) fn velocity_operation(&mut self) -> Command {
         let standing = self.axis.is_standing(self.settings.standstill);
         let speed = match self.orders.speed {
@@ -86,9 +86,9 @@ impl Drive {
         Command::Current { target }
     }
 
-    /// A hardware limit switch stops the axis in velocity mode too: what leads farther into it brakes with CS.DEC or the
-    /// own ramp, whichever is steeper, and stays; what leads out of it goes. Software limits belong to position mode.
-    /// Ours: the manual names the switches and their warnings, not what velocity mode does. A frequency converter has no
+    /// Stops the axis at a hardware limit switch in velocity mode: motion farther into it brakes with CS.DEC or the own
+    /// ramp, whichever is steeper, and stays; what leads out of it goes. Software limits belong to position mode. Ours:
+    /// the manual names the switches and their warnings, not what velocity mode does. A frequency converter has no
     /// limit switches.
     pub(super) fn kept_off_switches(&self, command: Command) -> Command {
         let Command::Speed { target, ramp, hold } = command else {
@@ -122,8 +122,8 @@ impl Drive {
     }
 
     /// Bit 8, velocity error in range: the axis follows the ramp generator. Bit 10, target velocity reached: it has the
-    /// speed that is asked for at the end of the ramp, be it NSOLL_A, a jog speed or 0. Neither means anything in current
-    /// mode.
+    /// speed that is requested at the end of the ramp, be it NSOLL_A, a jog speed or 0. Neither means anything in
+    /// current mode.
     pub(super) fn velocity_status(&self) -> Zsw1 {
         let mut status = Zsw1::default();
         if self.settings.mode == Mode::Current {
@@ -145,7 +145,7 @@ impl Drive {
         status
     }
 
-    /// The axis has the speed that is asked for; without feedback that is what the ramp puts out.
+    /// Returns whether the axis has the speed that is requested; without feedback that is what the ramp puts out.
     pub(super) fn is_at_speed(&self) -> bool {
         let speed = match &self.settings.inverter {
             Some(_) => self.axis.speed_command(),
@@ -188,7 +188,7 @@ mod tests {
             }
         }
         assert!(within(60.0, 61.0) && within(60.0, 59.0) && within(1000.0, 995.0) && within(1000.0, 1005.0));
-        // the sample of the manual: 0x00A3 asked for, 0x009E measured, neither bit
+        // the sample of the manual: 0x00A3 requested, 0x009E measured, neither bit
         assert!(!within(59.678, 57.847));
         assert!(!within(f64::NAN, 0.0) && !within(0.0, f64::NAN));
     }

@@ -7,7 +7,7 @@ use super::bench::{Bench, CYCLE, ask};
 use super::*;
 use crate::model::{self, Limit, Live, numbered};
 
-/// A request for all elements of a parameter that fit one answer.
+/// Returns a request for all elements of a parameter that fit one answer.
 fn request(model: &Model, parameter: &Parameter, id: u8, elements: u8) -> Vec<u8> {
     let [high, low] = parameter.pnu.to_be_bytes();
     let [sub_high, sub_low] = parameter.base.unwrap_or(0).to_be_bytes();

@@ -218,8 +218,8 @@ fn parameter_channel_in_ppo_1_answers_in_every_tick() {
     assert_eq!(inputs[..8], [0; 8]);
 }
 
-/// In process data a telegram identical to the last one is no new request, unlike at a serial line: a refused change is
-/// tried again only after AK 0.
+/// In process data a telegram identical to the last one is not a new request, unlike at a serial line: a refused change
+/// is tried again only after AK 0.
 #[test]
 fn a_change_that_stands_in_ppo_1_is_not_tried_again() {
     let mut bench = Bench::new(&VLT, 101);

@@ -1,5 +1,5 @@
 //! Words of a telegram that carry a parameter which settings choose (VLT 9-15 and 9-16, Vacon ID 852 to 859), the speed
-//! word of makers' own telegrams, and the parameter channel in front of both.
+//! word of vendor-specific telegrams, and the parameter channel in front of both.
 //!
 //! Source: MCA 101 manual p. 16 and 27, MCA 120 manual p. 27, OPTEA manual p. 103.
 
@@ -34,18 +34,18 @@ impl Drive {
         }
     }
 
-    /// The number of the present speed in the speed word of the telegram in use.
+    /// Returns the number of the present speed in the speed word of the telegram in use.
     pub(super) fn speed_number(&self) -> i64 {
         self.number_of_speed(self.axis.measured_speed())
     }
 
-    /// The number of a speed in the speed word of the telegram in use.
+    /// Returns the number of a speed in the speed word of the telegram in use.
     pub(super) fn number_of_speed(&self, speed: f64) -> i64 {
         self.speed_in(self.own_full_speed(), speed)
     }
 
-    /// What stands in the speed word of a telegram for a speed in rpm: by the reference that the drive has now, in the
-    /// steps of that telegram.
+    /// Returns what stands in the speed word of a telegram for a speed in rpm: by the reference that the drive has now,
+    /// in the steps of that telegram.
     #[must_use]
     pub fn speed_word(&self, telegram: &Telegram, speed: f64) -> i64 {
         self.speed_in(telegram.full_speed, speed)
@@ -126,7 +126,8 @@ impl Drive {
         }
     }
 
-    /// Number of the parameter in a word; `index` counts from the control or status word, `free` the chosen words.
+    /// Returns the number of the parameter in a word; `index` counts from the control or status word, `free` the chosen
+    /// words.
     pub(super) fn chosen_number(&self, chosen: &Chosen, index: u16, free: usize) -> u16 {
         let number = match chosen {
             Chosen::Nothing => 0,
@@ -227,13 +228,13 @@ impl Drive {
         self.model.process.signals.parameter(fixed).map_or(0, i64::from)
     }
 
-    /// Where in the catalogue the word of process data in is that an element of the wide ones has.
+    /// Returns where in the catalogue the word of process data in is that an element of the wide ones has.
     pub(super) fn wide_word(&self, element: usize) -> Option<usize> {
         let number = self.chosen_number(&self.model.process.setpoints, 0, element);
         numbered(self.model.catalogue, number).filter(|_| number != 0)
     }
 
-    /// The word of process data that is shown as a parameter of its own.
+    /// Returns the word of process data that is shown as a parameter of its own.
     pub(super) fn shown_word(&self, actual: bool, number: u8) -> i64 {
         let facts = &self.model.process;
         let chosen = if actual { &facts.actuals } else { &facts.setpoints };

@@ -41,7 +41,7 @@ impl Drive {
                 self.set_telegram(number)?;
                 self.values.set_at(position, raw);
             }
-            // What a controller sends, nobody else sets.
+            // Values that a controller sends cannot be set by others.
             Live::Setpoint | Live::Through(_) if self.is_commanded(parameter.pnu) => {
                 return Err(ErrorNumber::NOT_NOW);
             }
@@ -161,7 +161,7 @@ impl Drive {
         Ok(())
     }
 
-    /// Does what a command says.
+    /// Executes a command.
     pub(super) fn execute(&mut self, action: Action) -> Result<(), ErrorNumber> {
         match action {
             Action::Enable => {

@@ -1,7 +1,7 @@
 //! The parameter channel: a request is written to a record and its answer read from the same record.
 //!
-//! Source: PROFIdrive on PROFINET, records 0x002F, 0xB02E and 0xB02F; the answer belongs to the relation that asked,
-//! and is gone with it or once it was read.
+//! Source: PROFIdrive on PROFINET, records 0x002F, 0xB02E and 0xB02F; the answer belongs to the AR that asked, and is
+//! gone with it or once it was read.
 
 use std::fmt;
 use std::str::FromStr;
@@ -25,7 +25,7 @@ pub(super) const INDICES: [u16; 3] = [0x002F, 0xB02E, 0xB02F];
 /// Longest answer.
 const LONGEST: usize = 240;
 
-/// A parameter manager that does not work as it should, to see what a client makes of it.
+/// An impaired parameter manager, to test the reaction of a client.
 ///
 /// Written `none`, `silent`, `late 500ms`, `reference`, `cut` or `error 0x11`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -33,7 +33,7 @@ pub enum AnswerFault {
     /// All is well.
     #[default]
     None,
-    /// Takes requests and never has an answer: "not ready" for ever. What was asked for is done all the same.
+    /// Takes requests and never has an answer: "not ready" for ever. What was requested is done all the same.
     Silent,
     /// Has its answer ready only after this time.
     Late(Duration),
@@ -52,7 +52,7 @@ pub enum AnswerFault {
 pub struct NoAnswerFault(String);
 
 impl AnswerFault {
-    /// The number with which the parameter channel (PKW) refuses every request.
+    /// Returns the number with which the parameter channel (PKW) refuses every request.
     #[must_use]
     pub const fn in_channel(self) -> Option<PkwErrorNumber> {
         match self {
@@ -138,7 +138,7 @@ impl<K> Default for Channels<K> {
 }
 
 impl<K: Copy + PartialEq> Channels<K> {
-    /// Forgets every relation.
+    /// Forgets every AR.
     pub fn forget_all(&mut self) {
         *self = Self {
             fault: self.fault,
@@ -199,7 +199,7 @@ impl<K: Copy + PartialEq> Channels<K> {
         Ok(())
     }
 
-    /// An answer as the parameter manager sends it.
+    /// Returns an answer as the parameter manager sends it.
     fn sent(&self, answer: &[u8]) -> Vec<u8> {
         let mut answer = answer.to_vec();
         match (self.fault, answer.first_mut()) {
@@ -224,7 +224,7 @@ impl<K: Copy + PartialEq> Channels<K> {
         }
     }
 
-    /// Gives the answer to the relation's request, once. "Not ready" (0xB5) while there is none.
+    /// Gives the answer to the AR's request, once. "Not ready" (0xB5) while there is none.
     pub fn read(&mut self, now: Instant, ar: Option<K>, most: usize) -> Result<Vec<u8>, PnioStatus> {
         let place = self
             .waiting
@@ -239,14 +239,14 @@ impl<K: Copy + PartialEq> Channels<K> {
         }
     }
 
-    /// The relation has ended.
+    /// The AR has ended.
     pub fn forget(&mut self, ar: K) {
         self.waiting.retain(|waiting| waiting.ar != ar);
     }
 }
 
-/// The number under which records refuse with `number`: that of the model's dialect where only the vendor's parameter
-/// channel (PKW) has `number`.
+/// Returns the number under which records refuse with `number`: that of the model's dialect where only the vendor's
+/// parameter channel (PKW) has `number`.
 fn in_records(number: u16, model: &Model) -> ErrorNumber {
     let own = |dialect: &&PkwDialect| {
         let mut rows = dialect.error_names.rows().iter();
@@ -261,7 +261,7 @@ fn in_records(number: u16, model: &Model) -> ErrorNumber {
     }
 }
 
-/// A negative answer to every parameter of a request, and nothing done.
+/// Returns a negative answer to every parameter of a request, and nothing done.
 fn refuse_all(request: &[u8], ErrorNumber(number): ErrorNumber, out: &mut [u8]) -> Result<usize, Refusal> {
     let [reference, id, axis, count, ..] = *request else {
         return Err(Refusal::Length);

@@ -1,4 +1,4 @@
-//! What a station has to tell.
+//! Events of a station.
 
 use profile::catalogue::Catalogue;
 use profile::parameter::SaveId;
@@ -24,7 +24,7 @@ pub enum StationEvent {
     PersistParameters {
         /// Image of the saved parameters.
         text: String,
-        /// Somebody asked for it. Else the drive keeps what it counts, which nobody has to hear of.
+        /// A client requested it. Otherwise the drive saves its counters, which is not reported.
         asked: bool,
         /// Number of the save, for the `report_save` of the station.
         save: SaveId,
@@ -60,7 +60,7 @@ pub enum StationEvent {
         /// Number of the command.
         pnu: u16,
     },
-    /// A relation was opened.
+    /// An AR was opened.
     Connected {
         /// A controller, else a tool that reads and writes parameters.
         controller: bool,
@@ -126,7 +126,8 @@ impl From<DriveEvent> for StationEvent {
 }
 
 impl StationEvent {
-    /// What happened, in words; the meaning of fault numbers is from `catalogue`. `None` for what only asks to be kept.
+    /// Returns what happened, in words; the meaning of fault numbers is from `catalogue`. `None` for what only asks to
+    /// be kept.
     #[must_use]
     pub fn words(&self, catalogue: &Catalogue) -> Option<String> {
         let meaning = |number, warning| catalogue.fault(number, warning).map_or("", |fault| fault.meaning);

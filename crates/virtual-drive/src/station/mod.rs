@@ -51,7 +51,7 @@ const MOST_EVENTS: usize = 256;
 pub struct StationConfig {
     /// The drive model.
     pub model: &'static Model,
-    /// Identity and modules: those of the model, or of a maker's device description.
+    /// Identity and modules: those of the model, or of a vendor's device description.
     pub description: Description,
     /// Own Ethernet address.
     pub mac: MacAddress,
@@ -75,7 +75,7 @@ pub struct StationConfig {
 }
 
 impl StationConfig {
-    /// A new station without name and address.
+    /// Creates a new station without name and address.
     #[must_use]
     pub fn new(model: &'static Model, mac: MacAddress) -> Self {
         Self {
@@ -133,7 +133,7 @@ enum Later {
 }
 
 impl Station {
-    /// A station as it starts.
+    /// Creates a station as it starts.
     #[must_use]
     pub fn new(config: StationConfig) -> Self {
         let mut drive = Drive::new(config.model);
@@ -218,19 +218,19 @@ impl Station {
         self.events.pop_front()
     }
 
-    /// True while [`poll_event`](Self::poll_event) has something to tell.
+    /// Returns true while [`poll_event`](Self::poll_event) has an event.
     #[must_use]
     pub fn has_event(&self) -> bool {
         !self.events.is_empty()
     }
 
-    /// The drive behind the field bus.
+    /// Returns the drive behind the field bus.
     #[must_use]
     pub const fn drive(&self) -> &Drive {
         &self.drive
     }
 
-    /// The drive, to put a load on it or to make it fail.
+    /// Returns the drive, to put a load on it or to make it fail.
     pub const fn drive_mut(&mut self) -> &mut Drive {
         &mut self.drive
     }
@@ -272,13 +272,13 @@ impl Station {
         }
     }
 
-    /// The PROFINET device.
+    /// Returns the PROFINET device.
     #[must_use]
     pub const fn device(&self) -> &Device {
         &self.device
     }
 
-    /// Name of station, empty while none is set.
+    /// Returns the name of station, empty while none is set.
     #[must_use]
     pub fn name(&self) -> &str {
         self.device.name()
@@ -307,7 +307,7 @@ impl Station {
         }
     }
 
-    /// Does what the device and the drive have to tell.
+    /// Handles the events of the device and the drive.
     fn settle(&mut self, now: Instant) {
         while let Some(event) = self.device.poll_event() {
             self.device_event(now, event);
@@ -418,14 +418,14 @@ impl Station {
         }
     }
 
-    /// The telegram that is plugged.
+    /// Returns the telegram that is plugged.
     fn telegram(&self) -> Option<&description::TelegramModule> {
         self.config
             .description
             .plugged(|slot| self.device.plugged_module(slot))
     }
 
-    /// How a record that is a parameter itself is seen; none for every other record.
+    /// Returns how a record that is a parameter itself is seen; none for every other record.
     fn record_view(&self, address: RecordAddress) -> Option<RecordView> {
         let views = self.drive.model().catalogue.device.layout.records;
         let here = address.slot == self.slot() && address.index < FIRST_OTHER_RECORD;
@@ -433,7 +433,7 @@ impl Station {
         here.then_some(*view)
     }
 
-    /// The slot of the drive.
+    /// Returns the slot of the drive.
     fn slot(&self) -> u16 {
         self.telegram().map_or(1, |module| module.slot)
     }

@@ -1,4 +1,4 @@
-//! Records that are parameters themselves: the index is the number of the maker, the content the raw value.
+//! Records that are parameters themselves: the index is the number of the vendor, the content the raw value.
 //!
 //! Source: Vacon 100 PROFINET manual 5.4.4, OPTEA manual p. 116 (ID 102 is 0x1388 in 16 bits and 0x0007A120 in 32).
 
@@ -28,7 +28,7 @@ impl Drive {
         Some((pnu, base?, parameter.signed, view.factor(parameter)))
     }
 
-    /// The value of a record.
+    /// Returns the value of a record.
     pub(super) fn read_record(&mut self, view: RecordView, index: u16) -> Result<Vec<u8>, PnioStatus> {
         let found = self.of_record(view, index);
         let (pnu, subindex, signed, factor) = found.ok_or(PnioStatus::read(code1::INVALID_INDEX))?;

@@ -15,7 +15,7 @@ const NOT_READY: PnioStatus = PnioStatus::read(code1::STATE_CONFLICT);
 /// DRV.NVSAVE.
 const SAVE: [u8; 14] = [3, 2, 0, 1, 0x10, 1, 0x09, 0xA5, 0, 0, 0x42, 1, 0, 1];
 
-/// The image that is to be stored.
+/// Returns the image that is to be stored.
 fn save_of(drive: &mut Drive) -> (String, SaveId) {
     core::iter::from_fn(|| drive.poll_event())
         .find_map(|event| match event {
@@ -179,8 +179,8 @@ fn a_record_of_a_vacon_is_acknowledged_when_it_is_stored() {
     }
 }
 
-/// A record write that waits for its save is answered to nobody after a restart: a save of before acknowledges no write of
-/// the next connection.
+/// A record write that waits for its save gets no answer after a restart: an earlier save acknowledges no write of the
+/// next connection.
 #[test]
 fn a_restart_forgets_the_writes_that_wait_for_a_save() {
     let mut plant = Plant::of(&VACON);

@@ -89,7 +89,7 @@ impl Plant {
             .extend(core::iter::from_fn(|| self.station.poll_event()));
     }
 
-    /// The saves that the station has asked its owner for.
+    /// Returns the saves that the station has asked its owner for.
     pub(super) fn saves(&self) -> Vec<SaveId> {
         let save = |event: &StationEvent| match event {
             StationEvent::PersistParameters { save, .. } => Some(*save),
@@ -138,7 +138,7 @@ impl Plant {
         ar
     }
 
-    /// Only asks for the connection.
+    /// Only requests the connection.
     fn begin(&mut self, telegram: u16) -> profinet::controller::ArId {
         let device = &self.station.drive().model().catalogue.device;
         let module = device.telegram(telegram).unwrap();
@@ -363,7 +363,7 @@ fn named_and_addressed_and_both_are_kept() {
         StationEvent::PersistNetwork { network, .. } => Some(network.clone()),
         _ => None,
     });
-    let kept = kept.expect("told to keep it");
+    let kept = kept.expect("a save event");
     assert_eq!((kept.name.as_str(), kept.ip.address), ("akd-7", suite(9).address));
     assert_eq!(plant.station.name(), "akd-7");
     plant.controller.dcp_signal(plant.now, DRIVE).unwrap();

@@ -87,13 +87,13 @@ impl Image {
         }
     }
 
-    /// Name of the model.
+    /// Returns the name of the model.
     #[must_use]
     pub fn model(&self) -> &str {
         &self.model
     }
 
-    /// Name and text of each value.
+    /// Returns the name and text of each value.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &str)> {
         self.entries
             .iter()
@@ -133,7 +133,7 @@ impl Image {
         }
     }
 
-    /// The number that a text of this image is for a parameter; `None` when it is none, or outside its size.
+    /// Returns the number that a text of this image is for a parameter; `None` when it is none, or outside its size.
     #[must_use]
     pub fn number(&self, parameter: &Parameter, text: &str, scaling: &Scaling) -> Option<i64> {
         let scaled = !matches!(parameter.scale, Scale::Raw | Scale::Milli);
@@ -158,7 +158,7 @@ impl Image {
         }
     }
 
-    /// The text, checksum included.
+    /// Returns the text, checksum included.
     #[must_use]
     pub fn encode(&self) -> String {
         let version = if self.former { FORMER } else { FORMAT };
@@ -176,7 +176,7 @@ impl Image {
     /// Reads a text back; comments are not kept.
     ///
     /// # Errors
-    /// When it is of another version, damaged, or holds a line that is no assignment.
+    /// When it is of another version, damaged, or holds a line that is not an assignment.
     pub fn decode(bytes: &[u8]) -> Result<Self, ImageError> {
         if bytes.len() > LONGEST {
             return Err(ImageError::NotText);
@@ -262,7 +262,7 @@ fn print(parameter: &Parameter, raw: i64, scaling: &Scaling) -> (String, String)
 /// Stands before a number on the wire that its unit cannot say exactly.
 const RAW: &str = "raw ";
 
-/// The number for a text; `None` when it is no number of this parameter or outside its size.
+/// Returns the number for a text; `None` when it is not a number of this parameter or outside its size.
 fn parse(parameter: &Parameter, text: &str, scaling: &Scaling) -> Option<i64> {
     let raw = match (text.strip_prefix(RAW), parameter.scale) {
         (Some(raw), _) => raw.parse().ok()?,

@@ -8,7 +8,7 @@ pub trait Storage {
     /// Why the medium refuses.
     type Error;
 
-    /// The present text, `None` when nothing was ever saved.
+    /// Returns the present text, `None` when nothing was ever saved.
     ///
     /// # Errors
     /// When the medium cannot be read.
@@ -92,7 +92,7 @@ impl CrashingStorage {
         }
     }
 
-    /// What the next start finds.
+    /// Returns what the next start finds.
     #[must_use]
     pub fn restart(mut self, steps: usize) -> Self {
         if let Some(before) = self.unsure.take()

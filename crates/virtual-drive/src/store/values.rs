@@ -45,7 +45,7 @@ impl Values {
         }
     }
 
-    /// Where an element of an array is kept.
+    /// Returns where an element of an array is kept.
     fn cell(&self, position: usize, element: u16) -> Option<usize> {
         let parameter = self.catalogue.parameters.get(position)?;
         let found = self
@@ -84,13 +84,13 @@ impl Values {
         }
     }
 
-    /// The catalogue the values belong to.
+    /// Returns the catalogue the values belong to.
     #[must_use]
     pub const fn catalogue(&self) -> &'static Catalogue {
         self.catalogue
     }
 
-    /// The number of a parameter by its position in the catalogue, 0 for a position outside.
+    /// Returns the number of a parameter by its position in the catalogue, 0 for a position outside.
     #[must_use]
     pub fn at(&self, position: usize) -> i64 {
         self.raw.get(position).copied().unwrap_or(0)
@@ -107,7 +107,7 @@ impl Values {
         }
     }
 
-    /// The number of a parameter, 0 for an unknown one.
+    /// Returns the number of a parameter, 0 for an unknown one.
     #[must_use]
     pub fn get(&self, pnu: u16) -> i64 {
         numbered(self.catalogue, pnu).map_or(0, |position| self.at(position))
@@ -120,7 +120,7 @@ impl Values {
         }
     }
 
-    /// True when a parameter, or an element of it, is not as delivered.
+    /// Returns true when a parameter, or an element of it, is not as delivered.
     #[must_use]
     pub fn is_changed(&self, position: usize) -> bool {
         let Some(parameter) = self.catalogue.parameters.get(position) else {
@@ -144,7 +144,7 @@ impl Values {
         self.elements.clone_from(&delivered.elements);
     }
 
-    /// The image of everything that is saved.
+    /// Returns the image of everything that is saved.
     #[must_use]
     pub fn image(&self, scaling: &Scaling) -> Image {
         let scaling = &scaling.kept();
@@ -162,8 +162,8 @@ impl Values {
         image
     }
 
-    /// The octets of a string as text: printable ASCII as it is, everything else as `%` with two hexadecimal digits. The
-    /// blanks behind its end are left out.
+    /// Returns the octets of a string as text: printable ASCII as it is, everything else as `%` with two hexadecimal
+    /// digits. The blanks behind its end are left out.
     pub(crate) fn text_at(&self, position: usize) -> Option<String> {
         let parameter = self.catalogue.parameters.get(position)?;
         let count = cells(parameter);
@@ -200,9 +200,9 @@ impl Values {
         }
     }
 
-    /// Takes over a saved image: parameters that it does not name get the value as delivered; names that this model
-    /// does not have or does not save, and values outside their limits, are left out and counted. `scaling` tells how the
-    /// values scale each other once those are there that scale others.
+    /// Takes over a saved image. Parameters missing in it get the value as delivered. Names that this model does not
+    /// have or does not save, and values outside their limits, are skipped and counted. `scaling` scales the values
+    /// once those that scale others are set.
     ///
     /// # Errors
     /// When the image is of another model; nothing has changed then.
@@ -278,7 +278,8 @@ impl Values {
     }
 }
 
-/// What stands for a parameter in an image: the maker's name where it has one, else its number as the maker writes it.
+/// Returns what stands for a parameter in an image: the vendor's name where it has one, else its number as the vendor
+/// writes it.
 pub(crate) fn key(catalogue: &Catalogue, position: usize, element: u16) -> String {
     let Some(parameter) = catalogue.parameters.get(position) else {
         return String::new();
@@ -295,7 +296,8 @@ pub(crate) fn key(catalogue: &Catalogue, position: usize, element: u16) -> Strin
     }
 }
 
-/// True for what a drive keeps when it saves. The mapping of free telegrams of an AKD is not (its table has it so).
+/// Returns true for what a drive keeps when it saves. The mapping of free telegrams of an AKD is not (its table has it
+/// so).
 pub(crate) fn is_saved(parameter: &Parameter) -> bool {
     let is_kept = parameter.length == 0 || (parameter.is_text() && !parameter.is_array());
     parameter.saved && parameter.access == Access::ReadWrite && is_kept
@@ -326,7 +328,7 @@ fn fresh(parameter: &Parameter, element: u16, scaling: &Scaling) -> i64 {
     }
 }
 
-/// An octet of a string in an image, which has marks of its own.
+/// Returns an octet of a string in an image, which has marks of its own.
 fn written(octet: u8) -> String {
     if octet.is_ascii_alphanumeric() || b"-_.,:;/+*()".contains(&octet) {
         char::from(octet).to_string()
@@ -335,7 +337,7 @@ fn written(octet: u8) -> String {
     }
 }
 
-/// The octets of such a text; none where it is not one.
+/// Returns the octets of such a text; none where it is not one.
 fn read(text: &str) -> Option<Vec<u8>> {
     let mut octets = Vec::new();
     let mut rest = text.as_bytes();

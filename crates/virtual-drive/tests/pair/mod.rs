@@ -67,7 +67,7 @@ impl Pair {
         Self::connected(config, modules, interval)
     }
 
-    /// The same with another station and other modules; any telegram in slot 1.
+    /// Returns the same with another station and other modules; any telegram in slot 1.
     pub fn connected(mut config: StationConfig, modules: Vec<ModuleConfig>, interval: Duration) -> Self {
         let mask = [255, 255, 255, 0].into();
         let suite = |last| IpSuite {

@@ -90,7 +90,7 @@ fn serve(
         }
         if let Some(converter) = &mut converter {
             if device.ready() {
-                // a connection that has just ended is told by the state above
+                // a connection that has just ended is reported by the state above
                 let _ = converter.work(&device);
             }
         } else if device.ready()

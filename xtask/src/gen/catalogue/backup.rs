@@ -34,7 +34,7 @@ pub fn known(parameters: &Table) -> Outcome<Vec<Known>> {
         .collect()
 }
 
-/// The rules as Rust. The first row that names a parameter counts; a pattern names only what can be written.
+/// Returns the rules as Rust. The first row that names a parameter counts; a pattern names only what can be written.
 pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
     let mut found: BTreeMap<(u16, Option<u16>), String> = BTreeMap::new();
     for row in rules.rows() {
@@ -93,8 +93,8 @@ pub fn render(rules: &Table, known: &[Known]) -> Outcome<String> {
     Ok(text)
 }
 
-/// True when the pattern is the number (`p922`), the application id (`id103`), the name, or a name with `*` for any part
-/// and the parameter can be written.
+/// Returns true when the pattern is the number (`p922`), the application id (`id103`), the name, or a name with `*` for
+/// any part and the parameter can be written.
 pub fn names(pattern: &str, parameter: &Known) -> bool {
     if let Some(pnu) = pattern
         .strip_prefix('p')

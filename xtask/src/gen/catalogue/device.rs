@@ -107,7 +107,7 @@ struct Description {
 #[derive(Deserialize)]
 struct TelegramModule {
     number: u16,
-    /// Module and submodule ident where the maker's are known.
+    /// Module and submodule ident where the vendor's are known.
     module: Option<u32>,
     submodule: Option<u32>,
     english: String,
@@ -124,7 +124,7 @@ impl DeviceFile {
     }
 }
 
-/// What scales values in a drive as delivered, as Rust.
+/// Returns what scales values in a drive as delivered, as Rust.
 pub fn render_scaling(device: &DeviceFile) -> String {
     match device.scaling.reference {
         Some(reference) => format!("Scaling::of_reference({reference:?})"),
@@ -132,7 +132,7 @@ pub fn render_scaling(device: &DeviceFile) -> String {
     }
 }
 
-/// Module and submodule ident of a telegram where the maker's is unknown: ours, one rule for all.
+/// Module and submodule ident of a telegram where the vendor's is unknown: ours, one rule for all.
 const TELEGRAM_IDENT: u32 = 0x0001_0000;
 
 /// Identity, modules and telegrams as Rust.

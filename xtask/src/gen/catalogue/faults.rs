@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::Outcome;
 use crate::table::{Row, Table};
 
-/// The table as Rust.
+/// Returns the table as Rust.
 pub fn render(faults: &Table) -> Outcome<String> {
     let mut text = String::from(
         "use crate::catalogue::{Cleared, Fault, Reaction};\n\n\
@@ -18,7 +18,7 @@ pub fn render(faults: &Table) -> Outcome<String> {
     Ok(text)
 }
 
-/// The faults, or warnings, of one word of 32 bits: bit and text. Several that share a bit are one text.
+/// Returns the faults, or warnings, of one word of 32 bits: bit and text. Several that share a bit are one text.
 pub fn bits(faults: &Table, warnings: bool, first: u8) -> Outcome<Vec<(u8, String)>> {
     let mut found: BTreeMap<u8, Vec<(u16, &str)>> = BTreeMap::new();
     for row in faults.rows() {

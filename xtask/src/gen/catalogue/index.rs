@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use super::parameters::Number;
 use crate::Outcome;
 
-/// Position of each PNU in the table plus one (0: none, and none for elements of a collecting PNU), and the positions in
-/// the order of the names.
+/// Returns the position of each PNU in the table plus one (0: none, and none for elements of a collecting PNU), and the
+/// positions in the order of the names.
 ///
-/// Of two parameters with one name, the one of the maker's own range (`own_from` and above) comes first.
+/// Of two parameters with one name, the one of the vendor's own range (`own_from` and above) comes first.
 pub fn render(numbers: &[Number], own_from: u16) -> Outcome<String> {
     let highest = numbers.last().map_or(0, |last| usize::from(last.pnu));
     let mut index = vec![0_usize; highest + 1];

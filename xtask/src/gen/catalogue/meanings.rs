@@ -100,7 +100,7 @@ impl Meanings {
         }
     }
 
-    /// The texts as Rust, a table for each parameter or family that has some.
+    /// Returns the texts as Rust, a table for each parameter or family that has some.
     pub fn render(&self) -> String {
         let mut text = String::from("use crate::catalogue::Meaning;\n\n");
         for ((parameter, kind), meanings) in &self.tables {
@@ -116,7 +116,7 @@ impl Meanings {
         text
     }
 
-    /// The table of words, ascending by number.
+    /// Returns the table of words, ascending by number.
     pub fn render_words(&self, numbers: &[Number]) -> Outcome<String> {
         let mut used = BTreeSet::new();
         let mut text = String::new();
@@ -183,8 +183,8 @@ impl Meanings {
         }
     }
 
-    /// The parameter whose texts this one has: what the row `same` says, else itself, by its number where the table has
-    /// that and not the name.
+    /// Returns the parameter whose texts this one has: what the row `same` says, else itself, by its number where the
+    /// table has that and not the name.
     fn source<'a>(&'a self, parameter: &'a str, key: &'a str) -> &'a str {
         let has = |name: &str| {
             self.words.contains_key(name)
@@ -198,8 +198,8 @@ impl Meanings {
         }
     }
 
-    /// The expressions for `choices` and `bits` of a parameter.
-    /// By its name, by that of its family, or by its number as [`Number::key`] writes it.
+    /// Returns the expressions for `choices` and `bits` of a parameter. By its name, by that of its family, or by its
+    /// number as [`Number::key`] writes it.
     pub fn names(&self, parameter: &str, key: &str) -> (String, String) {
         let parameter = self.source(parameter, key);
         let family = family(parameter);

@@ -23,9 +23,9 @@ struct Model {
     name: &'static str,
     /// One line about it.
     about: &'static str,
-    /// First parameter number of the maker's own range: a name that two numbers have means the one from there on.
+    /// First parameter number of the vendor's own range: a name that two numbers have means the one from there on.
     own_from: u16,
-    /// How the maker writes numbers, as Rust.
+    /// How the vendor writes numbers, as Rust.
     notation: &'static str,
     /// Parameters whose bits are faults or warnings (column `bit` of `faults.csv`).
     alarm_words: &'static [AlarmWord],
@@ -81,7 +81,7 @@ const MODELS: &[Model] = &[
     },
 ];
 
-/// The generated files of the drive models.
+/// Returns the generated files of the drive models.
 pub fn files(root: &Path) -> Outcome<Vec<Generated>> {
     let mut files = Vec::new();
     for model in MODELS {
@@ -127,7 +127,7 @@ impl Model {
         ])
     }
 
-    /// The module that puts the tables together.
+    /// Returns the module that puts the tables together.
     fn render(&self, device: &device::DeviceFile) -> String {
         let Self {
             name,

@@ -15,7 +15,7 @@ pub struct Number {
     pub pnu: u16,
     /// Subindex of an element of a collecting number.
     pub base: Option<u16>,
-    /// The maker's name.
+    /// The vendor's name.
     pub name: String,
 }
 
@@ -28,7 +28,7 @@ impl Number {
         })
     }
 
-    /// How the other tables of the model write it: `p120`, `id103`.
+    /// Returns how the other tables of the model write it: `p120`, `id103`.
     pub fn key(&self) -> String {
         match self.base {
             Some(id) => format!("id{id}"),
@@ -59,8 +59,8 @@ pub fn numbers(parameters: &Table) -> Outcome<Vec<Number>> {
     Ok(numbers)
 }
 
-/// The table as Rust. `values` (out of `device.toml`) take the place of the column `default`; used ones
-/// are taken out.
+/// Returns the table as Rust. `values` (out of `device.toml`) take the place of the column `default`; used ones are
+/// taken out.
 pub fn render(
     parameters: &Table,
     meanings: &Meanings,
@@ -231,7 +231,7 @@ struct ValueType {
 }
 
 impl ValueType {
-    /// Of a table that only tells sizes.
+    /// Creates a table that has only sizes.
     fn of_size(size: &'static str, signed: bool) -> Self {
         let format = match (size, signed) {
             ("Byte", true) => 0x02,
@@ -249,7 +249,7 @@ impl ValueType {
         }
     }
 
-    /// Of a table that tells the true type.
+    /// Returns a table that has the true type.
     fn of_format(format: Format, length: u16) -> Outcome<Self> {
         let octets = match format.octets {
             Some(octets) if length == 0 => u16::from(octets),

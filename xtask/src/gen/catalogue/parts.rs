@@ -6,7 +6,7 @@ use super::backup::{Known, names};
 use crate::Outcome;
 use crate::table::Table;
 
-/// The rows as Rust, in their order. Each names one parameter, and after `=` the values that the part is about.
+/// Returns the rows as Rust, in their order. Each names one parameter, and after `=` the values that the part is about.
 pub fn render(parts: &Table, known: &[Known]) -> Outcome<String> {
     let mut text = String::from(
         "use crate::catalogue::{Part, PartRow};\n\n\

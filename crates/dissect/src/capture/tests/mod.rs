@@ -53,12 +53,12 @@ impl Capture {
         texts
     }
 
-    /// The last event.
+    /// Returns the last event.
     fn last(&self) -> &Event {
         self.events.last().expect("an event")
     }
 
-    /// The texts of everything that points to a fault.
+    /// Returns the texts of everything that points to a fault.
     fn trouble(&self) -> Vec<&str> {
         let events = self.events.iter().filter(|event| event.is_trouble());
         events.map(|event| event.text.as_str()).collect()
@@ -69,7 +69,7 @@ const fn mac(last: u8) -> MacAddress {
     MacAddress([2, 0, 0, 0, 0, last])
 }
 
-/// A PROFINET frame between two stations.
+/// Returns a PROFINET frame between two stations.
 fn frame(from: u8, to: MacAddress, id: FrameId, payload: &[u8]) -> Vec<u8> {
     let mut buffer = [0; 1600];
     let length = ethernet::emit(&mut buffer, to, mac(from), None, id, payload).expect("room");

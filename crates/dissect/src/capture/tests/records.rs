@@ -9,7 +9,7 @@ use profinet::{IpSuite, MacAddress};
 
 use super::*;
 
-/// A read of a record and its answer; gives the text and the numbers of the answer.
+/// Decodes a read of a record and its answer; returns the text and the numbers of the answer.
 fn read(index: u16, record: &[u8]) -> (String, serde_json::Value, Weight) {
     let request = ReadRequest {
         sequence: 1,

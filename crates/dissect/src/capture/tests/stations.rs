@@ -29,7 +29,7 @@ fn dcp(
     frame(from, to, id, &payload)
 }
 
-/// A station reports its name and address.
+/// Returns a station reports its name and address.
 fn here(from: u8, name: &[u8], ip: u8) -> Vec<u8> {
     let kind = (ServiceId::Identify, ServiceType::Success);
     dcp(from, mac(PLC), FrameId::DCP_IDENTIFY_RESPONSE, kind, |pdu| {
@@ -38,7 +38,7 @@ fn here(from: u8, name: &[u8], ip: u8) -> Vec<u8> {
     })
 }
 
-/// The controller looks for a name.
+/// Lets the controller search for a name.
 fn who(name: &[u8]) -> Vec<u8> {
     let kind = (ServiceId::Identify, ServiceType::Request);
     dcp(

@@ -6,7 +6,7 @@ fn drive(model: &str) -> JobDrive {
     JobDrive::new(profile::model::Model::by_name(model).unwrap())
 }
 
-/// The lines of a response, which are those of a capture too.
+/// Returns the lines of a response, which are those of a capture too.
 fn lines(model: &str, request: Option<&str>, response: &str) -> Vec<String> {
     let request = request.map(octets);
     let response = octets(response);

@@ -70,13 +70,13 @@ impl PacketMedium {
         })
     }
 
-    /// The interface as it was when opened.
+    /// Returns the interface as it was when opened.
     #[must_use]
     pub fn interface(&self) -> &InterfaceInfo {
         self.packet.interface()
     }
 
-    /// What the raw socket has counted.
+    /// Returns what the raw socket has counted.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         self.packet.statistics()
@@ -88,7 +88,7 @@ impl PacketMedium {
         self.udp.as_ref().map_or(0, Ports::unsent)
     }
 
-    /// True while devices can call their controller here, on UDP port 34964.
+    /// Returns true while devices can call their controller here, on UDP port 34964.
     #[must_use]
     pub fn hears_calls(&self) -> bool {
         self.udp.as_ref().is_some_and(Ports::hears_calls)
@@ -109,7 +109,7 @@ impl PacketMedium {
         self.taps.0.push(tap);
     }
 
-    /// Ends all taps: buffers are flushed and the first failure is told.
+    /// Ends all taps: buffers are flushed and the first failure is reported.
     ///
     /// # Errors
     /// When a tap could not write what it saw.

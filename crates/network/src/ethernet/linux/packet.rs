@@ -70,7 +70,7 @@ impl PacketSocket {
         socket.set_nonblocking(true).map_err(refused)?;
         let fd = socket.as_raw_fd();
         let ring = Ring::new(fd).map_err(Error::system("cannot make a receive ring"))?;
-        // Room for a burst of many stations; a smaller limit of the system is no failure.
+        // Room for a burst of many stations; a smaller limit of the system is not a failure.
         let _ = socket.set_send_buffer_size(1 << 20);
         if let Some(wanted) = wanted {
             // Kernels before 4.20 do not know the option: own frames are then seen and ignored by their source address.
@@ -128,7 +128,7 @@ impl PacketSocket {
         self.socket.as_raw_fd()
     }
 
-    /// What was counted; asks the kernel for what was missed.
+    /// Returns what was counted; asks the kernel for what was missed.
     pub(super) fn statistics(&mut self) -> PacketStatistics {
         let mut counted = libc::tpacket_stats {
             tp_packets: 0,
@@ -152,7 +152,7 @@ impl PacketSocket {
         self.statistics
     }
 
-    /// The oldest received frame, without its tag if the kernel took it out, its UDP or TCP checksum in order.
+    /// Returns the oldest received frame, without its tag if the kernel took it out, its UDP or TCP checksum in order.
     pub(super) fn peek(&mut self) -> Option<(Received, &[u8])> {
         let (received, frame) = self.ring.peek()?;
         self.statistics.received += 1;
@@ -214,7 +214,7 @@ impl PacketSocket {
         }
     }
 
-    /// Tells the end of the interface from a passing failure.
+    /// Distinguishes the loss of the interface from a temporary failure.
     fn judge(&self, error: io::Error) -> Result<(), Error> {
         let name = &self.interface.name;
         match error.raw_os_error() {

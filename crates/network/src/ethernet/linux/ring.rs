@@ -29,7 +29,7 @@ pub(super) struct Received {
 }
 
 impl Received {
-    /// The frame as it was on the wire: with the tag the kernel took out, put in again in `buffer`.
+    /// Returns the frame as it was on the wire: with the tag the kernel took out, put in again in `buffer`.
     pub(super) fn on_the_wire<'a>(&self, frame: &'a [u8], buffer: &'a mut [u8]) -> &'a [u8] {
         let Some(tag) = self.tag else { return frame };
         let parts = (frame.split_at_checked(12), buffer.get_mut(..frame.len() + 4));
@@ -82,7 +82,7 @@ impl Ring {
         Ok(Self { base, next: 0 })
     }
 
-    /// The oldest frame that has arrived, if any; [`release`](Self::release) gives its slot back.
+    /// Returns the oldest frame that has arrived, if any; [`release`](Self::release) gives its slot back.
     pub(super) fn peek(&mut self) -> Option<(Received, &mut [u8])> {
         let status = self.status().load(Ordering::Acquire);
         if status & TP_STATUS_USER == 0 {
@@ -92,7 +92,7 @@ impl Ring {
         // status is USER the kernel does not touch the slot.
         let header: libc::tpacket2_hdr = unsafe { self.slot().cast::<libc::tpacket2_hdr>().read() };
         let offset = usize::from(header.tp_mac);
-        // A frame longer than the slot is cut by the kernel: what is left is no whole frame, so none is handed out.
+        // A frame longer than the slot is cut by the kernel: what is left is not a whole frame, so none is handed out.
         let whole = header.tp_snaplen == header.tp_len;
         let length = (header.tp_snaplen as usize).min(SLOT.saturating_sub(offset));
         let length = if whole { length } else { 0 };

@@ -121,13 +121,13 @@ impl Runner {
         Ok(())
     }
 
-    /// The interface as it was when opened.
+    /// Returns the interface as it was when opened.
     #[must_use]
     pub fn interface(&self) -> &InterfaceInfo {
         self.socket.interface()
     }
 
-    /// What the socket has counted.
+    /// Returns what the socket has counted.
     #[must_use]
     pub fn statistics(&mut self) -> PacketStatistics {
         self.socket.statistics()
@@ -155,14 +155,15 @@ impl Runner {
         self.stations.get_mut(id.0)?.take()
     }
 
-    /// The station in its own type, to look at; `None` if it is of another type.
+    /// Returns the station in its own type, to look at; `None` if it is of another type.
     #[must_use]
     pub fn station<T: Station>(&self, id: StationId) -> Option<&T> {
         let station: &dyn Any = self.stations.get(id.0)?.as_deref()?;
         station.downcast_ref()
     }
 
-    /// The station in its own type, to take its events and give it work; the next [`step`](Self::step) drains it.
+    /// Returns the station in its own type, to take its events and give it work; the next [`step`](Self::step) drains
+    /// it.
     #[must_use]
     pub fn station_mut<T: Station>(&mut self, id: StationId) -> Option<&mut T> {
         let station: &mut dyn Any = self.stations.get_mut(id.0)?.as_deref_mut()?;
@@ -172,7 +173,7 @@ impl Runner {
         station.downcast_mut()
     }
 
-    /// The stations that handled something in the last [`step`](Self::step), each once.
+    /// Returns the stations that handled something in the last [`step`](Self::step), each once.
     #[must_use]
     pub fn touched(&self) -> &[StationId] {
         &self.touched
@@ -214,7 +215,7 @@ impl Runner {
         self.taps.push(tap);
     }
 
-    /// Ends all taps: buffers are flushed and the first failure is told.
+    /// Ends all taps: buffers are flushed and the first failure is reported.
     ///
     /// # Errors
     /// When a tap could not write what it saw.
@@ -226,8 +227,8 @@ impl Runner {
     /// stop flag is set. Sleeps in between.
     ///
     /// # Errors
-    /// When the interface is down or gone, or the system refuses to wait. The failure is told once; further steps run
-    /// the stations without a network until [`reopen`](Self::reopen) succeeds.
+    /// When the interface is down or gone, or the system refuses to wait. The failure is reported once; further steps
+    /// run the stations without a network until [`reopen`](Self::reopen) succeeds.
     pub fn step(&mut self, until: Instant) -> Result<Turn, Error> {
         if !self.sharpened {
             sharpen_timers();
@@ -298,7 +299,7 @@ impl Runner {
         self.take_failure()
     }
 
-    /// A failed interface fails no station half way: it is remembered, and told when all had their turn.
+    /// Stores a failure of the interface. It does not interrupt a station; it is reported after all had their turn.
     fn note(&mut self, result: Result<(), Error>) {
         if let Err(error) = result {
             self.fail(error);

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use crate::system::linux::{readable, timespec, wait};
 
-/// Waits for the same descriptors again and again: they are told to the kernel once, so that a wait costs less than
-/// [`wait`]'s, which counts for a drive that does little else.
+/// Waits for the same descriptors again and again: they are commanded to the kernel once, so that a wait costs less
+/// than [`wait`]'s, which counts for a drive that does little else.
 #[derive(Debug)]
 pub(super) struct Watch {
     epoll: OwnedFd,
@@ -23,7 +23,7 @@ impl Watch {
         if fd < 0 {
             return Err(io::Error::last_os_error());
         }
-        // SAFETY: `fd` was just made and belongs to nobody else.
+        // SAFETY: `fd` was just created and has no other owner.
         let epoll = unsafe { OwnedFd::from_raw_fd(fd) };
         Ok(Self { epoll, exact: true })
     }
@@ -41,7 +41,7 @@ impl Watch {
         }
     }
 
-    /// Stops watching `fd`; one that is not watched is no failure.
+    /// Stops watching `fd`; one that is not watched is not a failure.
     pub(super) fn remove(&self, fd: RawFd) {
         // SAFETY: no memory is touched: the event is null, which this operation ignores.
         unsafe {

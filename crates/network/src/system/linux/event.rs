@@ -64,7 +64,7 @@ impl Event {
         if fd < 0 {
             return Err(io::Error::last_os_error());
         }
-        // SAFETY: `fd` was just made and belongs to nobody else.
+        // SAFETY: `fd` was just created and has no other owner.
         Ok(Self(unsafe { File::from_raw_fd(fd) }))
     }
 

@@ -8,7 +8,7 @@ use profinet::{IpSuite, MacAddress};
 
 use crate::system::{Error, InterfaceInfo};
 
-/// All interfaces, by name.
+/// Returns all interfaces, by name.
 pub fn interfaces() -> Result<Vec<InterfaceInfo>, Error> {
     let mut found: BTreeMap<String, InterfaceInfo> = BTreeMap::new();
     let mut list: *mut libc::ifaddrs = std::ptr::null_mut();
@@ -62,7 +62,7 @@ pub fn interfaces() -> Result<Vec<InterfaceInfo>, Error> {
     Ok(found.into_values().collect())
 }
 
-/// The IPv4 address in a socket address; 0.0.0.0 if there is none.
+/// Returns the IPv4 address in a socket address; 0.0.0.0 if there is none.
 fn ipv4(address: *const libc::sockaddr) -> Ipv4Addr {
     // SAFETY: null, or a socket address of the list, valid for at least `sa_family`.
     match unsafe { address.as_ref() } {

@@ -13,7 +13,7 @@ pub use event::Event;
 pub use interfaces::interfaces;
 pub use wait::{Waiting, now, readable, sharpen_timers, timespec, wait, wait_for_octets, wait_for_room};
 
-/// Whether a UDP port can be shared with programs that want it too, and with nobody else.
+/// Whether a UDP port can be shared, only with programs that request sharing too.
 pub const PORTS_ARE_SHARED: bool = true;
 
 /// What keeps other programs of this library from requiring a UDP port too: a name in the network namespace that is free

@@ -9,7 +9,7 @@ use profinet::Instant;
 use crate::system::udp::Ports;
 use crate::system::{Bell, Calls, Error, Stop};
 
-/// The time of all media: the monotonic clock, whose origin is the start of the computer.
+/// Returns the time of all media: the monotonic clock, whose origin is the start of the computer.
 #[must_use]
 pub fn now() -> Instant {
     let mut time = libc::timespec {
@@ -27,7 +27,7 @@ pub fn sharpen_timers() {
     unsafe { libc::prctl(libc::PR_SET_TIMERSLACK, 1 as libc::c_ulong, 0, 0, 0) };
 }
 
-/// A descriptor to wait for input on.
+/// Returns a descriptor to wait for input on.
 pub fn readable(fd: RawFd) -> libc::pollfd {
     libc::pollfd {
         fd,
@@ -43,7 +43,7 @@ pub fn timespec(time: Duration) -> libc::timespec {
     }
 }
 
-/// Sleeps until `port` has octets, somebody calls, or `until`. An end that is gone is an error.
+/// Sleeps until `port` has octets, a call arrives, or `until`. A closed other end is an error.
 pub fn wait_for_octets(port: &impl AsRawFd, until: Instant, calls: &Calls) -> io::Result<()> {
     let [stop, bell] = called_by(calls);
     let mut fds = [readable(port.as_raw_fd()), stop, bell];
@@ -96,7 +96,7 @@ pub fn wait(fds: &mut [libc::pollfd], timeout: Duration) -> io::Result<()> {
     }
 }
 
-/// What is watched for the stop flag and the bell. A negative descriptor is not watched.
+/// Returns what is watched for the stop flag and the bell. A negative descriptor is not watched.
 fn called_by(calls: &Calls) -> [libc::pollfd; 2] {
     let stop = calls.stop().map(Stop::event);
     let bell = calls.bell.as_ref().map(Bell::event);
@@ -116,7 +116,7 @@ pub struct Waiting {
 }
 
 impl Waiting {
-    /// Waits until a port has something, somebody calls, or `until`.
+    /// Waits until a port has data, a call arrives, or `until`.
     pub fn wait(&mut self, udp: Option<&Ports>, calls: &Calls, until: Instant) -> Result<(), Error> {
         self.wait_beside(-1, udp, calls, until)
     }
@@ -146,17 +146,17 @@ impl Waiting {
         self.fds.get(index).map_or(0, |fd| fd.revents)
     }
 
-    /// What the packet socket has.
+    /// Returns what the packet socket has.
     pub fn packet(&self) -> libc::c_short {
         self.revents(PACKET)
     }
 
-    /// Somebody called.
+    /// Returns true if a call arrived.
     pub fn called(&self, calls: &Calls) -> bool {
         calls.heard() || self.revents(STOP) != 0
     }
 
-    /// The port at `index` may have something.
+    /// Returns whether the port at `index` may have something.
     pub fn has(&self, index: usize) -> bool {
         self.revents(UDP + index) != 0
     }

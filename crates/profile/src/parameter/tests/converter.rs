@@ -210,7 +210,7 @@ pub(super) fn served(dialect: &Dialect, request: &str) -> Vec<u8> {
     Converter::new().ask(dialect, request).unwrap()
 }
 
-/// The error number of the only, or last, parameter.
+/// Returns the error number of the only, or last, parameter.
 pub(super) fn number(dialect: &Dialect, request: &str) -> u16 {
     let answer = served(dialect, request);
     assert_eq!(answer[1] & 0x80, 0x80, "{request}: {answer:02X?}");

@@ -9,7 +9,7 @@ use super::*;
 /// A drive that has just what the exchange is about.
 #[derive(Clone)]
 struct Printed {
-    /// PNU, what it is, its values from subindex 0 (of PNU 10001: at the subindex asked for).
+    /// PNU, what it is, its values from subindex 0 (of PNU 10001: at the subindex requested).
     rows: Vec<(u16, Attributes, Vec<u64>)>,
     /// What it says to any read or write of a row marked as failing.
     refuses: Option<ErrorNumber>,

@@ -112,7 +112,7 @@ fn vacon_error_numbers() {
     }
 }
 
-/// 39 parameters; of an array what fits a block (1 to 234 elements, OPTEA p. 119), and a client asks for 39 values at a
+/// 39 parameters; of an array what fits a block (1 to 234 elements, OPTEA p. 119), and a client requests 39 values at a
 /// time (p. 120).
 #[test]
 fn a_vacon_fills_a_block_and_accepts_39_values() {

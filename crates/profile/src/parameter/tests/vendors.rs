@@ -10,7 +10,7 @@ use super::*;
 const VLT: &Dialect = &Dialect::VLT;
 const VACON: &Dialect = &Dialect::VACON;
 
-/// Request 0x42 is kept, 0x02 is not; the other makers do not have it.
+/// Request 0x42 is kept, 0x02 is not; the other vendors do not have it.
 #[test]
 fn a_vlt_saves_values_on_request() {
     let mut drive = Converter::new();
@@ -171,7 +171,7 @@ fn requests_of_a_vlt_from_the_client() {
     assert!(Response::parse(&mirrored, RequestId::Read, 7, &one, VLT).is_err());
 }
 
-/// The data has exactly the size asked for (Danfoss MG06G102 5.8), also where it is zeros that are too many.
+/// The data has exactly the size requested (Danfoss MG06G102 5.8), also where it is zeros that are too many.
 #[test]
 fn data_of_another_size_is_refused() {
     let head = "01 02 00 01 10 01 01 55 00 00";
@@ -345,7 +345,7 @@ fn descriptions_of_a_vlt() {
     assert_eq!(number(VLT, "05 01 00 01 20 01 FF FE 00 00"), 0x00);
 }
 
-/// The block-level lines of the checklist for both makers, each against its dialect.
+/// The block-level lines of the checklist for both vendors, each against its dialect.
 #[test]
 fn checklist() {
     for (dialect, axis, word) in [(VLT, "00", 0x06_u8), (VACON, "01", 0x42)] {

@@ -14,7 +14,7 @@ const fn at(millis: u64) -> Duration {
     Duration::from_millis(millis)
 }
 
-/// A client whose channel has come to rest.
+/// Returns a client whose channel has come to rest.
 fn rested(dialect: PkwDialect) -> Client {
     let mut client = Client::new(dialect, ClientTiming::CYCLIC);
     assert_eq!(client.request(at(0)), ZERO);

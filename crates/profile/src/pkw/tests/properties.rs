@@ -31,7 +31,7 @@ proptest! {
     fn octets_survive(octets in any::<[u8; 8]>(), dialect in prop::sample::select(&DIALECTS[..])) {
         let pkw = Pkw::from_octets(octets);
         prop_assert_eq!(pkw.to_octets(), octets);
-        // what is understood is built again, but for bits nobody gave a meaning
+        // decoding and encoding again restores the words, except for undefined bits
         if let Some(address) = pkw.address(&dialect)
             && let Some(again) = Pkw::new(&dialect, pkw.ak(), address, pkw.pwe)
         {

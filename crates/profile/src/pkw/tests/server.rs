@@ -251,7 +251,7 @@ fn pages_and_the_spm_bit() {
         reply(&mut server, &mut drive, "10 00 00 80 00 00 00 00"),
         words("70 00 00 80 00 00 00 66")
     );
-    // a page that nobody told about is a parameter that is not there
+    // an undocumented page is a parameter that does not exist
     assert_eq!(
         reply(&mut server, &mut drive, "11 9E 00 01 00 00 00 00"),
         words("71 9E 00 01 00 00 00 00")

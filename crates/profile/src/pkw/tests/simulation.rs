@@ -56,8 +56,8 @@ impl Way {
     }
 }
 
-/// Parameters, each with a name of its own in the top octet of every value it ever has, so that another's is seen:
-/// 1 to 3 are set by whoever writes them, 4 is an actual value that tells the time, 5 has two elements. There is no 9.
+/// Parameters. The top octet of every value identifies its parameter, so that a mix-up is detected: 1 to 3 hold the
+/// last written value, 4 is an actual value that contains the time, 5 has two elements. There is no 9.
 struct Named {
     now: u64,
     values: [u32; 3],
@@ -211,7 +211,7 @@ fn run(run: Run) -> Tally {
         if stops && now >= master_stops && dice.roll(600) == 0 {
             master_stops = now + dice.roll(1000);
             if dice.chance(30) {
-                // another program takes over; nobody waits for the old job any more
+                // another program takes over and drops the old job
                 master_stops = now + timing.round_trip.as_millis() as u64 + dice.roll(1000);
                 client = Client::new(dialect, timing);
                 asked = None;

@@ -27,7 +27,7 @@ impl Asked {
         self.inputs.command == Some(command)
     }
 
-    /// A task or homing is taken when somebody wants it and it can run; a task needs bits 4 and 5.
+    /// Returns whether a requested task or homing starts: it can run, and for a task bits 4 and 5 are set.
     fn takes_task(&self) -> bool {
         let wanted = self.rises(6) || self.command(PositionCommand::Task);
         wanted && self.inputs.task_permitted && self.bit(4) && self.bit(5)
@@ -49,7 +49,7 @@ impl Asked {
     }
 }
 
-/// Where it goes and what happens, by the words of the manual.
+/// Returns where it goes and what happens, by the words of the manual.
 fn next(state: PositionState, asked: &Asked) -> (PositionState, PositionEffect) {
     let stop = asked.command(PositionCommand::Stop);
     let inputs = &asked.inputs;
@@ -136,7 +136,7 @@ fn all_words_in_all_states_of_positioning() {
                     (wanted && effect != PositionEffect::StartTask)
                         || (homing && effect != PositionEffect::StartHoming)
                 );
-                // Acknowledged is what the bus asked for and got, until the bit falls.
+                // Acknowledged is what the bus requested and got, until the bit falls.
                 let taken = asked.rises(6) && effect == PositionEffect::StartTask;
                 let kept = before & 0x40 != 0 && asked.bit(6);
                 assert_eq!(axis.acknowledges(), taken || kept, "{state:?} {word:04X}");

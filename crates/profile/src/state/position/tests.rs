@@ -32,7 +32,7 @@ fn every_state_is_entered_and_left() {
     }
 }
 
-/// All permitted, standing.
+/// Returns all permitted, standing.
 fn able(stw1: u16) -> PositionInputs {
     PositionInputs {
         stw1: Stw1(stw1),

@@ -1,4 +1,4 @@
-//! A device that does what a test tells it, also wrongly.
+//! A device scripted by a test, also with protocol errors.
 
 use alloc::collections::VecDeque;
 use alloc::string::String;
@@ -41,11 +41,11 @@ pub(super) struct Fault {
     pub early_ready: bool,
     /// Sends no cyclic frames.
     pub no_frames: bool,
-    /// Does not know any connection when asked for records.
+    /// Rejects every record request as of an unknown connection.
     pub forgot: bool,
     /// Refuses record writes.
     pub write: Option<PnioStatus>,
-    /// Says by DCP that the Set failed.
+    /// Answers a DCP Set with this error.
     pub set: Option<BlockError>,
 }
 
@@ -207,7 +207,7 @@ impl Fake {
         let stub = if call.order == ByteOrder::Big {
             stub
         } else {
-            panic!("the controller speaks big-endian")
+            panic!("the controller sends big-endian")
         };
         self.server.respond(now, call.key, stub);
     }

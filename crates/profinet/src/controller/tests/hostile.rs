@@ -69,7 +69,7 @@ fn garbage_does_not_disturb_a_running_connection() {
     };
     let source = core::net::SocketAddrV4::new([192, 168, 77, 66].into(), 50000);
     for round in 0..4000usize {
-        // half noise, half a real frame with a few octets changed, from somebody else
+        // half noise, half a real frame with a few octets changed, from another station
         let mut bytes: Vec<u8> = match p.sent.get(round % p.sent.len()) {
             Some(frame) if round % 2 == 0 => frame.clone(),
             _ => (0..usize::from(random()) + 20).map(|_| random()).collect(),

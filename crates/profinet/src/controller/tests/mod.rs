@@ -162,7 +162,7 @@ fn connects_exchanges_and_releases() {
     assert_eq!(p.a.release(p.now, ar), Err(Misuse::UnknownConnection));
     let frames = p.sent.len();
     p.run(SECOND);
-    assert_eq!(p.sent.len(), frames, "nobody sends any more");
+    assert_eq!(p.sent.len(), frames, "no station sends any more");
 }
 
 #[test]

@@ -286,7 +286,7 @@ fn a_connection_for_records_holds_the_start_up_and_never_sends_valid_outputs() {
     p.run(60 * SECOND);
     assert_eq!(p.a.phase(ar), Some(Phase::Parameterize));
     assert!(p.b.reads.iter().filter(|index| **index == 0xFBFF).count() > 5);
-    // a device that wants data first gets it, but not one valid word
+    // a device that expects data first receives it, but not one valid word
     p.a.end_start_up(p.now, ar).unwrap();
     assert_eq!(event(&mut p, SECOND), Some(Event::Ready { ar, diff: None }));
     assert_eq!(event(&mut p, SECOND), Some(Event::Running { ar }));

@@ -36,7 +36,7 @@ pub enum IoKind {
 }
 
 impl IoKind {
-    /// The kind that fits two lengths.
+    /// Returns the kind that fits two lengths.
     #[must_use]
     pub const fn from_lengths(input: u16, output: u16) -> Self {
         match (input > 0, output > 0) {
@@ -78,7 +78,7 @@ pub struct SubmoduleSize {
 }
 
 impl SubmoduleSize {
-    /// A submodule whose kind follows from its lengths.
+    /// Creates a submodule whose kind follows from its lengths.
     #[must_use]
     pub const fn new(api: u32, slot: u16, subslot: u16, input_length: u16, output_length: u16) -> Self {
         let kind = IoKind::from_lengths(input_length, output_length);
@@ -92,7 +92,7 @@ impl SubmoduleSize {
         }
     }
 
-    /// Length of its data object of this direction; `None` if it has none.
+    /// Returns the length of its data object of this direction; `None` if it has none.
     #[must_use]
     pub const fn data_length(&self, direction: Direction) -> Option<u16> {
         match direction {
@@ -102,7 +102,7 @@ impl SubmoduleSize {
         }
     }
 
-    /// True if its IOCS travels in this direction: the status of the data that flows the other way.
+    /// Returns true if its IOCS travels in this direction: the status of the data that flows the other way.
     #[must_use]
     pub const fn has_status(&self, direction: Direction) -> bool {
         match direction {
@@ -141,7 +141,7 @@ pub struct DataObject {
 }
 
 impl DataObject {
-    /// Where the IOPS octet is.
+    /// Returns where the IOPS octet is.
     #[must_use]
     pub const fn iops_offset(&self) -> u16 {
         self.offset.saturating_add(self.length)
@@ -277,25 +277,25 @@ impl Layout {
         self.data_length
     }
 
-    /// All data objects in the order of the block.
+    /// Returns all data objects in the order of the block.
     #[must_use]
     pub fn data_objects(&self) -> &[DataObject] {
         &self.data
     }
 
-    /// All IOCS in the order of the block.
+    /// Returns all IOCS in the order of the block.
     #[must_use]
     pub fn status_objects(&self) -> &[StatusObject] {
         &self.status
     }
 
-    /// The data object of a submodule.
+    /// Returns the data object of a submodule.
     #[must_use]
     pub fn data(&self, slot: u16, subslot: u16) -> Option<&DataObject> {
         self.data.iter().find(|d| d.slot == slot && d.subslot == subslot)
     }
 
-    /// The IOCS of a submodule.
+    /// Returns the IOCS of a submodule.
     #[must_use]
     pub fn status(&self, slot: u16, subslot: u16) -> Option<&StatusObject> {
         self.status
@@ -304,7 +304,7 @@ impl Layout {
     }
 }
 
-/// The expected submodules by API, slot and subslot: found without looking at all of them, whatever a peer asks for.
+/// The expected submodules by API, slot and subslot: found without looking at all of them, whatever a peer requests.
 struct Expected<'a>(BTreeMap<(u32, u16, u16), &'a SubmoduleSize>);
 
 impl<'a> Expected<'a> {
@@ -316,7 +316,7 @@ impl<'a> Expected<'a> {
         Self(map)
     }
 
-    /// The submodule of a place, or the error for what of it is missing.
+    /// Returns the submodule of a place, or the error for what of it is missing.
     fn find(
         &self,
         place: &ObjectPlace,

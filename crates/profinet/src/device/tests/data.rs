@@ -4,7 +4,7 @@ use super::*;
 use crate::alarm::{AlarmConfig, Alarms};
 use crate::wire::alarm::AlarmType;
 
-/// The controller's side of the alarm connection.
+/// Returns the controller's side of the alarm connection.
 fn alarms(rig: &Rig) -> Alarms {
     let config = *rig.device.controller.as_ref().unwrap().alarms.config();
     Alarms::new(AlarmConfig {
@@ -16,7 +16,7 @@ fn alarms(rig: &Rig) -> Alarms {
     })
 }
 
-/// Carries alarm frames both ways until nobody has any; gives what the controller saw.
+/// Carries alarm frames both ways until both sides are idle; returns the events of the controller.
 fn settle(rig: &mut Rig, controller: &mut Alarms) -> Vec<AlarmEvent> {
     let mut seen = Vec::new();
     let mut buffer = [0; crate::MAX_FRAME];

@@ -169,7 +169,7 @@ fn identify_of_the_reference_and_delay_by_mac() {
     for _ in 0..50 {
         identify(&mut rig, 6400, &[Value::ALL]);
     }
-    // all of them wait for their time; who asks for an answer at once still gets it
+    // all of them wait for their time; who requests an answer at once still gets it
     assert!(identify(&mut rig, 1, &[Value::Name(b"drive-1")]).is_some());
     assert!(rig.pass(64_000).len() <= 8);
 }
@@ -323,7 +323,7 @@ fn an_io_connection_keeps_its_address_and_tools_are_disconnected() {
         set(&mut rig, Qualifier::PERMANENT, Value::Ip(suite(5))),
         BlockError::InOperation
     );
-    assert_eq!(rig.device.tools.len(), 1, "a refused address disconnects nobody");
+    assert_eq!(rig.device.tools.len(), 1, "a refused address ends no connection");
     let refused = |event: &Event| matches!(event, Event::SetRefused { refusal: SetRefusal::Connected(option), .. } if *option == DcpOption::IP);
     assert_eq!(rig.events().iter().filter(|event| refused(event)).count(), 1);
     assert_eq!(
@@ -368,7 +368,7 @@ fn one_client_at_a_time_is_served() {
         set_from(&mut rig, OTHER_TOOL, Qualifier::PERMANENT, &[Value::Name(b"two")]).len(),
         1
     );
-    // nor does anybody get an answer who asks all or somebody else
+    // requests for all or for another station get no answer either
     let mut payload = Vec::new();
     PduWriter::new(&mut payload, ServiceId::Get, ServiceType::Request, 1, 0).finish();
     for to in [DCP_IDENTIFY, MacAddress::BROADCAST, TOOL] {
@@ -499,7 +499,7 @@ fn name_and_reset_are_refused_while_something_moves_under_a_controller() {
         let source = TOOL;
         assert_eq!(rig.events(), [Event::SetRefused { source, refusal }]);
         assert_eq!(rig.device.name(), "drive-1");
-        // what changes nothing is no danger
+        // what changes nothing is not a danger
         let same = [Value::Name(b"drive-1"), Value::Signal(0x0100)];
         let results = set_from(&mut rig, TOOL, Qualifier::PERMANENT, &same);
         assert_eq!(results, [BlockError::Ok; 2]);
@@ -543,7 +543,7 @@ fn a_flood_of_changes_is_ignored_and_leaves_room_for_an_engineer() {
         changed
     };
     assert_eq!(flood(&mut rig, 20_000), 100);
-    // the client that was served last is alone for three seconds, a flood is no longer served by then
+    // the client served last has three seconds of its own; a flood is ignored by then
     assert_eq!(flood(&mut rig, 10_000), 100);
     let engineer = set_from(
         &mut rig,
@@ -554,7 +554,7 @@ fn a_flood_of_changes_is_ignored_and_leaves_room_for_an_engineer() {
     assert_eq!(engineer, [BlockError::Ok]);
 }
 
-/// What could not be stored is not set: the answer says so, and the same request again is a change again.
+/// A value that could not be stored is not set: the answer reports it, and the same request again is a change again.
 #[test]
 fn the_answer_to_a_set_waits_until_it_is_stored() {
     let mut rig = Rig::new(config());

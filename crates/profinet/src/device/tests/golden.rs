@@ -81,7 +81,7 @@ fn bytes(hex: &str) -> Vec<u8> {
     (0..hex.len()).step_by(2).map(digit).collect()
 }
 
-/// The recorded device: digital in, digital out, both, and an echo of eight octets.
+/// Returns the recorded device: digital in, digital out, both, and an echo of eight octets.
 fn recorded_device() -> DeviceConfig {
     let mut config = config();
     let module = |ident, slot, submodules| ModuleDescription {

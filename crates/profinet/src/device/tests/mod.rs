@@ -128,7 +128,7 @@ fn apis(layout: &Layout) -> Vec<IocrApi> {
 }
 
 impl Wish {
-    /// A controller that expects the access point and telegram 1, 16 ms, advanced start-up.
+    /// Creates a controller that expects the access point and telegram 1, 16 ms, advanced start-up.
     pub(super) fn controller(uuid: u8) -> Self {
         let submodule = |subslot, ident, length| ExpectedSubmodule::new(subslot, ident, length, length);
         let modules = vec![
@@ -202,7 +202,7 @@ impl Wish {
         }
     }
 
-    /// A tool.
+    /// Creates a tool.
     pub(super) fn tool(uuid: u8) -> Self {
         let mut wish = Self::controller(uuid);
         wish.ar.ar_type = ArType::SUPERVISOR;
@@ -214,7 +214,7 @@ impl Wish {
         wish
     }
 
-    /// The same with legacy start-up and class 1.
+    /// Returns the same with legacy start-up and class 1.
     pub(super) fn legacy(mut self) -> Self {
         self.ar.properties = ArProperties(0x11);
         self.iocrs[0].frame_id = 0xC010;
@@ -327,7 +327,7 @@ impl Rig {
         panic!("deadlines without end");
     }
 
-    /// A request PDU of a new call in an activity of its own.
+    /// Returns a request PDU of a new call in an activity of its own.
     pub(super) fn request(&mut self, operation: u16, blocks: &[u8]) -> Vec<u8> {
         self.calls += 1;
         let mut activity = [7; 16];
@@ -363,7 +363,7 @@ impl Rig {
         self.response()
     }
 
-    /// The answer among what the device sends now.
+    /// Returns the answer among what the device sends now.
     pub(super) fn response(&mut self) -> (PnioStatus, Vec<u8>) {
         for sent in self.drain() {
             if let Sent::Datagram(to, port, pdu) = sent {
@@ -556,7 +556,7 @@ pub(super) fn ready_request(sent: &[Sent]) -> Option<(Header, Vec<u8>)> {
     })
 }
 
-/// The controller's side of the output connection.
+/// Returns the controller's side of the output connection.
 pub(super) fn outputs(wish: &Wish, response: &ConnectResponse, now: Instant) -> Provider {
     let (_, layout) = pack(&sizes(&wish.modules)).unwrap();
     let frame_id = response

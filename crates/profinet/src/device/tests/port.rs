@@ -1,4 +1,4 @@
-//! The port: told and heard by LLDP, asked by SNMP, told by records and by the alias.
+//! The port: LLDP sent and received, SNMP, records and the alias.
 
 use super::*;
 use crate::lldp::MAX_NEIGHBOURS;
@@ -40,7 +40,7 @@ fn plc(port: &[u8], ttl: u16) -> Vec<u8> {
     lldp_frame(PLC, &lldpdu)
 }
 
-/// The LLDPDUs among what was sent, handed to `look`.
+/// Returns the LLDPDUs among what was sent, handed to `look`.
 fn lldpdu(sent: &[Sent], mut look: impl FnMut(&Lldpdu<'_>)) -> usize {
     let mut count = 0;
     for sent in sent {
@@ -172,7 +172,7 @@ fn the_records_of_the_port_name_the_neighbour() {
     assert_eq!(statistic[12..16], 60u32.to_be_bytes());
 }
 
-/// Asks who has this alias; the alias in the answer.
+/// Requests the station with this alias; returns the alias in the answer.
 fn identify_alias(rig: &mut Rig, alias: &[u8]) -> Option<Vec<u8>> {
     let mut payload = Vec::new();
     let mut pdu = PduWriter::new(&mut payload, ServiceId::Identify, ServiceType::Request, 77, 1);
@@ -328,7 +328,7 @@ fn many_neighbours_and_many_questions_are_bounded() {
     assert_eq!(rig.device.neighbours().iter().count(), MAX_NEIGHBOURS);
     let rows = walk(&mut rig, &[1, 0, 8802, 1, 1, 2, 1, 4], PduKind::GET_BULK, 1000);
     assert_eq!(rows.len(), MAX_NEIGHBOURS * 9);
-    // the record about the port still fits what a controller asks for
+    // the record about the port still fits what a controller requests
     let record = rig.read(Uuid::NIL, 0, 0, 0x8001, index::PORT_REAL).unwrap();
     assert_eq!(
         PortReal::decode(Reader::new(&record)).unwrap().peers.len(),

@@ -27,7 +27,7 @@ fn identification_is_read_without_an_ar() {
     for subslot in [0x8000, 0x8001] {
         assert!(rig.read(NIL, 0, 0, subslot, 0xAFF0).is_ok());
     }
-    // subslot 0 is no submodule, whatever the AKD manual (3.6) says
+    // subslot 0 is not a submodule, contrary to the AKD manual (3.6)
     assert_eq!(rig.read(NIL, 0, 0, 0, 0xAFF0), Err(refused(0xB2)));
     assert_eq!(
         decode_apis(Reader::new(&rig.read(NIL, 0, 0, 0, 0xF821).unwrap())),
@@ -132,7 +132,7 @@ fn wrong_places_have_their_errors() {
         rig.read(Uuid([5; 16]), 0, 0, 1, 0xAFF0),
         Err(PnioStatus::from_u32(0xDE81_4005))
     );
-    // a read without a relation must say so, and one with a relation must not
+    // a read without an AR must be marked as such, and one with an AR must not
     let request = ReadRequest {
         sequence: 0,
         ar_uuid: NIL,
@@ -166,7 +166,7 @@ fn wrong_places_have_their_errors() {
         let status = PnioStatus::new(0xDE, 0x81, 8, code2);
         assert_eq!(rig.call(operation::READ, &blocks).0, status);
     }
-    // somebody else cannot use the relation
+    // another client cannot use the AR
     rig.from = SocketAddrV4::new(STRANGER, 1);
     assert_eq!(
         rig.read(Uuid([1; 16]), 0, 0, 1, 0xAFF0),
@@ -286,7 +286,7 @@ fn the_application_answers_when_it_is_ready() {
         panic!("no write")
     };
     assert_eq!((by, at, &data[..]), (ar, address, &job[..]));
-    // a repetition meanwhile is told to wait and not executed again
+    // a repetition meanwhile is commanded to wait and not executed again
     rig.send(&pdu);
     let working = rig.drain();
     assert!(
@@ -412,7 +412,7 @@ fn a_multiple_write_answers_every_record() {
     assert!(rig.read(ar, 0, 0, 1, 0xAFF0).is_ok());
 }
 
-/// A controller may begin as soon as it has been told that the device is ready, before its first valid output.
+/// A controller may begin as soon as it has been reported that the device is ready, before its first valid output.
 #[test]
 fn records_are_written_between_application_ready_and_the_first_output() {
     let mut rig = Rig::new(config());

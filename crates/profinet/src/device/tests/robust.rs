@@ -63,7 +63,7 @@ proptest! {
             pdu[at] ^= 1 << bit;
         }
         if let Some(cut) = cut {
-            // the header tells the truth about the shorter body
+            // the header has the length of the shorter body
             let end = 80 + usize::from(cut) % (pdu.len() - 80);
             pdu.truncate(end);
             pdu[74..76].copy_from_slice(&((end - 80) as u16).to_be_bytes());

@@ -1,4 +1,4 @@
-//! Connect to data exchange, release, and every way a relation ends.
+//! Connect to data exchange, release, and every way an AR ends.
 
 use super::*;
 use crate::wire::block::{ModuleState, SubmoduleState};
@@ -57,7 +57,7 @@ fn a_controller_comes_up_exchanges_data_and_leaves() {
         };
         let frame = Frame::parse(frame).unwrap();
         assert_eq!((frame.destination, frame.frame_id.0), (CONTROLLER, frame_ids[0]));
-        // access point good, telegram bad until the application says otherwise, its outputs can be used
+        // access point good, telegram bad until the application reports otherwise, its outputs can be used
         assert_eq!(frame.payload[..10], [0x80, 0x80, 0x80, 0, 0, 0, 0, 0, 0x80, 0]);
 
         let mut provider = outputs(&wish, &response, rig.now);
@@ -86,7 +86,7 @@ fn a_controller_comes_up_exchanges_data_and_leaves() {
         rig.output(&mut provider);
         assert_eq!(rig.events(), [Event::DataExchange { ar }]);
 
-        // the CMI time no longer runs; stop and run of the controller are told
+        // the CMI time no longer runs; stop and run of the controller are reported
         for _ in 0..2000 {
             rig.device.handle_timeout(rig.now);
             rig.drain();
@@ -449,7 +449,7 @@ fn an_error_of_the_controller_ends_the_ar_without_an_answer() {
         peer_reference: config.local_reference,
         ..config
     };
-    // one that claims to be the controller but knows nothing of it
+    // a station that claims to be the controller but lacks its AR
     for spoiled in [
         crate::alarm::AlarmConfig {
             local: MacAddress([2, 9, 9, 9, 9, 9]),

@@ -6,7 +6,7 @@ use crate::wire::block::{DiffModule, DiffSubmodule, ModuleDiff, ModuleState, Sub
 use crate::wire::rpc::NdrRequest;
 use crate::wire::{ByteOrder, Reader};
 
-/// The modules of the drive; the telegram is PPO type 4.
+/// Returns the modules of the drive; the telegram is PPO type 4.
 fn vlt() -> DeviceConfig {
     let plain = |subslot, ident| SubmoduleDescription {
         subslot,
@@ -49,7 +49,7 @@ fn vlt() -> DeviceConfig {
     config
 }
 
-/// What the controller asked for.
+/// Returns what the controller requested.
 fn wish() -> Wish {
     let mut wish = Wish::controller(7);
     let submodule = |subslot, ident, octets| ExpectedSubmodule::new(subslot, ident, octets, octets);
@@ -142,7 +142,7 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
     assert_eq!(frame_ids, [0x8061, 0x8010]);
     assert_eq!(response.alarm_cr.unwrap().max_alarm_data_length, 1432);
     assert_eq!(response.diff, Some(expected_diff()));
-    // the block says substitute, and data is exchanged all the same
+    // the block reports a substitute, and data is exchanged all the same
     let state = expected_diff().modules[0].submodules[0].state;
     assert_eq!(
         (state, state.ident_info(), state.is_usable()),
@@ -151,7 +151,7 @@ fn the_connect_of_a_real_vlt_gets_its_answer() {
     assert_eq!(rig.device.send_interval().unwrap().as_millis(), 4);
     assert_eq!(rig.device.watchdog().unwrap().as_millis(), 12);
 
-    // The block tells nothing that is wrong: all submodules are good and data goes both ways.
+    // The block lists no errors: all submodules are good and data goes both ways.
     let mut provider = outputs(&wish, &response, rig.now);
     let mut frame = None;
     for sent in rig.drain() {

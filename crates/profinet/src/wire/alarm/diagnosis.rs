@@ -1,4 +1,4 @@
-//! What an alarm or a diagnosis record says is wrong.
+//! Diagnosis data of alarms and diagnosis records.
 
 use crate::wire::{DecodeError, Problem, Reader, Writer};
 
@@ -13,7 +13,7 @@ pub enum Severity {
     MaintenanceRequired,
     /// Maintenance demanded.
     MaintenanceDemanded,
-    /// Told by the qualifier.
+    /// Given by the qualifier.
     Qualified,
 }
 
@@ -70,7 +70,7 @@ impl ChannelDiagnosis {
         }
     }
 
-    /// How bad.
+    /// Returns how bad.
     #[must_use]
     pub const fn severity(&self) -> Severity {
         match self.properties >> 9 & 3 {

@@ -125,7 +125,7 @@ impl<'a> RtaPdu<'a> {
         out.bytes(self.data);
     }
 
-    /// The status of an ERR PDU.
+    /// Returns the status of an ERR PDU.
     ///
     /// # Errors
     /// When this is no ERR PDU or its variable part has fewer than four octets.
@@ -143,10 +143,10 @@ impl<'a> RtaPdu<'a> {
         PnioStatus::decode(&mut Reader::with_base(self.data, HEADER))
     }
 
-    /// The alarm of a data PDU.
+    /// Returns the alarm of a data PDU.
     ///
     /// # Errors
-    /// When the variable part is no complete alarm block.
+    /// When the variable part is not a complete alarm block.
     pub fn alarm(&self) -> Result<Alarm<'a>, DecodeError> {
         Alarm::parse(self.data, HEADER)
     }

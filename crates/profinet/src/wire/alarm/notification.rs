@@ -131,7 +131,7 @@ impl AlarmSpecifier {
 /// Source: IEC 61158-6-10, AlarmNotification-PDU, BlockType 0x0001 and 0x0002.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Notification<'a> {
-    /// Channel; also told by the BlockType.
+    /// Channel; also given by the BlockType.
     pub priority: Priority,
     /// What happened.
     pub alarm_type: AlarmType,
@@ -154,7 +154,7 @@ pub struct Notification<'a> {
 }
 
 impl Notification<'_> {
-    /// The same, owning its data.
+    /// Returns the same, owning its data.
     #[must_use]
     pub fn into_owned(self) -> Notification<'static> {
         Notification {
@@ -226,7 +226,7 @@ pub struct AlarmAck {
 }
 
 impl AlarmAck {
-    /// The answer to `alarm`.
+    /// Returns the answer to `alarm`.
     #[must_use]
     pub const fn to(alarm: &Notification<'_>, status: PnioStatus) -> Self {
         Self {

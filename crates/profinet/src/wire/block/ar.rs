@@ -1,4 +1,4 @@
-//! Blocks that open an application relation: AR, AlarmCR, ARServer.
+//! Blocks that open an application AR: AR, AlarmCR, ARServer.
 
 use alloc::vec::Vec;
 
@@ -6,7 +6,7 @@ use super::{Block, BlockType, Blocks, IocrResponse, ModuleDiff, write_block};
 use crate::MacAddress;
 use crate::wire::{ByteOrder, DecodeError, Problem, Reader, Uuid, Writer};
 
-/// Kind of an application relation.
+/// Kind of an application AR.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ArType(pub u16);
 
@@ -45,13 +45,13 @@ impl ArProperties {
         self.0 & 7
     }
 
-    /// True when the initiator parameterises the device itself.
+    /// Returns true when the initiator parameterises the device itself.
     #[must_use]
     pub const fn parameterized_by_initiator(self) -> bool {
         self.0 & Self::PARAMETERIZED_BY_INITIATOR != 0
     }
 
-    /// True for record access only.
+    /// Returns true for record access only.
     #[must_use]
     pub const fn device_access(self) -> bool {
         self.0 & Self::DEVICE_ACCESS != 0
@@ -63,19 +63,19 @@ impl ArProperties {
         self.0 >> 9 & 3
     }
 
-    /// True for advanced start-up, false for legacy.
+    /// Returns true for advanced start-up, false for legacy.
     #[must_use]
     pub const fn advanced(self) -> bool {
         self.0 & Self::ADVANCED != 0
     }
 }
 
-/// ARBlockReq: who opens which relation.
+/// ARBlockReq: who opens which AR.
 ///
 /// IEC 61158-6-10, ARBlockReq, block 0x0101.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArRequest {
-    /// Kind of relation.
+    /// Kind of AR.
     pub ar_type: ArType,
     /// Its identity, new for every connect.
     pub ar_uuid: Uuid,
@@ -328,7 +328,7 @@ pub struct ConnectResponse {
     pub ar: ArResponse,
     /// One for each IOCR of the request, in its order.
     pub iocrs: Vec<IocrResponse>,
-    /// Alarm channel, absent in a relation for record access.
+    /// Alarm channel, absent in an AR for record access.
     pub alarm_cr: Option<AlarmCrResponse>,
     /// What differs from what was expected; absent if nothing does.
     pub diff: Option<ModuleDiff>,

@@ -3,7 +3,7 @@
 use super::{BlockType, write_block};
 use crate::wire::{ByteOrder, DecodeError, Reader, Uuid, Writer};
 
-/// What a control block asks for; one bit each.
+/// What a control block requests; one bit each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ControlCommand(pub u16);
 
@@ -12,11 +12,11 @@ impl ControlCommand {
     pub const PRM_END: Self = Self(0x0001);
     /// The device's application is ready.
     pub const APPLICATION_READY: Self = Self(0x0002);
-    /// Closes the relation.
+    /// Closes the AR.
     pub const RELEASE: Self = Self(0x0004);
     /// Positive answer to any of the others.
     pub const DONE: Self = Self(0x0008);
-    /// Ready for the companion relation.
+    /// Ready for the companion AR.
     pub const READY_FOR_COMPANION: Self = Self(0x0010);
     /// Ready for class 3.
     pub const READY_FOR_RTC3: Self = Self(0x0020);
@@ -41,20 +41,20 @@ impl ControlCommand {
 pub struct ControlBlock {
     /// Which service.
     pub block_type: BlockType,
-    /// The relation.
+    /// The AR.
     pub ar_uuid: Uuid,
     /// SessionKey of its connect.
     pub session_key: u16,
     /// Sequence number of the plug alarm in the plug variants, else 0.
     pub alarm_sequence: u16,
-    /// What is asked for.
+    /// What is requested.
     pub command: ControlCommand,
     /// ControlBlockProperties, 0.
     pub properties: u16,
 }
 
 impl ControlBlock {
-    /// A block without alarm sequence number and properties.
+    /// Creates a block without alarm sequence number and properties.
     #[must_use]
     pub const fn new(
         block_type: BlockType,
@@ -72,7 +72,7 @@ impl ControlBlock {
         }
     }
 
-    /// The positive answer: same block, response type, command Done.
+    /// Returns the positive answer: same block, response type, command Done.
     #[must_use]
     pub const fn done(&self) -> Self {
         Self {

@@ -32,7 +32,7 @@ pub struct ExpectedSubmodule {
 }
 
 impl ExpectedSubmodule {
-    /// A submodule with these lengths and status octets of length 1.
+    /// Creates a submodule with these lengths and status octets of length 1.
     #[must_use]
     pub fn new(subslot: u16, ident: u32, input: u16, output: u16) -> Self {
         let description = |direction, length| DataDescription {
@@ -211,7 +211,7 @@ impl SubmoduleState {
     /// There is an advice.
     pub const ADVICE: u16 = 1 << 3;
 
-    /// The same with FormatIndicator 1; reserved numbers have an IdentInfo that is reserved too.
+    /// Returns the same with FormatIndicator 1; reserved numbers have an IdentInfo that is reserved too.
     const fn fields(self) -> u16 {
         let state = match self.0 {
             0 => Self::NO_SUBMODULE,
@@ -231,13 +231,14 @@ impl SubmoduleState {
         (self.fields() >> 11 & 0xF) as u8
     }
 
-    /// True when data can be exchanged with it: as expected or compatible, and owned by the controller that asks.
+    /// Returns true when data can be exchanged with it: as expected or compatible, and owned by the requesting
+    /// controller.
     #[must_use]
     pub const fn is_usable(self) -> bool {
         self.ident_info() <= 1 && self.ar_info() == 0
     }
 
-    /// True when a fault, maintenance or an advice is pending. Says nothing of what is plugged.
+    /// Returns true when a fault, maintenance or an advice is pending, independent of the plugged module.
     #[must_use]
     pub const fn has_diagnosis(self) -> bool {
         let pending = Self::FAULT | Self::MAINTENANCE_DEMANDED | Self::MAINTENANCE_REQUIRED | Self::ADVICE;

@@ -50,7 +50,7 @@ pub struct IocrApi {
 pub struct IocrRequest {
     /// Direction.
     pub iocr_type: IocrType,
-    /// Number of the connection in the relation.
+    /// Number of the connection in the AR.
     pub reference: u16,
     /// LT, EtherType 0x8892.
     pub lt: u16,

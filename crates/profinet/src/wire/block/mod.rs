@@ -115,13 +115,13 @@ block_types! {
 }
 
 impl BlockType {
-    /// Name in the standard, if known here.
+    /// Returns the name in the standard, if known here.
     #[must_use]
     pub fn name(self) -> Option<&'static str> {
         NAMES.iter().find(|row| row.0 == self.0).map(|row| row.1)
     }
 
-    /// The type of the answer to a request block.
+    /// Returns the type of the answer to a request block.
     #[must_use]
     pub const fn response(self) -> Self {
         Self(self.0 | 0x8000)

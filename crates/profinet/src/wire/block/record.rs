@@ -24,9 +24,9 @@ pub struct RecordAddress {
 /// IODReadReqHeader, block 0x0009.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReadRequest {
-    /// Number of the access in the relation, echoed.
+    /// Number of the access in the AR, echoed.
     pub sequence: u16,
-    /// The relation; nil for an implicit read.
+    /// The AR; nil for an implicit read.
     pub ar_uuid: Uuid,
     /// API.
     pub api: u32,
@@ -36,9 +36,9 @@ pub struct ReadRequest {
     pub subslot: u16,
     /// Record.
     pub index: u16,
-    /// Most octets wanted.
+    /// Maximum number of octets.
     pub length: u32,
-    /// Relation an implicit read asks about.
+    /// AR that an implicit read refers to.
     pub target_ar_uuid: Uuid,
 }
 
@@ -66,9 +66,9 @@ pub struct ReadResponse {
 /// IODWriteReqHeader, block 0x0008.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WriteRequest {
-    /// Number of the access in the relation, echoed.
+    /// Number of the access in the AR, echoed.
     pub sequence: u16,
-    /// The relation.
+    /// The AR.
     pub ar_uuid: Uuid,
     /// API.
     pub api: u32,
@@ -214,7 +214,7 @@ impl ReadRequest {
         });
     }
 
-    /// The header of the answer with `length` octets of data.
+    /// Returns the header of the answer with `length` octets of data.
     #[must_use]
     pub const fn response(&self, length: u32) -> ReadResponse {
         ReadResponse {
@@ -234,7 +234,7 @@ impl ReadResponse {
     /// Reads the header and the data it announces.
     ///
     /// # Errors
-    /// When it is another block, or fewer data follow than it says.
+    /// When it is another block, or its data is shorter than its length field.
     pub fn decode<'a>(r: &mut Reader<'a>) -> Result<(Self, &'a [u8]), DecodeError> {
         let mut body = header(r, BlockType::READ_RESPONSE)?;
         let Common {
@@ -278,7 +278,7 @@ impl WriteRequest {
     /// Reads the header and the data it announces.
     ///
     /// # Errors
-    /// When it is another block, or fewer data follow than it says.
+    /// When it is another block, or its data is shorter than its length field.
     pub fn decode<'a>(r: &mut Reader<'a>) -> Result<(Self, &'a [u8]), DecodeError> {
         let mut body = header(r, BlockType::WRITE_REQUEST)?;
         let Common {
@@ -313,7 +313,7 @@ impl WriteRequest {
         });
     }
 
-    /// The header of the answer.
+    /// Returns the header of the answer.
     #[must_use]
     pub const fn response(&self, status: PnioStatus) -> WriteResponse {
         WriteResponse {
@@ -329,7 +329,7 @@ impl WriteRequest {
         }
     }
 
-    /// The header around a multiple write of `length` octets: API, slot and subslot all ones, index 0xE040.
+    /// Returns the header around a multiple write of `length` octets: API, slot and subslot all ones, index 0xE040.
     #[must_use]
     pub const fn multiple(sequence: u16, ar_uuid: Uuid, length: u32) -> Self {
         Self {

@@ -8,10 +8,10 @@ use crate::IpSuite;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 pub enum IpRule {
     /// Loopback, multicast, class E or 0.x.
-    #[error("{0} is no address of a station")]
+    #[error("{0} is not a valid address of a station")]
     Address(Ipv4Addr),
     /// Ones behind a zero, or no usable host part.
-    #[error("{0} is no subnet mask")]
+    #[error("{0} is not a valid subnet mask")]
     Mask(Ipv4Addr),
     /// The host part is all zero or all one.
     #[error("{0} is the subnet's own or broadcast address")]

@@ -150,7 +150,7 @@ impl DcpOption {
     pub const RESET_TO_FACTORY: Self = Self::new(5, 6);
     /// 6/1 device initiative.
     pub const INITIATIVE: Self = Self::new(6, 1);
-    /// 255/255 everybody.
+    /// 255/255, all options.
     pub const ALL: Self = Self::new(255, 255);
 
     /// From its two numbers.
@@ -175,7 +175,7 @@ impl DcpOption {
         }
     }
 
-    /// How to refuse this option: the whole group is unknown, or only the member.
+    /// Returns how to refuse this option: the whole group is unknown, or only the member.
     #[must_use]
     pub const fn unsupported(self) -> BlockError {
         match self.option {
@@ -270,7 +270,7 @@ impl fmt::Display for BlockError {
     }
 }
 
-/// How a setting shall be kept, or what a reset shall clear.
+/// Duration of a setting, or scope of a reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Qualifier(pub u16);
 
@@ -280,7 +280,7 @@ impl Qualifier {
     /// For good.
     pub const PERMANENT: Self = Self(1);
 
-    /// Bit 0: keep the setting for good.
+    /// Bit 0: store the setting permanently.
     #[must_use]
     pub const fn is_permanent(self) -> bool {
         self.0 & 1 == 1
@@ -300,7 +300,7 @@ impl Qualifier {
     }
 }
 
-/// Remark beside a value in a response; not 0 only for IP settings.
+/// Block info of a value in a response; only IP settings use values other than 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct BlockInfo(pub u16);
 
@@ -311,10 +311,10 @@ impl BlockInfo {
     pub const IP_SET: Self = Self(1);
     /// The IP address came by DHCP.
     pub const IP_BY_DHCP: Self = Self(2);
-    /// Bit 7: somebody else has the same address.
+    /// Bit 7: another station has the same address.
     pub const CONFLICT: u16 = 0x80;
 
-    /// Somebody else has the same address.
+    /// Returns true if another station has the same address.
     #[must_use]
     pub const fn has_conflict(self) -> bool {
         self.0 & Self::CONFLICT != 0

@@ -39,7 +39,7 @@ pub const MAX_DELAY_FACTOR: u16 = 6400;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pdu<'a> {
-    /// What is asked or answered.
+    /// Service of the request or answer.
     pub service: ServiceId,
     /// Request or kind of response.
     pub kind: ServiceType,
@@ -73,7 +73,7 @@ impl<'a> Pdu<'a> {
         })
     }
 
-    /// The blocks one by one. The iterator ends after the first error.
+    /// Returns the blocks one by one. The iterator ends after the first error.
     #[must_use]
     pub fn blocks(&self) -> Blocks<'a> {
         Blocks {
@@ -81,7 +81,7 @@ impl<'a> Pdu<'a> {
         }
     }
 
-    /// What a Get request asks for: pairs without length.
+    /// Returns what a Get request requests: pairs without length.
     ///
     /// # Errors
     /// An odd octet is left over (reported as the iterator's last item).
@@ -184,7 +184,7 @@ impl<'a> Block<'a> {
     /// As a result (option 5/4): which block it is about and how it ended.
     ///
     /// # Errors
-    /// When it is no result block or shorter than three octets.
+    /// When it is not a result block or shorter than three octets.
     pub fn result(&self) -> Result<(DcpOption, BlockError), DecodeError> {
         if self.option != DcpOption::RESPONSE {
             return Err(DecodeError {
@@ -240,7 +240,7 @@ impl<'w, W: Writer> PduWriter<'w, W> {
         self.block(value.option(), None, value);
     }
 
-    /// One thing a Get request asks for.
+    /// One thing a Get request requests.
     pub fn request(&mut self, option: DcpOption) {
         self.out.bytes(&[option.option, option.suboption]);
     }
@@ -295,7 +295,7 @@ impl<'w, W: Writer> PduWriter<'w, W> {
     }
 }
 
-/// How long a device waits before it answers an Identify request.
+/// Returns how long a device waits before it answers an Identify request.
 ///
 /// Source: IEC 61158-6-10, ResponseDelay: the last two octets of the MAC address modulo the factor, times 10 ms. A
 /// factor of 0 or above 6400 means no delay.

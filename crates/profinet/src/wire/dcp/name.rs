@@ -124,7 +124,8 @@ fn is_port(label: &[u8]) -> bool {
     }
 }
 
-/// A legal name close to `text`, to be offered to a user who typed an illegal one; the text itself if it is legal.
+/// Returns a legal name close to `text`, to be offered to a user who typed an illegal one; the text itself if it is
+/// legal.
 ///
 /// Letters become small, German umlauts two letters, everything else that is not allowed a hyphen; hyphens and dots
 /// are tidied. Empty if nothing usable is left. (Engineering tools have an encoding of their own that ends in a

@@ -65,7 +65,7 @@ const FLASH: u16 = 0x0100;
 impl<'a> Value<'a> {
     /// Blink.
     pub const FLASH: Self = Self::Signal(FLASH);
-    /// Everybody.
+    /// All options.
     pub const ALL: Self = Self::Empty(DcpOption::ALL);
 
     /// Reads the octets of an option; `offset` is where they start, for errors.
@@ -127,7 +127,7 @@ impl<'a> Value<'a> {
         Ok(value)
     }
 
-    /// What the value is about.
+    /// Returns what the value is about.
     #[must_use]
     pub const fn option(&self) -> DcpOption {
         match self {

@@ -1,8 +1,7 @@
-//! LLDP: what a station tells the other end of its cable about itself.
+//! LLDP: information about a station for the other end of its cable.
 //!
-//! Source: IEEE 802.1AB for the frame, IEEE 802.3 annex F for the group of OUI 00-12-0F, IEC 61158-6-10 for that of
-//! OUI 00-0E-CF. Anybody may send such frames, so everything is read with tolerance for what is not known and none for
-//! what does not add up.
+//! Source: IEEE 802.1AB for the frame, IEEE 802.3 annex F for the group of OUI 00-12-0F, IEC 61158-6-10 for that of OUI
+//! 00-0E-CF. Any station may send such frames, so decoding tolerates unknown elements and rejects inconsistent ones.
 
 use core::net::Ipv4Addr;
 
@@ -28,7 +27,7 @@ pub const CHASSIS_MAC: u8 = 4;
 /// Capability bit: a station, not a bridge.
 pub const STATION_ONLY: u16 = 0x0080;
 
-/// Chassis id or port id: a subtype that says what the octets are, and the octets.
+/// Chassis id or port id: a subtype that defines the format of the octets, and the octets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Id<'a> {
     /// What the value is; 7 is text of the station's own choice.
@@ -53,7 +52,7 @@ pub struct Management<'a> {
 }
 
 impl Management<'_> {
-    /// The address if it is an IPv4 address.
+    /// Returns the address if it is an IPv4 address.
     #[must_use]
     pub fn ipv4(&self) -> Option<Ipv4Addr> {
         match *self.address {
@@ -83,10 +82,10 @@ pub type Delays = [u32; 5];
 /// use profidrive_profinet::wire::Reader;
 /// use profidrive_profinet::wire::lldp::{Id, LOCALLY_ASSIGNED, Lldpdu};
 /// let own = |value| Id { subtype: LOCALLY_ASSIGNED, value };
-/// let told = Lldpdu { ttl: 20, ..Lldpdu::new(own(b"akd-1"), own(b"port-001")) };
+/// let lldpdu = Lldpdu { ttl: 20, ..Lldpdu::new(own(b"akd-1"), own(b"port-001")) };
 /// let mut octets = Vec::new();
-/// told.encode(&mut octets);
-/// assert_eq!(Lldpdu::decode(Reader::new(&octets)), Ok(told));
+/// lldpdu.encode(&mut octets);
+/// assert_eq!(Lldpdu::decode(Reader::new(&octets)), Ok(lldpdu));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lldpdu<'a> {
@@ -137,7 +136,7 @@ mod kind {
 }
 
 impl<'a> Lldpdu<'a> {
-    /// A station's port without anything more; taken back as it stands, since its time is 0.
+    /// Creates a station's port without further content; withdraws it as its TTL is 0.
     #[must_use]
     pub const fn new(chassis: Id<'a>, port: Id<'a>) -> Self {
         Self {
@@ -159,9 +158,9 @@ impl<'a> Lldpdu<'a> {
         }
     }
 
-    /// Name of the neighbour's port and of its station as PROFINET uses them: either the port id holds both
-    /// (`port-001.akd-1`), or the port id is the port's and the chassis id the station's name. The station is empty where
-    /// the chassis has no name.
+    /// Returns the name of the neighbour's port and of its station as PROFINET uses them: either the port id holds both
+    /// (`port-001.akd-1`), or the port id is the port's and the chassis id the station's name. The station is empty
+    /// where the chassis has no name.
     #[must_use]
     pub fn profinet_names(&self) -> (&'a [u8], &'a [u8]) {
         let port = self.port.value;
@@ -176,7 +175,7 @@ impl<'a> Lldpdu<'a> {
     }
 }
 
-/// The LLDPDU in an Ethernet frame and who sent it; `None` for any other frame.
+/// Returns the LLDPDU in an Ethernet frame and who sent it; `None` for any other frame.
 #[must_use]
 pub fn payload(frame: &[u8]) -> Option<(MacAddress, &[u8])> {
     let (head, rest) = frame.split_first_chunk::<14>()?;

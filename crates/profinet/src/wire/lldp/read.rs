@@ -118,7 +118,7 @@ fn id<'a>(mut r: Reader<'a>, what: &'static str) -> Result<Id<'a>, DecodeError> 
     }
 }
 
-/// Keeps the first value of a kind; false if there is nothing to keep or it is a second one.
+/// Stores the first value of a kind; returns false if there is no value or it is a second one.
 fn keep<T>(place: &mut Option<T>, value: Option<T>) -> bool {
     let first = place.is_none() && value.is_some();
     if first {

@@ -67,7 +67,7 @@ pub mod index {
     pub const PD_REAL: u16 = 0xF841;
     /// PDExpectedData.
     pub const PD_EXPECTED: u16 = 0xF842;
-    /// Trigger of the connection monitoring: keeps a DeviceAccess relation alive.
+    /// Trigger of the connection monitoring: keeps a DeviceAccess AR alive.
     pub const KEEP_ALIVE: u16 = 0xFBFF;
 }
 

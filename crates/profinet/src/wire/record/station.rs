@@ -1,4 +1,4 @@
-//! Log book and application relations of a station.
+//! Log book and application ARs of a station.
 
 use alloc::vec::Vec;
 
@@ -10,7 +10,7 @@ use crate::wire::{ByteOrder, DecodeError, PnioStatus, Reader, Uuid, Writer};
 pub struct LogEntry {
     /// When, in the device's own time.
     pub time: u64,
-    /// Which relation.
+    /// Which AR.
     pub ar_uuid: Uuid,
     /// What happened.
     pub status: PnioStatus,
@@ -77,7 +77,7 @@ pub struct ArDataIocr {
     pub apdu_status: [u8; 4],
 }
 
-/// One relation in ARData.
+/// One AR in ARData.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ArData<'a> {
     /// ARUUID.
@@ -140,7 +140,7 @@ pub fn encode_ar_data(ars: &[ArData<'_>], out: &mut impl Writer) {
     });
 }
 
-/// Who has a relation with a device, out of ARData.
+/// Who has an AR with a device, out of ARData.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ArListEntry<'a> {
     /// ARUUID.
@@ -151,10 +151,10 @@ pub struct ArListEntry<'a> {
     pub station_name: &'a [u8],
 }
 
-/// Reads the relations of ARData, block version 1.1; `None` for another block or version.
+/// Reads the ARs of ARData, block version 1.1; `None` for another block or version.
 ///
 /// # Errors
-/// When the data end before a relation does.
+/// When the data end before an AR does.
 pub fn decode_ar_list<'a>(r: &mut Reader<'a>) -> Result<Option<Vec<ArListEntry<'a>>>, DecodeError> {
     const OBJECTS: usize = 2 * 16;
     const IOCR: usize = 12;

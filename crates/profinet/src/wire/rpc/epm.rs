@@ -13,7 +13,7 @@ pub const EPM_LOOKUP: u16 = 2;
 pub const EPM_LOOKUP_FREE: u16 = 4;
 /// Return code when no (further) endpoint is registered.
 pub const EPM_NOT_REGISTERED: u32 = 0x16C9_A0D6;
-/// Most entries of one answer that are understood.
+/// Maximum number of entries decoded of one answer.
 pub const MAX_ENTRIES: u32 = 64;
 /// Octets of a tower of five floors.
 pub const MAX_TOWER: usize = 75;
@@ -51,22 +51,22 @@ impl EpmHandle {
 pub struct LookupRequest {
     /// 0 all, 1 by interface, 2 by object, 3 by both.
     pub inquiry: u32,
-    /// Object asked for.
+    /// Object requested.
     pub object: Uuid,
-    /// Interface asked for.
+    /// Interface requested.
     pub interface: Uuid,
-    /// Version asked for, major and minor.
+    /// Version requested, major and minor.
     pub version: (u16, u16),
     /// How the version is compared, 1 = all.
     pub version_option: u32,
     /// Where the enumeration stands.
     pub handle: EpmHandle,
-    /// Most entries wanted.
+    /// Maximum number of entries requested.
     pub max_entries: u32,
 }
 
 impl LookupRequest {
-    /// Asks for everything, one entry per answer.
+    /// Requests everything, one entry per answer.
     #[must_use]
     pub const fn all(handle: EpmHandle) -> Self {
         Self {
@@ -341,7 +341,7 @@ mod tests {
         }
     }
 
-    /// As profinet-py asks: null pointers, and octets behind the end.
+    /// A request as sent by profinet-py: null pointers, and octets behind the end.
     #[test]
     fn a_lookup_with_null_pointers() {
         let mut body = [0; 52];

@@ -22,7 +22,7 @@ pub const MAX_BODY: usize = MAX_PDU - HEADER_LENGTH;
 
 /// Operations of the device interface; [`CONTROL`](operation::CONTROL) is also the controller's only one.
 pub mod operation {
-    /// Opens an application relation.
+    /// Opens an application AR.
     pub const CONNECT: u16 = 0;
     /// Closes it.
     pub const RELEASE: u16 = 1;
@@ -32,7 +32,7 @@ pub mod operation {
     pub const WRITE: u16 = 3;
     /// PrmEnd, ApplicationReady and the like.
     pub const CONTROL: u16 = 4;
-    /// Reads a record without an application relation.
+    /// Reads a record without an application AR.
     pub const READ_IMPLICIT: u16 = 5;
     /// How many operations the device interface has.
     pub const COUNT: u16 = 6;
@@ -81,7 +81,7 @@ pub mod reject {
 pub enum PacketType {
     /// A call.
     Request,
-    /// Asks for the state of a call.
+    /// Requests the state of a call.
     Ping,
     /// The answer to a call.
     Response,
@@ -121,7 +121,7 @@ const PACKET_TYPES: [PacketType; 11] = [
 ];
 
 impl PacketType {
-    /// The kind of a number (low five bits count).
+    /// Returns the kind of a number (low five bits count).
     #[must_use]
     pub fn from_code(code: u8) -> Self {
         let code = code & 0x1F;
@@ -131,7 +131,7 @@ impl PacketType {
             .unwrap_or(Self::Other(code))
     }
 
-    /// The number.
+    /// Returns the number.
     #[must_use]
     pub fn code(self) -> u8 {
         match self {
@@ -162,26 +162,26 @@ impl Flags {
     pub const FRAGMENT: u8 = 0x04;
     /// The receiver need not acknowledge the fragment.
     pub const NO_FACK: u8 = 0x08;
-    /// No answer wanted.
+    /// No answer requested.
     pub const MAYBE: u8 = 0x10;
     /// May be executed twice.
     pub const IDEMPOTENT: u8 = 0x20;
-    /// Sent to everybody.
+    /// Broadcast.
     pub const BROADCAST: u8 = 0x40;
 
-    /// True when the PDU is one of several.
+    /// Returns true when the PDU is one of several.
     #[must_use]
     pub const fn is_fragment(self) -> bool {
         self.0 & Self::FRAGMENT != 0
     }
 
-    /// True for the last fragment.
+    /// Returns true for the last fragment.
     #[must_use]
     pub const fn is_last(self) -> bool {
         self.0 & Self::LAST_FRAGMENT != 0
     }
 
-    /// True when the sender does not wait for an acknowledgement of the fragment.
+    /// Returns true when the sender does not wait for an acknowledgement of the fragment.
     #[must_use]
     pub const fn no_fack(self) -> bool {
         self.0 & Self::NO_FACK != 0
@@ -285,7 +285,7 @@ impl Header {
     /// Reads a PDU: its header and the body the header announces. Octets behind the body are ignored.
     ///
     /// # Errors
-    /// When the data are shorter than the header says, or the RPC version is not 4.
+    /// When the data is shorter than the length in the header, or the RPC version is not 4.
     pub fn decode(pdu: &[u8]) -> Result<(Self, &[u8]), DecodeError> {
         let mut r = Reader::new(pdu);
         let version = r.u8("rpc_vers")?;
@@ -382,7 +382,7 @@ pub struct FackBody {
 }
 
 impl FackBody {
-    /// What this implementation says: one fragment at a time, up to [`MAX_PDU`].
+    /// Fragmentation of this implementation: one fragment at a time, up to [`MAX_PDU`].
     #[must_use]
     pub const fn new(serial: u16) -> Self {
         Self {

@@ -60,7 +60,7 @@ impl Oid {
         Self([&self.0[..], more].concat())
     }
 
-    /// Its numbers behind those of `prefix`, if it begins with them.
+    /// Returns its numbers behind those of `prefix`, if it begins with them.
     #[must_use]
     pub fn behind(&self, prefix: &[u32]) -> Option<&[u32]> {
         self.0.strip_prefix(prefix)

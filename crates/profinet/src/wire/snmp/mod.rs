@@ -188,7 +188,7 @@ impl Binding {
 pub struct Message {
     /// Version.
     pub version: Version,
-    /// Community, a password that everybody can read on the wire.
+    /// Community, a password that is readable on the wire.
     pub community: Vec<u8>,
     /// Kind of the PDU.
     pub kind: PduKind,
@@ -206,7 +206,7 @@ impl Message {
     /// Reads a message, the payload of a datagram.
     ///
     /// # Errors
-    /// When it is not one of version 1 or 2c with a PDU of the common form, or something does not add up.
+    /// When it is not one of version 1 or 2c with a PDU of the common form, or its lengths are inconsistent.
     pub fn decode(mut r: Reader<'_>) -> Result<Self, DecodeError> {
         let mut message = expect(&mut r, tag::SEQUENCE, "message")?;
         r.finish("message")?;

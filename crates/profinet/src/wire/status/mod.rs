@@ -1,4 +1,4 @@
-//! The four octets that say how a service ended.
+//! PNIO status: the result of a service in four octets.
 
 mod words;
 
@@ -75,7 +75,7 @@ const SERVICES: &[(u8, Service, &str)] = &[
 ];
 
 impl Service {
-    /// The number on the wire.
+    /// Returns the number on the wire.
     #[must_use]
     pub fn code(self) -> u8 {
         match self {
@@ -84,7 +84,7 @@ impl Service {
         }
     }
 
-    /// The service of a number; every number has one.
+    /// Returns the service of a number; every number has one.
     #[must_use]
     pub fn from_code(code: u8) -> Self {
         SERVICES
@@ -166,7 +166,7 @@ pub mod abort {
     pub const FACTORY_RESET: u8 = 0x20;
     /// The controller waited in vain for ApplicationReady.
     pub const READY_TIMEOUT: u8 = 0x28;
-    /// Abort asked for by the user.
+    /// Abort requested by the user.
     pub const USER: u8 = 0xFF;
 }
 
@@ -208,55 +208,55 @@ impl PnioStatus {
         u32::from_be_bytes([self.code, self.decode, self.code1, self.code2])
     }
 
-    /// A record read refused: DE 80 `code1` 00, see [`record`].
+    /// Creates a record read refused: DE 80 `code1` 00, see [`record`].
     #[must_use]
     pub const fn read(code1: u8) -> Self {
         Self::new(0xDE, DECODE_RECORD, code1, 0)
     }
 
-    /// A record write refused: DF 80 `code1` 00, see [`record`].
+    /// Creates a record write refused: DF 80 `code1` 00, see [`record`].
     #[must_use]
     pub const fn write(code1: u8) -> Self {
         Self::new(0xDF, DECODE_RECORD, code1, 0)
     }
 
-    /// A connect refused: DB 81 `code1` `code2`.
+    /// Creates a connect refused: DB 81 `code1` `code2`.
     #[must_use]
     pub const fn connect(code1: u8, code2: u8) -> Self {
         Self::new(0xDB, DECODE_PROTOCOL, code1, code2)
     }
 
-    /// A control service refused: DD 81 `code1` `code2`.
+    /// Creates a control service refused: DD 81 `code1` `code2`.
     #[must_use]
     pub const fn control(code1: u8, code2: u8) -> Self {
         Self::new(0xDD, DECODE_PROTOCOL, code1, code2)
     }
 
-    /// A release refused: DC 81 `code1` `code2`.
+    /// Creates a release refused: DC 81 `code1` `code2`.
     #[must_use]
     pub const fn release(code1: u8, code2: u8) -> Self {
         Self::new(0xDC, DECODE_PROTOCOL, code1, code2)
     }
 
-    /// Why a connection is aborted: CF 81 FD `cause`, see [`abort`].
+    /// Returns why a connection is aborted: CF 81 FD `cause`, see [`abort`].
     #[must_use]
     pub const fn aborted(cause: u8) -> Self {
         Self::new(0xCF, DECODE_PROTOCOL, RTA_ERROR_CLASS, cause)
     }
 
-    /// True for success.
+    /// Returns true for success.
     #[must_use]
     pub const fn is_ok(self) -> bool {
         self.to_u32() == 0
     }
 
-    /// The service the status belongs to.
+    /// Returns the service the status belongs to.
     #[must_use]
     pub fn service(self) -> Service {
         Service::from_code(self.code)
     }
 
-    /// True when a record access was refused for its state (code1 0xB5), for example a parameter answer that is
+    /// Returns true when a record access was refused for its state (code1 0xB5), for example a parameter answer that is
     /// not ready yet.
     #[must_use]
     pub const fn is_state_conflict(self) -> bool {

@@ -1,4 +1,4 @@
-//! The reference keeps its bounds whatever is asked, and arrives.
+//! The reference stays within its bounds for any goal, and arrives.
 
 use proptest::prelude::*;
 
@@ -27,7 +27,7 @@ fn to(target: i64, speed: f64) -> Goal {
     }
 }
 
-/// Looks at every step whether the reference keeps its bounds; all in rpm.
+/// Checks at every step that the reference stays within its bounds; all in rpm.
 struct Watch {
     trajectory: Trajectory,
     position: i64,
@@ -179,8 +179,8 @@ fn a_target_too_near_to_stop_is_passed_and_come_back_to() {
     }
 }
 
-/// Speeding up with much jerk, then told to go on with little: it neither goes beyond the speed it was heading for, nor
-/// anything but smoothly to the new one.
+/// Accelerates with high jerk, then continues with low jerk: the speed does not overshoot the former target and changes
+/// smoothly to the new one.
 #[test]
 fn a_gentler_manner_does_not_carry_it_beyond_its_speed() {
     let (hard, soft) = (
@@ -521,7 +521,7 @@ proptest! {
                 trajectory.step(DT);
                 let slope = (trajectory.speed() - before) / DT;
                 prop_assert!(slope.abs() <= steepest * (1.0 + 1e-6), "{} {}", slope, steepest);
-                // The acceleration ends within the smoothing time: not much more speed than asked for comes of it.
+                // The acceleration ends within the smoothing time: not much more speed than requested comes of it.
                 let most = 3000.0 + 0.5 * 0.3 * steepest;
                 prop_assert!(trajectory.speed().abs() <= most, "{}", trajectory.speed());
                 before = trajectory.speed();

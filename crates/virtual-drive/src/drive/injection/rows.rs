@@ -28,7 +28,7 @@ pub(super) enum Form {
     /// A value with a unit, or `auto` where the drive can go on by itself.
     Value {
         unit: &'static str,
-        /// Lowest and highest; what lies outside is no drive any more.
+        /// Lowest and highest; what lies outside is not a drive any more.
         range: [f64; 2],
         auto: bool,
         make: fn(Option<f64>) -> Injection,
@@ -382,7 +382,7 @@ impl Form {
         }
     }
 
-    /// The value, when the injection is of this form.
+    /// Returns the value, when the injection is of this form.
     pub fn show(&self, injection: &Injection) -> Option<String> {
         let word = |on: bool| if on { "on" } else { "off" };
         Some(match *self {

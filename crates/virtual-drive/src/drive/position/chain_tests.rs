@@ -126,7 +126,7 @@ fn a_chain_waits_for_the_edge_of_an_input() {
         0x4000,
         "the chain runs, no target reached"
     );
-    // An input that does something else is no event.
+    // An input that does something else is not an event.
     press(&mut bench, 1);
     bench.send(START, 100);
     assert_eq!(bench.pace(), 0.0);
@@ -150,7 +150,7 @@ fn an_input_starts_its_task_and_homing() {
     bench.until(READY, 0x0400, 0x0400);
     bench.send(READY, 30);
     assert!((bench.turns() - 1.5).abs() < 0.002, "{}", bench.turns());
-    // A task that is not there is told, as by MT.MOVE.
+    // A task that is not there is reported, as by MT.MOVE.
     bench.write("DIN2.PARAM", 9000);
     press(&mut bench, 2);
     bench.send(READY, 2);
@@ -393,7 +393,11 @@ fn a_limit_switch_ends_what_leads_into_it() {
     bench.send(START, 1);
     bench.until(START, 0x6000, 0x2000);
     assert_eq!(bench.status() & 0x0400, 0, "not reached");
-    assert_eq!(bench.read("DRV.MOTIONSTAT") & 0x2000, 0x2000, "and that is told");
+    assert_eq!(
+        bench.read("DRV.MOTIONSTAT") & 0x2000,
+        0x2000,
+        "and that is reported"
+    );
     // 600 rpm at 15260 rpm/s takes 0.2 revolutions.
     assert!((bench.turns() - 3.2).abs() < 0.02, "{}", bench.turns());
     assert_eq!(

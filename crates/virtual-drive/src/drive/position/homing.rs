@@ -1,8 +1,8 @@
 //! Homing: finds the place that positions count from.
 //!
-//! A mode is a row of [`MODES`]: what is searched, and what the reference is then. Source of the modes: AKD HOME.MODE as
-//! `data/akd/meanings.csv` has it; the order of the movements of a mode is ours where no source tells it, as said at
-//! each step.
+//! A mode is a row of [`MODES`]: what is searched, and what the reference is then. Source of the modes: AKD HOME.MODE
+//! as `data/akd/meanings.csv` has it; the order of the movements of a mode is ours where no source states it, as said
+//! at each step.
 
 use super::{Seen, stop};
 use crate::axis::{Command, Inputs, Latch, Ramps};
@@ -84,7 +84,7 @@ const MODES: &[(i64, Search, Reference)] = &[
     (15, Search::Nothing, NextZero),
 ];
 
-/// True for a mode that can be carried out.
+/// Returns true for a mode that can be carried out.
 pub(in crate::drive) fn is_known(mode: i64) -> bool {
     MODES.iter().any(|(known, ..)| *known == mode)
 }
@@ -143,7 +143,7 @@ pub(in crate::drive) struct Homing {
     found: Option<i64>,
     /// All movements are done.
     pub finished: bool,
-    /// It cannot go on: the warning that tells why.
+    /// The warning with the cause when homing cannot continue.
     pub failure: Option<u16>,
 }
 
@@ -216,8 +216,8 @@ impl Homing {
         self.finished = setup.distance == 0;
     }
 
-    /// The place of the reference, once when it is found; from then on its number is `number`, and the numbers of all
-    /// other places have changed with it.
+    /// Returns the place of the reference, once when it is found; from then on its number is `number`, and the numbers
+    /// of all other places have changed with it.
     pub fn take_reference(&mut self, number: i64) -> Option<i64> {
         let by = number.wrapping_sub(self.found?);
         for place in [&mut self.start, &mut self.begin, &mut self.target] {
@@ -226,8 +226,9 @@ impl Homing {
         self.found.take()
     }
 
-    /// True once when a hard stop has been met. The command went on behind it and is to come back to the axis: else that
-    /// would press, with all the current it may once homing is over. No source tells what holds after homing.
+    /// Returns true once when a hard stop has been met. The command went on behind it and is to come back to the axis:
+    /// else that would press, with all the current it may once homing is over. No source states what holds after
+    /// homing.
     pub const fn take_pressed(&mut self) -> bool {
         core::mem::replace(&mut self.pressed, false)
     }
@@ -245,7 +246,7 @@ impl Homing {
         self.command(setup)
     }
 
-    /// What the axis has to do in the present phase.
+    /// Returns what the axis has to do in the present phase.
     pub fn command(&mut self, setup: &HomeSetup) -> Command {
         self.fresh = false;
         let slow = self.phase == Phase::Seek || (self.phase == Phase::Approach && self.reference == Index);
@@ -333,7 +334,7 @@ impl Homing {
         }
     }
 
-    /// True while the current is to be limited, so that a hard stop is met gently.
+    /// Returns true while the current is to be limited, so that a hard stop is met gently.
     pub const fn is_gentle(&self) -> bool {
         matches!(self.search, Search::Stop | Search::SwitchBetweenStops)
             && matches!(self.phase, Phase::Search | Phase::Leave | Phase::Turn(_))

@@ -23,7 +23,7 @@ impl Limits {
         high: i64::MAX,
     };
 
-    /// The limits that are switched on. When both are, the lower one is the negative one.
+    /// Returns the limits that are switched on. When both are, the lower one is the negative one.
     pub fn new(low: Option<i64>, high: Option<i64>) -> Self {
         let (low, high) = match (low, high) {
             (Some(low), Some(high)) if low > high => (Some(high), Some(low)),
@@ -35,17 +35,17 @@ impl Limits {
         }
     }
 
-    /// True for a place inside.
+    /// Returns true for a place inside.
     pub const fn contains(&self, place: i64) -> bool {
         place >= self.low && place <= self.high
     }
 
-    /// True when braking from `command` to `rest` leads out, or farther out.
+    /// Returns true when braking from `command` to `rest` leads out, or farther out.
     pub const fn is_left(&self, command: i64, rest: i64) -> bool {
         (rest > self.high && rest > command) || (rest < self.low && rest < command)
     }
 
-    /// The limit in this direction; none where there is none.
+    /// Returns the limit in this direction; none where there is none.
     pub const fn towards(&self, way: i64) -> Option<i64> {
         match way {
             1.. if self.high != i64::MAX => Some(self.high),
@@ -72,8 +72,8 @@ impl Limits {
         low as i64 | (high as i64) << 1
     }
 
-    /// The deceleration, in rpm/s, that brakes in front of the limit from this speed, in rpm; none when there is no
-    /// limit in that direction.
+    /// Returns the deceleration, in rpm/s, that brakes in front of the limit from this speed, in rpm; none when there
+    /// is no limit in that direction.
     pub fn needed(&self, place: i64, speed: f64) -> Option<f64> {
         let room = self.room(place, if speed > 0.0 { 1 } else { -1 })? as f64 / COUNTS;
         Some(0.5 * speed * speed / room.max(f64::MIN_POSITIVE))

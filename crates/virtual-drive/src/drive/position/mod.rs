@@ -12,7 +12,7 @@
 //! | `service` | the parameters and commands that do something: MT.SET, MT.MOVE, HOME.MOVE... |
 //!
 //! What shall happen is decided once in each tick by [`PositionMachine`], the table of the profile crate
-//! ([`Positioning::decide`]); where the axis goes is told in each step of the axis, at most a millisecond long
+//! ([`Positioning::decide`]); where the axis goes is reported in each step of the axis, at most a millisecond long
 //! ([`Positioning::direct`]). Every movement keeps to defined ramps: an intermediate stop to the ramp of the task, a
 //! rejected task to the steepest of that ramp and CS.DEC, homing and jogging to theirs.
 //!
@@ -93,7 +93,7 @@ impl Seen {
         }
     }
 
-    /// A limit switch is touched in this direction.
+    /// Returns whether a limit switch is touched in this direction.
     const fn is_limited(&self, way: i64) -> bool {
         (way > 0 && self.inputs.limit_positive) || (way < 0 && self.inputs.limit_negative)
     }
@@ -133,7 +133,7 @@ pub(super) struct Positioning {
     /// S4 in position mode.
     active: bool,
     tasks: Tasks,
-    /// Task 0 is what MDI asked for last, nobody has put it there.
+    /// Task 0 holds the last MDI request and was not written by a client.
     mdi_in_table: bool,
     run: Option<Run>,
     homing: Option<Homing>,
@@ -149,7 +149,7 @@ pub(super) struct Positioning {
     failed: bool,
     /// It began in this tick.
     began: bool,
-    /// What was asked for beside the control word, and which task.
+    /// What was requested beside the control word, and which task.
     wish: Option<PositionCommand>,
     wished_task: u16,
     /// An event that a chain of tasks may wait for.
@@ -201,18 +201,18 @@ impl Positioning {
         }
     }
 
-    /// The chain of tasks stands between two of them and waits for an event.
+    /// Returns whether the chain of tasks stands between two of them and waits for an event.
     pub fn waits_for_event(&self) -> bool {
         let wait = self.run.as_ref().and_then(|run| run.wait.as_ref());
         self.active && wait.is_some_and(Wait::needs_event)
     }
 
-    /// The limits in force.
+    /// Returns the limits in force.
     const fn limits(&self, setup: &Setup) -> Limits {
         if self.homed { setup.limits } else { Limits::NONE }
     }
 
-    /// The current is to be limited to that of homing.
+    /// Returns whether the current is to be limited to that of homing.
     pub fn is_gentle(&self) -> bool {
         self.presses || self.homing.as_ref().is_some_and(Homing::is_gentle)
     }
@@ -247,7 +247,7 @@ impl Positioning {
         self.flags.leave();
     }
 
-    /// Where the axis would stand if it braked now along this ramp.
+    /// Returns where the axis would stand if it braked now along this ramp.
     fn rest(seen: &Seen, task: &Task, axis: &Axis, rules: &Settings) -> i64 {
         let smooth = task.is_smooth() == Ok(true);
         let way = brake_way(seen.command_speed, task.deceleration);
@@ -299,7 +299,7 @@ impl Positioning {
         Leg::plan(number, task, &start, seen, setup, &self.limits(setup))
     }
 
-    /// Speed with sign and ramps of the jog that the word asks for, with the task that MDI describes.
+    /// Speed with sign and ramps of the jog that the word requests, with the task that MDI describes.
     fn jog_of(&self, word: Stw1, mdi: impl Fn() -> Task, rules: &Settings) -> (f64, Ramps) {
         let [one, two] = rules.jog_speed;
         if word.has(Stw1::JOG_1) {
@@ -384,7 +384,7 @@ impl Positioning {
         }
     }
 
-    /// What the axis has to do in the next step of `seconds`.
+    /// Returns what the axis has to do in the next step of `seconds`.
     fn direct(&mut self, axis: &mut Axis, seconds: f64, feedrate: f64, rules: &Settings) -> Command {
         let state = self.machine.state();
         let searches = state == PositionState::Homing && !self.failed;
@@ -469,7 +469,7 @@ impl Positioning {
         }
     }
 
-    /// The running task cannot go on: brakes at once, the machine hears of it in the next tick.
+    /// Aborts a task that cannot continue: brakes at once; the state machine follows in the next tick.
     fn fail(&mut self, rules: &Settings) -> Command {
         self.failed = true;
         self.flags.exception = true;
@@ -589,8 +589,8 @@ impl Positioning {
         }
     }
 
-    /// The ramp of a stop outside S4, made as steep as it takes to stay inside the limits, but not steeper than the
-    /// movement that is stopped could have braked.
+    /// Returns the ramp of a stop outside S4, made as steep as it takes to stay inside the limits, but not steeper than
+    /// the movement that is stopped could have braked.
     pub fn safe_stop(&self, ramps: Ramps, axis: &Axis, setup: &Setup) -> Ramps {
         let needed = self.limits(setup).needed(axis.position(), axis.speed());
         let most = self.brakes.deceleration;

@@ -7,7 +7,7 @@ use super::{Seen, Setup};
 /// A task with its target worked out. Positions are unwrapped ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::drive) struct Leg {
-    /// As AKTSATZ tells it: the number of the task, bit 15 alone for MDI.
+    /// As in AKTSATZ: the number of the task, only bit 15 for MDI.
     pub number: u16,
     pub task: Task,
     pub target: i64,
@@ -76,7 +76,7 @@ impl Leg {
         })
     }
 
-    /// True when the limits of the drive are below the speed of the task.
+    /// Returns true when the limits of the drive are below the speed of the task.
     pub fn is_slowed(&self) -> bool {
         self.speed < self.task.speed
     }
@@ -124,7 +124,7 @@ impl Wait {
         )
     }
 
-    /// Time goes on; true when the wait is over.
+    /// Advances the time; returns true when the wait is over.
     pub fn step(&mut self, seconds: f64, event: bool) -> bool {
         self.left -= seconds;
         self.event |= event;

@@ -10,8 +10,8 @@ use crate::drive::{Drive, Mode};
 use crate::model::{Place, TaskRoles};
 
 impl Drive {
-    /// The telegram says where setpoints come from (DRV.CMDSOURCE): motion tasks belong to the service channel, speeds to
-    /// the field bus. Source: the maker's note on the command source with PROFINET.
+    /// The telegram says where setpoints come from (DRV.CMDSOURCE): motion tasks belong to the service channel, speeds
+    /// to the field bus. Source: the vendor's note on the command source with PROFINET.
     pub(in crate::drive) fn take_command_source(&mut self) {
         let setpoints = self.process.setpoints();
         let source = if setpoints.has(signal::SATZANW) {
@@ -179,7 +179,7 @@ impl Drive {
         self.positioning.event = self.settings.mode == Mode::Position;
     }
 
-    /// A position on a modulo axis is shown inside its range.
+    /// Wraps the position of a modulo axis into its range.
     fn shown(&self, position: i64) -> i64 {
         self.settings
             .position
@@ -187,7 +187,7 @@ impl Drive {
             .map_or(position, |modulo| modulo.wrap(position))
     }
 
-    /// The number of a position on the wire, before it is cut to its size.
+    /// Returns the number of a position on the wire, before it is cut to its size.
     pub(in crate::drive) fn place_number(&self, place: Place) -> i64 {
         let axis = &self.axis;
         let bits = u32::from(self.settings.scaling.singleturn_bits.min(32));

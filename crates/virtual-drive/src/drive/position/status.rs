@@ -1,4 +1,4 @@
-//! What positioning tells: ZSW1 bits 8 and 10 to 14, DRV.MOTIONSTAT, AKTSATZ, warnings.
+//! Status of positioning: ZSW1 bits 8 and 10 to 14, DRV.MOTIONSTAT, AKTSATZ, warnings.
 //!
 //! Source: AKD manual 5.5 and 5.10.3; bits of DRV.MOTIONSTAT from the AKD Parameter Guide 12/2009.
 
@@ -67,7 +67,7 @@ impl Warnings {
     }
 }
 
-/// What has happened and is still to be told.
+/// What has happened and is still to be reported.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::drive) struct Flags {
     /// Bits 1, 2 and 4 of DRV.MOTIONSTAT.
@@ -125,7 +125,7 @@ impl Flags {
         }
     }
 
-    /// Homing was asked for and cannot run.
+    /// Homing was requested and cannot run.
     pub fn homing_refused(&mut self) {
         self.homing_failed = true;
         self.warnings.set(HOMING_FAILED, true);
@@ -137,14 +137,15 @@ impl Flags {
         self.homing_failed = false;
     }
 
-    /// Nothing of a task that was running is left to be told.
+    /// Nothing of a task that was running is left to be reported.
     pub fn leave(&mut self) {
         self.warnings.set(SLOWED, false);
     }
 }
 
 impl Positioning {
-    /// The place in the target window, if there is a target: that of the running task, else the one reached last.
+    /// Returns whether the position is in the target window, if there is a target: that of the running task, else the
+    /// one reached last.
     fn is_in_window(&self, position: i64, setup: &Setup) -> bool {
         let target = self.run.map(|run| run.leg.target).or(self.target);
         target.is_some_and(|target| {
@@ -152,7 +153,7 @@ impl Positioning {
         })
     }
 
-    /// Number of the task that runs or waits, as AKTSATZ tells it: 0 for none, bit 15 for MDI.
+    /// Returns the number of the task that runs or waits, as in AKTSATZ: 0 for none, bit 15 for MDI.
     pub fn running_task(&self) -> u16 {
         match (self.machine.state().has_task(), self.run) {
             // Task 0 is that of MDI, also when it is started in another way.

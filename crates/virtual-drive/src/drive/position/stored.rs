@@ -25,7 +25,7 @@ const WORDS: [(&str, &str); 8] = [
 /// Fractions of a revolution that a position counts.
 const FRACTIONS: f64 = 4_294_967_296.0;
 
-/// The text of a task.
+/// Returns the text of a task.
 fn to_text(task: &Task) -> String {
     let values = [
         revolutions(task.position),
@@ -44,7 +44,7 @@ fn to_text(task: &Task) -> String {
     words.join(", ")
 }
 
-/// The task of a text; `None` when it is none, or one that nobody could have set.
+/// Parses a task; `None` when the text is not a task or its values are impossible.
 fn from_text(text: &str) -> Option<Task> {
     let mut values = [""; WORDS.len()];
     let mut words = text.split(", ");
@@ -100,7 +100,7 @@ fn places(text: &str) -> Option<i64> {
 }
 
 impl Drive {
-    /// Name and text of each task that is not empty; that of MDI is nobody's to keep.
+    /// Returns name and text of each task that is not empty. The MDI task is never saved.
     pub(in crate::drive) fn task_lines(&self) -> impl Iterator<Item = (String, String)> + '_ {
         (1..MOST_TASKS)
             .filter_map(|number| Some((number, self.positioning.tasks.at(number)?)))

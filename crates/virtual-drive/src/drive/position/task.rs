@@ -106,7 +106,7 @@ pub(in crate::drive) enum Refusal {
     Empty,
     /// Speed or ramp of 0.
     Values,
-    /// MT.CNTL asks for something that does not exist.
+    /// MT.CNTL requests something that does not exist.
     Control,
     /// The profile table is not there.
     Profile,
@@ -121,7 +121,7 @@ pub(in crate::drive) enum Refusal {
 }
 
 impl Refusal {
-    /// The warning that tells it.
+    /// Returns the warning for this rejection.
     pub const fn warning(self) -> u16 {
         match self {
             Self::NotHomed | Self::Busy | Self::Exclusive | Self::Switch => 160,
@@ -137,7 +137,7 @@ impl Refusal {
 }
 
 impl Task {
-    /// A task without speed or ramp is no task.
+    /// Returns whether speed and ramps of a task are set.
     pub fn is_empty(&self) -> bool {
         !(self.speed > 0.0 && self.acceleration > 0.0 && self.deceleration > 0.0)
     }
@@ -153,7 +153,7 @@ impl Task {
         self.control & bit != 0
     }
 
-    /// What the position counts from.
+    /// Returns what the position counts from.
     pub fn kind(&self) -> Result<Kind, Refusal> {
         if self.control & UNUSABLE != 0 {
             return Err(Refusal::Control);
@@ -161,7 +161,7 @@ impl Task {
         code(&KINDS, self.control & 0xF).ok_or(Refusal::Control)
     }
 
-    /// The number of the following task and when it starts.
+    /// Returns the number of the following task and when it starts.
     pub fn follow(&self) -> Result<Option<(u8, Follow)>, Refusal> {
         if !self.has(FOLLOWED) {
             return Ok(None);
@@ -170,7 +170,7 @@ impl Task {
         Ok(Some((self.next, follow)))
     }
 
-    /// True for an s-curve. Source: AKD MT.CNTL bits 10 and 11: 0 trapezoidal, 1 and 3 a profile table.
+    /// Returns true for an s-curve. Source: AKD MT.CNTL bits 10 and 11: 0 trapezoidal, 1 and 3 a profile table.
     pub fn is_smooth(&self) -> Result<bool, Refusal> {
         match self.control >> 10 & 3 {
             0 => Ok(false),
@@ -193,7 +193,7 @@ fn code<T: Copy>(table: &[(u32, T)], code: u32) -> Option<T> {
 pub(in crate::drive) struct Tasks(Box<[Task]>);
 
 impl core::fmt::Debug for Tasks {
-    /// The tasks that are not empty, by number.
+    /// Returns the tasks that are not empty, by number.
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         let tasks = self.0.iter().enumerate();
         f.debug_map()
@@ -203,17 +203,17 @@ impl core::fmt::Debug for Tasks {
 }
 
 impl Tasks {
-    /// All tasks empty.
+    /// Returns all tasks empty.
     pub fn new() -> Self {
         Self(vec![Task::default(); MOST_TASKS].into_boxed_slice())
     }
 
-    /// The task with this number, empty or not; none for a number that does not exist.
+    /// Returns the task with this number, empty or not; none for a number that does not exist.
     pub fn at(&self, number: usize) -> Option<&Task> {
         self.0.get(number)
     }
 
-    /// The task with this number.
+    /// Returns the task with this number.
     pub fn task(&self, number: usize) -> Result<Task, Refusal> {
         match self.at(number) {
             None => Err(Refusal::Number),

@@ -17,7 +17,7 @@ const MDI_ABSOLUTE: i64 = 1;
 const RELATIVE: u32 = 1;
 
 impl Drive {
-    /// The task that the MDI signals describe.
+    /// Returns the task that the MDI signals describe.
     fn mdi(&self) -> Task {
         let scaling = &self.settings.scaling;
         let signal = |number| self.process.signal(number);
@@ -41,14 +41,14 @@ impl Drive {
         (percent as f64 / 100.0).clamp(0.0, 1.0)
     }
 
-    /// The number of the task that SATZANW selects; none when nobody gives one.
+    /// Returns the number of the task selected by SATZANW; `None` when no setpoint selects one.
     fn selected_task(&self) -> Option<u16> {
         let number = self.process.signal(signal::SATZANW) as u16;
         let given = number != 0 || self.process.setpoints().has(signal::SATZANW);
         given.then_some(number)
     }
 
-    /// Finds out if the task with this number, as SATZANW and MT.MOVE tell it, can run.
+    /// Checks whether the task with this number, as in SATZANW and MT.MOVE, can run.
     pub(super) fn permit(&mut self, number: u16, seen: &Seen) -> Result<Leg, Refusal> {
         let task = if number & MDI == 0 {
             let task = self.positioning.tasks.task(usize::from(number));
@@ -99,7 +99,7 @@ impl Drive {
         });
         if word.0 & (Stw1::JOG_1 | Stw1::JOG_2 | Stw1::REAL_TIME_JOG).0 != 0 {
             let jog = self.positioning.jog_of(word, || self.mdi(), &self.settings);
-            // A ramp of 0 is no ramp: the last one stays.
+            // A ramp of 0 is not a ramp: the last one stays.
             if jog.1.acceleration > 0.0 && jog.1.deceleration > 0.0 {
                 self.positioning.jog = jog;
             } else if self.positioning.machine.state() == PositionState::Basic {
@@ -129,7 +129,7 @@ impl Drive {
         if output.state.is_jogging() {
             positioning.target = None;
         }
-        // An edge of bit 6 without anybody who selects a task is no wish.
+        // An edge of bit 6 without a selected task is not a request.
         match task {
             Some((_, Err(refusal))) => positioning.flags.refuse(refusal),
             Some((_, Ok(_))) if output.effect() != PositionEffect::StartTask => {
@@ -162,7 +162,7 @@ impl Drive {
         self.position_warnings();
     }
 
-    /// The control word in force; the service channel has bits 4, 5 and 6 set.
+    /// Returns the control word in force; the service channel has bits 4, 5 and 6 set.
     const fn position_word(&self) -> Stw1 {
         match self.service {
             Service::Off => self.machine.word(),
@@ -183,7 +183,7 @@ impl Drive {
         }
     }
 
-    /// What the axis has to do in the next step in position mode.
+    /// Returns what the axis has to do in the next step in position mode.
     pub(in crate::drive) fn position_command(&mut self, seconds: f64) -> Command {
         let feedrate = self.feedrate();
         self.positioning

@@ -19,7 +19,7 @@ impl Units {
         }
     }
 
-    /// A value of the user in 2^-32 revolutions; what is too far away is the farthest.
+    /// Returns a value of the user in 2^-32 revolutions; what is too far away is the farthest.
     pub fn counts(self, value: f64) -> i64 {
         (value / self.per_revolution * REVOLUTION).round() as i64
     }
@@ -29,14 +29,14 @@ impl Units {
         counts as f64 / REVOLUTION * self.per_revolution
     }
 
-    /// How many units of the user one revolution has.
+    /// Returns how many units of the user one revolution has.
     pub const fn per_revolution(self) -> f64 {
         self.per_revolution
     }
 }
 
-/// Which way an absolute target of a modulo axis is gone to.
-/// Source: AKD PL.MODPDIR as the maker's page on modulo positions has it; that its values are in this order is ours.
+/// Which way an absolute target of a modulo axis is gone to. Source: AKD PL.MODPDIR as the vendor's page on modulo
+/// positions has it; that its values are in this order is ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::drive) enum Direction {
     /// Stays inside the range, never over its end.
@@ -70,7 +70,7 @@ pub(in crate::drive) struct Modulo {
 }
 
 impl Modulo {
-    /// The range between two ends, in whichever order; none when it is empty.
+    /// Returns the range between two ends, in whichever order; none when it is empty.
     pub fn new(one: i64, other: i64, direction: Direction) -> Option<Self> {
         let (low, high) = (one.min(other), one.max(other));
         let length = high.checked_sub(low).filter(|length| *length > 0)?;
@@ -81,18 +81,18 @@ impl Modulo {
         })
     }
 
-    /// The place in the range.
+    /// Returns the place in the range.
     pub const fn wrap(&self, position: i64) -> i64 {
         self.low
             .wrapping_add(position.wrapping_sub(self.low).rem_euclid(self.length))
     }
 
-    /// True for a target inside the range.
+    /// Returns true for a target inside the range.
     pub const fn contains(&self, target: i64) -> bool {
         target >= self.low && target.wrapping_sub(self.low) < self.length
     }
 
-    /// Where an absolute target lies for an axis that has turned to `position`.
+    /// Returns where an absolute target lies for an axis that has turned to `position`.
     pub const fn target(&self, position: i64, target: i64) -> i64 {
         let way = target.wrapping_sub(self.wrap(position));
         let way = match self.direction {

@@ -7,7 +7,8 @@ use super::{Bound, FOLLOWING, Life, TASKS, Trial};
 use crate::drive::position::units::REVOLUTION;
 
 impl Trial {
-    /// What the movement of this cycle may do, by what the drive says it does: speed and ramp that were set for it.
+    /// Returns the bounds of the movement in this cycle, by the reported state of the drive: speed and ramp that were
+    /// set for it.
     fn bound(&self) -> Bound {
         let home = Bound {
             speed: self.bench.read("HOME.V_32") as f64 / 1000.0 + 0.01,
@@ -24,7 +25,7 @@ impl Trial {
             }
             Some(PositionState::Homing | PositionState::HomingStop) => home,
             Some(PositionState::Jog1 | PositionState::Jog2) => self.jog,
-            // A ramp of 0 is no ramp: it goes on as before.
+            // A ramp of 0 is not a ramp: it goes on as before.
             Some(PositionState::RealTimeJog) if self.mdi_sent.ramp == 0.0 => self.moved,
             Some(PositionState::RealTimeJog) => {
                 // A ramp that became too flat for the way to the limit is made as steep as that takes.
@@ -76,7 +77,7 @@ impl Trial {
             .position(|state| Some(*state) == positioning);
         self.seen.states |= place.map_or(0, |place| 1 << place);
 
-        // The status word tells the truth.
+        // The status word matches the axis.
         assert_eq!(has(2), state == State::S4, "{}", self.here());
         assert_eq!(has(6), state == State::S1, "{}", self.here());
         assert_eq!(has(3), drive.has_fault(), "{}", self.here());

@@ -21,7 +21,7 @@ impl Trial {
 
     /// Back to S4 from wherever it is.
     pub fn enable(&mut self) {
-        // Nothing pulls an axis that nobody holds.
+        // No load acts on an axis without holding torque.
         self.bench.drive.set_load(0.0);
         self.bench.drive.axis.set_blocked(false);
         for word in [0x0430, 0x04B6, 0x0436, 0x0437, 0x043F] {
@@ -75,7 +75,7 @@ impl Trial {
         self.send(READY, 4);
     }
 
-    /// Asks for a task, by SATZANW or by MDI.
+    /// Requests a task, by SATZANW or by MDI.
     pub fn start(&mut self) {
         if self.random.one_in(2) {
             self.fill_mdi();
@@ -178,7 +178,7 @@ impl Trial {
         }
     }
 
-    /// Nothing interferes any more: each task that runs comes to its target, or tells why not.
+    /// Ends all interference: each running task reaches its target, or reports the cause.
     pub fn finish(&mut self) {
         self.bench.drive.set_load(0.0);
         self.bench.drive.axis.set_blocked(false);

@@ -1,7 +1,7 @@
 //! Random task lists and random interventions in virtual time: a thousand seeds.
 //!
 //! In every cycle the axis keeps to its limits, to the speeds and ramps that were set, and the status word is compared
-//! with what the axis really does. In the end each task has come to its target, or there is a reason that is told.
+//! with what the axis really does. In the end each task has come to its target, or there is a reason that is reported.
 
 use core::time::Duration;
 
@@ -115,7 +115,8 @@ struct Trial {
     moved: Bound,
     /// Speed of the reference in the last cycle.
     pace: f64,
-    /// The power stage went off while the axis turned: where it rolls to is nobody's fault, until it is inside again.
+    /// The power stage went off while the axis turned: limit violations while it coasts are not counted until it is
+    /// inside again.
     excused: bool,
     /// Where the reference was without a movement, in revolutions.
     rest: f64,
