@@ -33,7 +33,7 @@ struct Case {
 /// Commands that move an axis; `home` has no trial.
 const MOTIONS: [&str; 3] = ["run", "move", "jog"];
 
-const RUN: &[&str] = &["run", "drive-1", "--velocity", "600rpm"];
+const RUN: &[&str] = &["run", "drive-1", "--velocity", "600rpm", "--may-run-on"];
 
 const CASES: [Case; 5] = [
     Case {
@@ -46,7 +46,7 @@ const CASES: [Case; 5] = [
     Case {
         model: "vacon",
         settings: &["ID733=0"],
-        motion: &["jog", "drive-1", "--for", "60s"],
+        motion: &["jog", "drive-1", "--for", "60s", "--may-run-on"],
         accident: Accident::Killed,
         message: "",
     },
@@ -112,7 +112,7 @@ fn advice(report: &Value) -> Vec<String> {
         let verb = command.split(' ').next().unwrap_or_default();
         let command = if MOTIONS.contains(&verb) {
             let tried = command.replace("SPEED", "60rpm").replace("POSITION", "1rev");
-            format!("{tried} --dry-run")
+            format!("{tried} --may-run-on --dry-run")
         } else {
             command.to_owned()
         };

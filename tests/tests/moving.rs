@@ -93,7 +93,7 @@ fn a_drive_is_stopped_while_its_suspended_client_has_the_port_of_the_controller(
         let first = status.out.lines().next().unwrap_or_default();
         serde_json::from_str(first).unwrap_or_else(|error| panic!("{error}: {status:?}"))
     };
-    let mut run = start(&lab, &["run", "vlt-1", "--velocity", "20%"]);
+    let mut run = start(&lab, &["run", "vlt-1", "--velocity", "20%", "--may-run-on"]);
     run.wait_for("set    20.00 %", SHORT);
     run.signal("STOP");
     while !status()["controller"].is_null() {}
@@ -117,7 +117,7 @@ fn a_stop_needs_the_port_of_the_controller_and_no_parameters() {
     client(&lab, &["write", "vlt-1", "8-04=0"]).ok();
     let mut monitor = start(&lab, &["monitor", "vlt-1", "--json"]);
     monitor.wait_for("vlt-1", SHORT);
-    let mut run = start(&lab, &["run", "vlt-1", "--velocity", "20%"]);
+    let mut run = start(&lab, &["run", "vlt-1", "--velocity", "20%", "--may-run-on"]);
     run.wait_for("set    20.00 %", SHORT);
     monitor.signal("INT");
     run.signal("KILL");

@@ -47,7 +47,7 @@ fn the_program_uses_each_path_to_the_records() {
 
     // as a controller it is run all the same, and a second program leaves that one alone
     let arguments = ["-i", "ctl0", "run", "vlt-1", "--velocity", "20%", "--for", "4s"];
-    let calm = ["--cycle", "16ms", "--watchdog", "15"];
+    let calm = ["--cycle", "16ms", "--watchdog", "15", "--may-run-on"];
     let all: Vec<&str> = arguments.into_iter().chain(calm).collect();
     let mut run = lab.spawn(Side::Controller, built("profidrive"), all);
     run.wait_for("S4", Duration::from_secs(10));

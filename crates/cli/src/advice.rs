@@ -63,6 +63,7 @@ const fn option(choice: Choice) -> &'static str {
         Choice::Relative => "--relative",
         Choice::Percent => "--velocity 20%",
         Choice::ReferenceSpeed => "--reference-speed 1500rpm",
+        Choice::RunOn => "--may-run-on",
         _ => "another option",
     }
 }

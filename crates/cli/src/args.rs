@@ -227,6 +227,15 @@ pub struct Cyclic {
     pub watchdog: Option<u16>,
 }
 
+/// Options of commands that enable an axis.
+#[derive(Debug, Args)]
+pub struct Consent {
+    /// Move a drive that may run on when this program is killed or the line breaks, because a setting of the drive says so
+    /// (VLT 8-04, Vacon ID 733); without it the command refuses such a drive
+    #[arg(long)]
+    pub may_run_on: bool,
+}
+
 #[derive(Debug, Args)]
 pub struct Ack {
     /// Station name, IP address, MAC address, or fc:PORT/ADDRESS or uss:PORT/ADDRESS

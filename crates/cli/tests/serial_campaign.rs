@@ -67,7 +67,7 @@ fn advice(report: &Value, speed: &str) -> Vec<(String, bool)> {
     let command = |command: &str| {
         if ["run", "move", "jog"].contains(&command.split(' ').next().unwrap_or_default()) {
             let tried = command.replace("SPEED", speed).replace("POSITION", "1rev");
-            (format!("{tried} --dry-run"), false)
+            (format!("{tried} --dry-run --may-run-on"), false)
         } else {
             (command.to_owned(), true)
         }
@@ -132,8 +132,26 @@ fn advice_of_status_stops_an_ownerless_axis_on_a_serial_line() {
             let _drives = Simulated::start_model(&cable, model, &["--baud", "115200"]);
             let drive = format!("{},baud=115200", cable.drive("fc", 1));
             let line: &[&str] = match motion {
-                "run" => &["run", "--json", "--model", model, &drive, "--velocity", speed],
-                _ => &["jog", "--json", "--model", model, &drive, "--for", "20s"],
+                "run" => &[
+                    "run",
+                    "--may-run-on",
+                    "--json",
+                    "--model",
+                    model,
+                    &drive,
+                    "--velocity",
+                    speed,
+                ],
+                _ => &[
+                    "jog",
+                    "--may-run-on",
+                    "--json",
+                    "--model",
+                    model,
+                    &drive,
+                    "--for",
+                    "20s",
+                ],
             };
             let moving = Moving::begin(line);
             // any moment will do
@@ -151,7 +169,7 @@ fn a_frozen_client_is_named_with_what_to_do() {
     let cable = Cable::lay();
     let _drives = Simulated::start_model(&cable, "vlt", &["--baud", "115200"]);
     let drive = format!("{},baud=115200", cable.drive("fc", 1));
-    let moving = Moving::begin(&["run", "--json", &drive, "--velocity", "300rpm"]);
+    let moving = Moving::begin(&["run", "--may-run-on", "--json", &drive, "--velocity", "300rpm"]);
     moving.signal("STOP");
     let number = moving.0.id();
     for command in ["status", "stop"] {

@@ -131,7 +131,15 @@ fn every_command_over_both_protocols() {
         // a telegram of the network changes nothing here
         ok(&["write", &drive, "9-22=1"]);
         assert_eq!(values(&drive, &["9-22"])[0].as_f64(), Some(1.0));
-        let ran = ok(&["run", &drive, "--velocity", "300rpm", "--for", "500ms"]);
+        let ran = ok(&[
+            "run",
+            &drive,
+            "--velocity",
+            "300rpm",
+            "--for",
+            "500ms",
+            "--may-run-on",
+        ]);
         assert!(!stderr(&ran).contains("telegram"), "{}", stderr(&ran));
         assert!(
             stderr(&ran).contains("axis at rest, control released"),
@@ -140,7 +148,15 @@ fn every_command_over_both_protocols() {
         );
         // what is changed for a jog is as before afterwards; it is at rest already when somebody stops it
         let before = values(&drive, &["3-19"]);
-        let jogged = ok(&["jog", &drive, "--velocity", "200rpm", "--for", "500ms"]);
+        let jogged = ok(&[
+            "jog",
+            &drive,
+            "--velocity",
+            "200rpm",
+            "--for",
+            "500ms",
+            "--may-run-on",
+        ]);
         let printed = format!("{}{}", stdout(&jogged), stderr(&jogged));
         assert!(
             printed.contains("STW1 0x053C"),
@@ -334,7 +350,11 @@ fn follow_advice(drive: &str) {
             // what begins a motion is not begun, but it could be
             Some(&"run" | &"jog" | &"move") => {
                 let line = command.replace("SPEED", "60rpm").replace("POSITION", "1rev");
-                let words: Vec<&str> = line.split(' ').skip(1).chain(["--dry-run"]).collect();
+                let words: Vec<&str> = line
+                    .split(' ')
+                    .skip(1)
+                    .chain(["--dry-run", "--may-run-on"])
+                    .collect();
                 ok(&words);
             }
             _ => {
@@ -354,7 +374,7 @@ fn after_a_killed_run_the_drive_acts_per_parameter_8_04() {
     for (function, warned, left) in [("5", false, 0.0), ("0", true, 300.0)] {
         ok(&["write", &drive, &format!("8-04={function}"), "8-03=1s"]);
         let mut run = Command::new(env!("CARGO_BIN_EXE_profidrive"))
-            .args(["run", "--json", &drive, "--velocity", "300rpm"])
+            .args(["run", "--json", &drive, "--velocity", "300rpm", "--may-run-on"])
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -490,7 +510,15 @@ fn an_orderly_end_keeps_what_the_drive_counted() {
     let drives = Simulated::start_model(&cable, "vlt", &line);
     assert_eq!(values(&drive, &["15-03"])[0].as_f64(), Some(1.0));
     ok(&["write", &drive, "3-42=7s"]);
-    ok(&["run", &drive, "--velocity", "200rpm", "--for", "2s"]);
+    ok(&[
+        "run",
+        &drive,
+        "--velocity",
+        "200rpm",
+        "--for",
+        "2s",
+        "--may-run-on",
+    ]);
     drives.end_in_order();
     let running = counted("counter running");
     assert!((2..60).contains(&running), "{running}");
@@ -524,7 +552,15 @@ fn noise_wrong_checks_halves_and_echo_are_borne() {
         assert_eq!(values(&drive, &parameters), clean);
         ok(&["write", &drive, "3-41=4s"]);
         assert_eq!(values(&drive, &["3-41"])[0].as_f64(), Some(4.0));
-        ok(&["run", &drive, "--velocity", "200rpm", "--for", "1s"]);
+        ok(&[
+            "run",
+            &drive,
+            "--velocity",
+            "200rpm",
+            "--for",
+            "1s",
+            "--may-run-on",
+        ]);
         assert!(cable.spoiled() > 3, "{}", cable.spoiled());
     }
 }

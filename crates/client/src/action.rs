@@ -99,10 +99,12 @@ pub enum Choice {
     Percent,
     /// What 100 % of the reference is.
     ReferenceSpeed,
+    /// Consent to an axis that runs on when its controller is lost.
+    RunOn,
 }
 
 /// Every choice with its stable name.
-const CHOICES: [(&str, Choice); 9] = [
+const CHOICES: [(&str, Choice); 10] = [
     ("description", Choice::Description),
     ("model", Choice::Model),
     ("cycle", Choice::Cycle),
@@ -112,6 +114,7 @@ const CHOICES: [(&str, Choice); 9] = [
     ("relative", Choice::Relative),
     ("percent", Choice::Percent),
     ("reference-speed", Choice::ReferenceSpeed),
+    ("run-on", Choice::RunOn),
 ];
 
 impl Action {

@@ -335,6 +335,15 @@ pub enum Error {
         /// What brings it to rest.
         stop: Action,
     },
+    /// No setting of the drive stops the axis when its controller is lost, and the caller has not consented to that; nothing
+    /// was sent.
+    #[error("{drive} was not enabled: when its controller is lost, {reaction}")]
+    RunsOn {
+        /// The drive.
+        drive: String,
+        /// What the drive does, and the setting that decides.
+        reaction: Box<LossReaction>,
+    },
     /// The drive is at work, which this would disturb; nothing was sent.
     #[error("{drive} is not {undone}: {works}")]
     AtWork {

@@ -15,7 +15,7 @@ use profinet::cyclic::{CyclicStatistics, Timing};
 use serde_json::{Map, Value};
 
 use crate::advice;
-use crate::args::{Cyclic, Interface};
+use crate::args::{Consent, Cyclic, Interface};
 use crate::connect::{self, Live, Need};
 use crate::failure::{self, Exit, Failure};
 use crate::fields;
@@ -87,12 +87,13 @@ pub fn left(place: Option<f64>, now: Option<f64>) -> Option<f64> {
 const LEFT: f64 = 0.01;
 
 /// The settings of an axis.
-pub fn settings(cyclic: &Cyclic, purpose: Purpose, limit: f64) -> AxisSettings {
+pub fn settings(cyclic: &Cyclic, consent: &Consent, purpose: Purpose, limit: f64) -> AxisSettings {
     AxisSettings {
         purpose,
         cycle: cyclic.cycle,
         watchdog: cyclic.watchdog,
         speed_limit: limit,
+        may_run_on: consent.may_run_on,
         ..AxisSettings::default()
     }
 }
@@ -197,26 +198,25 @@ const fn mode_number(mode: Mode) -> u8 {
     }
 }
 
-/// Says beforehand that the drive will not stop by itself when this program is gone.
+/// Refuses a drive that may run on when this program is gone, unless that is consented to; then it is a warning.
 pub fn report_controller_loss(
     session: &mut Live,
     drive: &mut Drive,
+    consent: &Consent,
     command: &str,
     output: &Output,
 ) -> Result<(), Failure> {
     let loss = session.loss_reaction(drive).wait()?;
+    loss.permit(drive, consent.may_run_on)?;
     if loss.action.stops() {
         return Ok(());
     }
-    let (Some(parameter), Some(setting)) = (&loss.parameter, &loss.setting) else {
-        return Ok(());
-    };
     let label = drive.label();
     let remedy = loss.remedy.as_ref();
     if output.json() {
         let command_line = remedy.and_then(|action| advice::command(action, &label));
         let reaction = fields! {
-            "parameter": parameter.as_str(), "setting": setting.as_str(), "action": loss.action.id(),
+            "parameter": loss.parameter.as_deref(), "setting": loss.setting.as_deref(), "action": loss.action.id(),
             "advice": command_line,
         };
         output.event(command, fields! { "goes_on_alone": reaction });
@@ -225,11 +225,15 @@ pub fn report_controller_loss(
         LossAction::KeepsTurning => "the drive goes on",
         _ => "it is not known whether the drive stops",
     };
+    let setting = match (&loss.parameter, &loss.setting) {
+        (Some(parameter), Some(setting)) => format!("{parameter} is {setting}: "),
+        _ => String::new(),
+    };
     let advice = remedy
         .and_then(|action| advice::sentence(action, &label))
         .map_or_else(String::new, |advice| format!("; {advice}"));
     output.warn(&format!(
-        "{parameter} is {setting}: should this program be killed or the line break, {does}{advice}"
+        "{setting}should this program be killed or the line break, {does}{advice}"
     ));
     Ok(())
 }

@@ -8,7 +8,7 @@ use client::{Drive, Error, Wait};
 use profile::state::Mode;
 
 use super::axis::{self, End, SetMode};
-use crate::args::{Cyclic, Interface, duration};
+use crate::args::{Consent, Cyclic, Interface, duration};
 use crate::connect::Live;
 use crate::failure::Failure;
 use crate::fields;
@@ -28,6 +28,8 @@ pub struct Home {
     #[command(flatten)]
     pub mode: SetMode,
     #[command(flatten)]
+    pub consent: Consent,
+    #[command(flatten)]
     pub cyclic: Cyclic,
 }
 
@@ -41,8 +43,9 @@ pub fn run(args: &Home, interface: &Interface, output: &Output) -> Result<(), Fa
 
 fn go(args: &Home, session: &mut Live, drive: &mut Drive, output: &Output) -> Result<(), Failure> {
     const END: End = End::Target("the axis is not homed");
+    axis::report_controller_loss(session, drive, &args.consent, "home", output)?;
     let procedure = procedure(session, drive)?;
-    let settings = axis::settings(&args.cyclic, Purpose::Home, f64::INFINITY);
+    let settings = axis::settings(&args.cyclic, &args.consent, Purpose::Home, f64::INFINITY);
     let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} homes{procedure}, telegram {}; Ctrl-C stops it",

@@ -11,7 +11,7 @@ use profile::value::{Assignment, Content, Parameters, Reading, Selection};
 use super::axis::{self, End};
 use super::dry_run;
 use super::limit;
-use crate::args::{Cyclic, Interface, duration};
+use crate::args::{Consent, Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::fields;
@@ -42,6 +42,8 @@ pub struct Jog {
     /// Check and show, but take no control and move nothing
     #[arg(long)]
     pub dry_run: bool,
+    #[command(flatten)]
+    pub consent: Consent,
     #[command(flatten)]
     pub cyclic: Cyclic,
 }
@@ -113,13 +115,13 @@ fn try_out(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    axis::report_controller_loss(session, drive, "jog", output)?;
+    axis::report_controller_loss(session, drive, &args.consent, "jog", output)?;
     let purpose = if args.real_time {
         Purpose::RealTimeJog
     } else {
         Purpose::Jog
     };
-    let settings = axis::settings(&args.cyclic, purpose, limit);
+    let settings = axis::settings(&args.cyclic, &args.consent, purpose, limit);
     let tried = dry_run::axis(session, drive, &settings, None, output)?;
     let speed = match wanted.filter(|_| args.real_time) {
         Some(speed) => real_time_speed(session, drive, speed, limit, output)?,
@@ -181,12 +183,12 @@ fn go(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    axis::report_controller_loss(session, drive, "jog", output)?;
+    axis::report_controller_loss(session, drive, &args.consent, "jog", output)?;
     let facts = session.motion_facts(drive).wait()?;
     if let Some(wanted) = &args.velocity {
         limit::jog(axis::rpm(wanted, "--velocity")?, &facts, drive)?;
     }
-    let settings = axis::settings(&args.cyclic, Purpose::Jog, limit);
+    let settings = axis::settings(&args.cyclic, &args.consent, Purpose::Jog, limit);
     let mut axis = session.take_axis(drive, settings).wait()?;
     let (inner, own) = axis.session();
     let JogSpeed {
@@ -278,10 +280,10 @@ fn real_time(
     drive: &mut Drive,
     output: &Output,
 ) -> Result<(), Failure> {
-    axis::report_controller_loss(session, drive, "jog", output)?;
+    axis::report_controller_loss(session, drive, &args.consent, "jog", output)?;
     axis::warn_switch(speed, &session.motion_facts(drive).wait()?, output);
     real_time_speed(session, drive, speed, limit, output)?;
-    let settings = axis::settings(&args.cyclic, Purpose::RealTimeJog, limit);
+    let settings = axis::settings(&args.cyclic, &args.consent, Purpose::RealTimeJog, limit);
     let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} jogs at {} rpm for {} s (real-time jogging, telegram {}); Ctrl-C stops it",

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use client::axis::Purpose;
-use client::{Drive, Error, Session, Snapshot, Wait};
+use client::{AxisSettings, Drive, Error, Session, Snapshot, Wait};
 use profile::notation::ParameterReference;
 use profile::state::{State, Zsw1};
 use profile::value::{ParameterProblem, Selection};
@@ -51,7 +51,12 @@ pub fn ack(args: &Ack, interface: &Interface, output: &Output) -> Result<(), Fai
         Err(error) => return Err(error.into()),
     }
     output.say("acknowledging by an edge of STW1 bit 7");
-    let settings = axis::settings(&args.cyclic, Purpose::Control, 0.0);
+    let settings = AxisSettings {
+        speed_limit: 0.0,
+        cycle: args.cyclic.cycle,
+        watchdog: args.cyclic.watchdog,
+        ..AxisSettings::for_purpose(Purpose::Control)
+    };
     let mut axis = session.take_axis(&mut drive, settings).wait()?;
     axis::watch(&mut axis, "ack", false, output);
     let result = axis

@@ -10,7 +10,7 @@ use profile::state::Mode;
 use serde_json::{Map, Value};
 
 use super::axis::{self, End, SetMode};
-use crate::args::{Cyclic, Interface, duration};
+use crate::args::{Consent, Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::fields;
@@ -53,6 +53,8 @@ pub struct Move {
     #[command(flatten)]
     pub mode: SetMode,
     #[command(flatten)]
+    pub consent: Consent,
+    #[command(flatten)]
     pub cyclic: Cyclic,
 }
 
@@ -69,6 +71,7 @@ pub fn run(args: &Move, interface: &Interface, output: &Output) -> Result<(), Fa
     }
     if args.dry_run {
         let plan = session.plan_move(&mut drive, &order, limit).wait()?;
+        axis::report_controller_loss(&mut session, &mut drive, &args.consent, "move", output)?;
         session.close().wait()?;
         output.say(&format!(
             "dry run: {} {}; nothing moves",
@@ -96,7 +99,8 @@ fn go(
     const END: End = End::Target("the target was not reached");
     let plan = session.plan_move(drive, order, limit).wait()?;
     permitted(&plan, drive)?;
-    let settings = axis::settings(&args.cyclic, Purpose::Move, limit);
+    axis::report_controller_loss(session, drive, &args.consent, "move", output)?;
+    let settings = axis::settings(&args.cyclic, &args.consent, Purpose::Move, limit);
     let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} {}, telegram {}; Ctrl-C stops it",

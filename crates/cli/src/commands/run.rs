@@ -13,7 +13,7 @@ use profile::telegram::DANFOSS;
 use super::axis::{self, End, SetMode};
 use super::dry_run;
 use super::limit::{above, too_fast};
-use crate::args::{Cyclic, Interface, duration};
+use crate::args::{Consent, Cyclic, Interface, duration};
 use crate::connect::{self, Live, Need};
 use crate::failure::Failure;
 use crate::fields;
@@ -49,6 +49,8 @@ pub struct Run {
     pub dry_run: bool,
     #[command(flatten)]
     pub mode: SetMode,
+    #[command(flatten)]
+    pub consent: Consent,
     #[command(flatten)]
     pub cyclic: Cyclic,
 }
@@ -188,7 +190,7 @@ fn settings(args: &Run, wish: &Wish, drive: &Drive) -> Result<AxisSettings, Fail
         telegram: args.telegram.map(|name| name.number(drive)).transpose()?,
         unit: wish.unit,
         reference_speed: wish.reference_speed,
-        ..axis::settings(&args.cyclic, Purpose::Speed, wish.limit)
+        ..axis::settings(&args.cyclic, &args.consent, Purpose::Speed, wish.limit)
     })
 }
 
@@ -215,7 +217,7 @@ fn permitted(
             return Err(too_fast(speed, limit, drive));
         }
     }
-    axis::report_controller_loss(session, drive, "run", output)
+    axis::report_controller_loss(session, drive, &args.consent, "run", output)
 }
 
 fn go(

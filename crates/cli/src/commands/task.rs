@@ -9,7 +9,7 @@ use client::axis::Purpose;
 use profile::state::Mode;
 
 use super::axis::{self, End, SetMode};
-use crate::args::{Cyclic, Interface, duration};
+use crate::args::{Consent, Cyclic, Interface, duration};
 use crate::connect::Live;
 use crate::failure::Failure;
 use crate::fields;
@@ -28,6 +28,8 @@ pub struct Task {
     #[command(flatten)]
     pub mode: SetMode,
     #[command(flatten)]
+    pub consent: Consent,
+    #[command(flatten)]
     pub cyclic: Cyclic,
 }
 
@@ -44,7 +46,8 @@ fn go(args: &Task, session: &mut Live, drive: &mut Drive, output: &Output) -> Re
     session.check_mode(drive, Mode::Position).wait()?;
     session.check_control(drive).wait()?;
     session.check_task(drive, args.number).wait()?;
-    let settings = axis::settings(&args.cyclic, Purpose::Task, f64::INFINITY);
+    axis::report_controller_loss(session, drive, &args.consent, "task", output)?;
+    let settings = axis::settings(&args.cyclic, &args.consent, Purpose::Task, f64::INFINITY);
     let mut axis = session.take_axis(drive, settings).wait()?;
     output.say(&format!(
         "this moves the axis: {} carries out its motion task {}, telegram {}; Ctrl-C stops it",

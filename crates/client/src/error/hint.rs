@@ -9,7 +9,7 @@ use profinet::wire::dcp::BlockError;
 
 use super::Error;
 use crate::axis::{Objection, SpeedUnit, Trouble};
-use crate::session::LocalControl;
+use crate::session::{LocalControl, LossReaction};
 use crate::{Action, Advice, Choice, Drive};
 
 impl Error {
@@ -246,6 +246,7 @@ impl Error {
             Self::NotEnabled { .. } => "enable it again".into(),
             Self::Objections { objections, .. } => of_each(objections)?,
             Self::NotInTime { .. } => "{choose time} gives it more time; {status} tells what holds it".into(),
+            Self::RunsOn { reaction, .. } => runs_on(reaction),
             Self::SpeedLimit { .. } => "raise the limit with {choose speed-limit} if the machine allows it".into(),
             Self::NoAnswer { telegrams, noise, .. } => match (telegrams, noise) {
                 (0, 0) => "check that the drive is on, its address and protocol (VLT: 8-30, 8-31), A and B of the wire",
@@ -277,6 +278,22 @@ fn of_each(objections: &[Objection]) -> Option<Advice> {
 /// Faulty IOCRBlockReq: send clock, reduction ratio.
 const fn faulty_timing(status: PnioStatus) -> bool {
     status.code1 == 2 && matches!(status.code2, 10 | 11)
+}
+
+/// The setting that stops the axis, or the consent.
+fn runs_on(reaction: &LossReaction) -> Advice {
+    let stops = |remedy: &Action| {
+        let name = match remedy {
+            Action::Write {
+                meaning: Some(meaning),
+                ..
+            } => format!(" ({meaning})"),
+            _ => String::new(),
+        };
+        Advice::from(remedy.clone()).and(format!(" makes it stop then{name}"))
+    };
+    let remedy = reaction.remedy.as_ref().map_or_else(Advice::default, stops);
+    remedy.then("{choose run-on} accepts that it may run on".into())
 }
 
 #[cfg(test)]

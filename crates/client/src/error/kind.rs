@@ -110,6 +110,7 @@ impl Error {
             Self::AtWork { .. }
             | Self::LocalOperation { .. }
             | Self::Ownerless { .. }
+            | Self::RunsOn { .. }
             | Self::SpeedLimit { .. }
             | Self::SpeedRange { .. }
             | Self::Objections { .. }

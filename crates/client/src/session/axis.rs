@@ -52,6 +52,9 @@ pub struct AxisSettings {
     /// How long the axis stays in operation without a call: then it is brought to rest along its ramp, whatever became of
     /// the program. Every call for the axis that waits puts that off, and so does [`Axis::renew`].
     pub lease: Duration,
+    /// Consent to enable an axis that no setting of the drive stops when its controller is lost: after a broken line or the
+    /// death of this program nothing stops it. Without it such an axis is not taken for a motion ([`Error::RunsOn`]).
+    pub may_run_on: bool,
 }
 
 impl Default for AxisSettings {
@@ -66,6 +69,7 @@ impl Default for AxisSettings {
             speed_limit: 3000.0,
             stop: Duration::from_secs(10),
             lease: Duration::from_secs(5),
+            may_run_on: false,
         }
     }
 }
@@ -360,8 +364,11 @@ impl Axis {
     /// Setpoints are preset first: speed 0, target of a move where the axis is.
     ///
     /// # Errors
-    /// Trouble with the motion before that nobody was told of yet, and as [`ready`](Self::ready).
+    /// [`Error::RunsOn`] without the consent that the drive requires, trouble with the motion before that nobody was told
+    /// of yet, and as [`ready`](Self::ready).
     pub async fn enable(&mut self) -> Result<Enabled<'_>, Error> {
+        // an axis of `Purpose::Control` is taken without this check
+        self.loss.permit(&self.drive, self.settings.may_run_on)?;
         self.check_reported().await?;
         self.target = None;
         self.reach(Goal::Enabled).await?;

@@ -74,6 +74,27 @@ impl LossReaction {
         commands: false,
         remedy: None,
     };
+
+    /// Whether the axis may run on after the loss of its controller by a setting of the drive. False where nothing is known
+    /// of the drive: no setting could be named that changes it.
+    #[must_use]
+    pub const fn runs_on(&self) -> bool {
+        !self.action.stops() && self.parameter.is_some()
+    }
+
+    /// Refuses to enable an axis that runs on without consent.
+    ///
+    /// # Errors
+    /// [`Error::RunsOn`].
+    pub fn permit(&self, drive: &Drive, may_run_on: bool) -> Result<(), Error> {
+        if may_run_on || !self.runs_on() {
+            return Ok(());
+        }
+        Err(Error::RunsOn {
+            drive: drive.label(),
+            reaction: Box::new(self.clone()),
+        })
+    }
 }
 
 impl fmt::Display for LossReaction {

@@ -4,7 +4,7 @@
 use crate::bench::shared::On;
 use std::time::Duration;
 
-use crate::bench::{bench_of, find, ip, parts_of};
+use crate::bench::{bench_of, find, ip, parts_of, running_on};
 use network::host::Host;
 use network::segment::SegmentMedium;
 use profidrive_client::axis::Purpose;
@@ -61,7 +61,7 @@ fn a_default_connection_outlives_a_busy_pc() {
     for (number, _) in (1..).zip(ids) {
         let mut drive = find(&mut session, &format!("drive-{number}")).expect("there");
         let mut axis = session
-            .take_axis(&mut drive, AxisSettings::default())
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .expect("connected");
         assert_eq!(axis.cycle(), MS * 16);
@@ -88,7 +88,7 @@ fn a_cycle_the_pc_cannot_keep_is_detected_before_enabling() {
         let settings = AxisSettings {
             cycle,
             watchdog,
-            ..AxisSettings::for_purpose(purpose)
+            ..running_on(purpose)
         };
         let axis = session.take_axis(&mut drive, settings).wait().expect("connected");
         let strained = axis.strained();
@@ -129,7 +129,7 @@ fn update_times_are_those_of_the_device_description() {
     for (allowed, cycle) in [(times(&[1, 2, 4, 8]), MS * 8), (times(&[32, 64]), MS * 32)] {
         drive.vendor_timings = allowed;
         let axis = session
-            .take_axis(&mut drive, AxisSettings::default())
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .expect("connected");
         assert_eq!(axis.cycle(), cycle);
@@ -137,7 +137,7 @@ fn update_times_are_those_of_the_device_description() {
     }
     let asked = AxisSettings {
         cycle: Some(MS * 4),
-        ..AxisSettings::default()
+        ..running_on(Purpose::Speed)
     };
     let error = session
         .take_axis(&mut drive, asked)

@@ -6,6 +6,7 @@
 // helpers of tests fail by panicking, like the tests themselves
 #![allow(clippy::panic, clippy::unwrap_used)]
 
+use crate::bench::running_on;
 use crate::bench::shared::On;
 use std::time::Duration;
 
@@ -144,7 +145,7 @@ fn settings_for(drive: &Drive, purpose: Purpose) -> AxisSettings {
     let known = drive.model.catalogue.is_some() && !drive.is_on_line();
     AxisSettings {
         reference_speed: (!known).then_some(1500.0),
-        ..AxisSettings::for_purpose(purpose)
+        ..running_on(purpose)
     }
 }
 
@@ -195,7 +196,7 @@ fn carry_out(session: &mut On<World>, drive: &mut Drive, action: &Action) -> Res
         Action::Stop => stop(StopWay::Stop),
         Action::Disable => stop(StopWay::Disable),
         Action::Acknowledge => {
-            let settings = AxisSettings::for_purpose(Purpose::Control);
+            let settings = running_on(Purpose::Control);
             let mut axis = session.take_axis(drive, settings).wait()?;
             axis.ready_or_fault().wait()?;
             axis.acknowledge().wait()?;

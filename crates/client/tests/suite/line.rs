@@ -3,8 +3,9 @@
 use std::time::Duration;
 
 use crate::bench::line::{AtLine, Bench, Line, bench, bench_of, find};
+use crate::bench::running_on;
 use profidrive_client::axis::Purpose;
-use profidrive_client::{AxisSettings, Drive, Error, StopWay, Wait, WriteMode};
+use profidrive_client::{Drive, Error, StopWay, Wait, WriteMode};
 use profile::model::Model;
 use profile::notation::ParameterReference;
 use profile::pkw::PkwErrorNumber;
@@ -96,7 +97,7 @@ fn an_axis_runs_and_is_brought_to_rest() {
     ] {
         let (mut session, bus) = bench(protocol, &[1], Line::default());
         let mut drive = find(&mut session, name).unwrap();
-        let settings = AxisSettings::for_purpose(Purpose::Speed);
+        let settings = running_on(Purpose::Speed);
         let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
         let mut enabled = axis.enable().wait().unwrap();
         enabled.run(150.0).wait().unwrap();
@@ -124,7 +125,7 @@ fn telegrams_for_moves_are_not_on_a_line() {
         .wait()
         .unwrap();
     let error = session
-        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Move))
+        .take_axis(&mut drive, running_on(Purpose::Move))
         .wait()
         .unwrap_err();
     assert!(matches!(error, Error::Telegram { .. }), "{error}");
@@ -170,7 +171,7 @@ fn noise_halves_and_echo_change_no_value() {
     assert!(heard.checksums + heard.broken + heard.noise > 10, "{heard:?}");
     // and an axis stays under control
     let mut axis = session
-        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .take_axis(&mut drive, running_on(Purpose::Speed))
         .wait()
         .unwrap();
     let mut enabled = axis.enable().wait().unwrap();
@@ -186,7 +187,7 @@ fn a_cut_line_is_reported_soon_and_the_drive_stops() {
     let (mut session, bus) = bench(Protocol::Fc, &[1], Line::default());
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     let mut axis = session
-        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .take_axis(&mut drive, running_on(Purpose::Speed))
         .wait()
         .unwrap();
     let mut enabled = axis.enable().wait().unwrap();
@@ -230,7 +231,7 @@ fn a_stop_reaches_a_drive_that_missed_frames() {
     }
     let mut drive = find(&mut session, "fc:/dev/ttyX/1").unwrap();
     let mut axis = session
-        .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+        .take_axis(&mut drive, running_on(Purpose::Speed))
         .wait()
         .unwrap();
     let mut enabled = axis.enable().wait().unwrap();
@@ -338,7 +339,7 @@ fn a_vlt_runs_by_the_words_that_8_10_chooses() {
             .write(&mut drive, &[chosen], WriteMode::Write)
             .wait()
             .unwrap();
-        let settings = AxisSettings::for_purpose(Purpose::Speed);
+        let settings = running_on(Purpose::Speed);
         let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
         let mut enabled = axis.enable().wait().unwrap();
         enabled.run(300.0).wait().unwrap();
@@ -373,7 +374,7 @@ fn converters_at_a_line_are_stopped_and_acknowledged_by_control_word() {
         let (mut session, bus) = bench_of(model, protocol, &[1], Line::default());
         let found = find(&mut session, name).unwrap();
         let mut drive = found.as_model(Model::by_name(model.catalogue.model).unwrap());
-        let settings = AxisSettings::for_purpose(Purpose::Speed);
+        let settings = running_on(Purpose::Speed);
         let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
         let mut enabled = axis.enable().wait().unwrap();
         enabled.run(300.0).wait().unwrap();
@@ -408,7 +409,7 @@ fn converters_at_a_line_are_stopped_and_acknowledged_by_control_word() {
             report.present().map(|fault| fault.number).collect()
         };
         assert_eq!(present(&mut session, &mut drive), [number], "{name}");
-        let settings = AxisSettings::for_purpose(Purpose::Control);
+        let settings = running_on(Purpose::Control);
         let mut axis = session.take_axis(&mut drive, settings).wait().unwrap();
         axis.ready_or_fault().wait().unwrap();
         axis.acknowledge().wait().unwrap();

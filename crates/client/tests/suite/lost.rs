@@ -1,10 +1,12 @@
 //! A connection that is lost while an axis stops, in virtual time.
 
+use crate::bench::running_on;
 use crate::bench::shared::Shared;
 use std::time::Duration;
 
 use crate::bench::watched::bench;
 use crate::bench::world::{Accident, Transport, World};
+use profidrive_client::axis::Purpose;
 use profidrive_client::{Action, AxisSettings, Error, Wait, WriteMode};
 use profile::value::Assignment;
 use virtual_drive::model;
@@ -31,7 +33,7 @@ fn a_connection_lost_on_the_ramp_is_no_success() {
     });
     let mut axis = bench
         .session
-        .take_axis(&mut bench.drive, AxisSettings::default())
+        .take_axis(&mut bench.drive, running_on(Purpose::Speed))
         .wait()
         .expect("connected");
     let mut enabled = axis.enable().wait().expect("enabled");
@@ -63,7 +65,7 @@ fn a_medium_that_fails_before_cyclic_data_names_the_drive() {
             world.plan(at, Accident::Killed);
             let settings = AxisSettings {
                 reference_speed: Some(1500.0),
-                ..AxisSettings::default()
+                ..running_on(Purpose::Speed)
             };
             let Err(error) = session.take_axis(&mut drive, settings).wait().map(|_| ()) else {
                 continue;

@@ -17,6 +17,7 @@ mod ownerless;
 mod positioning;
 mod reach;
 mod reporting;
+mod run_on;
 mod session;
 mod set_mode;
 mod strange;

@@ -8,15 +8,13 @@ use std::panic::AssertUnwindSafe;
 use std::time::Duration;
 
 use crate::bench::shared::Shared;
-use crate::bench::{Bench, bench_of, find, ip, is_at_rest, select};
+use crate::bench::{Bench, bench_of, find, ip, is_at_rest, running_on, select};
 use futures::FutureExt;
 use futures::future::{join, join_all};
 use network::host::{Host, StationId};
 use network::segment::Conditions;
 use profidrive_client::axis::{Purpose, Trouble};
-use profidrive_client::{
-    Axis, AxisSettings, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World,
-};
+use profidrive_client::{Axis, DriveAddress, Enabled, Error, Session, StopHandle, StopWay, Wait, World};
 use profinet::device::Stored;
 use profinet::{Instant, MacAddress};
 use virtual_drive::model;
@@ -74,7 +72,7 @@ fn plant() -> (Bench, Vec<StationId>) {
 async fn taken(session: &mut Session, number: u8) -> Axis {
     let address: DriveAddress = name(number).parse().expect("an address");
     let mut drive = session.find(&address).await.expect("there");
-    let settings = AxisSettings::for_purpose(Purpose::Speed);
+    let settings = running_on(Purpose::Speed);
     let axis = session.take_axis(&mut drive, settings).await;
     axis.unwrap_or_else(|error| panic!("{}: {error}", name(number)))
 }
@@ -409,7 +407,7 @@ fn take_axis_fails_after_the_network_is_left() {
     let mut drive = session.find(&address).wait().expect("there");
     let leaving = std::thread::spawn(move || drop(network));
     let error = loop {
-        match session.take_axis(&mut drive, AxisSettings::default()).wait() {
+        match session.take_axis(&mut drive, running_on(Purpose::Speed)).wait() {
             Ok(axis) => drop(axis),
             Err(error) => break error,
         }

@@ -7,7 +7,7 @@ mod without_tables;
 
 use std::time::Duration;
 
-use crate::bench::{Bench, bench_of, find, ip, select, with_drive};
+use crate::bench::{Bench, bench_of, find, ip, running_on, select, with_drive};
 use network::host::Host;
 use profidrive_client::axis::{Jog, Purpose, SpeedUnit};
 use profidrive_client::backup::{Backup, Choice, Journal, compare};

@@ -1,5 +1,6 @@
 //! Drives that are in operation though nobody commands them any more, in virtual time: who may stop them, and how.
 
+use crate::bench::running_on;
 use crate::bench::shared::On;
 use std::time::Duration;
 
@@ -25,7 +26,7 @@ fn settings(drive: &Drive, purpose: Purpose) -> AxisSettings {
     AxisSettings {
         // what a drive does not report over its line
         reference_speed: drive.is_on_line().then_some(1500.0),
-        ..AxisSettings::for_purpose(purpose)
+        ..running_on(purpose)
     }
 }
 
@@ -112,7 +113,7 @@ fn a_drive_that_turns_backwards_by_a_bit_of_its_vendor_is_not_reversed() {
         assert!(before < -500.0, "{before}");
         let (mut session, mut drive) = world.client("vlt", Transport::Fc, 2).expect("found");
         let mut axis = session
-            .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Control))
+            .take_axis(&mut drive, running_on(Purpose::Control))
             .wait()
             .expect("taken over");
         axis.hold(SECOND * 2)
@@ -270,7 +271,7 @@ fn local_control_is_refused_with_who_has_it() {
         world.pass(SECOND * 6);
         let (mut session, mut drive) = world.client(name, Transport::Profinet, 1).expect("found");
         let error = session
-            .take_axis(&mut drive, AxisSettings::default())
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .map(|_| ())
             .expect_err("local");
@@ -431,7 +432,7 @@ fn a_connection_loss_message_describes_the_reaction_of_the_drive() {
         set(&world, setting);
         let (mut session, mut drive) = world.client(name, Transport::Profinet, 1).expect("found");
         let mut axis = session
-            .take_axis(&mut drive, AxisSettings::default())
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .expect("free");
         assert_eq!(axis.loss_reaction().action, action, "{setting}");
@@ -477,7 +478,7 @@ fn a_lost_connection_is_never_a_mistake_of_the_caller() {
     let world = World::new(&model::AKD, Transport::Profinet, 7);
     let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
     let mut axis = session
-        .take_axis(&mut drive, AxisSettings::default())
+        .take_axis(&mut drive, running_on(Purpose::Speed))
         .wait()
         .expect("free");
     let mut enabled = axis.enable().wait().expect("enabled");
@@ -589,7 +590,7 @@ fn a_drive_that_is_to_be_taken_over_needs_raw_frames() {
     }
     assert!(session.now() - begin < SECOND * 2, "no connection was tried");
     let plan = session
-        .plan_axis(&mut drive, &AxisSettings::for_purpose(Purpose::Control))
+        .plan_axis(&mut drive, &running_on(Purpose::Control))
         .wait();
     assert!(matches!(plan, Err(Error::NeedsRawFrames { .. })), "{plan:?}");
     assert!(world.speed() > 500.0, "{}", world.speed());
@@ -713,7 +714,7 @@ fn percent_is_enough() {
     let wanted = AxisSettings {
         unit: SpeedUnit::Percent,
         speed_limit: 100.0,
-        ..AxisSettings::for_purpose(Purpose::Speed)
+        ..running_on(Purpose::Speed)
     };
     let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
     axis.enable()

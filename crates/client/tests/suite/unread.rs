@@ -1,5 +1,6 @@
 //! Stopping a drive whose parameters cannot be read, in virtual time: control word and status word are enough.
 
+use crate::bench::running_on;
 use crate::bench::shared::On;
 use std::time::Duration;
 
@@ -46,7 +47,7 @@ fn left_running(
     let wanted = AxisSettings {
         reference_speed: drive.is_on_line().then_some(1500.0),
         telegram,
-        ..AxisSettings::for_purpose(Purpose::Speed)
+        ..running_on(Purpose::Speed)
     };
     let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
     let mut enabled = axis.enable().wait().expect("enabled");
@@ -177,7 +178,7 @@ fn the_profile_on_a_line_is_recognised_by_the_status_word() {
 fn a_drive_with_an_owner_is_not_taken_over_without_its_parameters() {
     let world = World::new(&model::VLT, Transport::Profinet, 7);
     let (mut session, mut drive) = world.client("vlt", Transport::Profinet, 1).expect("found");
-    let wanted = AxisSettings::for_purpose(Purpose::Speed);
+    let wanted = running_on(Purpose::Speed);
     let mut axis = session.take_axis(&mut drive, wanted).wait().expect("free");
     let mut enabled = axis.enable().wait().expect("enabled");
     enabled.reach_speed(600.0, None).wait().expect("runs");
@@ -213,7 +214,7 @@ fn a_motion_does_not_wait_for_parameters() {
         let world = World::new(&model::AKD, Transport::Profinet, 7);
         let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
         let mut axis = session
-            .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .expect("free");
         let mut enabled = axis.enable().wait().expect("enabled");
@@ -258,7 +259,7 @@ fn a_stop_by_parameter_that_is_not_answered_is_one_by_the_control_word() {
         let world = World::new(&model::AKD, Transport::Profinet, 7);
         let (mut session, mut drive) = world.client("akd", Transport::Profinet, 1).expect("found");
         let mut axis = session
-            .take_axis(&mut drive, AxisSettings::for_purpose(Purpose::Speed))
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .expect("free");
         let mut enabled = axis.enable().wait().expect("enabled");

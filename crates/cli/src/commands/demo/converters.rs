@@ -37,8 +37,8 @@ struct Act {
     telegram: u16,
     words: Profile,
     page: &'static [&'static str],
-    /// Written through the client before it runs.
-    setting: &'static str,
+    /// Written through the client before it runs; the first one makes it stop when its controller is lost.
+    settings: &'static [&'static str],
     /// Reference in percent.
     reference: f64,
     fault: u16,
@@ -49,7 +49,7 @@ const VLT: Act = Act {
     telegram: 101,
     words: Profile::DanfossFc,
     page: &["1-20", "1-23", "3-03", "3-41", "16-30", "15-40"],
-    setting: "3-42=1s",
+    settings: &["8-04=5", "3-42=1s"],
     reference: 50.0,
     fault: 9,
 };
@@ -58,7 +58,7 @@ const VACON: Act = Act {
     telegram: 149,
     words: Profile::VaconPpo,
     page: &["ID 103", "ID 104", "ID 107", "ID 110"],
-    setting: "ID104=1s",
+    settings: &["ID733=2", "ID103=1s", "ID104=1s"],
     reference: 25.0,
     fault: 1,
 };
@@ -75,7 +75,7 @@ pub fn play(
     show: &mut Show,
 ) -> Result<(), Error> {
     let mut drive = introduce(session, &VLT, show)?;
-    settings(session, &mut drive, &VLT, &[], show)?;
+    settings(session, &mut drive, &VLT, show)?;
     let mut line = Line::connect((session, world), &drive, &VLT, show)?;
     let result = line.by_pkw(show).and_then(|()| {
         line.run(&VLT, show)?;
@@ -83,7 +83,7 @@ pub fn play(
     });
     line.end(result)?;
     let mut drive = introduce(session, &VACON, show)?;
-    settings(session, &mut drive, &VACON, &["ID103=1s"], show)?;
+    settings(session, &mut drive, &VACON, show)?;
     let mut line = Line::connect((session, world), &drive, &VACON, show)?;
     let result = line
         .run(&VACON, show)
@@ -103,15 +103,9 @@ fn introduce(session: &mut Session, act: &Act, show: &mut Show) -> Result<Drive,
     Ok(drive)
 }
 
-fn settings(
-    session: &mut Session,
-    drive: &mut Drive,
-    act: &Act,
-    more: &[&str],
-    show: &mut Show,
-) -> Result<(), Error> {
+fn settings(session: &mut Session, drive: &mut Drive, act: &Act, show: &mut Show) -> Result<(), Error> {
     page(session, drive, act.page, show)?;
-    for setting in more.iter().chain([&act.setting]) {
+    for setting in act.settings {
         let outcomes = session
             .write(drive, &[setting.parse()?], WriteMode::Write)
             .wait()?;

@@ -11,6 +11,7 @@ use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale, Wiring};
 use crate::learn::device_of;
 use crate::session::keep::Kept;
+use crate::session::loss::LossReaction;
 use crate::session::prepare::{Prepared, ownerless};
 use crate::session::takeover;
 use crate::{Drive, Error, Link};
@@ -41,7 +42,7 @@ impl Session {
     /// telegram, timing, another controller. Reads only.
     ///
     /// # Errors
-    /// As `take_axis`; [`Error::OwnedByController`] when a controller has the drive.
+    /// As [`take_axis`](Self::take_axis); [`Error::OwnedByController`] when a controller has the drive.
     pub async fn plan_axis(&mut self, drive: &mut Drive, settings: &AxisSettings) -> Result<AxisPlan, Error> {
         let tables = drive.model.catalogue;
         let device = tables.map_or_else(|| device_of(&drive.station), |tables| tables.device);
@@ -52,6 +53,7 @@ impl Session {
             cycle_of(drive, &device, settings)?;
         }
         let prepared = self.prepare(drive, &device, settings).await?;
+        self.permitted_loss(drive, settings).await?;
         if prepared.layout.is_some()
             && let Some(controller) = self.owner(drive).await?.flatten()
         {
@@ -76,8 +78,9 @@ impl Session {
     ///
     /// # Errors
     /// When the model is not known, no telegram does, the drive is in another mode, cannot be reached, somebody at the
-    /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]),
-    /// another controller owns it, the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
+    /// drive commands it ([`Error::LocalOperation`]), it is in operation without a controller ([`Error::Ownerless`]), it
+    /// may run on when its controller is lost and that is not consented to ([`Error::RunsOn`]), another controller owns it,
+    /// the session carries UDP only ([`Error::NeedsRawFrames`]), or another program has the port on which the drive calls
     /// ([`Error::NeedsCallPort`]).
     pub async fn take_axis(&mut self, drive: &mut Drive, settings: AxisSettings) -> Result<Axis, Error> {
         let tables = drive.model.catalogue;
@@ -96,8 +99,8 @@ impl Session {
             acceleration,
             deceleration,
         } = self.prepare(drive, &device, &settings).await?;
+        let loss = Box::new(self.permitted_loss(drive, &settings).await?);
         let kept = self.keep(drive, &wiring).await?;
-        let loss = Box::new(self.loss_reaction(drive).await?);
         let taken_over = in_operation && settings.purpose == Purpose::Control;
         let present = if taken_over {
             Some(self.present_command(drive, &mut wiring, reported, &scale).await?)
@@ -193,6 +196,18 @@ impl Session {
                 Err(error)
             }
         }
+    }
+
+    /// What the drive does when its controller is lost, once a motion is allowed to depend on it. Control without a motion
+    /// is what stops a drive, and needs no consent.
+    async fn permitted_loss(
+        &mut self,
+        drive: &mut Drive,
+        settings: &AxisSettings,
+    ) -> Result<LossReaction, Error> {
+        let loss = self.loss_reaction(drive).await?;
+        loss.permit(drive, settings.may_run_on || settings.purpose == Purpose::Control)?;
+        Ok(loss)
     }
 
     /// Waits until every axis that was dropped is at rest, or cannot be reached any more.

@@ -12,7 +12,8 @@ use std::time::Duration;
 
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive_client::{Client, Drive, DriveAddress, Error, Network, Wait};
+use profidrive_client::axis::Purpose;
+use profidrive_client::{AxisSettings, Client, Drive, DriveAddress, Error, Network, Wait};
 use profile::catalogue::AKD;
 use profile::notation::ParameterReference;
 use profile::value::Selection;
@@ -29,6 +30,14 @@ use virtual_drive::station::{Station, StationConfig};
 use shared::On;
 
 pub type Bench = On<SegmentMedium>;
+
+/// The settings for a purpose on drives as delivered, some of which run on without their controller.
+pub fn running_on(purpose: Purpose) -> AxisSettings {
+    AxisSettings {
+        may_run_on: true,
+        ..AxisSettings::for_purpose(purpose)
+    }
+}
 
 pub fn ip(last: u8) -> IpSuite {
     IpSuite {

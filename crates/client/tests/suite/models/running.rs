@@ -11,7 +11,7 @@ fn every_model_runs_and_reports_its_speed() {
         let before = diagnose(&session.status(&mut drive).wait().expect("a status"));
         assert_eq!(before.cause.id(), "no-controller", "{name}: {before:?}");
         let mut axis = session
-            .take_axis(&mut drive, AxisSettings::default())
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         let mut enabled = axis
@@ -50,7 +50,7 @@ fn speed_drives_refuse_positions_before_anything_is_enabled() {
     for name in &NAMES[1..] {
         let mut drive = find(&mut session, name).expect("there");
         for purpose in [Purpose::Home, Purpose::Task, Purpose::Move, Purpose::RealTimeJog] {
-            let settings = AxisSettings::for_purpose(purpose);
+            let settings = running_on(purpose);
             let error = session.take_axis(&mut drive, settings).wait().map(|_| ());
             let error = error.expect_err("no positions");
             assert!(
@@ -76,7 +76,7 @@ fn vendor_telegrams_run_their_drives_at_the_same_speed() {
     let mut session = all_models();
     let with = |telegram| AxisSettings {
         telegram: Some(telegram),
-        ..AxisSettings::default()
+        ..running_on(Purpose::Speed)
     };
     for (name, setting, telegrams) in [
         (
@@ -95,7 +95,7 @@ fn vendor_telegrams_run_their_drives_at_the_same_speed() {
             assert!((speed - 900.0).abs() < 30.0, "{name} {number}: {speed}");
             assert_eq!(used, number);
             // what is plugged is used by itself
-            let (speed, used) = turned(&mut session, name, AxisSettings::default(), 600.0)
+            let (speed, used) = turned(&mut session, name, running_on(Purpose::Speed), 600.0)
                 .unwrap_or_else(|error| panic!("{name} {number}: {error}"));
             assert!((speed - 600.0).abs() < 20.0, "{name} {number}: {speed}");
             assert_eq!(used, number, "{name}");
@@ -130,7 +130,7 @@ fn words_of_a_ppo_type_that_settings_choose_keep_their_parameters() {
     }
     let settings = AxisSettings {
         telegram: Some(104),
-        ..AxisSettings::default()
+        ..running_on(Purpose::Speed)
     };
     turned(&mut session, "vlt-1", settings, 300.0).expect("it turns");
     assert_eq!(number(&mut session, &mut drive, "3-41"), 7.5);
@@ -143,7 +143,7 @@ fn stop_refuses_a_converter_with_another_controller() {
     for name in ["vlt-1", "vacon-1"] {
         let mut drive = find(&mut session, name).expect("there");
         let mut axis = session
-            .take_axis(&mut drive, AxisSettings::default())
+            .take_axis(&mut drive, running_on(Purpose::Speed))
             .wait()
             .expect("free");
         let mut enabled = axis.enable().wait().expect("it starts");
@@ -195,7 +195,7 @@ fn every_model_jogs_at_its_own_setting() {
             .expect("told");
         let speed = setting.rpm(&reading).expect("a speed");
         assert!(speed > 10.0, "{name}: {speed}");
-        let settings = AxisSettings::for_purpose(Purpose::Jog);
+        let settings = running_on(Purpose::Jog);
         let mut axis = session.take_axis(&mut drive, settings).wait().expect("connected");
         let mut enabled = axis.enable().wait().expect("enabled");
         enabled.jog(Jog::One).wait().expect("jogs");

@@ -134,7 +134,7 @@ fn a_drive_without_a_built_in_catalogue_runs_at_a_percentage() {
         let name = model.catalogue.model;
         let strange = || bench_of(vec![station_of(model, "strange", 1, Some((0x1234, id)))]).0;
         let mut session = strange();
-        let error = turned(&mut session, "strange", AxisSettings::default(), 60.0).expect_err("no rpm");
+        let error = turned(&mut session, "strange", running_on(Purpose::Speed), 60.0).expect_err("no rpm");
         assert!(
             error.to_string().contains("which is not known in rpm"),
             "{name}: {error}"
@@ -147,7 +147,7 @@ fn a_drive_without_a_built_in_catalogue_runs_at_a_percentage() {
         let percent = AxisSettings {
             unit: SpeedUnit::Percent,
             speed_limit: 100.0,
-            ..AxisSettings::default()
+            ..running_on(Purpose::Speed)
         };
         let (speed, telegram) =
             turned(&mut session, "strange", percent, 20.0).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -157,7 +157,7 @@ fn a_drive_without_a_built_in_catalogue_runs_at_a_percentage() {
         assert_eq!(error.to_string(), "120 % is above the limit of 100 %");
         let known = AxisSettings {
             reference_speed: Some(1500.0),
-            ..AxisSettings::default()
+            ..running_on(Purpose::Speed)
         };
         let (speed, _) =
             turned(&mut session, "strange", known, 300.0).unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -184,7 +184,7 @@ fn a_drive_without_a_built_in_catalogue_runs_at_a_percentage() {
     let mut session = all_models();
     let percent = AxisSettings {
         unit: SpeedUnit::Percent,
-        ..AxisSettings::default()
+        ..running_on(Purpose::Speed)
     };
     let error = turned(&mut session, "akd-1", percent, 20.0).expect_err("no reference");
     assert!(
