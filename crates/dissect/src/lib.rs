@@ -13,6 +13,7 @@ pub mod capture;
 pub mod explain;
 pub mod job;
 pub mod octets;
+pub mod report;
 pub mod states;
 mod text;
 pub mod value;

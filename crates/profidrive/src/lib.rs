@@ -25,6 +25,7 @@ mod carrier;
 mod driver;
 mod open;
 mod reach;
+pub mod report;
 
 pub use carrier::{CarrierError, serial_settings};
 pub use client::Wait;

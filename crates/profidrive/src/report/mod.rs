@@ -1,0 +1,26 @@
+//! What each verb reports: data that serialises, in one shape for each idea, whoever prints it.
+//!
+//! | shape | what it is |
+//! |---|---|
+//! | [`Quantity`] | a number with its unit: speed, position, voltage |
+//! | [`Word`], [`DriveState`] | a control or status word with the names of its bits; the state that it reports |
+//! | [`Parameter`], [`ParameterError`] | a value of a parameter, or why there is none |
+//! | [`Fault`], [`Warning`] | what is wrong with a drive, what it means and what to do |
+//! | [`Station`], [`Controller`] | who a drive is, and who has its cyclic connection |
+//! | [`Error`] | why a verb failed |
+//!
+//! Every field is always there: `null` says that it is not known or does not apply, a list without entries is `[]`.
+//! Times are in seconds. With the feature `schema` each report has a JSON schema.
+
+mod motion;
+#[cfg(feature = "schema")]
+pub mod schema;
+mod shapes;
+
+pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterError, Word};
+
+pub use motion::{AxisState, CycleStrained, DryRun, Frames, MotionEnd, MotionEvent, TelegramChange};
+pub use shapes::{
+    Action, Controller, Error, Fault, LossReaction, Quantity, Station, Warning, Wording, parameter,
+    parameter_error,
+};

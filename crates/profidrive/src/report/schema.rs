@@ -1,0 +1,120 @@
+//! JSON schemas of all documents, one for each command, with shared definitions.
+
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, SchemaGenerator};
+use serde_json::{Map, Value, json};
+
+use super::{Error, MotionEvent};
+
+/// Name of the file with the shared definitions.
+pub const DEFINITIONS: &str = "definitions.json";
+
+/// Adds what a command reports to the shared definitions and returns its schema.
+type Describe = fn(&mut SchemaGenerator) -> Value;
+
+/// What each command reports.
+const COMMANDS: &[(&str, Describe)] = &[
+    ("run", of::<MotionEvent>),
+    ("jog", of::<MotionEvent>),
+    ("move", of::<MotionEvent>),
+    ("task", of::<MotionEvent>),
+    ("home", of::<MotionEvent>),
+    ("ack", of::<MotionEvent>),
+];
+
+fn of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    generator.root_schema_for::<T>().to_value()
+}
+
+/// Returns the files with the schemas: their names and what they contain. `version` is the value of `schema` in every
+/// document.
+#[must_use]
+pub fn files(version: &str) -> Vec<(String, Value)> {
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    let mut files: Vec<(String, Value)> = COMMANDS
+        .iter()
+        .map(|(command, describe)| {
+            let report = describe(&mut generator);
+            let file = format!("{}.json", command.replace(' ', "-"));
+            (file, document(version, command, report))
+        })
+        .collect();
+    generator.subschema_for::<Error>();
+    let definitions = json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": format!("{version}: shared definitions"),
+        "$defs": generator.take_definitions(true),
+    });
+    files.push((DEFINITIONS.to_owned(), definitions));
+    files
+}
+
+/// Returns the schema of every document of a command: a report, an error, or both.
+fn document(version: &str, command: &str, mut report: Value) -> Value {
+    let mut parts = Map::new();
+    if let Value::Object(fields) = &mut report {
+        for name in ["$schema", "title", "$defs"] {
+            fields.remove(name);
+        }
+        if let Some(description) = fields.remove("description") {
+            parts.insert("description".into(), description);
+        }
+    }
+    outward(&mut report);
+    let error = json!({ "$ref": format!("{DEFINITIONS}#/$defs/Error") });
+    let mut whole = json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": format!("profidrive {command} --json"),
+        "type": "object",
+        "properties": {
+            "schema": { "const": version },
+            "command": { "const": command },
+            "error": error,
+            "errors": { "type": "array", "items": error },
+        },
+        "required": ["schema", "command"],
+        "anyOf": [report, { "required": ["error"] }],
+    });
+    if let Value::Object(fields) = &mut whole {
+        fields.extend(parts);
+    }
+    whole
+}
+
+/// Makes references to definitions lead to the file that has them.
+fn outward(schema: &mut Value) {
+    match schema {
+        Value::Object(fields) => {
+            for (name, value) in fields {
+                match value {
+                    Value::String(target) if name == "$ref" && target.starts_with('#') => {
+                        *target = format!("{DEFINITIONS}{target}");
+                    }
+                    other => outward(other),
+                }
+            }
+        }
+        Value::Array(values) => values.iter_mut().for_each(outward),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reference_leads_to_a_definition_and_no_name_is_used_twice() {
+        let files = files("profidrive/1");
+        let text = Value::from_iter(files.iter().map(|(_, schema)| schema.clone())).to_string();
+        let definitions = &files.last().unwrap().1["$defs"];
+        for target in text.split("#/$defs/").skip(1) {
+            let name = target.split('"').next().unwrap();
+            assert!(definitions.get(name).is_some(), "{name}");
+        }
+        // the generator numbers a second type of the same name
+        for name in definitions.as_object().unwrap().keys() {
+            assert!(!name.ends_with(|c: char| c.is_ascii_digit()), "{name}");
+        }
+    }
+}

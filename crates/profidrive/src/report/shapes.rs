@@ -1,0 +1,321 @@
+//! The shapes that reports share.
+
+use client::axis::SpeedUnit;
+use client::{Advice, FaultEntry, Refusal, WarningEntry};
+use profile::model::Model;
+use profile::value::{Beyond, Reading};
+use profinet::wire::dcp::role;
+use serde::Serialize;
+use uss::Protocol;
+
+use super::{Parameter, ParameterError};
+
+/// The words of a front end for what to do: no library words a command.
+pub trait Wording {
+    /// Returns the call of the front end that carries out an action; `None` where it has none.
+    fn command(&self, action: &client::Action) -> Option<String>;
+
+    /// Returns advice with the calls of the front end in it.
+    fn advice(&self, advice: &Advice) -> String;
+}
+
+/// A number with its unit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Quantity {
+    /// The number.
+    pub value: f64,
+    /// Its unit: `rpm`, `%`, `rev`, `V`; empty for none.
+    pub unit: String,
+    /// `>` or `<` where a measured value may be higher or lower: its signal has no number beyond.
+    pub beyond: Option<String>,
+}
+
+impl Quantity {
+    /// Returns a number with its unit.
+    #[must_use]
+    pub fn new(value: f64, unit: impl Into<String>) -> Self {
+        Self {
+            value,
+            unit: unit.into(),
+            beyond: None,
+        }
+    }
+
+    /// Returns a speed.
+    #[must_use]
+    pub fn speed(value: f64, unit: SpeedUnit) -> Self {
+        Self::new(value, unit.symbol())
+    }
+
+    /// Returns a speed in rpm.
+    #[must_use]
+    pub fn rpm(value: f64) -> Self {
+        Self::new(value, "rpm")
+    }
+
+    /// Returns a position or a distance in turns.
+    #[must_use]
+    pub fn turns(value: f64) -> Self {
+        Self::new(value, "rev")
+    }
+
+    /// Returns the same with the end of the numbers that a measured value is at.
+    #[must_use]
+    pub fn beyond(mut self, end: Option<Beyond>) -> Self {
+        self.beyond = end.map(|end| end.sign().to_owned());
+        self
+    }
+
+    /// Returns the number of a reading; `None` for text.
+    #[must_use]
+    pub fn of(reading: &Reading) -> Option<Self> {
+        let number = reading.number()?;
+        Some(Self::new(number, reading.unit).beyond(reading.beyond()))
+    }
+}
+
+/// A fault of a drive.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Fault {
+    /// The vendor's number.
+    pub number: u16,
+    /// What it means.
+    pub meaning: Option<String>,
+    /// What the drive does about it.
+    pub reaction: Option<String>,
+    /// What to do.
+    pub remedy: Option<String>,
+    /// What ends it once the cause is gone.
+    pub cleared: Option<String>,
+    /// Fault situation: 0 is not acknowledged yet, 1 the last acknowledged.
+    pub situation: u8,
+    /// Position in its situation; 0 is the fault that came first.
+    pub position: u8,
+    /// Whether it was acknowledged.
+    pub acknowledged: bool,
+    /// When it came, in the drive's own time (PNU 948).
+    pub time: Option<i64>,
+    /// What else the drive noted (PNU 949).
+    pub value: Option<i64>,
+}
+
+impl From<&FaultEntry> for Fault {
+    fn from(entry: &FaultEntry) -> Self {
+        Self {
+            number: entry.number,
+            meaning: entry.meaning.map(str::to_owned),
+            reaction: entry.reaction.map(|reaction| reaction.text().to_owned()),
+            remedy: entry.remedy.map(str::to_owned),
+            cleared: entry.clearing.clone(),
+            situation: entry.situation,
+            position: entry.position,
+            acknowledged: entry.situation > 0,
+            time: entry.time,
+            value: entry.value,
+        }
+    }
+}
+
+/// A warning of a drive.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Warning {
+    /// The vendor's number.
+    pub number: u32,
+    /// What it means.
+    pub meaning: Option<String>,
+    /// What to do.
+    pub remedy: Option<String>,
+}
+
+impl From<&WarningEntry> for Warning {
+    fn from(entry: &WarningEntry) -> Self {
+        Self {
+            number: entry.number,
+            meaning: entry.meaning.map(str::to_owned),
+            remedy: entry.remedy.map(str::to_owned),
+        }
+    }
+}
+
+/// A station on the network, as it answers to discovery.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Station {
+    /// Name of station.
+    pub name: Option<String>,
+    /// Ethernet address.
+    pub mac: String,
+    /// IP address.
+    pub ip: Option<String>,
+    /// Subnet mask.
+    pub mask: Option<String>,
+    /// Gateway.
+    pub gateway: Option<String>,
+    /// VendorID.
+    pub vendor_id: u16,
+    /// DeviceID.
+    pub device_id: u16,
+    /// Instance of the device.
+    pub instance: u16,
+    /// Type of station in the vendor's words.
+    #[serde(rename = "type")]
+    pub station_type: String,
+    /// `device`, `controller` or `supervisor`.
+    pub role: Option<&'static str>,
+    /// Model whose tables are built in: `AKD`, `VLT`, `Vacon`.
+    pub model: Option<&'static str>,
+}
+
+impl From<&profinet::controller::Station> for Station {
+    fn from(station: &profinet::controller::Station) -> Self {
+        let ip = station.ip;
+        let set = ip.is_set();
+        let model = Model::of(station.vendor_id, station.device_id);
+        let roles = [
+            (role::CONTROLLER, "controller"),
+            (role::SUPERVISOR, "supervisor"),
+            (role::DEVICE, "device"),
+        ];
+        let role = roles.into_iter().find(|(bit, _)| station.role & bit != 0);
+        Self {
+            name: Some(station.name.clone()).filter(|name| !name.is_empty()),
+            mac: station.mac.to_string(),
+            ip: set.then(|| ip.address.to_string()),
+            mask: set.then(|| ip.mask.to_string()),
+            gateway: (!ip.gateway.is_unspecified()).then(|| ip.gateway.to_string()),
+            vendor_id: station.vendor_id,
+            device_id: station.device_id,
+            instance: station.instance,
+            station_type: station.station_type.clone(),
+            role: role.map(|(_, name)| name),
+            model: model.catalogue.map(|_| model.name),
+        }
+    }
+}
+
+/// Who has the cyclic connection of a drive.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Controller {
+    /// Whether a controller is connected.
+    pub connected: bool,
+    /// Its name, where it has one.
+    pub name: Option<String>,
+}
+
+impl Controller {
+    /// Returns what a drive reports about its controller: `Some(None)` where none is connected.
+    #[must_use]
+    pub fn of(controller: Option<&Option<String>>) -> Option<Self> {
+        controller.map(|name| Self {
+            connected: name.is_some(),
+            name: name.clone().filter(|name| !name.is_empty()),
+        })
+    }
+}
+
+/// Something to do next.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Action {
+    /// What it is: `stop`, `write`, `ack`, ..
+    pub action: &'static str,
+    /// The call that does it.
+    pub command: Option<String>,
+}
+
+impl Action {
+    /// Returns an action with the call of a front end.
+    #[must_use]
+    pub fn of(action: &client::Action, wording: &dyn Wording) -> Self {
+        Self {
+            action: action.id(),
+            command: wording.command(action),
+        }
+    }
+}
+
+/// What a drive does when its controller is lost.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LossReaction {
+    /// `ramp`, `quick-stop`, `coast`, `stop`, `keeps-turning` or `unknown`.
+    pub action: &'static str,
+    /// The parameter that decides.
+    pub parameter: Option<String>,
+    /// Its setting.
+    pub setting: Option<String>,
+    /// Seconds from the last control word until the drive reacts.
+    pub after: Option<f64>,
+}
+
+impl From<&client::LossReaction> for LossReaction {
+    fn from(loss: &client::LossReaction) -> Self {
+        Self {
+            action: loss.action.id(),
+            parameter: loss.parameter.clone(),
+            setting: loss.setting.clone(),
+            after: loss.after.map(|after| after.as_secs_f64()),
+        }
+    }
+}
+
+/// Why a verb failed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Error {
+    /// `failed`, `usage`, `refused`, `unreachable`, `difference` or `safety`: one for each exit code.
+    pub kind: &'static str,
+    /// What was tried, on which drive and parameter, and what came back.
+    pub message: String,
+    /// What the message lists.
+    pub details: Vec<String>,
+    /// What to do.
+    pub hint: Option<String>,
+}
+
+/// Returns a value of a parameter, or why it was not read.
+#[must_use]
+pub fn parameter(reading: &Result<Reading, Refusal>, wording: &dyn Wording) -> Parameter {
+    match reading {
+        Ok(reading) => reading.into(),
+        Err(refusal) => Parameter {
+            pnu: refusal.shown.pnu,
+            index: refusal.shown.index,
+            number: refusal.shown.to_string(),
+            name: refusal.name.map(str::to_owned),
+            value: None,
+            text: None,
+            unit: String::new(),
+            meaning: None,
+            word: None,
+            beyond: None,
+            raw: None,
+            hex: None,
+            format: None,
+            writable: refusal.shown.writable,
+            error: Some(parameter_error(refusal, wording)),
+        },
+    }
+}
+
+/// Returns why a parameter was not read or written.
+#[must_use]
+pub fn parameter_error(refusal: &Refusal, wording: &dyn Wording) -> ParameterError {
+    let sent = !refusal.is_unsent();
+    ParameterError {
+        number: refusal.received(),
+        meaning: refusal.words(),
+        information: refusal.information.filter(|_| sent),
+        remedy: refusal.remedy().map(|remedy| wording.advice(&remedy)),
+        channel: match refusal.channel.map(|channel| channel.protocol) {
+            None => "records",
+            Some(Protocol::Fc) => "fc",
+            Some(Protocol::Uss) => "uss",
+        },
+        sent,
+    }
+}
