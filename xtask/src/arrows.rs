@@ -49,9 +49,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "profidrive",
         &[
             "profidrive-client",
+            "profidrive-dissect",
             "profidrive-network",
             "profidrive-profile",
             "profidrive-profinet",
+            "profidrive-uss",
         ],
     ),
     (

@@ -2,9 +2,31 @@
 
 use client::status::Diagnosis;
 use client::{Action, Advice, Choice};
+use profidrive::report::Wording;
 use serde_json::Value;
 
 use crate::fields;
+
+/// The words of this program for advice about a drive.
+#[derive(Debug, Clone, Copy)]
+pub struct Commands<'a>(pub &'a str);
+
+impl Commands<'_> {
+    /// Returns the words about any drive: `DRIVE` stands for its name.
+    pub const fn any() -> Self {
+        Self("DRIVE")
+    }
+}
+
+impl Wording for Commands<'_> {
+    fn command(&self, action: &Action) -> Option<String> {
+        command(action, self.0)
+    }
+
+    fn advice(&self, advice: &Advice) -> String {
+        text(advice, self.0)
+    }
+}
 
 /// The command line of an action; `None` for a choice, which is an option of the command that was given.
 pub fn command(action: &Action, drive: &str) -> Option<String> {

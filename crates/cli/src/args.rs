@@ -46,14 +46,35 @@ pub struct Cli {
     pub global: Global,
     #[command(subcommand)]
     pub command: Command,
+    /// The words of the command: `read`, `gsdml show`
+    #[arg(skip)]
+    pub name: String,
 }
 
 impl Cli {
     /// The command line, or what is wrong with it.
     pub fn read<T: Into<OsString> + Clone>(line: impl IntoIterator<Item = T>) -> Result<Self, clap::Error> {
-        let matches = with_signs(Self::command()).try_get_matches_from(line)?;
-        Self::from_arg_matches(&matches)
+        let line: Vec<OsString> = line.into_iter().map(Into::into).collect();
+        let matches = with_signs(Self::command()).try_get_matches_from(&line)?;
+        let cli = Self::from_arg_matches(&matches)?;
+        Ok(Self {
+            name: named(line),
+            ..cli
+        })
     }
+}
+
+/// Returns the words of the command in a line: `read`, `gsdml show`; empty where there is none.
+pub fn named(line: impl IntoIterator<Item = OsString>) -> String {
+    let mut command = Cli::command();
+    let mut words = Vec::new();
+    for word in line.into_iter().skip(1) {
+        if let Some(inner) = command.find_subcommand(&word) {
+            words.push(inner.get_name().to_owned());
+            command = inner.clone();
+        }
+    }
+    words.join(" ")
 }
 
 /// A time with a sign is told as a wrong time, not as an unknown option.
@@ -203,6 +224,9 @@ pub enum Command {
     /// Write the manual pages of all commands
     #[command(hide = true)]
     Manual(Manual),
+    /// Print the JSON schemas of all commands
+    #[command(hide = true)]
+    Schema,
 }
 
 #[derive(Debug, Args)]

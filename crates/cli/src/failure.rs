@@ -3,11 +3,11 @@
 use std::fmt;
 
 use client::{Advice, ErrorKind};
-use profidrive::{CarrierError, OpenError, OtherSubnet};
+use profidrive::{CarrierError, OpenError, OtherSubnet, report};
 use serde_json::{Map, Value};
 
 use crate::advice;
-use crate::fields;
+use crate::output::members;
 
 /// The exit codes of the conventions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,14 +81,12 @@ impl Failure {
 
     /// For programs.
     pub fn json(&self) -> Map<String, Value> {
-        let mut error = fields! { "kind": self.exit.word(), "message": self.message.as_str() };
-        if !self.details.is_empty() {
-            error.insert("details".into(), self.details.clone().into());
-        }
-        if let Some(hint) = &self.hint {
-            error.insert("hint".into(), hint.as_str().into());
-        }
-        error
+        members(&report::Error {
+            kind: self.exit.word(),
+            message: self.message.clone(),
+            details: self.details.clone(),
+            hint: self.hint.clone(),
+        })
     }
 
     /// The same with the drive as the person called it, where the advice is for any drive.

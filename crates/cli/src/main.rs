@@ -22,10 +22,11 @@ use crate::output::Output;
 fn main() -> ExitCode {
     let cli = match Cli::read(std::env::args_os()) {
         Ok(cli) => cli,
-        Err(error) => return misunderstood(&error),
+        Err(error) => return misunderstood(&error, args::named(std::env::args_os())),
     };
     let output = Output::new(cli.global.json, cli.global.quiet)
         .with_details(cli.global.verbose)
+        .of_command(cli.name.clone())
         .about(commands::drive(&cli.command));
     let result = commands::run(&cli, &output);
     output.end(result.as_ref().err());
@@ -41,23 +42,17 @@ fn main() -> ExitCode {
 }
 
 /// A command line that is none, or that asks for help. With `--json` a mistake is a document too.
-fn misunderstood(error: &clap::Error) -> ExitCode {
-    let output = Output::new(false, false);
+fn misunderstood(error: &clap::Error, command: String) -> ExitCode {
+    let json = error.use_stderr() && std::env::args_os().any(|argument| argument == "--json");
+    let output = Output::new(json, false).of_command(command);
     if error.use_stderr() {
         output.styled_error(&error.render());
     } else {
         output.styled(&error.render());
     }
-    if error.use_stderr() && std::env::args_os().any(|argument| argument == "--json") {
-        let text = error.render().to_string();
-        let message = text
-            .lines()
-            .next()
-            .unwrap_or_default()
-            .trim_start_matches("error: ");
-        let failure = Failure::usage(message);
-        output.event("error", fields! { "error": failure.json() });
-    }
+    let text = error.render().to_string();
+    let message = text.lines().next().unwrap_or_default();
+    output.fail(&Failure::usage(message.trim_start_matches("error: ")));
     if let Some(failure) = output.lost() {
         output.error(&failure);
         return ExitCode::from(failure.exit as u8);

@@ -11,11 +11,14 @@ use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 use self::clean::{clean_json, clean_lines, clean_styled};
 use crate::failure::Failure;
 use crate::fields;
+use crate::render::Page;
+use crate::render::table::Table;
 
 pub use self::clean::clean;
 pub use self::progress::{bar, bytes, spinner};
@@ -77,6 +80,8 @@ pub struct Output {
     held: Arc<Mutex<Held>>,
     /// Nobody reads stdout any more, or it takes no more.
     closed: Arc<AtomicBool>,
+    /// The command that reports: `read`, `gsdml show`.
+    command: String,
     /// The drive as the person called it, for advice.
     drive: Option<String>,
 }
@@ -108,8 +113,16 @@ impl Output {
             mark: format!("\u{1b}{:016x}", RandomState::new().hash_one("mark")).into(),
             held: Arc::default(),
             closed: Arc::default(),
+            command: String::new(),
             drive: None,
         }
+    }
+
+    /// Returns the same for a command, which its documents then name.
+    #[must_use]
+    pub fn of_command(mut self, command: String) -> Self {
+        self.command = command;
+        self
     }
 
     /// The same for a command on `drive`, which advice then names.
@@ -162,6 +175,15 @@ impl Output {
         self.write_out(&format!("{}\n", self.rendered(text)));
     }
 
+    /// Prints a table; nothing where it has no row.
+    pub fn table(&self, table: &Table) {
+        if !table.is_empty() {
+            for line in table.lines() {
+                self.line(&line);
+            }
+        }
+    }
+
     /// Prints data that ends its own lines.
     pub fn raw(&self, text: &str) {
         self.write_out(&clean_lines(text));
@@ -207,6 +229,32 @@ impl Output {
         line
     }
 
+    /// Prints the one report of a command: as lines, or as a JSON document when the command ends, with its error in it.
+    pub fn report(&self, report: &impl Page) {
+        if self.json {
+            self.document(&self.command, members(report));
+        } else {
+            report.print(self);
+        }
+    }
+
+    /// Prints one of the reports of a command that has many, at once: as lines, or as a JSON document in a line of its own
+    /// (JSON Lines).
+    pub fn report_event(&self, report: &impl Page) {
+        if self.json {
+            self.event(&self.command, members(report));
+        } else {
+            report.print(self);
+        }
+    }
+
+    /// Prints a report for programs only, as a JSON document in a line of its own.
+    pub fn json_event(&self, report: &impl Serialize) {
+        if self.json {
+            self.event(&self.command, members(report));
+        }
+    }
+
     /// Takes the one JSON document of a command. It is printed when the command ends, with what went wrong in it.
     pub fn document(&self, command: &str, fields: Map<String, Value>) {
         let earlier = self.held().document.replace(with_schema(command, fields));
@@ -246,6 +294,15 @@ impl Output {
         }
     }
 
+    /// Prints the document of a failure that the person was shown already.
+    pub fn fail(&self, failure: &Failure) {
+        if self.json
+            && let Some(whole) = self.ending(Some(failure))
+        {
+            self.write_json(&Value::Object(whole).to_string());
+        }
+    }
+
     /// The last document: that of the command with its failure, or that of the failure alone.
     fn ending(&self, failure: Option<&Failure>) -> Option<Map<String, Value>> {
         let (document, problems) = {
@@ -253,7 +310,7 @@ impl Output {
             (held.document.take(), std::mem::take(&mut held.problems))
         };
         let Some(failure) = failure else { return document };
-        let mut whole = document.unwrap_or_else(|| with_schema("error", Map::new()));
+        let mut whole = document.unwrap_or_else(|| with_schema(&self.command, Map::new()));
         whole.insert("error".into(), failure.json().into());
         if !problems.is_empty() {
             let all = problems.into_iter().chain([failure.json()]);
@@ -351,6 +408,16 @@ impl Output {
     }
 }
 
+/// The fields of a report.
+pub fn members(report: &impl Serialize) -> Map<String, Value> {
+    match serde_json::to_value(report) {
+        Ok(Value::Object(fields)) => fields,
+        // no report is anything else
+        Ok(other) => fields! { "value": other },
+        Err(error) => fields! { "value": error.to_string() },
+    }
+}
+
 /// A JSON document as one line of text.
 pub fn document(command: &str, fields: Map<String, Value>) -> String {
     Value::Object(with_schema(command, fields)).to_string()
@@ -397,7 +464,7 @@ mod tests {
     #[test]
     fn a_command_prints_one_document_with_its_error() {
         use crate::failure::Exit;
-        let output = Output::new(true, true);
+        let output = Output::new(true, true).of_command("read".into());
         output.document("read", fields! { "parameters": Vec::<Value>::new() });
         output.problem(&Failure::usage("no such name"));
         let failure = Failure::new(Exit::Refused, "it said no").hint("ask again");
@@ -413,7 +480,7 @@ mod tests {
         let single = output.ending(Some(&failure)).unwrap();
         assert_eq!(
             (&single["command"], single.contains_key("errors")),
-            (&"error".into(), false)
+            (&"read".into(), false)
         );
     }
 

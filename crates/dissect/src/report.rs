@@ -1,7 +1,7 @@
 //! Shapes of reports that need no drive: words of bits, states and values of parameters. Every command uses these.
 
 use profile::state::bits::{self, Bit};
-use profile::state::{Mode, State, Stw1, Zsw1};
+use profile::state::{State, Stw1, Zsw1};
 use profile::value::{Content, Reading};
 use serde::Serialize;
 use serde_json::Number;
@@ -18,35 +18,26 @@ pub struct Word {
     pub hex: String,
     /// Names of the bits that are set; of an inverse bit (OFF2, OFF3) what it says while it is 0.
     pub bits: Vec<String>,
+    /// What the whole word commands or reports.
+    pub meaning: Option<String>,
 }
 
 impl Word {
-    /// Returns a word whose bits `table` names.
-    #[must_use]
-    pub fn of(table: &'static [Bit; 16], word: u16) -> Self {
-        Self::on_wire(table, word, word)
-    }
-
     /// Returns a word that travels as `wire` and says in the bits of `table` what `word` says.
     #[must_use]
-    pub fn on_wire(table: &'static [Bit; 16], word: u16, wire: u16) -> Self {
+    pub fn of(table: &'static [Bit; 16], word: u16, wire: u16, meaning: Option<String>) -> Self {
         Self {
             number: wire.into(),
             hex: hex16(wire),
             bits: bits::told(table, word).map(str::to_owned).collect(),
+            meaning,
         }
     }
 
-    /// Returns a control word of the profile.
+    /// Returns the word as it is shown to a person: `0x043F [ON, EN_OP, CTRL_PLC]`.
     #[must_use]
-    pub fn stw1(mode: Mode, word: u16) -> Self {
-        Self::of(bits::stw1(mode), word)
-    }
-
-    /// Returns a status word of the profile.
-    #[must_use]
-    pub fn zsw1(mode: Mode, word: u16) -> Self {
-        Self::of(bits::zsw1(mode), word)
+    pub fn shown(&self) -> String {
+        format!("{} {}", self.hex, words::told(&self.bits))
     }
 }
 
@@ -171,6 +162,7 @@ impl From<&Reading> for Parameter {
                 number: reading.octets.iter().fold(0, |number, &octet| number << 8 | u64::from(octet)),
                 hex: words::hex(&reading.octets),
                 bits: bits.clone(),
+                meaning: None,
             }),
             beyond: reading.beyond().map(|end| end.sign().to_owned()),
             raw,
@@ -211,15 +203,19 @@ impl Parameter {
 
 #[cfg(test)]
 mod tests {
+    use profile::state::Mode;
+
     use super::*;
 
     #[test]
     fn a_word_names_its_bits_and_its_stops() {
-        let word = Word::stw1(Mode::Velocity, 0x047D);
+        let table = bits::stw1(Mode::Velocity);
+        let word = Word::of(table, 0x047D, 0x047D, None);
         assert_eq!((word.number, word.hex.as_str()), (0x047D, "0x047D"));
         assert_eq!(word.bits[..2], ["ON", "OFF2: coast stop, pulses off at once"]);
-        let converter = Word::on_wire(bits::stw1(Mode::Velocity), 0x047F, 0x047C);
+        let converter = Word::of(table, 0x047F, 0x047C, None);
         assert_eq!((converter.number, converter.hex.as_str()), (0x047C, "0x047C"));
+        assert!(converter.shown().starts_with("0x047C [ON, EN_OP"), "{}", converter.shown());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use profile::value::{Content, Reading};
 use serde_json::Value;
 
-use crate::fields;
+use crate::report::Parameter;
 use crate::{hex_bytes, number, words};
 
 /// Returns the value without its unit: `3000`, `0.366`, `"akd-1"`, `05 A2`. A measured signal at the end of its numbers
@@ -90,37 +90,7 @@ pub fn raw(reading: &Reading) -> String {
 
 /// For programs.
 pub fn json(reading: &Reading) -> Value {
-    let content = match &reading.content {
-        Content::Number { engineering, .. } => Value::from(*engineering),
-        Content::Float(value) => Value::from(*value),
-        Content::Text(text) => Value::from(text.as_str()),
-        Content::Octets => Value::from(hex_bytes(&reading.octets)),
-    };
-    let mut fields = fields! {
-        "pnu": reading.pnu, "index": reading.index, "number": reading.shown().to_string(), "name": reading.name, "value": content,
-        "unit": reading.unit, "raw": whole(reading), "hex": hex_bytes(&reading.octets),
-        "format": reading.format, "writable": reading.writable,
-    };
-    if let Some(end) = reading.beyond() {
-        fields.insert("beyond".into(), end.sign().into());
-    }
-    if let Some(bits) = &reading.word {
-        let word = fields! { "hex": words::hex(&reading.octets), "says": bits.clone() };
-        fields.insert("word".into(), Value::Object(word));
-    }
-    let meaning = meaning(reading);
-    if !meaning.is_empty() {
-        fields.insert("meaning".into(), meaning.into());
-    }
-    Value::Object(fields)
-}
-
-/// Returns the number as it travels; one of 64 bits without sign does not fit a signed number.
-fn whole(reading: &Reading) -> Value {
-    let Content::Number { raw, .. } = reading.content else {
-        return Value::Null;
-    };
-    i64::try_from(raw).map_or_else(|_| Value::from(u64::try_from(raw).ok()), Value::from)
+    serde_json::to_value(Parameter::from(reading)).unwrap_or_default()
 }
 
 fn trimmed(value: f64, decimals: u8) -> String {
@@ -206,7 +176,7 @@ mod tests {
             (&624.0.into(), &"0x0270".into())
         );
         assert_eq!(
-            document["word"]["says"],
+            document["word"]["bits"],
             serde_json::json!(["INHIBIT", "CTRL_REQ"])
         );
         let reading = read("DRV.MOTIONSTAT", &[0, 0, 0, 6]);

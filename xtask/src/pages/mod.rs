@@ -1,8 +1,9 @@
-//! `pages`: what stands in `docs/` and comes from the program itself, the picture of its demo and the reference of its
-//! commands.
+//! `pages`: what stands in `docs/` and comes from the program itself, the picture of its demo, the reference of its
+//! commands and the JSON schemas.
 
 mod commands;
 mod picture;
+mod schema;
 
 use std::path::Path;
 use std::process::Command;
@@ -34,7 +35,7 @@ pub fn run(root: &Path, program: &str, mode: Mode) -> Outcome<()> {
             }
         }
     }
-    Ok(())
+    schema::run(root, &output(program, &["schema"])?, mode)
 }
 
 /// Returns what the program prints on standard output.

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use client::status::{Cause, Note, diagnose};
-use client::{Drive, FaultEntry, FaultReport, LoggedFault, Wait, WarningEntry, WriteMode};
-use profile::catalogue::{Cleared, Role};
-use profile::fault::Counting;
+use client::{Wait, WarningEntry, WriteMode};
+use profidrive::report::{Fault, FaultsReport, LogEntry, MotionEnd, MotionEvent, Warning};
+use profile::catalogue::Role;
 use profile::value::Assignment;
 use serde_json::{Map, Value};
 
@@ -13,9 +13,8 @@ use crate::advice;
 use crate::args::Interface;
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
-use crate::output::{Colour, Output};
-use crate::render::words;
+use crate::output::{Colour, Output, members};
+use crate::render::Page;
 
 /// How long a drive may take to clear its faults, and how often that is looked at.
 const CLEAR_TIMEOUT: Duration = Duration::from_secs(1);
@@ -35,33 +34,36 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     let (mut session, mut drive) = connect::drive(interface, Need::Records, &args.drive, output)?;
     let report = session.fault_report(&mut drive).wait()?;
     session.close().wait()?;
-    if output.json() {
-        output.document("faults", json(&drive, &report, args.history));
-        return Ok(());
-    }
-    for line in lines(&report, args.history) {
-        match line {
-            Line::Fault(text) => output.line(&output.paint(Colour::Fault, &text)),
-            Line::Warning(text) => output.line(&output.paint(Colour::Warning, &text)),
-            Line::Normal(text) => output.line(&output.paint(Colour::Normal, &text)),
-            Line::Plain(text) => output.line(&text),
-        }
-    }
-    let before = report.faults.iter().filter(|fault| fault.situation > 0).count();
-    if before > 0 && !args.history {
-        output.say(&format!("{before} acknowledged before, --history shows them"));
-    }
-    if let Some(advice) = advice(&report, &drive.label()) {
-        output.say(&advice);
-    }
+    output.report(&FaultsReport::new(drive.label(), &report, args.history));
     Ok(())
 }
 
+impl Page for FaultsReport {
+    fn print(&self, output: &Output) {
+        for line in lines(self) {
+            match line {
+                Line::Fault(text) => output.line(&output.paint(Colour::Fault, &text)),
+                Line::Warning(text) => output.line(&output.paint(Colour::Warning, &text)),
+                Line::Normal(text) => output.line(&output.paint(Colour::Normal, &text)),
+                Line::Plain(text) => output.line(&text),
+            }
+        }
+        if self.acknowledged > 0 && !self.history {
+            output.say(&format!(
+                "{} acknowledged before, --history shows them",
+                self.acknowledged
+            ));
+        }
+        if let Some(advice) = advice(self) {
+            output.say(&advice);
+        }
+    }
+}
+
 /// What ends the faults that are present: what only a restart clears is not to be acknowledged.
-fn advice(report: &FaultReport, drive: &str) -> Option<String> {
-    let mut restart = report
-        .present()
-        .map(|fault| fault.cleared == Some(Cleared::Restart));
+fn advice(report: &FaultsReport) -> Option<String> {
+    let drive = &report.drive;
+    let mut restart = report.present().map(|fault| fault.needs_restart == Some(true));
     let first = restart.next()?;
     Some(match (first, restart.all(|one| one == first)) {
         (true, true) => {
@@ -82,131 +84,96 @@ enum Line {
     Plain(String),
 }
 
-fn lines(report: &FaultReport, history: bool) -> Vec<Line> {
+fn lines(report: &FaultsReport) -> Vec<Line> {
     let mut lines = Vec::new();
-    let detail = |lines: &mut Vec<Line>, name: &str, text: &str| {
-        if !text.is_empty() {
-            lines.push(Line::Plain(format!("  {name:<9} {text}")));
-        }
-    };
     for fault in report.present() {
-        lines.push(Line::Fault(title(fault)));
-        describe(fault, &mut |name, text| detail(&mut lines, name, text));
+        lines.push(Line::Fault(title(fault.number, fault.meaning.as_deref())));
+        lines.extend(described(fault, "  "));
     }
-    let flags = report.zsw1.unwrap_or(0);
     if report.present().next().is_none() {
-        lines.push(if words::has_fault(flags) {
+        lines.push(if report.fault_bit == Some(true) {
             Line::Fault("ZSW1 bit 3 tells a fault, the fault buffer has none".into())
         } else {
             Line::Normal("no fault is present".into())
         });
     }
-    for warning in report.warnings.iter().flatten() {
-        let meaning = warning.meaning.unwrap_or("not in the tables");
+    for warning in &report.warnings {
+        let meaning = warning.meaning.as_deref().unwrap_or("not in the tables");
         lines.push(Line::Warning(format!("n{} {meaning}", warning.number)));
-        detail(&mut lines, "remedy", warning.remedy.unwrap_or_default());
+        lines.extend(detail("  ", "remedy", warning.remedy.clone()));
     }
-    if words::has_warning(flags) && report.warnings.iter().flatten().next().is_none() {
+    if report.warning_bit == Some(true) && report.warnings.is_empty() {
         lines.push(Line::Warning(
             "ZSW1 bit 7 tells a warning, the drive has no number for it".into(),
         ));
     }
-    if history {
+    if report.history {
         let mut last = 0;
-        for fault in report.faults.iter().filter(|fault| fault.situation > 0) {
+        for fault in report.faults.iter().filter(|fault| fault.acknowledged) {
             if fault.situation != last {
                 last = fault.situation;
                 lines.push(Line::Plain(format!("situation {last} (acknowledged)")));
             }
-            lines.push(Line::Plain(format!("  {}", title(fault))));
-            describe(fault, &mut |name, text| {
-                if !text.is_empty() {
-                    lines.push(Line::Plain(format!("    {name:<9} {text}")));
-                }
-            });
+            let title = title(fault.number, fault.meaning.as_deref());
+            lines.push(Line::Plain(format!("  {title}")));
+            lines.extend(described(fault, "    "));
         }
         if !report.log.is_empty() {
             lines.push(Line::Plain("log of the drive, the newest first".into()));
         }
-        for fault in &report.log {
-            lines.push(Line::Plain(logged(fault)));
+        for entry in &report.log {
+            lines.push(Line::Plain(logged(entry)));
         }
-        let counter = report.counter;
-        let counted = match report.counting {
-            Counting::Changes => "changes of the fault buffer",
-            Counting::Situations => "fault situations",
+        let counted = match report.counts {
+            "changes" => "changes of the fault buffer",
+            _ => "fault situations",
         };
-        lines.push(Line::Plain(format!("{counter} {counted} so far (PNU 944)")));
+        lines.push(Line::Plain(format!(
+            "{} {counted} so far (PNU 944)",
+            report.counter
+        )));
     }
     lines
 }
 
 /// `F702 Fieldbus communication lost`
-fn title(fault: &FaultEntry) -> String {
-    format!(
-        "F{} {}",
-        fault.number,
-        fault.meaning.unwrap_or("not in the tables")
-    )
+fn title(number: u16, meaning: Option<&str>) -> String {
+    format!("F{number} {}", meaning.unwrap_or("not in the tables"))
 }
 
 /// `  F14 Earth fault, value 3, time 120`
-fn logged(fault: &LoggedFault) -> String {
-    let meaning = fault.meaning.unwrap_or("not in the tables");
+fn logged(entry: &LogEntry) -> String {
     let part =
         |name: &str, value: Option<i64>| value.map_or_else(String::new, |value| format!(", {name} {value}"));
     format!(
-        "  F{} {meaning}{}{}",
-        fault.number,
-        part("value", fault.value),
-        part("time", fault.time)
+        "  {}{}{}",
+        title(entry.number, entry.meaning.as_deref()),
+        part("value", entry.value),
+        part("time", entry.time)
     )
 }
 
-fn describe(fault: &FaultEntry, line: &mut dyn FnMut(&str, &str)) {
-    line("reaction", fault.reaction.map_or("", |reaction| reaction.text()));
-    line("remedy", fault.remedy.unwrap_or_default());
-    line("cleared", fault.clearing.as_deref().unwrap_or_default());
-    let number = |value: Option<i64>| value.map_or_else(String::new, |value| value.to_string());
-    line("time", &number(fault.time));
-    line("value", &number(fault.value));
+fn described(fault: &Fault, indent: &str) -> impl Iterator<Item = Line> {
+    let number = |value: Option<i64>| value.map(|value| value.to_string());
+    [
+        ("reaction", fault.reaction.clone()),
+        ("remedy", fault.remedy.clone()),
+        ("cleared", fault.cleared.clone()),
+        ("time", number(fault.time)),
+        ("value", number(fault.value)),
+    ]
+    .into_iter()
+    .filter_map(|(name, text)| detail(indent, name, text))
 }
 
-fn json(drive: &Drive, report: &FaultReport, history: bool) -> Map<String, Value> {
-    let faults: Vec<Value> = report
-        .faults
-        .iter()
-        .filter(|fault| history || fault.situation == 0)
-        .map(|fault| Value::Object(fault_json(fault)))
-        .collect();
-    let warnings = report.warnings.as_ref().map(|warnings| {
-        let list = warnings.iter().map(warning_json);
-        list.map(Value::Object).collect::<Vec<Value>>()
-    });
-    let logged = |fault: &LoggedFault| {
-        Value::Object(fields! {
-            "number": fault.number, "meaning": fault.meaning, "value": fault.value, "time": fault.time,
-        })
-    };
-    let log: Vec<Value> = report.log.iter().filter(|_| history).map(logged).collect();
-    fields! {
-        "log": log, "drive": drive.label(), "counter": report.counter, "situations": report.shape.situations,
-        "faults_per_situation": report.shape.faults, "fault_bit": report.zsw1.map(words::has_fault),
-        "warning_bit": report.zsw1.map(words::has_warning), "faults": faults, "warnings": warnings,
-    }
+fn detail(indent: &str, name: &str, text: Option<String>) -> Option<Line> {
+    let text = text.filter(|text| !text.is_empty())?;
+    Some(Line::Plain(format!("{indent}{name:<9} {text}")))
 }
 
-fn fault_json(fault: &FaultEntry) -> Map<String, Value> {
-    fields! {
-        "number": fault.number, "situation": fault.situation, "position": fault.position,
-        "acknowledged": fault.situation > 0, "meaning": fault.meaning,
-        "reaction": fault.reaction.map(|reaction| reaction.text()), "remedy": fault.remedy,
-        "cleared": fault.clearing.as_deref(), "time": fault.time, "value": fault.value,
-    }
-}
-
+/// A warning for programs.
 pub fn warning_json(warning: &WarningEntry) -> Map<String, Value> {
-    fields! { "number": warning.number, "meaning": warning.meaning, "remedy": warning.remedy }
+    members(&Warning::from(warning))
 }
 
 /// Clears the faults by parameter (DRV.CLRFAULTS), beside whoever has control.
@@ -227,7 +194,7 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         })?;
     let before = session.faults(&mut drive).wait()?;
     for fault in before.iter().filter(|fault| fault.situation == 0) {
-        output.say(&title(fault));
+        output.say(&title(fault.number, fault.meaning));
     }
     output.say(&format!("acknowledging with {} (p{})", command.name, command.pnu));
     let assignment = Assignment::of(command, 1);
@@ -247,7 +214,10 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
         }
         session.pass(GLANCE).wait()?;
     };
-    let mut left: Vec<String> = report.present().map(title).collect();
+    let mut left: Vec<String> = report
+        .present()
+        .map(|fault| title(fault.number, fault.meaning))
+        .collect();
     let mut hint = "remove the cause, then acknowledge again".to_owned();
     if !left.is_empty() {
         let status = session.status(&mut drive).wait()?;
@@ -261,7 +231,10 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
     }
     session.close().wait()?;
     if output.json() {
-        output.document("ack", json(&drive, &report, false));
+        output.json_event(&MotionEvent::End(MotionEnd {
+            faults: report.present().map(Fault::from).collect(),
+            ..MotionEnd::default()
+        }));
     }
     if left.is_empty() {
         output.say("no fault is present");
@@ -277,8 +250,9 @@ mod tests {
 
     use super::*;
     use client::status::DriveStatus;
-    use profile::catalogue::{AKD, Catalogue, VACON, VLT};
-    use profile::fault::Shape;
+    use client::{Drive, FaultEntry, FaultReport};
+    use profile::catalogue::{AKD, Catalogue, Cleared, VACON, VLT};
+    use profile::fault::{Counting, Shape};
     use profile::notation::ParameterReference;
     use profile::state::Zsw1;
 
@@ -319,7 +293,7 @@ mod tests {
             zsw1: None,
             log: Vec::new(),
         };
-        let advice_for = |cleared: &[Cleared]| advice(&report(cleared), "d").unwrap_or_default();
+        let advice_for = |cleared: &[Cleared]| advice(&FaultsReport::new("d", &report(cleared), false)).unwrap_or_default();
         assert_eq!(advice_for(&[]), "");
         assert!(
             advice_for(&[Cleared::Restart]).contains("off and on")
@@ -371,9 +345,9 @@ mod tests {
                 };
                 let next = diagnose(&status).next.unwrap_or_default();
                 let next = advice::text(&next, "d");
-                let report = report(vec![entry], 8);
-                let listed = format!("{:?}", lines(&report, false));
-                let ends = advice(&report, "d").unwrap_or_default();
+                let report = FaultsReport::new("d", &report(vec![entry], 8), false);
+                let listed = format!("{:?}", lines(&report));
+                let ends = advice(&report).unwrap_or_default();
                 let number = row.number.to_string();
                 let known = profile::model::Model::by_name(tables.model);
                 let explained = dissect::explain::explain(&number, Kind::Fault, None, known).unwrap();
@@ -412,7 +386,8 @@ mod tests {
     #[test]
     fn what_is_present_stands_first_and_history_on_demand() {
         let both = report(vec![fault(702, 0), fault(439, 1)], 0x0008);
-        let short = lines(&both, false);
+        let lines_of = |history| lines(&FaultsReport::new("d", &both, history));
+        let short = lines_of(false);
         assert!(
             matches!(&short[0], Line::Fault(text) if text.starts_with("F702 ")),
             "{short:?}"
@@ -422,7 +397,7 @@ mod tests {
             "{short:?}"
         );
         assert!(!format!("{short:?}").contains("F439"));
-        let long = format!("{:?}", lines(&both, true));
+        let long = format!("{:?}", lines_of(true));
         assert!(
             long.contains("situation 1 (acknowledged)") && long.contains("F439 "),
             "{long}"
@@ -431,16 +406,18 @@ mod tests {
 
     #[test]
     fn a_fault_bit_without_a_number_is_reported() {
+        let lines_of =
+            |faults, zsw1| lines(&FaultsReport::new("d", &report(faults, zsw1), false));
         assert_eq!(
-            lines(&report(Vec::new(), 0), false),
+            lines_of(Vec::new(), 0),
             [Line::Normal("no fault is present".into())]
         );
-        let text = format!("{:?}", lines(&report(Vec::new(), 0x0088), false));
+        let text = format!("{:?}", lines_of(Vec::new(), 0x0088));
         assert!(
             text.contains("ZSW1 bit 3 tells a fault") && text.contains("ZSW1 bit 7 tells a warning"),
             "{text}"
         );
-        let unknown = lines(&report(vec![fault(9999, 0)], 8), false);
+        let unknown = lines_of(vec![fault(9999, 0)], 8);
         assert_eq!(unknown, [Line::Fault("F9999 not in the tables".into())]);
     }
 }

@@ -23,6 +23,7 @@ mod parameters;
 mod restore;
 mod run;
 mod scan;
+mod schema;
 mod simulate;
 mod status;
 mod stop;
@@ -92,6 +93,10 @@ pub fn run(cli: &Cli, output: &Output) -> Result<(), Failure> {
         Command::Demo(args) => demo::run(args, output),
         Command::Completions(args) => completions::run(args, output),
         Command::Manual(args) => manual::run(args),
+        Command::Schema => {
+            schema::run(output);
+            Ok(())
+        }
     }
 }
 
@@ -128,7 +133,8 @@ pub fn drive(command: &Command) -> Option<&str> {
         | Command::Simulate(_)
         | Command::Demo(_)
         | Command::Completions(_)
-        | Command::Manual(_) => return None,
+        | Command::Manual(_)
+        | Command::Schema => return None,
     })
 }
 
@@ -141,6 +147,7 @@ const fn offline(command: &Command) -> Option<&'static str> {
         Command::Demo(_) => Some("demo"),
         Command::Completions(_) => Some("completions"),
         Command::Manual(_) => Some("manual"),
+        Command::Schema => Some("schema"),
         _ => None,
     }
 }

@@ -7,6 +7,7 @@ mod write;
 
 use client::Refusal;
 use client::Wait;
+use profidrive::report::{ParametersReport, parameter};
 use profile::catalogue::{Access, Catalogue, Parameter, Part};
 use profile::notation::{ParameterReference, Shown};
 use profile::parameter::pnu;
@@ -14,16 +15,15 @@ use profile::state::Mode;
 use profile::telegram::Telegram;
 use profile::value::{ParameterProblem, Parameters, Reading, Selection};
 use serde_json::{Map, Value};
-use uss::Protocol;
 
-use crate::advice;
+use crate::advice::Commands;
 use crate::args::{Interface, Read};
 use crate::connect::{self, Need};
 use crate::failure::Failure;
 use crate::fields;
-use crate::output::Output;
+use crate::output::{Output, members};
+use crate::render::Page;
 use crate::render::table::Table;
-use crate::render::value;
 
 pub use describe::describe;
 pub use list::list;
@@ -44,7 +44,7 @@ pub fn read(args: &Read, interface: &Interface, output: &Output) -> Result<(), F
     let mut readings = session.read(&mut drive, &selections).wait()?;
     name_bits(&mut session, &mut drive, &mut readings)?;
     session.close().wait()?;
-    print_readings("read", &drive.label(), &readings, args.raw, output);
+    print_readings(&drive.label(), &readings, args.raw, output);
     let refused = readings.iter().filter_map(|reading| reading.as_ref().err());
     problems.extend(refused.map(|refusal| refused_failure(&drive.label(), refusal)));
     last_failure(problems, output)
@@ -111,19 +111,28 @@ fn parse_all(texts: &[String]) -> Result<Vec<ParameterReference>, Failure> {
     texts.iter().map(parse).collect()
 }
 
-/// Readings as a table, or as one document.
-fn print_readings(
-    command: &str,
-    drive: &str,
-    readings: &[Result<Reading, Refusal>],
-    raw: bool,
-    output: &Output,
-) {
+/// Prints readings; the raw values only with `raw`.
+fn print_readings(drive: &str, readings: &[Result<Reading, Refusal>], raw: bool, output: &Output) {
+    let wording = Commands::any();
+    let parameters = readings.iter().map(|reading| parameter(reading, &wording));
+    let report = ParametersReport {
+        drive: drive.to_owned(),
+        parameters: parameters.collect(),
+    };
     if output.json() {
-        let values: Vec<Value> = readings.iter().map(reading_json).collect();
-        output.document(command, fields! { "drive": drive, "parameters": values });
-        return;
+        output.report(&report);
+    } else {
+        output.table(&table(&report, raw));
     }
+}
+
+impl Page for ParametersReport {
+    fn print(&self, output: &Output) {
+        output.table(&table(self, false));
+    }
+}
+
+fn table(report: &ParametersReport, raw: bool) -> Table {
     let mut table = Table::new(&[
         "name",
         "number",
@@ -132,44 +141,25 @@ fn print_readings(
         "meaning",
         if raw { "raw" } else { "" },
     ]);
-    for reading in readings.iter().flatten() {
+    for parameter in report.parameters.iter().filter(|one| one.error.is_none()) {
         table.row([
-            reading.name.unwrap_or_default().to_owned(),
-            reading.shown().to_string(),
-            value::value(reading),
-            reading.unit.to_owned(),
-            value::meaning(reading),
-            if raw { value::raw(reading) } else { String::new() },
+            parameter.name.clone().unwrap_or_default(),
+            parameter.number.clone(),
+            parameter.text.clone().unwrap_or_default(),
+            parameter.unit.clone(),
+            parameter.meaning.clone().unwrap_or_default(),
+            if raw { parameter.octets() } else { String::new() },
         ]);
     }
-    if !table.is_empty() {
-        for line in table.lines() {
-            output.line(&line);
-        }
-    }
+    table
 }
 
 fn reading_json(reading: &Result<Reading, Refusal>) -> Value {
-    match reading {
-        Ok(reading) => value::json(reading),
-        Err(refusal) => Value::Object(refusal_json(refusal)),
-    }
+    Value::Object(members(&parameter(reading, &Commands::any())))
 }
 
 pub fn refusal_json(refusal: &Refusal) -> Map<String, Value> {
-    let channel = match refusal.channel.map(|channel| channel.protocol) {
-        None => "records",
-        Some(Protocol::Fc) => "fc",
-        Some(Protocol::Uss) => "uss",
-    };
-    let sent = !refusal.is_unsent();
-    let remedy = refusal.remedy().map(|remedy| advice::text(&remedy, "DRIVE"));
-    let error = fields! {
-        "number": refusal.received(), "meaning": refusal.words(),
-        "information": refusal.information.filter(|_| sent), "remedy": remedy,
-        "channel": channel, "sent": sent,
-    };
-    fields! { "pnu": refusal.shown.pnu, "index": refusal.shown.index, "name": refusal.name, "error": error }
+    members(&parameter(&Err(*refusal), &Commands::any()))
 }
 
 const fn access_word(access: Access) -> &'static str {

@@ -1,18 +1,15 @@
 //! `profidrive scan`
 
-use client::Wait;
 use std::collections::BTreeMap;
 
-use profile::model::Model;
-use profinet::controller::Station;
-use profinet::wire::dcp::role;
-use serde_json::Value;
+use client::Wait;
+use profidrive::report::{ScanReport, Station};
 
 use crate::args::{Interface, Scan};
 use crate::connect::{self, Need};
 use crate::failure::{Exit, Failure};
-use crate::fields;
 use crate::output::Output;
+use crate::render::Page;
 use crate::render::table::Table;
 
 pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Failure> {
@@ -20,98 +17,52 @@ pub fn run(args: &Scan, interface: &Interface, output: &Output) -> Result<(), Fa
     let spinner = connect::spinner(output, format!("listening for {} ms", args.time.as_millis()));
     let stations = session.scan(args.time).wait();
     spinner.finish_and_clear();
-    let stations = stations?;
-    if output.json() {
-        let list: Vec<Value> = stations.iter().map(json).collect();
-        output.document("scan", fields! { "stations": list });
-    } else if !stations.is_empty() {
-        for line in table(&stations).lines() {
-            output.line(&line);
-        }
-    }
-    if stations.is_empty() {
+    let report = ScanReport {
+        stations: stations?.iter().map(Station::from).collect(),
+    };
+    output.report(&report);
+    if report.stations.is_empty() {
         return Err(
             Failure::new(Exit::Unreachable, "no station answered").hint("check cable, interface and power")
         );
     }
     if !output.json() {
-        for warning in warnings(&stations) {
+        for warning in warnings(&report.stations) {
             output.warn(&warning);
         }
     }
     Ok(())
 }
 
-fn table(stations: &[Station]) -> Table {
-    let mut table = Table::new(&["name", "MAC", "IP", "vendor", "device", "model", "type", "role"]);
-    for station in stations {
-        let prefix = u32::from(station.ip.mask).leading_ones();
-        let ip = if station.ip.is_set() {
-            format!("{}/{prefix}", station.ip.address)
-        } else {
-            "-".into()
-        };
-        let model = Model::of(station.vendor_id, station.device_id);
-        table.row([
-            if station.name.is_empty() {
-                "-".into()
-            } else {
-                station.name.clone()
-            },
-            station.mac.to_string(),
-            ip,
-            format!("0x{:04X}", station.vendor_id),
-            format!("0x{:04X}", station.device_id),
-            if model.catalogue.is_some() {
-                model.name.into()
-            } else {
-                String::new()
-            },
-            station.station_type.clone(),
-            role_word(station.role).into(),
-        ]);
-    }
-    table
-}
-
-fn json(station: &Station) -> Value {
-    Value::Object(fields! {
-        "name": station.name.as_str(), "mac": station.mac.to_string(),
-        "ip": station.ip.is_set().then(|| station.ip.address.to_string()),
-        "mask": station.ip.is_set().then(|| station.ip.mask.to_string()),
-        "gateway": (!station.ip.gateway.is_unspecified()).then(|| station.ip.gateway.to_string()),
-        "vendor_id": station.vendor_id, "device_id": station.device_id, "instance": station.instance,
-        "type": station.station_type.as_str(), "role": role_word(station.role),
-    })
-}
-
-const fn role_word(bits: u8) -> &'static str {
-    if bits & role::CONTROLLER != 0 {
-        "controller"
-    } else if bits & role::SUPERVISOR != 0 {
-        "supervisor"
-    } else if bits & role::DEVICE != 0 {
-        "device"
-    } else {
-        ""
+impl Page for ScanReport {
+    fn print(&self, output: &Output) {
+        let mut table = Table::new(&["name", "MAC", "IP", "vendor", "device", "model", "type", "role"]);
+        let absent = || "-".to_owned();
+        for station in &self.stations {
+            let ip = station.ip.as_ref().zip(station.prefix);
+            table.row([
+                station.name.clone().unwrap_or_else(absent),
+                station.mac.clone(),
+                ip.map_or_else(absent, |(ip, prefix)| format!("{ip}/{prefix}")),
+                format!("0x{:04X}", station.vendor_id),
+                format!("0x{:04X}", station.device_id),
+                station.model.unwrap_or_default().to_owned(),
+                station.station_type.clone(),
+                station.role.unwrap_or_default().to_owned(),
+            ]);
+        }
+        output.table(&table);
     }
 }
 
 /// Names and addresses that more than one station has.
 fn warnings(stations: &[Station]) -> Vec<String> {
-    let mut owners: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut owners: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for station in stations {
-        if !station.name.is_empty() {
-            owners
-                .entry(format!("the name {}", station.name))
-                .or_default()
-                .push(station.mac.to_string());
-        }
-        if station.ip.is_set() {
-            owners
-                .entry(format!("the address {}", station.ip.address))
-                .or_default()
-                .push(station.mac.to_string());
+        let name = station.name.as_ref().map(|name| format!("the name {name}"));
+        let ip = station.ip.as_ref().map(|ip| format!("the address {ip}"));
+        for what in [name, ip].into_iter().flatten() {
+            owners.entry(what).or_default().push(&station.mac);
         }
     }
     owners
@@ -128,22 +79,21 @@ mod tests {
 
     #[test]
     fn duplicate_names_are_reported() {
-        let station = |last| Station {
-            mac: MacAddress([2, 0, 0, 0, 0, last]),
-            name: "akd-1".into(),
-            vendor_id: 0x0105,
-            device_id: 1,
-            role: 1,
-            ..Station::default()
+        let station = |last| {
+            Station::from(&profinet::controller::Station {
+                mac: MacAddress([2, 0, 0, 0, 0, last]),
+                name: "akd-1".into(),
+                vendor_id: 0x0105,
+                device_id: 1,
+                role: 1,
+                ..Default::default()
+            })
         };
         let stations = [station(1), station(2)];
         assert_eq!(
             warnings(&stations),
             ["2 stations have the name akd-1: 02:00:00:00:00:01 and 02:00:00:00:00:02"]
         );
-        assert_eq!(
-            table(&stations).lines()[1],
-            "akd-1  02:00:00:00:00:01  -   0x0105  0x0001  AKD    device"
-        );
+        assert_eq!((stations[0].model, stations[0].role), (Some("AKD"), Some("device")));
     }
 }

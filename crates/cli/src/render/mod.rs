@@ -1,6 +1,8 @@
 //! Tables and live views. Knows how things look, nothing of where they come from.
 
 pub mod live;
+mod page;
 pub mod table;
 
+pub use page::Page;
 pub use dissect::{hex16, nibbles, number, value, words};

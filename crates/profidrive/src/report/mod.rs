@@ -12,6 +12,7 @@
 //! Every field is always there: `null` says that it is not known or does not apply, a list without entries is `[]`.
 //! Times are in seconds. With the feature `schema` each report has a JSON schema.
 
+mod drive;
 mod motion;
 #[cfg(feature = "schema")]
 pub mod schema;
@@ -19,8 +20,12 @@ mod shapes;
 
 pub use dissect::report::{DriveState, Parameter, ParameterContent, ParameterError, Word};
 
+pub use drive::{
+    FaultsReport, Identity, InfoReport, LogEntry, Module, MonitorReading, Neighbour, ParametersReport,
+    ScanReport, Submodule,
+};
 pub use motion::{AxisState, CycleStrained, DryRun, Frames, MotionEnd, MotionEvent, TelegramChange};
 pub use shapes::{
-    Action, Controller, Error, Fault, LossReaction, Quantity, Station, Warning, Wording, parameter,
+    Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording, parameter,
     parameter_error,
 };

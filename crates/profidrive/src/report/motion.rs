@@ -2,11 +2,12 @@
 
 use client::axis::Strained;
 use client::{AxisStatus, Rest};
-use profile::state::bits;
+use dissect::{hex16, words};
+use profile::state::{Profile, bits};
 use profinet::cyclic::CyclicStatistics;
 use serde::Serialize;
 
-use super::{DriveState, Fault, LossReaction, Quantity, Warning, Word};
+use super::{DriveWords, Fault, LossReaction, Quantity, Warning, Word};
 
 /// One event of a verb that moves an axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -97,12 +98,9 @@ impl From<&Strained> for CycleStrained {
 pub struct AxisState {
     /// Seconds since control was taken.
     pub time: f64,
-    /// State of the drive.
-    pub state: Option<DriveState>,
-    /// Control word that is sent.
-    pub stw1: Word,
-    /// Status word that was received.
-    pub zsw1: Option<Word>,
+    /// State of the drive and the words that are exchanged. The bits have the names of the profile.
+    #[serde(flatten)]
+    pub words: DriveWords,
     /// False when the connection is lost: then all of this was reported before.
     pub connected: bool,
     /// Speed that is commanded.
@@ -120,15 +118,28 @@ pub struct AxisState {
 impl From<&AxisStatus> for AxisState {
     fn from(status: &AxisStatus) -> Self {
         let view = &status.view;
-        let zsw1 = view.seen.map(|seen| seen.zsw1.0);
         let speed = |value: f64| Quantity::speed(value, status.unit);
+        let general = view.seen.map(|seen| seen.zsw1.0);
+        let words = DriveWords::of(Profile::Profidrive, view.mode, Some(view.answered.0), general);
+        let meaning = words::stw1_meaning_in(view.mode, view.command.stw1.0).to_owned();
+        let stw1 = Word::of(
+            bits::stw1(view.mode),
+            view.command.stw1.0,
+            view.sent,
+            Some(meaning),
+        );
+        let zsw1 = words.zsw1.zip(view.seen).map(|(word, seen)| Word {
+            number: seen.word.into(),
+            hex: hex16(seen.word),
+            ..word
+        });
         Self {
             time: status.time.as_secs_f64(),
-            state: zsw1.and_then(|zsw1| DriveState::of(zsw1, Some(view.answered.0))),
-            stw1: Word::on_wire(bits::stw1(view.mode), view.command.stw1.0, view.sent),
-            zsw1: view
-                .seen
-                .map(|seen| Word::on_wire(bits::zsw1(view.mode), seen.zsw1.0, seen.word)),
+            words: DriveWords {
+                stw1: Some(stw1),
+                zsw1,
+                ..words
+            },
             connected: !status.lost,
             speed_set: status.speed_set.map(speed),
             speed_actual: status

@@ -4,7 +4,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
-use super::{Error, MotionEvent};
+use super::{Error, FaultsReport, InfoReport, MonitorReading, MotionEvent, ParametersReport, ScanReport};
 
 /// Name of the file with the shared definitions.
 pub const DEFINITIONS: &str = "definitions.json";
@@ -14,6 +14,11 @@ type Describe = fn(&mut SchemaGenerator) -> Value;
 
 /// What each command reports.
 const COMMANDS: &[(&str, Describe)] = &[
+    ("scan", of::<ScanReport>),
+    ("info", of::<InfoReport>),
+    ("read", of::<ParametersReport>),
+    ("faults", of::<FaultsReport>),
+    ("monitor", of::<MonitorReading>),
     ("run", of::<MotionEvent>),
     ("jog", of::<MotionEvent>),
     ("move", of::<MotionEvent>),

@@ -1,14 +1,17 @@
 //! The shapes that reports share.
 
 use client::axis::SpeedUnit;
-use client::{Advice, FaultEntry, Refusal, WarningEntry};
+use client::{Advice, FaultEntry, Refusal, Snapshot, WarningEntry};
+use dissect::words;
+use profile::catalogue::Cleared;
 use profile::model::Model;
+use profile::state::{Mode, Profile, State, Zsw1};
 use profile::value::{Beyond, Reading};
 use profinet::wire::dcp::role;
 use serde::Serialize;
 use uss::Protocol;
 
-use super::{Parameter, ParameterError};
+use super::{DriveState, Parameter, ParameterError, Word};
 
 /// The words of a front end for what to do: no library words a command.
 pub trait Wording {
@@ -75,6 +78,66 @@ impl Quantity {
     }
 }
 
+/// State of a drive and the words that say so. The bits have the names of the vendor's words.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DriveWords {
+    /// State of the drive.
+    pub state: Option<DriveState>,
+    /// Whose words these are: `PROFIdrive`, `FC profile`, ..
+    pub profile: &'static str,
+    /// Mode that decides over the bits: `velocity` or `position`.
+    pub mode: &'static str,
+    /// Control word that the drive acts on.
+    pub stw1: Option<Word>,
+    /// Status word of the drive.
+    pub zsw1: Option<Word>,
+    /// Whether the status word reports a fault.
+    pub fault_bit: Option<bool>,
+    /// Whether the status word reports a warning.
+    pub warning_bit: Option<bool>,
+}
+
+impl DriveWords {
+    /// Returns the words of a drive that cannot be read.
+    #[must_use]
+    pub fn unknown() -> Self {
+        Self::of(Profile::Profidrive, Mode::Velocity, None, None)
+    }
+
+    /// Returns what a drive reports by the words of its profile.
+    #[must_use]
+    pub fn of(profile: Profile, mode: Mode, sent: Option<u16>, status: Option<u16>) -> Self {
+        let general = status.map(|status| profile.zsw1(status, sent.unwrap_or_default()));
+        let runs = general.is_some_and(|word| word.has(Zsw1::READY_TO_OPERATE));
+        let commanded = sent.map(|word| {
+            let state = if runs { State::S4 } else { State::S2 };
+            profile.orders(word, state).stw1.0
+        });
+        Self {
+            state: general.and_then(|word| DriveState::of(word.0, commanded)),
+            profile: profile.name(),
+            mode: mode.name(),
+            stw1: sent.map(|word| {
+                let meaning = words::control_meaning(profile, mode, word);
+                Word::of(profile.control_bits(mode), word, word, Some(meaning))
+            }),
+            zsw1: status.zip(general).map(|(word, general)| {
+                let meaning = words::state(general.0, commanded);
+                Word::of(profile.status_bits(mode), word, word, Some(meaning))
+            }),
+            fault_bit: general.map(|word| word.has(Zsw1::FAULT)),
+            warning_bit: general.map(|word| word.has(Zsw1::WARNING)),
+        }
+    }
+}
+
+impl From<&Snapshot> for DriveWords {
+    fn from(snapshot: &Snapshot) -> Self {
+        Self::of(snapshot.profile, snapshot.mode, snapshot.stw1, snapshot.zsw1)
+    }
+}
+
 /// A fault of a drive.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -89,6 +152,8 @@ pub struct Fault {
     pub remedy: Option<String>,
     /// What ends it once the cause is gone.
     pub cleared: Option<String>,
+    /// Whether only switching off and on ends it.
+    pub needs_restart: Option<bool>,
     /// Fault situation: 0 is not acknowledged yet, 1 the last acknowledged.
     pub situation: u8,
     /// Position in its situation; 0 is the fault that came first.
@@ -109,6 +174,7 @@ impl From<&FaultEntry> for Fault {
             reaction: entry.reaction.map(|reaction| reaction.text().to_owned()),
             remedy: entry.remedy.map(str::to_owned),
             cleared: entry.clearing.clone(),
+            needs_restart: entry.cleared.map(|cleared| cleared == Cleared::Restart),
             situation: entry.situation,
             position: entry.position,
             acknowledged: entry.situation > 0,
@@ -152,6 +218,8 @@ pub struct Station {
     pub ip: Option<String>,
     /// Subnet mask.
     pub mask: Option<String>,
+    /// Prefix length of the subnet mask.
+    pub prefix: Option<u8>,
     /// Gateway.
     pub gateway: Option<String>,
     /// VendorID.
@@ -185,6 +253,7 @@ impl From<&profinet::controller::Station> for Station {
             mac: station.mac.to_string(),
             ip: set.then(|| ip.address.to_string()),
             mask: set.then(|| ip.mask.to_string()),
+            prefix: u8::try_from(u32::from(ip.mask).leading_ones()).ok().filter(|_| set),
             gateway: (!ip.gateway.is_unspecified()).then(|| ip.gateway.to_string()),
             vendor_id: station.vendor_id,
             device_id: station.device_id,

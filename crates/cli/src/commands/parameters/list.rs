@@ -44,7 +44,7 @@ pub fn list(args: &List, interface: &Interface, output: &Output) -> Result<(), F
         bar.finish_and_clear();
         name_bits(&mut session, &mut drive, &mut readings)?;
         session.close().wait()?;
-        print_readings("list", &drive.label(), &readings, args.raw, output);
+        print_readings(&drive.label(), &readings, args.raw, output);
         let refused = readings.iter().filter(|reading| reading.is_err()).count();
         if refused > 0 {
             output.say(&format!("{refused} of {} could not be read", readings.len()));
