@@ -40,8 +40,8 @@ fn the_program_uses_each_path_to_the_records() {
     let info = client(&lab, &["info", "vlt-1", "--json"]).ok();
     let info: serde_json::Value = serde_json::from_str(&info.out).unwrap();
     assert_eq!(
-        (&info["route"], &info["controller"]),
-        (&"implicit reads".into(), &serde_json::Value::Null)
+        (&info["route"], &info["controller"]["connected"]),
+        (&"implicit reads".into(), &serde_json::Value::Bool(false))
     );
     assert_eq!(info["modules"].as_array().map(Vec::len), Some(2), "{info}");
 

@@ -238,16 +238,6 @@ impl Output {
         }
     }
 
-    /// Prints one of the reports of a command that has many, at once: as lines, or as a JSON document in a line of its own
-    /// (JSON Lines).
-    pub fn report_event(&self, report: &impl Page) {
-        if self.json {
-            self.event(&self.command, members(report));
-        } else {
-            report.print(self);
-        }
-    }
-
     /// Prints a report for programs only, as a JSON document in a line of its own.
     pub fn json_event(&self, report: &impl Serialize) {
         if self.json {

@@ -29,7 +29,7 @@ impl Word {
         Self {
             number: wire.into(),
             hex: hex16(wire),
-            bits: bits::told(table, word).map(str::to_owned).collect(),
+            bits: bits::texts(table, word).map(str::to_owned).collect(),
             meaning,
         }
     }
@@ -37,7 +37,7 @@ impl Word {
     /// Returns the word as it is shown to a person: `0x043F [ON, EN_OP, CTRL_PLC]`.
     #[must_use]
     pub fn shown(&self) -> String {
-        format!("{} {}", self.hex, words::told(&self.bits))
+        format!("{} {}", self.hex, words::bracketed(&self.bits))
     }
 }
 
@@ -159,7 +159,10 @@ impl From<&Reading> for Parameter {
             unit: reading.unit.to_owned(),
             meaning: Some(value::meaning(reading)).filter(|meaning| !meaning.is_empty()),
             word: reading.word.as_ref().map(|bits| Word {
-                number: reading.octets.iter().fold(0, |number, &octet| number << 8 | u64::from(octet)),
+                number: reading
+                    .octets
+                    .iter()
+                    .fold(0, |number, &octet| number << 8 | u64::from(octet)),
                 hex: words::hex(&reading.octets),
                 bits: bits.clone(),
                 meaning: None,
@@ -183,7 +186,7 @@ impl Parameter {
             text = format!("{text} {}", self.unit);
         }
         match (&self.word, &self.meaning) {
-            (Some(word), _) => format!("{text} {}", words::told(&word.bits)),
+            (Some(word), _) => format!("{text} {}", words::bracketed(&word.bits)),
             (None, None) => text,
             (None, Some(meaning)) => format!("{text} ({meaning})"),
         }
@@ -215,7 +218,11 @@ mod tests {
         assert_eq!(word.bits[..2], ["ON", "OFF2: coast stop, pulses off at once"]);
         let converter = Word::of(table, 0x047F, 0x047C, None);
         assert_eq!((converter.number, converter.hex.as_str()), (0x047C, "0x047C"));
-        assert!(converter.shown().starts_with("0x047C [ON, EN_OP"), "{}", converter.shown());
+        assert!(
+            converter.shown().starts_with("0x047C [ON, EN_OP"),
+            "{}",
+            converter.shown()
+        );
     }
 
     #[test]

@@ -250,7 +250,7 @@ mod tests {
 
     use super::*;
     use client::status::DriveStatus;
-    use client::{Drive, FaultEntry, FaultReport};
+    use client::{FaultEntry, FaultReport};
     use profile::catalogue::{AKD, Catalogue, Cleared, VACON, VLT};
     use profile::fault::{Counting, Shape};
     use profile::notation::ParameterReference;
@@ -293,7 +293,9 @@ mod tests {
             zsw1: None,
             log: Vec::new(),
         };
-        let advice_for = |cleared: &[Cleared]| advice(&FaultsReport::new("d", &report(cleared), false)).unwrap_or_default();
+        let advice_for = |cleared: &[Cleared]| {
+            advice(&FaultsReport::new("d", &report(cleared), false)).unwrap_or_default()
+        };
         assert_eq!(advice_for(&[]), "");
         assert!(
             advice_for(&[Cleared::Restart]).contains("off and on")
@@ -406,8 +408,7 @@ mod tests {
 
     #[test]
     fn a_fault_bit_without_a_number_is_reported() {
-        let lines_of =
-            |faults, zsw1| lines(&FaultsReport::new("d", &report(faults, zsw1), false));
+        let lines_of = |faults, zsw1| lines(&FaultsReport::new("d", &report(faults, zsw1), false));
         assert_eq!(
             lines_of(Vec::new(), 0),
             [Line::Normal("no fault is present".into())]

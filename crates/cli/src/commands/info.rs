@@ -31,7 +31,11 @@ pub fn run(args: &args::Drive, interface: &Interface, output: &Output) -> Result
     session.close().wait()?;
     let report = InfoReport::new(&drive, &info, snapshot.as_ref(), &faults);
     if !output.json() {
-        let kind = if report.is_drive { report.model } else { "not a drive" };
+        let kind = if report.is_drive {
+            report.model
+        } else {
+            "not a drive"
+        };
         output.line(&format!("{} ({kind})", describe(&drive.station)));
     }
     output.report(&report);
@@ -94,15 +98,21 @@ fn lines(report: &InfoReport) -> Vec<String> {
         line("neighbour", format!("{own} leads to {port} of {station}"));
     }
     if let Some(stw1) = &report.words.stw1 {
-        let Word { hex, bits, meaning, .. } = stw1;
+        let Word {
+            hex, bits, meaning, ..
+        } = stw1;
         let means = meaning.as_deref().unwrap_or_default();
-        line("STW1", format!("{hex} {means} {}", words::told(bits)));
+        line("STW1", format!("{hex} {means} {}", words::bracketed(bits)));
     }
     if let Some(zsw1) = &report.words.zsw1 {
         line("ZSW1", zsw1.shown());
     }
     for fault in &report.faults {
-        let state = if fault.acknowledged { "acknowledged" } else { "present" };
+        let state = if fault.acknowledged {
+            "acknowledged"
+        } else {
+            "present"
+        };
         let meaning = fault.meaning.as_deref().unwrap_or("not in the tables");
         line(
             "fault",

@@ -94,6 +94,9 @@ mod tests {
             warnings(&stations),
             ["2 stations have the name akd-1: 02:00:00:00:00:01 and 02:00:00:00:00:02"]
         );
-        assert_eq!((stations[0].model, stations[0].role), (Some("AKD"), Some("device")));
+        assert_eq!(
+            (stations[0].model, stations[0].role),
+            (Some("AKD"), Some("device"))
+        );
     }
 }

@@ -4,5 +4,5 @@ pub mod live;
 mod page;
 pub mod table;
 
-pub use page::Page;
 pub use dissect::{hex16, nibbles, number, value, words};
+pub use page::Page;

@@ -26,6 +26,6 @@ pub use drive::{
 };
 pub use motion::{AxisState, CycleStrained, DryRun, Frames, MotionEnd, MotionEvent, TelegramChange};
 pub use shapes::{
-    Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording, parameter,
-    parameter_error,
+    Action, Controller, DriveWords, Error, Fault, LossReaction, Quantity, Station, Warning, Wording,
+    parameter, parameter_error,
 };

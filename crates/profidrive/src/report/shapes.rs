@@ -253,7 +253,9 @@ impl From<&profinet::controller::Station> for Station {
             mac: station.mac.to_string(),
             ip: set.then(|| ip.address.to_string()),
             mask: set.then(|| ip.mask.to_string()),
-            prefix: u8::try_from(u32::from(ip.mask).leading_ones()).ok().filter(|_| set),
+            prefix: u8::try_from(u32::from(ip.mask).leading_ones())
+                .ok()
+                .filter(|_| set),
             gateway: (!ip.gateway.is_unspecified()).then(|| ip.gateway.to_string()),
             vendor_id: station.vendor_id,
             device_id: station.device_id,
