@@ -34,16 +34,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Checked against the table of the drive before anything is sent; old and new value come back.
     let change: Assignment = "DRV.ACC=5000rpm/s".parse()?;
-    for outcome in session.write(&mut drive, &[change], WriteMode::Write).wait()? {
-        let old = outcome
-            .old
-            .and_then(Result::ok)
-            .and_then(|reading| reading.number());
-        let new = outcome
-            .new
-            .and_then(Result::ok)
-            .and_then(|reading| reading.number());
-        println!("DRV.ACC {old:?} -> {new:?}");
+    let set = session.write(&mut drive, &[change], WriteMode::Write).wait()?;
+    set.accepted()?;
+    for change in set.changes() {
+        let old = change.old.as_ref().and_then(|old| old.as_ref().ok()?.number());
+        println!("DRV.ACC {old:?} -> {:?}: {}", change.new.number(), change.step);
     }
     session.close().wait()?;
     Ok(())

@@ -1,9 +1,9 @@
 //! `--save` of a VLT on PROFINET uses request 0x42, which only PROFIBUS manuals name: a drive that refuses it is
-//! commanded to save by 9-71, and where it refuses that too, the outcome names it. Where a value is refused, 9-71 is
+//! commanded to save by 9-71, and where it refuses that too, the set names it. Where a value is refused, 9-71 is
 //! not sent.
 
-use client::backup::{Choice, Journal, Saved};
-use client::{ChangeOutcome, Drive, Network, Wait, WriteMode};
+use client::change::{ChangeSet, Choice, Saved, Step};
+use client::{Drive, Network, Wait, WriteMode};
 use network::host::Host;
 use network::segment::{Pace, Segment, SegmentMedium};
 use profile::catalogue::{Access, Catalogue, Parameter, VLT};
@@ -67,15 +67,14 @@ fn session(model: &'static Model) -> (Network, Drive) {
     (session, drive)
 }
 
-/// Returns the parameters of the outcomes, and the error number that each was refused with.
-fn numbers(outcomes: &[ChangeOutcome]) -> Vec<(u16, Option<ErrorNumber>)> {
-    let refused = |outcome: &ChangeOutcome| {
-        let refusal = outcome.written.as_ref().expect("written").as_ref().err();
-        refusal.map(|refusal| refusal.number)
-    };
-    let outcomes = outcomes.iter();
-    outcomes
-        .map(|outcome| (outcome.change.selection.pnu, refused(outcome)))
+/// Returns the parameters of the changes and of the command that saves, and the error number that each was refused with.
+fn numbers(set: &ChangeSet) -> Vec<(u16, Option<ErrorNumber>)> {
+    let changes = set.changes().iter().chain(set.save_command());
+    changes
+        .map(|change| {
+            let refusal = change.refusal().map(|refusal| refusal.number);
+            (change.selection.pnu, refusal)
+        })
         .collect()
 }
 
@@ -84,13 +83,15 @@ fn a_save_that_is_refused_by_request_and_by_parameter_is_named() {
     for (can_save, expected) in [(true, None), (false, Some(ErrorNumber::NOT_CHANGEABLE))] {
         let (mut session, mut drive) = session(vlt(if can_save { &[] } else { &[SAVE] }));
         let change = ["3-41=7.5".parse().unwrap()];
-        let outcomes = session
+        let set = session
             .write(&mut drive, &change, WriteMode::Save)
             .wait()
             .expect("tried");
-        assert_eq!(numbers(&outcomes), [(341, None), (SAVE, expected)]);
-        assert!(!outcomes[0].differs(), "the value is written all the same");
-        if let Some(Err(refusal)) = &outcomes[1].written {
+        assert_eq!(numbers(&set), [(341, None), (SAVE, expected)]);
+        let value = &set.changes()[0];
+        assert!(value.is_done(), "the value is written all the same");
+        assert_eq!(set.is_saved(value), can_save);
+        if let Saved::Refused(refusal) = set.saved() {
             assert!(refusal.to_string().contains("9-71"), "{refusal}");
         }
         // a restore that is to save says so too
@@ -100,40 +101,40 @@ fn a_save_that_is_refused_by_request_and_by_parameter_is_named() {
             .write(&mut drive, &back, WriteMode::Write)
             .wait()
             .expect("written");
-        let plan = session
-            .plan(&mut drive, &wanted, &Choice::default())
-            .wait()
-            .expect("a plan");
-        let mut journal = Journal::new(&plan);
-        session
-            .restore(&mut drive, &mut journal, true, &mut |_| Ok(()))
-            .wait()
-            .expect("restored");
-        match (journal.saved(), can_save) {
+        let plan = session.plan(&mut drive, &wanted, &Choice::default()).wait();
+        let mut set = plan.expect("a plan").set;
+        set.save(&drive).expect("a way to save");
+        session.apply(&mut drive, &mut set).wait().expect("restored");
+        match (set.saved(), can_save) {
             (Saved::Yes, true) => {}
             (Saved::Refused(refusal), false) => {
                 assert_eq!(Some(refusal.number), expected);
             }
-            (saved, _) => panic!("{saved:?}: {journal}"),
+            (saved, _) => panic!("{saved:?}: {set}"),
         }
     }
 }
 
-/// The values are only in RAM then, and the outcomes say so.
+/// The values are only in RAM then, and the set says so.
 #[test]
 fn the_save_that_is_not_sent_after_a_refused_value_is_named() {
     let (mut session, mut drive) = session(vlt(&[RAMP_DOWN]));
     let changes = ["3-41=7.5", "3-42=7.5"].map(|text| text.parse().expect("an assignment"));
-    let outcomes = session
+    let set = session
         .write(&mut drive, &changes, WriteMode::Save)
         .wait()
         .expect("tried");
-    let (values, save) = outcomes.split_at(changes.len());
-    let expected = [(341, None), (RAMP_DOWN, Some(ErrorNumber::NOT_CHANGEABLE))];
-    assert_eq!(numbers(values), expected);
-    let [save] = save else {
-        panic!("the save is missing: {outcomes:?}");
-    };
-    assert_eq!(save.change.selection.pnu, SAVE);
-    assert!(save.written.is_none(), "{save:?}");
+    let expected = [
+        (341, None),
+        (RAMP_DOWN, Some(ErrorNumber::NOT_CHANGEABLE)),
+        (SAVE, None),
+    ];
+    assert_eq!(numbers(&set), expected);
+    let save = set.save_command().expect("a command");
+    assert_eq!(
+        (save.step, set.saved()),
+        (Step::NotWritten, Saved::No),
+        "{save:?}"
+    );
+    assert!(!set.is_saved(&set.changes()[0]));
 }

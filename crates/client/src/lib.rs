@@ -10,7 +10,8 @@
 //! | find, name, address, blink, reset | [`Session::scan`], [`Session::find`], [`Session::set_name`], [`Session::set_ip`], .. |
 //! | know | [`Session::info`], [`Session::status`] with [`status::diagnose`], [`Session::faults`], [`Session::snapshot`] |
 //! | read and write | [`Session::read`], [`Session::write`] with [`profile::value`] |
-//! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::restore`] |
+//! | save, compare, restore | [`backup`], [`Session::backup`], [`Session::plan`] |
+//! | change, verify, undo | [`change`], [`Session::apply`], [`Session::undo`] |
 //! | open a network, or a serial line | [`Network::on`], [`Network::on_line`] with a [`Wire`] |
 //! | move | [`Session::take_axis`] gives an [`Axis`], [`Axis::enable`] an [`Enabled`] one with motions; it stops when it goes |
 #![forbid(unsafe_code)]
@@ -19,6 +20,7 @@ mod action;
 mod address;
 pub mod axis;
 pub mod backup;
+pub mod change;
 mod client;
 mod drive;
 mod engine;
@@ -45,10 +47,9 @@ pub use mapper::Registered;
 pub use modules::{VendorModule, modules_of};
 pub use network::Network;
 pub use session::{
-    AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ChangeOutcome, ClosedRoute, Described,
-    Enabled, FaultEntry, FaultReport, Identity, Info, JogSpeed, LocalControl, LoggedFault, LossAction,
-    LossReaction, ModeBefore, Peer, PlannedChange, PlannedValue, PutBack, ReportedLimits, Rest, Route,
-    RouteNotice, Samples, Session, Snapshot, StopHandle, StopMeans, StopOutcome, StopWay, WarningEntry,
-    WarningWatcher, Watcher, WriteMode,
+    AtWork, Authority, Axis, AxisPlan, AxisSettings, AxisStatus, ClosedRoute, Described, Enabled, FaultEntry,
+    FaultReport, Identity, Info, JogSpeed, Keep, LocalControl, LoggedFault, LossAction, LossReaction,
+    ModeBefore, Peer, PutBack, ReportedLimits, Rest, Route, RouteNotice, Samples, Session, Snapshot,
+    StopHandle, StopMeans, StopOutcome, StopWay, WarningEntry, WarningWatcher, Watcher, WriteMode,
 };
 pub use wire::Wire;

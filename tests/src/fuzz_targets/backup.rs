@@ -1,6 +1,7 @@
 //! Backup files, which are edited by hand.
 
-use client::backup::{Backup, Choice, Journal, Pattern, Plan, compare};
+use client::backup::{Backup, Pattern, compare};
+use client::change::{Choice, Plan};
 
 /// A backup file: what is read prints as something that reads the same, is no different from itself, and is planned onto
 /// itself without a change.
@@ -36,7 +37,7 @@ pub fn backup(data: &[u8]) {
         ..Choice::default()
     };
     let plan = Plan::new(&backup, &again, &choice);
-    assert!(plan.changes.is_empty());
-    let journal = Journal::new(&plan).to_string();
+    assert!(plan.set.changes().is_empty());
+    let journal = plan.set.to_string();
     assert!(Backup::parse(&journal).is_ok(), "{journal}");
 }

@@ -198,13 +198,10 @@ pub fn clear(drive: &str, interface: &Interface, output: &Output) -> Result<(), 
     }
     output.say(&format!("acknowledging with {} (p{})", command.name, command.pnu));
     let assignment = Assignment::of(command, 1);
-    let outcomes = session
+    let set = session
         .write(&mut drive, &[assignment], WriteMode::Write)
         .wait()?;
-    if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
-        let drive = drive.label();
-        return Err(client::Error::Refused { drive, refusal }.into());
-    }
+    set.accepted()?;
     // the drive takes the command in its own time
     let end = session.now() + CLEAR_TIMEOUT;
     let report = loop {

@@ -345,14 +345,8 @@ async fn set_speed(
         reference: ParameterReference::number(pnu),
         value: speed.clone().into(),
     };
-    let outcomes = session.write(drive, &[assignment], WriteMode::Write).await?;
-    match outcomes.into_iter().find_map(|outcome| outcome.written) {
-        Some(Err(refusal)) => Err(Error::Refused {
-            drive: drive.label(),
-            refusal,
-        }),
-        _ => Ok(()),
-    }
+    let set = session.write(drive, &[assignment], WriteMode::Write).await?;
+    set.accepted()
 }
 
 #[cfg(test)]

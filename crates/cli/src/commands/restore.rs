@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use client::backup::{Backup, Change, Choice, Journal, Pattern, Plan, Saved, Skip, Skipped, Step};
+use client::backup::{Backup, Pattern};
+use client::change::{Change, ChangeSet, Choice, Plan, Saved, Skip, Skipped, Step, TaskChange};
 use client::{Drive, Error, Wait, describe};
 use network::files::StateFile;
 use profile::catalogue::Role;
 use profile::model::Model;
 use profile::parameter::Saving;
+use profile::value::Reading;
 use serde_json::{Map, Value};
 
 use super::backup;
@@ -71,7 +73,10 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     let spinner = connect::spinner(output, format!("reading {}", drive.label()));
     let plan = session.plan(&mut drive, &wanted, &choice).wait();
     spinner.finish_and_clear();
-    let plan = plan?;
+    let mut plan = plan?;
+    if args.save {
+        plan.set.save(&drive)?;
+    }
     for remark in plan.remarks(&wanted) {
         output.say(&remark);
     }
@@ -84,32 +89,24 @@ pub fn run(args: &Args, interface: &Interface, output: &Output) -> Result<(), Fa
     if args.dry_run {
         session.close().wait()?;
         if output.json() {
-            output.document("restore", document(&drive, args, &Journal::new(&plan), None));
+            output.document("restore", document(&drive, args, &plan, None));
         }
         output.say("dry run: nothing was written");
         return refused(&plan, &drive);
     }
-    let mut journal = Journal::new(&plan);
-    let result = carry_out(
-        &mut session,
-        &mut drive,
-        &mut journal,
-        args.save,
-        &way_back,
-        output,
-    );
+    let result = carry_out(&mut session, &mut drive, &mut plan.set, &way_back, output);
     // the connection of a drive that is lost ends by itself
     let closed = session.close().wait();
-    let file = (journal.total() > 0 && way_back.exists()).then_some(way_back.as_path());
+    let file = (plan.set.total() > 0 && way_back.exists()).then_some(way_back.as_path());
     if output.json() {
-        output.document("restore", document(&drive, args, &journal, file));
+        output.document("restore", document(&drive, args, &plan, file));
     } else {
-        results(&journal, output);
+        results(&plan.set, output);
     }
-    report(&journal, file, &drive, args, output);
-    result.map_err(|error| failed(error, &journal, file, &drive))?;
+    report(&plan.set, file, &drive, args, output);
+    result.map_err(|error| failed(error, &plan.set, file, &drive))?;
     closed?;
-    ended(&journal, &drive, args)
+    ended(&plan, &drive, args)
 }
 
 /// Where the way back goes: never over anything.
@@ -163,11 +160,12 @@ fn check_no_controller(session: &mut Live, drive: &Drive) -> Result<(), Failure>
 
 fn show(plan: &Plan, output: &Output) {
     let mut table = Table::new(&["name", "number", ">old", "", ">new", "unit", "limits", "kept"]);
-    for change in &plan.changes {
-        let limits = change
-            .limits
+    let set = &plan.set;
+    for change in set.changes() {
+        let limits = set
+            .limits(change)
             .map(|(low, high)| format!("{} to {}", number(low), number(high)));
-        let ([old, new], unit) = value::pair(Some(&change.old), Some(&change.new));
+        let ([old, new], unit) = value::pair(old(change), Some(&change.new));
         table.row([
             change.new.name.unwrap_or_default().to_owned(),
             change.new.shown().to_string(),
@@ -184,10 +182,10 @@ fn show(plan: &Plan, output: &Output) {
             output.line(&line);
         }
     }
-    let after = plan.parameters_after();
-    for change in &plan.tasks {
+    let after = set.parameters_after();
+    for change in set.tasks() {
         output.line(&format!("MT[{}]", change.number));
-        output.line(&format!("  old  {}", change.old.text(plan.parameters())));
+        output.line(&format!("  old  {}", change.old.text(set.parameters())));
         output.line(&format!("  new  {}", change.new.text(&after)));
     }
     for skipped in plan.tasks_skipped.iter().filter(|one| one.why != Skip::Same) {
@@ -214,7 +212,7 @@ fn show(plan: &Plan, output: &Output) {
     };
     output.say(&format!(
         "{} to write, {} same, {} left out{refused}",
-        plan.changes.len() + plan.tasks.len(),
+        set.total(),
         plan.same(),
         plan.left_out()
     ));
@@ -255,31 +253,35 @@ fn left_out_row(first: &Skipped, rest: &[&Skipped]) -> [String; 5] {
 const MOST_NAMED: usize = 4;
 
 const fn kept(change: &Change) -> &'static str {
-    match change.saved {
+    match change.storable {
         Some(true) | None => "",
         Some(false) => "not over power-off",
     }
 }
 
+/// The value before, which was read.
+fn old(change: &Change) -> Option<&Reading> {
+    change.old.as_ref()?.as_ref().ok()
+}
+
 fn carry_out(
     session: &mut Live,
     drive: &mut Drive,
-    journal: &mut Journal,
-    save: bool,
+    set: &mut ChangeSet,
     way_back: &Path,
     output: &Output,
 ) -> Result<(), Error> {
     let file = StateFile::document(way_back);
-    let bar = connect::bar(output, journal.total(), "writing");
+    let bar = connect::bar(output, set.total(), "writing");
     let result = session
-        .restore(drive, journal, save, &mut |journal| {
-            let done = journal.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));
+        .apply_kept(drive, set, &mut |set| {
+            let done = set.count(|step| !matches!(step, Step::NotWritten | Step::InDoubt));
             bar.set_position(done as u64);
-            if journal.total() == 0 {
+            if set.total() == 0 {
                 // nothing changes, so there is no way back
                 return Ok(());
             }
-            file.replace(journal.to_string().as_bytes()).map_err(Into::into)
+            file.replace(set.to_string().as_bytes()).map_err(Into::into)
         })
         .wait();
     bar.finish_and_clear();
@@ -287,18 +289,15 @@ fn carry_out(
 }
 
 /// What did not go as planned, one line each.
-fn results(journal: &Journal, output: &Output) {
+fn results(set: &ChangeSet, output: &Output) {
     let mut table = Table::new(&["name", "number", ">wanted", "unit", "result"]);
-    for (change, step) in journal.plan().changes.iter().zip(journal.steps()) {
-        if *step == Step::ReadBack {
-            continue;
-        }
+    for change in set.changes().iter().filter(|change| !change.is_done()) {
         table.row([
             change.new.name.unwrap_or_default().to_owned(),
             change.new.shown().to_string(),
             value::value(&change.new),
             change.new.unit.to_owned(),
-            step.to_string(),
+            change.step.to_string(),
         ]);
     }
     if !table.is_empty() {
@@ -306,24 +305,17 @@ fn results(journal: &Journal, output: &Output) {
             output.line(&line);
         }
     }
-    for (change, step) in journal.plan().tasks.iter().zip(journal.task_steps()) {
-        if *step != Step::ReadBack {
-            output.line(&format!("MT[{}]: {step}", change.number));
-        }
+    for task in set.tasks().iter().filter(|task| task.step != Step::ReadBack) {
+        output.line(&format!("MT[{}]: {}", task.number, task.step));
     }
 }
 
 /// What becomes of written values that nobody asked to save, one line for those that the drive saves by itself and one for
 /// the others.
-fn unsaved(drive: &Drive, journal: &Journal) -> Vec<String> {
-    let changes = journal.plan().changes.iter().zip(journal.steps());
-    let written = changes.filter(|(_, step)| **step == Step::ReadBack);
-    let text = |change: &Change| {
-        let parameter = drive.parameters.at(change.new.pnu, change.new.index.unwrap_or(0));
-        parameter.is_some_and(|parameter| drive.saving(parameter) != drive.model.dialect.saving)
-    };
-    let texts = written.filter(|(change, _)| text(change)).count();
-    let others = journal.count(|step| *step == Step::ReadBack) - texts;
+fn unsaved(drive: &Drive, set: &ChangeSet) -> Vec<String> {
+    let written = set.changes().iter().filter(|change| change.is_done());
+    let texts = written.filter(|change| change.saving != set.saving()).count();
+    let others = set.count(|step| *step == Step::ReadBack) - texts;
     let mut lines = Vec::new();
     if texts > 0 {
         let which = if others == 0 { "them" } else { "the texts" };
@@ -353,22 +345,17 @@ fn unsaved_words(model: &Model, drive: &str) -> String {
     }
 }
 
-fn report(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
-    if journal.total() > 0 {
-        output.say(&journal.summary());
+fn report(set: &ChangeSet, file: Option<&Path>, drive: &Drive, args: &Args, output: &Output) {
+    if set.total() > 0 {
+        output.say(&set.summary());
     }
-    let lost = journal
-        .plan()
-        .changes
-        .iter()
-        .zip(journal.steps())
-        .filter(|(change, step)| change.saved == Some(false) && **step == Step::ReadBack)
-        .count();
-    match journal.saved() {
+    let lost = |change: &&Change| change.storable == Some(false) && change.is_done();
+    let lost = set.changes().iter().filter(lost).count();
+    match set.saved() {
         Saved::Yes => output.say("saved in the drive"),
         Saved::No if args.save => output.say("not saved, because not every value is as planned"),
-        Saved::No if journal.count(|step| *step == Step::ReadBack) > 0 => {
-            for line in unsaved(drive, journal) {
+        Saved::No if set.count(|step| *step == Step::ReadBack) > 0 => {
+            for line in unsaved(drive, set) {
                 output.say(&line);
             }
         }
@@ -376,7 +363,7 @@ fn report(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, ou
         Saved::InDoubt => output.warn("it is not known whether the drive saved: asked for, not answered"),
         Saved::Refused(refusal) => output.warn(&format!("not saved: {}", refusal.outcome())),
     }
-    if journal.saved() == Saved::Yes && lost > 0 {
+    if set.saved() == Saved::Yes && lost > 0 {
         output.say(&format!(
             "{lost} of them are of a kind that the drive does not keep"
         ));
@@ -391,10 +378,10 @@ fn report(journal: &Journal, file: Option<&Path>, drive: &Drive, args: &Args, ou
     }
 }
 
-fn failed(error: Error, journal: &Journal, file: Option<&Path>, drive: &Drive) -> Failure {
+fn failed(error: Error, set: &ChangeSet, file: Option<&Path>, drive: &Drive) -> Failure {
     let mut failure = Failure::from(error);
     if let Some(file) = file {
-        failure.message = format!("{}; {}", failure.message, journal.summary());
+        failure.message = format!("{}; {}", failure.message, set.summary());
         let hint = format!(
             "{} says which; `profidrive diff {} {}` shows what the drive has now",
             file.display(),
@@ -406,19 +393,20 @@ fn failed(error: Error, journal: &Journal, file: Option<&Path>, drive: &Drive) -
     failure
 }
 
-fn ended(journal: &Journal, drive: &Drive, args: &Args) -> Result<(), Failure> {
-    let refused = journal.count(Step::is_refused);
+fn ended(plan: &Plan, drive: &Drive, args: &Args) -> Result<(), Failure> {
+    let set = &plan.set;
+    let refused = set.count(Step::is_refused);
     let label = drive.label();
-    if refused > 0 || matches!(journal.saved(), Saved::Refused(_)) {
-        let message = format!("{label} refused {refused} of {} values", journal.total());
+    if refused > 0 || matches!(set.saved(), Saved::Refused(_)) {
+        let message = format!("{label} refused {refused} of {} values", set.total());
         return Err(Failure::new(Exit::Refused, message));
     }
-    if !journal.is_done() || (args.save && journal.saved() != Saved::Yes) {
-        let message = format!("{label} is not as the file says: {}", journal.summary());
+    if !set.is_done() || (args.save && set.saved() != Saved::Yes) {
+        let message = format!("{label} is not as the file says: {}", set.summary());
         return Err(Failure::new(Exit::Difference, message)
             .hint("the drive may round, limit or change values by itself"));
     }
-    self::refused(journal.plan(), drive)
+    self::refused(plan, drive)
 }
 
 /// A file of which the drive cannot have everything is not restored, whatever else was.
@@ -457,55 +445,49 @@ fn refused(plan: &Plan, drive: &Drive) -> Result<(), Failure> {
     ))
 }
 
-fn document(drive: &Drive, args: &Args, journal: &Journal, file: Option<&Path>) -> Map<String, Value> {
-    let changes = journal.plan().changes.iter().zip(journal.steps());
-    let changes: Vec<Value> = changes
-        .map(|(change, step)| {
-            Value::Object(fields! {
-                "pnu": change.new.pnu, "index": change.new.index, "name": change.new.name,
-                "old": value::json(&change.old), "new": value::json(&change.new),
-                "minimum": change.limits.map(|limits| limits.0), "maximum": change.limits.map(|limits| limits.1),
-                "saved": change.saved, "step": word(*step), "error": match step {
-                    Step::Refused(refusal) => refusal.received(),
-                    _ => None,
-                },
-            })
+fn document(drive: &Drive, args: &Args, plan: &Plan, file: Option<&Path>) -> Map<String, Value> {
+    let set = &plan.set;
+    let change = |change: &Change| {
+        let limits = set.limits(change);
+        Value::Object(fields! {
+            "pnu": change.new.pnu, "index": change.new.index, "name": change.new.name,
+            "old": old(change).map(value::json), "new": value::json(&change.new),
+            "minimum": limits.map(|limits| limits.0), "maximum": limits.map(|limits| limits.1),
+            "saved": change.storable, "step": word(change.step), "error": error(change.step),
         })
-        .collect();
-    let tasks = journal.plan().tasks.iter().zip(journal.task_steps());
-    let tasks: Vec<Value> = tasks
-        .map(|(change, step)| {
-            let mut fields = fields! {
-                "number": change.number, "step": word(*step), "error": match step {
-                    Step::Refused(refusal) => refusal.received(),
-                    _ => None,
-                },
-            };
-            fields.insert("old".into(), Value::Object(backup::task_json(&change.old)));
-            fields.insert("new".into(), Value::Object(backup::task_json(&change.new)));
-            Value::Object(fields)
+    };
+    let task = |task: &TaskChange| {
+        Value::Object(fields! {
+            "number": task.number, "step": word(task.step), "error": error(task.step),
+            "old": backup::task_json(&task.old), "new": backup::task_json(&task.new),
         })
-        .collect();
-    let skipped: Vec<Value> = journal
-        .plan()
-        .skipped
-        .iter()
-        .map(|one| {
-            let mut fields = fields! { "why": one.why.to_string(), "refused": one.why.is_refusal() };
-            fields.insert("file".into(), value::json(&one.reading));
-            Value::Object(fields)
+    };
+    let skipped = |one: &Skipped| {
+        Value::Object(fields! {
+            "why": one.why.to_string(), "refused": one.why.is_refusal(), "file": value::json(&one.reading),
         })
-        .collect();
+    };
     fields! {
         "drive": drive.label(), "file": args.file.display().to_string(), "dry_run": args.dry_run,
-        "complete": journal.is_complete(), "saved": journal.saved() == Saved::Yes,
-        "way_back": file.map(|file| file.display().to_string()), "changes": changes, "skipped": skipped,
-        "tasks": tasks, "tasks_left_out": journal.plan().tasks_left_out.as_deref(),
+        "complete": set.is_complete(), "saved": set.saved() == Saved::Yes,
+        "way_back": file.map(|file| file.display().to_string()),
+        "changes": set.changes().iter().map(change).collect::<Vec<_>>(),
+        "skipped": plan.skipped.iter().map(skipped).collect::<Vec<_>>(),
+        "tasks": set.tasks().iter().map(task).collect::<Vec<_>>(), "tasks_left_out": plan.tasks_left_out.as_deref(),
+    }
+}
+
+/// The number that the drive refused it with.
+fn error(step: Step) -> Option<u16> {
+    match step {
+        Step::Refused(refusal) => refusal.received(),
+        _ => None,
     }
 }
 
 fn word(step: Step) -> &'static str {
     match step {
+        Step::Same => "same",
         Step::NotWritten => "not written",
         Step::InDoubt => "in doubt",
         Step::Written => "written",

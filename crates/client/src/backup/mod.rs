@@ -30,14 +30,12 @@
 
 mod compare;
 mod header;
-mod journal;
 mod parse;
 mod pattern;
-mod plan;
 mod print;
-mod task;
+pub(crate) mod task;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::collections::BTreeMap;
 
@@ -45,10 +43,9 @@ use profile::catalogue::{BackupRule, Role};
 
 pub use compare::{Difference, Side, compare};
 pub use header::Header;
-pub use journal::{Journal, Saved, Step};
 pub use parse::{BackupError, MAX_TEXT, Problem};
 pub use pattern::{Pattern, PatternError};
-pub use plan::{Change, Choice, Plan, Skip, Skipped, TaskChange, TaskSkipped};
+pub(crate) use print::unit;
 pub(crate) use task::Window;
 pub use task::{Task, TaskCoverage, TaskDifference, compare_tasks};
 
@@ -173,7 +170,7 @@ const fn key(reading: &Reading) -> (u16, Option<u16>) {
 }
 
 /// The one element that a reading is of.
-fn selection(parameters: &Parameters, reading: &Reading) -> Selection {
+pub(crate) fn selection(parameters: &Parameters, reading: &Reading) -> Selection {
     parameters.element(reading.pnu, reading.index)
 }
 

@@ -29,7 +29,7 @@ impl fmt::Display for Backup {
 
 impl Backup {
     /// The text, with remarks under the head, a comment behind each value, and what is told about each task.
-    pub(super) fn write(
+    pub(crate) fn write(
         &self,
         out: &mut dyn fmt::Write,
         remarks: &[String],
@@ -121,7 +121,7 @@ fn number(parameter: &Parameter, raw: i64, octets: &[u8], scaling: &Scaling) -> 
 }
 
 /// The unit behind a value; one that starts with a number would be read as a part of it.
-pub fn unit(unit: &str) -> String {
+pub(crate) fn unit(unit: &str) -> String {
     match unit.chars().next() {
         Some(first) if !first.is_ascii_digit() => format!(" {unit}"),
         _ => String::new(),

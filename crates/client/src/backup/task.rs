@@ -239,7 +239,7 @@ fn words() -> String {
 }
 
 /// A number as the drive would show it.
-pub(super) fn field(parameters: &Parameters, parameter: &'static Parameter, raw: i64) -> Reading {
+pub(crate) fn field(parameters: &Parameters, parameter: &'static Parameter, raw: i64) -> Reading {
     let octets = raw.to_be_bytes();
     let octets = octets
         .get(octets.len() - parameter.octets()..)
@@ -256,7 +256,7 @@ pub(super) fn field(parameters: &Parameters, parameter: &'static Parameter, raw:
 }
 
 /// The same task in the numbers of another scaling; nothing when it is scaled alike.
-pub(super) fn scaled(task: &Task, from: &Parameters, to: &Parameters) -> Task {
+pub(crate) fn scaled(task: &Task, from: &Parameters, to: &Parameters) -> Task {
     let Task::Values(values) = task else {
         return Task::Empty;
     };
@@ -339,7 +339,7 @@ pub fn compare_tasks(left: &Backup, right: &Backup) -> Vec<TaskDifference> {
 }
 
 /// True when a person means this task: `MT*`, `MT[3]`.
-pub(super) fn is_meant(only: &[Pattern], number: u16) -> bool {
+pub(crate) fn is_meant(only: &[Pattern], number: u16) -> bool {
     only.is_empty() || only.iter().any(|one| one.names(&Name(number).to_string()))
 }
 

@@ -1,6 +1,6 @@
-//! Text, comparison and plan, without a drive.
+//! Text and comparison, without a drive.
 
-use profile::catalogue::{AKD, Access, Parameter, Phase, Role, Scaling};
+use profile::catalogue::{AKD, Access, Parameter, Scaling};
 use profile::notation::{Notation, Shown};
 use profile::parameter::{ErrorNumber, Format};
 use profile::unit::UnitChoice;
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use super::*;
 use profile::value::Interpretation;
 
-fn header() -> Header {
+pub(crate) fn header() -> Header {
     Header {
         model: "AKD".into(),
         vendor_id: AKD.device.vendor_id,
@@ -22,14 +22,19 @@ fn header() -> Header {
     }
 }
 
-fn tables(scaling: Scaling) -> Parameters {
+pub(crate) fn tables(scaling: Scaling) -> Parameters {
     Parameters {
         catalogue: Some(&AKD),
         scaling,
     }
 }
 
-fn reading(parameters: &Parameters, parameter: &'static Parameter, index: u16, raw: i64) -> Reading {
+pub(crate) fn reading(
+    parameters: &Parameters,
+    parameter: &'static Parameter,
+    index: u16,
+    raw: i64,
+) -> Reading {
     let octets = raw.to_be_bytes();
     let octets = &octets[8 - parameter.octets()..];
     let selection = Selection {
@@ -49,7 +54,7 @@ fn reading(parameters: &Parameters, parameter: &'static Parameter, index: u16, r
 }
 
 /// A drive with these values; everything else as delivered.
-fn drive(scaling: Scaling, values: &[(&str, i64)]) -> Backup {
+pub(crate) fn drive(scaling: Scaling, values: &[(&str, i64)]) -> Backup {
     let parameters = tables(scaling);
     let answers = everything(&Header::known(&header()))
         .into_iter()
@@ -62,11 +67,11 @@ fn drive(scaling: Scaling, values: &[(&str, i64)]) -> Backup {
     Backup::new(header(), parameters, answers)
 }
 
-fn file(lines: &str) -> Backup {
+pub(crate) fn file(lines: &str) -> Backup {
     Backup::parse(&with_head(lines)).unwrap()
 }
 
-fn with_head(lines: &str) -> String {
+pub(crate) fn with_head(lines: &str) -> String {
     format!(
         "profidrive backup 1\nmodel: AKD\nvendor: 0x0105\ndevice: 0x0001\nscaling: velocity 1638, acceleration 763, \
          position 1000, singleturn 16, peak current 9\n{lines}\n"
@@ -262,88 +267,6 @@ fn a_drive_without_tables_is_kept_by_number_and_octets() {
     let again = Backup::parse(&text).unwrap();
     assert_eq!(again.readings()[2].octets, b"feed\n#x");
     assert_eq!(again, Backup::parse(&again.to_string()).unwrap());
-    // the drive says what kind of value it is
-    let mut changed = again.clone();
-    changed.readings[1].octets = vec![0, 5];
-    let plan = Plan::new(&changed, &backup, &Choice::default());
-    assert_eq!(plan.changes.len(), 1);
-    assert_eq!(
-        (plan.changes[0].new.raw(), plan.changes[0].new.format),
-        (Some(5), Format::INTEGER16.0)
-    );
-    changed.readings[1].octets = vec![5];
-    let plan = Plan::new(&changed, &backup, &Choice::default());
-    assert!(matches!(plan.skipped[1].why, Skip::Size { drive: 2, file: 1 }));
-}
-
-#[test]
-fn a_plan_lists_omissions_and_reasons() {
-    let present = drive(Scaling::default(), &[]);
-    let wanted = file(
-        "p2108 = 5000 rpm/s\np2115 = 3000 rpm/s\np922 = 353\nDRV.CMDSOURCE = 0\nIP.MODE = 0\np930 = 2\nNSOLL_A = 5 rpm\nMOTOR.BRAKERLS = 1\n\
-         MT.P = 5 counts\nDRV.ACTIVE = 1\nDRV.NVSAVE = 1\nVL.LIMITP_32 = 12001 rpm\nDRV.DIR = 1\nFB1.INITPSAVED = 3",
-    );
-    let plan = Plan::new(&wanted, &present, &Choice::default());
-    let changed: Vec<&str> = plan.changes.iter().filter_map(|change| change.new.name).collect();
-    assert_eq!(changed, ["DRV.DIR", "DRV.ACC"]);
-    assert_eq!(
-        (
-            plan.changes[1].old.number(),
-            plan.changes[1].new.number(),
-            plan.changes[1].saved
-        ),
-        (Some(3000.0), Some(5000.0), Some(true))
-    );
-    let skipped: Vec<String> = plan
-        .skipped
-        .iter()
-        .map(|skipped| format!("{} {}", skipped.reading.name.unwrap(), skipped.why))
-        .collect();
-    assert_eq!(
-        skipped,
-        [
-            "NSOLL_A a setpoint",
-            "Telegram selection belongs to the connection: the controller decides it when it connects",
-            "Operating mode the same as DRV.OPMODE",
-            "DRV.ACTIVE read-only",
-            "DRV.CMDSOURCE belongs to the connection: the telegram decides it",
-            "DRV.DEC same value",
-            "MOTOR.BRAKERLS writing it does something: it releases the brake",
-            "MT.P shows one row of a table of the drive",
-            "VL.LIMITP_32 outside 0 to 12000 rpm",
-            "DRV.NVSAVE writing it does something",
-            "IP.MODE belongs to the connection: the address of the drive depends on it",
-            "FB1.INITPSAVED the drive itself writes it",
-        ]
-    );
-    assert_eq!(plan.left_out(), 11);
-    let back = plan.way_back();
-    assert_eq!(back.readings().len(), 2);
-    assert_eq!(back.reading(2108, None).unwrap().number(), Some(3000.0));
-
-    let choice = Choice {
-        network: true,
-        saved_only: true,
-        beyond_limits: true,
-        only: vec![
-            "DRV.*".parse().unwrap(),
-            "p922".parse().unwrap(),
-            "vl.*".parse().unwrap(),
-        ],
-    };
-    let plan = Plan::new(&wanted, &present, &choice);
-    let changed: Vec<&str> = plan.changes.iter().filter_map(|change| change.new.name).collect();
-    assert_eq!(changed, ["DRV.CMDSOURCE", "VL.LIMITP_32", "DRV.ACC"]);
-    assert!(
-        plan.skipped
-            .iter()
-            .any(|one| one.reading.pnu == 922 && one.why == Skip::NotSaved)
-    );
-    assert!(
-        plan.skipped
-            .iter()
-            .any(|one| one.reading.name == Some("DRV.DIR") && one.why == Skip::NotSaved)
-    );
 }
 
 #[test]
@@ -374,100 +297,6 @@ fn settings_of_another_model_do_not_fit_whatever_its_numbers() {
 }
 
 #[test]
-fn scalings_go_first_and_what_they_scale_follows_in_its_unit() {
-    let present = drive(Scaling::default(), &[("Jog Acc", 10)]);
-    // as the file was made, the drive had coarser steps
-    let text = with_head(
-        "p1006 Jog Acc = 7630 rpm/s\np3065 PN.ACCSCALING = 109\np2382 SWLS.EN = 3\np2439 = 2000 rpm",
-    );
-    let plan = Plan::new(&Backup::parse(&text).unwrap(), &present, &Choice::default());
-    let order: Vec<(&str, Phase)> = plan
-        .changes
-        .iter()
-        .map(|change| (change.new.name.unwrap(), change.phase))
-        .collect();
-    assert_eq!(
-        order,
-        [
-            ("PN.ACCSCALING", Phase::Scaling),
-            ("VL.LIMITP_32", Phase::Limit),
-            ("Jog Acc", Phase::Value),
-            ("SWLS.EN", Phase::Enable)
-        ]
-    );
-    // 7630 rpm/s in steps of 109 rpm/s
-    assert_eq!(plan.changes[2].new.raw(), Some(70));
-    // without the scaling the number of the drive stays what it is
-    let choice = Choice {
-        only: vec!["Jog*".parse().unwrap()],
-        ..Choice::default()
-    };
-    let plan = Plan::new(&Backup::parse(&text).unwrap(), &present, &choice);
-    assert_eq!(plan.changes.len(), 0);
-    assert_eq!(plan.skipped[0].why, Skip::Same);
-}
-
-#[test]
-fn what_the_drive_cannot_have_is_counted() {
-    let present = drive(Scaling::default(), &[]);
-    let wanted =
-        file("p2108 = 5000 rpm/s\np2439 = 100000 rpm\np2403 VBUS.VALUE = 12 V\np922 = 9\np5 = 100 rpm");
-    let plan = Plan::new(&wanted, &present, &Choice::default());
-    // the setpoint and the telegram are left out by rule, the limit and the measured value are refused
-    assert_eq!((plan.changes.len(), plan.left_out(), plan.refused()), (1, 4, 2));
-    let choice = Choice {
-        only: vec!["DRV.*".parse().unwrap()],
-        ..Choice::default()
-    };
-    assert_eq!(Plan::new(&wanted, &present, &choice).refused(), 0);
-}
-
-#[test]
-fn old_and_new_values_are_each_in_the_unit_of_their_time() {
-    let degrees = UnitChoice {
-        rotary_unit: 2,
-        ..Scaling::default().unit
-    };
-    let there = drive(
-        Scaling {
-            unit: degrees,
-            ..Scaling::default()
-        },
-        &[("UNIT.PROTARY", 2)],
-    );
-    let wanted = Backup::parse(&there.to_string()).unwrap();
-    let present = drive(Scaling::default(), &[]);
-    let plan = Plan::new(&wanted, &present, &Choice::default());
-    assert_ne!(
-        plan.parameters().scaling.unit,
-        plan.parameters_after().scaling.unit
-    );
-    let mut seen = 0;
-    for change in &plan.changes {
-        let Some(parameter) = change.new.name.and_then(|name| AKD.by_name(name)) else {
-            continue;
-        };
-        if change.old.unit == change.new.unit {
-            continue;
-        }
-        seen += 1;
-        assert_eq!(
-            (change.old.unit, change.new.unit),
-            ("counts", "deg"),
-            "{}",
-            change.label()
-        );
-        assert_eq!(
-            change.limits,
-            Some(plan.parameters_after().limits(parameter)),
-            "{}",
-            change.label()
-        );
-    }
-    assert!(seen > 3, "{seen}");
-}
-
-#[test]
 fn differences_are_in_units_and_say_what_is_missing() {
     let left = file("p2108 = 3000 rpm/s\np2115 = 1000 rpm/s\np1006 = 7630 rpm/s");
     let coarse = with_head("p2108 = 4000 rpm/s\np2117 = 1\np1006 = 7630 rpm/s")
@@ -480,33 +309,6 @@ fn differences_are_in_units_and_say_what_is_missing() {
     assert_eq!(differences[1].right, Side::Missing);
     assert_eq!(differences[2].left, Side::Missing);
     assert!(compare(&left, &left).is_empty());
-}
-
-#[test]
-fn a_journal_is_a_backup_of_the_old_values() {
-    let present = drive(Scaling::default(), &[]);
-    let wanted = file("p2108 = 5000 rpm/s\np2115 = 5000 rpm/s\np2439 = 1000 rpm");
-    let plan = Plan::new(&wanted, &present, &Choice::default());
-    let mut journal = Journal::new(&plan);
-    journal.set(0, Step::ReadBack);
-    journal.set(1, Step::InDoubt);
-    journal.end("the cable\nwas pulled");
-    let text = journal.to_string();
-    assert!(
-        text.contains("\n# not complete: 1 of 3 written and read back, 1 in doubt, 1 not written\n"),
-        "{text}"
-    );
-    assert!(text.contains("\n# ended early: the cable was pulled\n"), "{text}");
-    assert!(
-        text.contains("p2439 VL.LIMITP_32 = 3000 rpm           # -> 1000 rpm: written, read back"),
-        "{text}"
-    );
-    assert!(
-        text.contains("# -> 5000 rpm/s: in doubt: sent, not answered"),
-        "{text}"
-    );
-    assert!(text.contains("# -> 5000 rpm/s: not written"), "{text}");
-    assert_eq!(Backup::parse(&text).unwrap(), plan.way_back());
 }
 
 fn some_scaling() -> impl Strategy<Value = Scaling> {
@@ -584,35 +386,6 @@ proptest! {
                 prop_assert!(!error.problems.is_empty());
                 prop_assert!(error.problems.iter().all(|problem| (1..=count).contains(&problem.line)));
             }
-        }
-    }
-
-    /// A plan is carried out in its order and undone by its way back, whatever differs.
-    #[test]
-    fn a_plan_leads_there_and_back(from: [u16; 6], to: [u16; 6]) {
-        let names = ["DRV.ACC", "DRV.DEC", "PN.VELSCALING", "Jog v1", "SWLS.EN", "VL.LIMITP_32"];
-        let limit = |name: &str, value: u16| -> i64 {
-            let parameter = AKD.by_name(name).unwrap();
-            let (low, high) = parameter.raw_limits(&Scaling::default());
-            i64::from(value).clamp(low.max(1), high)
-        };
-        let state = |values: [u16; 6]| {
-            let set: Vec<(&str, i64)> = names.iter().zip(values).map(|(name, value)| (*name, limit(name, value))).collect();
-            let scaling = Scaling { velocity: set[2].1 as u16, ..Scaling::default() };
-            drive(scaling, &set)
-        };
-        let (present, wanted) = (state(from), state(to));
-        let plan = Plan::new(&wanted, &present, &Choice::default());
-        prop_assert!(plan.changes.is_sorted_by_key(|change| change.phase));
-        for change in &plan.changes {
-            prop_assert_eq!(rule(present.parameters(), change.new.pnu, None).role, Role::Setting);
-            let target = wanted.reading(change.new.pnu, None).unwrap();
-            prop_assert_eq!(change.new.raw(), target.raw());
-            let back = plan.way_back();
-            prop_assert_eq!(back.reading(change.new.pnu, None), present.reading(change.new.pnu, None));
-        }
-        for skipped in &plan.skipped {
-            prop_assert!(matches!(skipped.why, Skip::Same | Skip::Network(_)), "{:?}", skipped);
         }
     }
 }

@@ -5,6 +5,7 @@ mod at_work;
 mod authority;
 mod axis;
 mod backup;
+mod change;
 mod describe;
 mod enabled;
 mod evidence;
@@ -54,6 +55,7 @@ pub use authority::{Authority, LocalControl};
 pub use axis::{
     Axis, AxisPlan, AxisSettings, AxisStatus, Rest, Samples, StopHandle, WarningWatcher, Watcher,
 };
+pub use change::{Keep, WriteMode};
 pub use describe::{Described, ReportedLimits};
 pub use enabled::Enabled;
 pub use faults::{FaultEntry, FaultReport, LoggedFault, WarningEntry};
@@ -62,7 +64,6 @@ pub use jog::JogSpeed;
 pub use loss::{LossAction, LossReaction};
 pub use mode::{ModeBefore, PutBack};
 pub use monitor::Snapshot;
-pub use parameters::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
 pub use route::{ClosedRoute, Route, RouteNotice};
 pub use stop::{StopMeans, StopOutcome, StopWay};
 

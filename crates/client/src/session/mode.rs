@@ -7,16 +7,24 @@ use super::Session;
 use crate::axis::ReportedTelegram;
 use crate::error::mode_words;
 use crate::{Drive, Error, WriteMode};
-use profile::value::Assignment;
+use profile::value::Reading;
 
 /// What a drive had before it was put into a mode for one piece of work: see [`Session::enter_mode`].
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ModeBefore {
     /// Mode; `None` if it was neither speed control nor positioning.
     pub mode: Option<Mode>,
     /// The mode is another one now.
     pub changed: bool,
-    telegram: ReportedTelegram,
+    /// Mode, telegram and mapping as they were read.
+    values: Vec<Reading>,
+}
+
+impl ModeBefore {
+    fn of(&self, numbers: &[u16]) -> Vec<Reading> {
+        let own = self.values.iter().filter(|value| numbers.contains(&value.pnu));
+        own.cloned().collect()
+    }
 }
 
 /// A setting that was put back, or could not be: see [`Session::leave_mode`].
@@ -65,22 +73,17 @@ impl Session {
     /// # Errors
     /// When the drive refuses, which it does while it is in operation, or cannot be reached.
     pub async fn set_operating_mode(&mut self, drive: &mut Drive, mode: Mode) -> Result<(), Error> {
-        let assignment = assignment(pnu::OPERATING_MODE, mode_number(mode));
-        let outcomes = self.write(drive, &[assignment?], WriteMode::Write).await?;
-        for outcome in outcomes {
-            if let Some(Err(refusal)) = outcome.written {
-                let drive = drive.label();
-                return Err(Error::Refused { drive, refusal });
-            }
-            if outcome.differs() {
-                return Err(Error::WrongMode {
-                    drive: drive.label(),
-                    needed: mode,
-                    present: "the mode as before, though it took the change".into(),
-                });
-            }
+        let assignment = format!("{}={}", pnu::OPERATING_MODE, mode_number(mode)).parse()?;
+        let set = self.write(drive, &[assignment], WriteMode::Write).await?;
+        set.accepted()?;
+        if set.is_done() {
+            return Ok(());
         }
-        Ok(())
+        Err(Error::WrongMode {
+            drive: drive.label(),
+            needed: mode,
+            present: "the mode as before, though it took the change".into(),
+        })
     }
 
     /// Puts a drive into the mode that a piece of work needs. [`leave_mode`](Self::leave_mode) puts back what this and
@@ -91,8 +94,8 @@ impl Session {
     /// cannot be reached.
     pub async fn enter_mode(&mut self, drive: &mut Drive, needed: Mode) -> Result<ModeBefore, Error> {
         self.check_control(drive).await?;
-        let (number, telegram) = self.mode_and_telegram(drive).await?;
-        let mode = number.and_then(|number| mode_of(number.into()));
+        let values = self.mode_values(drive).await?;
+        let mode = number_of(&values, pnu::OPERATING_MODE).and_then(|number| mode_of(number.into()));
         let changed = mode != Some(needed);
         if changed {
             self.set_operating_mode(drive, needed).await?;
@@ -100,7 +103,7 @@ impl Session {
         Ok(ModeBefore {
             mode,
             changed,
-            telegram,
+            values,
         })
     }
 
@@ -129,19 +132,15 @@ impl Session {
                 result: self.set_operating_mode(drive, mode).await,
             });
         }
-        let (_, now) = self.mode_and_telegram(drive).await?;
-        let Some(number) = before.telegram.number else {
+        let mut set = self.plan_values(drive, &before.of(&[pnu::TELEGRAM])).await?;
+        let Some(number) = number_of(&before.values, pnu::TELEGRAM).filter(|_| !set.is_done()) else {
             return Ok(done);
         };
-        if now.number == Some(number) {
-            return Ok(done);
-        }
-        let mut result = self.set_back(drive, &[assignment(pnu::TELEGRAM, number)?]).await;
-        let (_, now) = self.mode_and_telegram(drive).await?;
-        if result.is_ok()
-            && (now.setpoint != before.telegram.setpoint || now.actual != before.telegram.actual)
-        {
-            result = self.put_back_mapping(drive, &before.telegram).await;
+        let mut result = self.apply(drive, &mut set).await.and_then(|()| set.accepted());
+        if result.is_ok() {
+            // the telegram brings its own mapping with it, unless it is a free one
+            let mapping = before.of(&[pnu::SETPOINT_SIGNALS, pnu::ACTUAL_SIGNALS]);
+            result = self.put_values_back(drive, &mapping).await;
         }
         done.push(PutBack {
             number: pnu::TELEGRAM,
@@ -151,64 +150,40 @@ impl Session {
         Ok(done)
     }
 
-    async fn put_back_mapping(
-        &mut self,
-        drive: &mut Drive,
-        telegram: &ReportedTelegram,
-    ) -> Result<(), Error> {
-        let words = |number: u16, words: &[u16]| -> Result<Vec<Assignment>, Error> {
-            let each = words.iter().enumerate();
-            each.map(|(index, word)| Ok(format!("{number}[{index}]={word}").parse()?))
-                .collect()
-        };
-        let mut all = words(pnu::SETPOINT_SIGNALS, &telegram.setpoint)?;
-        all.extend(words(pnu::ACTUAL_SIGNALS, &telegram.actual)?);
-        self.set_back(drive, &all).await
-    }
-
-    async fn set_back(&mut self, drive: &mut Drive, assignments: &[Assignment]) -> Result<(), Error> {
-        let outcomes = self.write(drive, assignments, WriteMode::Write).await?;
-        match outcomes.into_iter().find_map(|outcome| outcome.written?.err()) {
-            Some(refusal) => Err(Error::Refused {
-                drive: drive.label(),
-                refusal,
-            }),
-            None => Ok(()),
-        }
-    }
-
     /// The number in PNU 930 and what the drive reports about its telegram.
     pub(super) async fn mode_and_telegram(
         &mut self,
         drive: &mut Drive,
     ) -> Result<(Option<u16>, ReportedTelegram), Error> {
-        let readings = self
-            .read_numbers(
-                drive,
-                &[
-                    pnu::TELEGRAM,
-                    pnu::OPERATING_MODE,
-                    pnu::SETPOINT_SIGNALS,
-                    pnu::ACTUAL_SIGNALS,
-                ],
-            )
-            .await?;
-        let words = |pnu| -> Vec<u16> {
-            let own = readings.iter().filter(|reading| reading.pnu == pnu);
-            let raw = own.filter_map(|reading| reading.raw());
-            raw.filter_map(|raw| u16::try_from(raw & 0xFFFF).ok()).collect()
-        };
+        let values = self.mode_values(drive).await?;
         let reported = ReportedTelegram {
-            number: words(pnu::TELEGRAM).first().copied(),
-            setpoint: trimmed(words(pnu::SETPOINT_SIGNALS)),
-            actual: trimmed(words(pnu::ACTUAL_SIGNALS)),
+            number: number_of(&values, pnu::TELEGRAM),
+            setpoint: trimmed(numbers(&values, pnu::SETPOINT_SIGNALS).collect()),
+            actual: trimmed(numbers(&values, pnu::ACTUAL_SIGNALS).collect()),
         };
-        Ok((words(pnu::OPERATING_MODE).first().copied(), reported))
+        Ok((number_of(&values, pnu::OPERATING_MODE), reported))
+    }
+
+    /// Mode, telegram and mapping.
+    async fn mode_values(&mut self, drive: &mut Drive) -> Result<Vec<Reading>, Error> {
+        let wanted = [
+            pnu::TELEGRAM,
+            pnu::OPERATING_MODE,
+            pnu::SETPOINT_SIGNALS,
+            pnu::ACTUAL_SIGNALS,
+        ];
+        self.read_numbers(drive, &wanted).await
     }
 }
 
-fn assignment(number: u16, value: u16) -> Result<Assignment, Error> {
-    Ok(format!("{number}={value}").parse()?)
+/// The words of one parameter.
+fn numbers(values: &[Reading], pnu: u16) -> impl Iterator<Item = u16> {
+    let own = values.iter().filter(move |value| value.pnu == pnu);
+    own.filter_map(|value| u16::try_from(value.raw()? & 0xFFFF).ok())
+}
+
+fn number_of(values: &[Reading], pnu: u16) -> Option<u16> {
+    numbers(values, pnu).next()
 }
 
 /// Returns the number of a mode in PNU 930.

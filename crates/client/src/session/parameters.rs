@@ -15,8 +15,7 @@ use crate::wide::{join, split};
 use crate::{ChannelCause, ChannelRefusal, Drive, Error, Refusal};
 use profile::value::{Interpretation, Reading, Selection};
 
-pub use write::{ChangeOutcome, PlannedChange, PlannedValue, WriteMode};
-pub(super) use write::{Outgoing, saver};
+pub(super) use write::{NewContent, planned};
 
 /// Octets of the largest request any dialect allows.
 const MAX_REQUEST: usize = 1024;
@@ -240,7 +239,7 @@ impl Session {
     }
 }
 
-fn needs_scaling(selection: &Selection) -> bool {
+pub(super) fn needs_scaling(selection: &Selection) -> bool {
     selection
         .parameter
         .is_some_and(|parameter| parameter.user_unit || !parameter.scale.is_fixed())

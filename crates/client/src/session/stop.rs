@@ -293,14 +293,8 @@ impl Session {
 
     async fn command_stop(&mut self, drive: &mut Drive, command: &Parameter) -> Result<(), Error> {
         let assignment = Assignment::of(command, 1);
-        let outcomes = self.write(drive, &[assignment], WriteMode::Write).await?;
-        if let Some(Err(refusal)) = outcomes.into_iter().find_map(|outcome| outcome.written) {
-            return Err(Error::Refused {
-                drive: drive.label(),
-                refusal,
-            });
-        }
-        Ok(())
+        let set = self.write(drive, &[assignment], WriteMode::Write).await?;
+        set.accepted()
     }
 
     /// How the axis is; `off` when its telegram has said that the power stage is off, for a drive without a status word.

@@ -5,9 +5,10 @@ use profile::notation::Notation;
 use profile::parameter::{Format, plan_changes};
 
 use super::Session;
-use super::parameters::Outgoing;
+use super::change::{Keep, kept};
 use crate::axis::Objection;
-use crate::backup::{Backup, Journal, Step, Task, TaskChange, TaskCoverage, Window};
+use crate::backup::{Backup, Task, TaskCoverage, Window};
+use crate::change::{ChangeSet, Outgoing, Step, TaskChange};
 use crate::{Drive, Error, Refusal};
 use profile::value::{Reading, Selection};
 
@@ -245,14 +246,14 @@ impl Session {
         Ok(refused)
     }
 
-    /// Writes the motion tasks of a plan and reads each back.
-    pub(super) async fn restore_tasks(
+    /// Writes the motion tasks of a set and reads each back.
+    pub(super) async fn apply_tasks(
         &mut self,
         drive: &mut Drive,
-        journal: &mut Journal,
-        keep: &mut super::backup::Keep<'_>,
+        set: &mut ChangeSet,
+        keep: &mut Keep<'_>,
     ) -> Result<(), Error> {
-        let tasks = journal.plan().tasks.clone();
+        let tasks = set.tasks.clone();
         let window = drive.model.catalogue.and_then(Window::of);
         let (Some(window), false) = (window, tasks.is_empty()) else {
             return Ok(());
@@ -261,7 +262,7 @@ impl Session {
         let mut result = Ok(());
         for (batch, changes) in tasks.chunks(BATCH).enumerate() {
             result = self
-                .restore_batch(drive, &window, journal, (batch * BATCH, changes), keep)
+                .apply_batch(drive, &window, set, (batch * BATCH, changes), keep)
                 .await;
             if result.is_err() {
                 break;
@@ -278,20 +279,20 @@ impl Session {
         result.and(back.map(|_| ()))
     }
 
-    async fn restore_batch(
+    async fn apply_batch(
         &mut self,
         drive: &mut Drive,
         window: &Window,
-        journal: &mut Journal,
+        set: &mut ChangeSet,
         (first, changes): (usize, &[TaskChange]),
-        keep: &mut super::backup::Keep<'_>,
+        keep: &mut Keep<'_>,
     ) -> Result<(), Error> {
         self.glance()?;
         self.at_rest(drive).await?;
         for at in 0..changes.len() {
-            journal.set_task(first + at, Step::InDoubt);
+            set.set_task(first + at, Step::InDoubt);
         }
-        super::backup::kept(drive, journal, keep)?;
+        kept(drive, set, keep)?;
         for (at, change) in changes.iter().enumerate() {
             let step = match self.write_task(drive, window, change).await? {
                 Some(refusal) => Step::Refused(refusal),
@@ -301,9 +302,9 @@ impl Session {
                     Look::Not(_) => Step::Written,
                 },
             };
-            journal.set_task(first + at, step);
+            set.set_task(first + at, step);
         }
-        super::backup::kept(drive, journal, keep)
+        kept(drive, set, keep)
     }
 
     /// The table takes a row only when the window has taken all of it.

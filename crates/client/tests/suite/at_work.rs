@@ -17,12 +17,7 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
         .write(drive, &assignments, WriteMode::Write)
         .wait()
         .expect("reached");
-    assert!(
-        outcomes
-            .iter()
-            .all(|outcome| matches!(outcome.written, Some(Ok(())))),
-        "{outcomes:?}"
-    );
+    assert!(outcomes.is_done(), "{outcomes:?}");
 }
 
 fn acceleration(session: &mut Bench, drive: &mut Drive) -> Option<f64> {

@@ -11,7 +11,8 @@ use std::time::Duration;
 use crate::bench::watched::{Bench, Claims, Wire, bench};
 use network::segment::Conditions;
 use profidrive_client::Error;
-use profidrive_client::backup::{Backup, Choice, Journal, Saved, Step, compare};
+use profidrive_client::backup::{Backup, compare};
+use profidrive_client::change::{Choice, Saved, Step};
 use profile::catalogue::{AKD, Phase, Role, Size};
 use profile::fault::Counting;
 use profile::parameter::{Keep, ParameterAccess};
@@ -68,9 +69,10 @@ fn meddled(
         .session
         .interrupt_with(move || interrupt.is_some_and(|at| steps.get() >= at));
     let kept = claims.kept.clone();
+    journal.save(&bench.drive).unwrap();
     let result = bench
         .session
-        .restore(&mut bench.drive, &mut journal, true, &mut |journal| {
+        .apply_kept(&mut bench.drive, &mut journal, &mut |journal| {
             *kept.borrow_mut() = journal.to_string();
             Ok(())
         })
@@ -129,7 +131,7 @@ fn restored_read_back_and_saved() {
     let wanted = other();
     let mut bench = bench();
     let mut journal = bench.journal(&wanted, &Choice::default());
-    assert_eq!(journal.steps().len(), CHANGES);
+    assert_eq!(journal.total(), CHANGES);
     let (result, kept) = bench.restore(&mut journal, true);
     result.unwrap();
     assert!(journal.is_done() && journal.is_complete());
@@ -145,7 +147,7 @@ fn restored_read_back_and_saved() {
     assert_eq!(bench.backup().to_string(), wanted.to_string());
     assert!(compare(&bench.backup(), &wanted).is_empty());
     // nothing is left to do
-    assert!(bench.journal(&wanted, &Choice::default()).steps().is_empty());
+    assert!(bench.journal(&wanted, &Choice::default()).changes().is_empty());
 }
 
 /// 64-bit values have two numbers; a backup that keeps one half would bring another value back.
@@ -337,7 +339,7 @@ fn refused_values_are_reported_and_the_rest_is_written() {
         .replace("p2439 VL.LIMITP_32 = 3000 rpm", "p2439 VL.LIMITP_32 = 12001 rpm")
         .replace("p2108 DRV.ACC = 3000 rpm/s", "p2108 DRV.ACC = 4000 rpm/s");
     let wanted = Backup::parse(&text).unwrap();
-    assert_eq!(bench.journal(&wanted, &Choice::default()).steps().len(), 1);
+    assert_eq!(bench.journal(&wanted, &Choice::default()).total(), 1);
     let beyond = Choice {
         beyond_limits: true,
         ..Choice::default()
@@ -345,8 +347,8 @@ fn refused_values_are_reported_and_the_rest_is_written() {
     let mut journal = bench.journal(&wanted, &beyond);
     let (result, kept) = bench.restore(&mut journal, true);
     result.unwrap();
-    assert_eq!(journal.plan().changes[0].phase, Phase::Limit);
-    assert!(matches!(journal.steps(), [Step::Refused(_), Step::ReadBack]));
+    assert_eq!(journal.changes()[0].phase(), Phase::Limit);
+    assert!(journal.changes()[0].step.is_refused() && journal.changes()[1].step == Step::ReadBack);
     assert_eq!(journal.saved(), Saved::No);
     assert!(kept.contains("# -> 12001 rpm: refused: 0x02 "), "{kept}");
     assert_eq!(bench.wire().truth(2108), 4_000_000);
@@ -363,7 +365,7 @@ fn without_a_way_back_nothing_is_written() {
         let (mut calls, kept) = (0, claims.kept.clone());
         let result = bench
             .session
-            .restore(&mut bench.drive, &mut journal, false, &mut |journal| {
+            .apply_kept(&mut bench.drive, &mut journal, &mut |journal| {
                 calls += 1;
                 if calls > fails_at {
                     return Err("the disk is full".into());
@@ -406,8 +408,8 @@ fn a_drive_without_tables() {
         .plan(&mut bench.drive, &wanted, &choice)
         .wait()
         .unwrap();
-    assert_eq!((plan.changes.len(), plan.skipped.len()), (1, 1));
-    let mut journal = Journal::new(&plan);
+    assert_eq!((plan.set.changes().len(), plan.skipped.len()), (1, 1));
+    let mut journal = plan.set;
     // no number is known that tells whether it is switched on
     let (result, _) = bench.restore(&mut journal, false);
     assert!(matches!(result, Err(Error::NotAtRest { .. })), "{result:?}");

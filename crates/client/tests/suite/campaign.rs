@@ -206,10 +206,7 @@ fn carry_out(session: &mut On<World>, drive: &mut Drive, action: &Action) -> Res
             let assignment = format!("{parameter}={value}");
             let assignment = assignment.parse().expect("an assignment");
             let outcomes = session.write(drive, &[assignment], WriteMode::Write).wait()?;
-            assert!(
-                matches!(outcomes[0].written, Some(Ok(()))),
-                "{action}: {outcomes:?}"
-            );
+            assert!(outcomes.accepted().is_ok(), "{action}: {outcomes:?}");
             Ok(())
         }
         Action::Read { parameters } => {

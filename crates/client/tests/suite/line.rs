@@ -71,9 +71,8 @@ fn a_write_is_verified_and_refusals_are_reported() {
         )
         .wait()
         .unwrap();
-    assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
-    assert!(!outcomes[0].differs(), "{outcomes:?}");
-    assert!(matches!(outcomes[1].written, Some(Err(_))), "{outcomes:?}");
+    assert!(outcomes.changes()[0].is_done(), "{outcomes:?}");
+    assert!(outcomes.changes()[1].refusal().is_some(), "{outcomes:?}");
     let replies: Vec<u64> = bus
         .0
         .borrow()
@@ -286,7 +285,7 @@ fn a_vlt_reports_numbers_texts_and_refusals_over_the_fc_protocol() {
         .write(&mut drive, &["3-41=5s".parse().unwrap()], WriteMode::Write)
         .wait()
         .unwrap();
-    assert!(matches!(outcomes[0].written, Some(Ok(()))), "{outcomes:?}");
+    assert!(outcomes.changes()[0].step.is_written(), "{outcomes:?}");
     assert_eq!(number("3-41", &mut session, &mut drive), 5.0);
     let saved = || {
         let mut bus = bus.0.borrow_mut();
@@ -306,10 +305,7 @@ fn strings_travel_over_fc_with_tables_and_without() {
         .write(&mut drive, &["0-37=HELLO".parse().unwrap()], WriteMode::Save)
         .wait()
         .unwrap();
-    assert!(
-        matches!(outcomes[0].written, Some(Ok(()))) && !outcomes[0].differs(),
-        "{outcomes:?}"
-    );
+    assert!(outcomes.is_done(), "{outcomes:?}");
     let events: Vec<StationEvent> =
         std::iter::from_fn(|| bus.0.borrow_mut().drives[0].poll_event()).collect();
     let is_saved = |event: &StationEvent| matches!(event, StationEvent::PersistParameters { text, .. } if text.contains("\n0-37 = HELLO\n"));
@@ -436,7 +432,7 @@ fn numbers_of_the_channel_come_as_received() {
         let change = |session: &mut Bench, drive: &mut Drive| {
             let new = ["3-41=5s".parse().unwrap()];
             let outcomes = session.write(drive, &new, WriteMode::Write).wait().unwrap();
-            outcomes[0].written.unwrap().unwrap_err()
+            *outcomes.changes()[0].refusal().unwrap()
         };
         // the factory set-up is edited: the drive itself says 131
         let edit = ["0-11=0".parse().unwrap()];

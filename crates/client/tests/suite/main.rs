@@ -8,6 +8,7 @@ mod backup;
 mod before;
 mod calm;
 mod campaign;
+mod change;
 mod line;
 mod lost;
 mod many;

@@ -10,7 +10,8 @@ use std::time::Duration;
 use crate::bench::{Bench, bench_of, find, ip, running_on, select, with_drive};
 use network::host::Host;
 use profidrive_client::axis::{Jog, Purpose, SpeedUnit};
-use profidrive_client::backup::{Backup, Choice, Journal, compare};
+use profidrive_client::backup::{Backup, compare};
+use profidrive_client::change::Choice;
 use profidrive_client::status::diagnose;
 use profidrive_client::{AxisSettings, Described, Drive, Error, ReportedLimits, StopWay, Wait, WriteMode};
 use profile::catalogue::{Catalogue, Part};
@@ -56,13 +57,9 @@ fn assign(text: &str) -> Assignment {
 }
 
 fn write(session: &mut Bench, drive: &mut Drive, text: &str, mode: WriteMode) -> Result<(), Error> {
-    for outcome in session.write(drive, &[assign(text)], mode).wait()? {
-        if let Some(Err(refusal)) = outcome.written {
-            let drive = drive.label();
-            return Err(Error::Refused { drive, refusal });
-        }
-        assert!(!outcome.differs(), "{text}: {outcome:?}");
-    }
+    let set = session.write(drive, &[assign(text)], mode).wait()?;
+    set.accepted()?;
+    assert!(set.is_done(), "{text}: {set:?}");
     Ok(())
 }
 

@@ -8,6 +8,7 @@ use crate::bench::{Bench, bench, drive_at, drive_mut, find, is_at_rest};
 use network::host::{Host, StationId};
 use network::segment::SegmentMedium;
 use profidrive_client::axis::{Goal, Jog, Move, Objection, Purpose, Trouble};
+use profidrive_client::change::Step;
 use profidrive_client::status::{Cause, diagnose};
 use profidrive_client::{Action, AxisSettings, Drive, Enabled, Error, Wait, World, WriteMode};
 use profile::notation::Position;
@@ -26,9 +27,7 @@ fn write(session: &mut Bench, drive: &mut Drive, assignments: &[&str]) {
             .write(drive, &[assignment], WriteMode::Write)
             .wait()
             .expect("reached");
-        for outcome in outcomes {
-            assert!(matches!(outcome.written, Some(Ok(()))), "{text}: {outcome:?}");
-        }
+        outcomes.accepted().expect(text);
     }
 }
 
@@ -279,17 +278,19 @@ fn a_command_with_an_argument_that_reads_back_something_else_is_no_difference() 
     let (mut session, _, mut drive) = homed();
     let mut outcome = |text: &str| {
         let assignment: Assignment = text.parse().expect("an assignment");
-        let mut outcomes = session
+        let set = session
             .write(&mut drive, &[assignment], WriteMode::Write)
             .wait()
             .expect("reached");
-        outcomes.remove(0)
+        set.changes()[0].clone()
     };
     let cleared = outcome("MT.CLEAR=3");
-    assert!(matches!(cleared.written, Some(Ok(()))), "{cleared:?}");
-    assert!(cleared.acts && !cleared.differs(), "{cleared:?}");
+    assert!(
+        cleared.acts && cleared.step == Step::Written && cleared.is_done(),
+        "{cleared:?}"
+    );
     let setting = outcome("MT.NUM=3");
-    assert!(!setting.acts && !setting.differs(), "{setting:?}");
+    assert!(!setting.acts && setting.is_done(), "{setting:?}");
 }
 
 #[test]

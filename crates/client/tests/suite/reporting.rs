@@ -160,5 +160,6 @@ fn values_that_cannot_be_held_are_refused_before_anything_is_sent() {
         .write(&mut drive, &write("1004=99rpm"), WriteMode::Write)
         .wait()
         .expect("written");
-    assert!(outcomes[0].change.value.number().unwrap().is_rounded() && !outcomes[0].differs());
+    let change = &outcomes.changes()[0];
+    assert!(change.rounding.unwrap().is_rounded() && change.is_done());
 }

@@ -9,6 +9,7 @@ use crate::bench::{Bench, bench, drive_at, find, ip, is_at_rest, other_controlle
 use network::host::{Host, StationId};
 use network::segment::{Conditions, Pace, Segment, SegmentMedium};
 use profidrive_client::axis::{Goal, Trouble};
+use profidrive_client::change::Step;
 use profidrive_client::{
     AxisSettings, Client, Drive, DriveAddress, Error, Network, Session, Wait, WriteMode,
 };
@@ -118,14 +119,14 @@ fn refusals_of_the_present_state_are_reported_per_parameter() {
     let mut drive = find(&mut session, "akd-1").expect("there");
     for (text, advice) in [
         ("DRV.EN=1", "[status] shows what prevents it"),
-        ("915[0]=1", "PNU 922"),
+        ("915[0]=2", "PNU 922"),
     ] {
         let assignment: Assignment = text.parse().expect("an assignment");
         let outcomes = session
             .write(&mut drive, &[assignment], WriteMode::Write)
             .wait()
             .expect("an answer");
-        let Some(Err(refusal)) = &outcomes[0].written else {
+        let Some(refusal) = outcomes.changes()[0].refusal() else {
             panic!("{text} was written")
         };
         let remedy = refusal.remedy().unwrap_or_default().to_string();
@@ -159,9 +160,9 @@ fn reboot_is_executed_and_not_read_back() {
         .write(&mut drive, &[assignment], WriteMode::Write)
         .wait()
         .expect("an answer");
-    let reboot = &outcomes[0];
-    assert!(matches!(reboot.written, Some(Ok(()))), "{reboot:?}");
-    assert!(reboot.acts && reboot.old.is_none() && reboot.new.is_none() && !reboot.differs());
+    let reboot = &outcomes.changes()[0];
+    assert_eq!(reboot.step, Step::Written);
+    assert!(reboot.acts && reboot.old.is_none() && reboot.read_back.is_none() && reboot.is_done());
 }
 
 #[test]
@@ -239,7 +240,7 @@ fn a_write_shows_old_and_new_and_reads_back() {
         .write(&mut drive, &assignments, WriteMode::DryRun)
         .wait()
         .expect("checked");
-    assert!(dry.iter().all(|outcome| outcome.written.is_none()));
+    assert!(dry.changes().iter().all(|change| change.step == Step::NotWritten));
     let selection = select(&drive, "DRV.ACC");
     assert_eq!(
         session
@@ -253,10 +254,7 @@ fn a_write_shows_old_and_new_and_reads_back() {
         .write(&mut drive, &assignments, WriteMode::Write)
         .wait()
         .expect("written");
-    assert!(
-        done.iter()
-            .all(|outcome| matches!(outcome.written, Some(Ok(()))) && !outcome.differs())
-    );
+    assert!(done.changes().iter().all(|change| change.step == Step::ReadBack));
     assert_eq!(
         session
             .read_one(&mut drive, &selection)

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use crate::bench::{Bench, bench_of, drive_mut, find, ip, select};
 use network::host::{Host, StationId};
-use profidrive_client::backup::{Backup, Choice, Journal, compare};
+use profidrive_client::backup::{Backup, compare};
+use profidrive_client::change::Choice;
 use profidrive_client::{AxisSettings, Drive, Wait, WriteMode};
 use profile::catalogue::VACON;
 use profinet::MacAddress;
@@ -47,10 +48,7 @@ fn write(session: &mut Bench, drive: &mut Drive, text: &str) {
         .write(drive, &[assignment], WriteMode::Write)
         .wait()
         .expect("written");
-    assert!(
-        outcomes.iter().all(|one| !matches!(one.written, Some(Err(_)))),
-        "{outcomes:?}"
-    );
+    outcomes.accepted().expect("accepted");
 }
 
 /// What every drive can do, whoever made it: its page, its faults, its settings there and back.
@@ -81,17 +79,13 @@ fn serves(session: &mut Bench, id: StationId, drive: &mut Drive, change: Option<
     write(session, drive, change);
     let second = session.backup(drive, &mut |_, _| {}).wait().expect("saved");
     assert_eq!(compare(&first, &second).len(), 1);
-    let plan = session
+    let mut plan = session
         .plan(drive, &read, &Choice::default())
         .wait()
         .expect("a plan");
-    assert_eq!(plan.changes.len(), 1, "{plan:?}");
-    let mut journal = Journal::new(&plan);
-    session
-        .restore(drive, &mut journal, false, &mut |_| Ok(()))
-        .wait()
-        .expect("restored");
-    assert!(journal.is_done(), "{journal}");
+    assert_eq!(plan.set.changes().len(), 1, "{plan:?}");
+    session.apply(drive, &mut plan.set).wait().expect("restored");
+    assert!(plan.set.is_done(), "{}", plan.set);
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use client::change::Change;
 use client::{Drive, DriveAddress, Error, Session, Wait, World, WriteMode, describe, modules_of};
 use network::host::StationId;
 use network::segment::SegmentMedium;
@@ -106,11 +107,10 @@ fn introduce(session: &mut Session, act: &Act, show: &mut Show) -> Result<Drive,
 fn settings(session: &mut Session, drive: &mut Drive, act: &Act, show: &mut Show) -> Result<(), Error> {
     page(session, drive, act.page, show)?;
     for setting in act.settings {
-        let outcomes = session
+        let set = session
             .write(drive, &[setting.parse()?], WriteMode::Write)
             .wait()?;
-        let new = outcomes.first().and_then(|outcome| outcome.new.as_ref());
-        if let Some(Ok(reading)) = new {
+        if let Some(reading) = set.changes().first().and_then(Change::now) {
             show.detail(&format!(
                 "{} {} = {}",
                 reading.shown(),

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use client::axis::{Jog, Trouble};
+use client::change::Change;
 use client::{
     Axis, AxisSettings, Drive, DriveAddress, Enabled, Error, Network, Session, Wait, World, WriteMode,
     describe,
@@ -378,15 +379,12 @@ fn accelerate(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error>
     show.next();
     let (session, drive) = axis.session();
     let assignment: Assignment = "DRV.ACC=1000rpm/s".parse()?;
-    let outcomes = session.write(drive, &[assignment], WriteMode::Write).wait()?;
-    let outcome = outcomes.first();
-    let old = outcome
-        .and_then(|outcome| outcome.old.as_ref()?.as_ref().ok())
+    let set = session.write(drive, &[assignment], WriteMode::Write).wait()?;
+    let change = set.changes().first();
+    let old = change
+        .and_then(|change| change.old.as_ref()?.as_ref().ok())
         .map(value::full);
-    let new = outcome
-        .and_then(|outcome| outcome.new.as_ref()?.as_ref().ok())
-        .map(value::full);
-    let kept = outcome.is_some_and(|outcome| !outcome.differs());
+    let new = change.and_then(Change::now).map(value::full);
     axis.run(2.0 * RUN).wait()?;
     let speed = hold(axis, Duration::from_millis(1250), show)?;
     let text = format!(
@@ -395,7 +393,7 @@ fn accelerate(axis: &mut Demonstrated<'_>, show: &mut Show) -> Result<(), Error>
         new.clone().unwrap_or_default()
     );
     show.check(
-        kept && new.is_some() && near(speed, 2.0 * RUN),
+        set.is_done() && new.is_some() && near(speed, 2.0 * RUN),
         text,
         "the value did not arrive, or the motor not there",
     )

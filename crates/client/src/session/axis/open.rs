@@ -4,13 +4,13 @@ use std::time::Duration;
 
 use profile::catalogue::Device;
 use profile::state::Zsw1;
+use profile::value::Reading;
 use profinet::controller::{ArId, ConnectConfig, Misuse, Resolve, Target};
 
 use super::rest::{Closer, Ending, Place};
 use super::{Axis, AxisPlan, AxisSettings, Session, speed_setpoint};
 use crate::axis::{AxisControl, Cycle, Limits, Purpose, SpeedScale, Wiring};
 use crate::learn::device_of;
-use crate::session::keep::Kept;
 use crate::session::loss::LossReaction;
 use crate::session::prepare::{Prepared, ownerless};
 use crate::session::takeover;
@@ -313,7 +313,7 @@ impl Axis {
     }
 
     /// The one who ends this axis.
-    fn closer(&self, kept: Kept) -> Closer {
+    fn closer(&self, kept: Vec<Reading>) -> Closer {
         let mut session = self.session.clone();
         session.under_control = Some((self.drive.label(), self.loss.clone()));
         Closer {

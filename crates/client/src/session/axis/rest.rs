@@ -4,11 +4,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
+use profile::value::Reading;
+
 use super::{Axis, AxisStatus, Rest};
 use crate::axis::{Goal, Progress, Seen, SpeedScale, Trouble};
 use crate::client::AxisView;
 use crate::engine::{At, at};
-use crate::session::keep::Kept;
 use crate::session::loss::LossReaction;
 use crate::session::{Session, takeover};
 use crate::{Connection, Drive, Error, Link};
@@ -128,7 +129,7 @@ pub(super) struct Closer {
     pub cycle: Duration,
     pub scale: SpeedScale,
     pub deceleration: Option<f64>,
-    pub kept: Kept,
+    pub kept: Vec<Reading>,
     pub loss: Box<LossReaction>,
     pub ending: Arc<Ending>,
     /// A quick stop ended what should have been a ramp stop.
@@ -176,7 +177,7 @@ impl Closer {
         let rest = rest?;
         released?;
         if running {
-            self.session.give_back(&mut self.drive, &self.kept).await?;
+            self.session.put_values_back(&mut self.drive, &self.kept).await?;
         }
         Ok(rest)
     }

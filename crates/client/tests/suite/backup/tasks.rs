@@ -131,7 +131,7 @@ fn changed_compared_restored_and_the_way_back() {
     };
     assert_eq!(numbers(&wanted, &changed), [1, 5, 9]);
     let mut journal = bench.journal(&wanted, &Choice::default());
-    assert_eq!((journal.plan().changes.len(), journal.plan().tasks.len()), (0, 3));
+    assert_eq!((journal.changes().len(), journal.tasks().len()), (0, 3));
     assert_eq!(
         numbers(&changed, &bench.backup()),
         [] as [u16; 0],
@@ -163,7 +163,11 @@ fn changed_compared_restored_and_the_way_back() {
         .wait()
         .unwrap();
     assert_eq!(
-        (plan.tasks.len(), plan.tasks[0].number, plan.changes.len()),
+        (
+            plan.set.tasks().len(),
+            plan.set.tasks()[0].number,
+            plan.set.changes().len()
+        ),
         (1, 9, 0)
     );
 }
@@ -177,7 +181,7 @@ fn interrupted_at_every_point_nothing_wrong_is_claimed_and_the_window_is_as_it_w
         let window = bench.window();
         let empty = bench.backup();
         let mut journal = bench.journal(&wanted, &Choice::default());
-        assert_eq!(journal.plan().tasks.len(), 3);
+        assert_eq!(journal.tasks().len(), 3);
         bench.on_each_step(|_, _| {});
         let steps = bench.steps.clone();
         bench.session.interrupt_with(move || steps.get() >= at);
@@ -185,9 +189,9 @@ fn interrupted_at_every_point_nothing_wrong_is_claimed_and_the_window_is_as_it_w
         bench.session.interrupt_with(|| false);
         assert_eq!(bench.window(), window, "{at}");
         let now = bench.backup();
-        for (change, step) in journal.plan().tasks.iter().zip(journal.task_steps()) {
+        for change in journal.tasks() {
             let has = now.task(change.number).unwrap();
-            match step {
+            match change.step {
                 Step::NotWritten => assert_eq!(*has, Task::Empty, "{at}"),
                 Step::ReadBack => assert_eq!(*has, change.new, "{at}"),
                 Step::InDoubt => assert!(*has == Task::Empty || *has == change.new, "{at}"),

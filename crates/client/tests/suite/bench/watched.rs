@@ -8,7 +8,8 @@ use std::ops::{Deref, DerefMut};
 
 use network::host::{Host, StationId};
 use network::segment::{Pace, Segment, SegmentMedium};
-use profidrive_client::backup::{Backup, Choice, Journal};
+use profidrive_client::backup::Backup;
+use profidrive_client::change::{ChangeSet, Choice};
 use profidrive_client::{Drive, DriveAddress, Error, Network, Wait};
 use profile::catalogue::AKD;
 use profile::parameter::{Keep, ParameterAccess};
@@ -146,16 +147,20 @@ impl Bench {
         result.unwrap_or_else(|error| panic!("{pnu} = {raw}: {error}"));
     }
 
-    pub fn journal(&mut self, wanted: &Backup, choice: &Choice) -> Journal {
-        Journal::new(&self.session.plan(&mut self.drive, wanted, choice).wait().unwrap())
+    pub fn journal(&mut self, wanted: &Backup, choice: &Choice) -> ChangeSet {
+        let plan = self.session.plan(&mut self.drive, wanted, choice).wait();
+        plan.unwrap().set
     }
 
     /// Restores; gives the last text that was kept.
-    pub fn restore(&mut self, journal: &mut Journal, save: bool) -> (Result<(), Error>, String) {
+    pub fn restore(&mut self, journal: &mut ChangeSet, save: bool) -> (Result<(), Error>, String) {
         let mut kept = String::new();
+        if save {
+            journal.save(&self.drive).unwrap();
+        }
         let result = self
             .session
-            .restore(&mut self.drive, journal, save, &mut |journal| {
+            .apply_kept(&mut self.drive, journal, &mut |journal| {
                 kept = journal.to_string();
                 Ok(())
             })
@@ -180,13 +185,13 @@ pub struct Claims {
 }
 
 impl Claims {
-    pub fn watch(bench: &mut Bench, journal: &Journal) -> Self {
+    pub fn watch(bench: &mut Bench, journal: &ChangeSet) -> Self {
         let claims = Self::default();
-        for change in &journal.plan().changes {
+        for change in journal.changes() {
             let number = |octets: &[u8]| octets.iter().fold(0, |sum, &octet| sum << 8 | u64::from(octet));
             let pair = (
                 change.new.pnu,
-                number(&change.old.octets),
+                number(&change.old.as_ref().unwrap().as_ref().unwrap().octets),
                 number(&change.new.octets),
             );
             assert_eq!(bench.wire().truth(pair.0), pair.1);

@@ -1,7 +1,7 @@
 //! Settings saved and brought back.
 
 use profidrive_client::Wait;
-use profidrive_client::backup::Saved;
+use profidrive_client::change::Saved;
 use profile::parameter::{Keep, ParameterAccess};
 
 use super::*;
@@ -25,17 +25,18 @@ fn settings_go_there_and_back() {
         let changed = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
         let differences = compare(&first, &changed);
         assert_eq!(differences.len(), 1, "{name}: {differences:?}");
-        let plan = session
+        let mut plan = session
             .plan(&mut drive, &first, &Choice::default())
             .wait()
             .expect("a plan");
-        assert_eq!(plan.changes.len(), 1, "{name}");
-        let mut journal = Journal::new(&plan);
+        assert_eq!(plan.set.changes().len(), 1, "{name}");
+        let set = &mut plan.set;
+        set.save(&drive).expect("a way to save");
         session
-            .restore(&mut drive, &mut journal, true, &mut |_| Ok(()))
+            .apply(&mut drive, set)
             .wait()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(journal.is_done(), "{name}: {journal}");
+        assert!(set.is_done(), "{name}: {set}");
         let last = session.backup(&mut drive, &mut |_, _| {}).wait().expect("saved");
         assert_eq!(last.to_string(), text, "{name} {at}");
     }
@@ -68,18 +69,11 @@ fn values_are_saved_by_a_parameter_where_the_request_that_saves_is_unknown() {
             .wait()
             .expect("saved");
         assert!(
-            outcomes
-                .iter()
-                .all(|outcome| matches!(outcome.written, Some(Ok(())))),
+            outcomes.is_done() && outcomes.saved() == Saved::Yes,
             "{outcomes:?}"
         );
-        assert!(!outcomes[0].differs());
-        let numbers: Vec<u16> = outcomes
-            .iter()
-            .map(|outcome| outcome.change.selection.pnu)
-            .collect();
-        let expected: &[u16] = if saves { &[341, 971] } else { &[341] };
-        assert_eq!(numbers, expected);
+        let command = outcomes.save_command().map(|command| command.selection.pnu);
+        assert_eq!(command, saves.then_some(971));
     }
 }
 
@@ -93,16 +87,16 @@ fn what_a_restore_saves_survives_a_restart() {
             write(&mut session, &mut drive, "3-41=7.5", WriteMode::Write).expect("taken");
             let wanted = session.backup(&mut drive, &mut |_, _| {}).wait().expect("read");
             write(&mut session, &mut drive, "3-41=9", WriteMode::Save).expect("saved");
-            let plan = session
+            let mut plan = session
                 .plan(&mut drive, &wanted, &Choice::default())
                 .wait()
                 .expect("a plan");
-            let mut journal = Journal::new(&plan);
-            let restored = session
-                .restore(&mut drive, &mut journal, save, &mut |_| Ok(()))
-                .wait();
-            restored.expect("restored");
-            assert_eq!(journal.saved() == Saved::Yes, save, "{journal}");
+            let set = &mut plan.set;
+            if save {
+                set.save(&drive).expect("a way to save");
+            }
+            session.apply(&mut drive, set).wait().expect("restored");
+            assert_eq!(set.saved() == Saved::Yes, save, "{set}");
             with_drive(&session, ids[0], |drive| {
                 drive.write(972, 0, 1, Keep::Volatile).expect("restarts");
             });

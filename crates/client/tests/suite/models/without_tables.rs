@@ -60,17 +60,13 @@ fn a_drive_without_a_built_in_catalogue_reports_its_parameters() {
     let read = Backup::parse(&saved.to_string()).expect("read back");
     assert!(compare(&saved, &read).is_empty());
     write(&mut session, &mut drive, "341=9s", WriteMode::Write).expect("taken");
-    let plan = session
+    let mut plan = session
         .plan(&mut drive, &read, &Choice::default())
         .wait()
         .expect("a plan");
-    assert_eq!(plan.changes.len(), 1);
-    let mut journal = Journal::new(&plan);
-    session
-        .restore(&mut drive, &mut journal, false, &mut |_| Ok(()))
-        .wait()
-        .expect("restored");
-    assert!(journal.is_done(), "{journal}");
+    assert_eq!(plan.set.changes().len(), 1);
+    session.apply(&mut drive, &mut plan.set).wait().expect("restored");
+    assert!(plan.set.is_done(), "{}", plan.set);
     let status = session.status(&mut drive).wait().expect("a status");
     assert!(status.status_word.is_some());
     assert!(session.faults(&mut drive).wait().expect("told").is_empty());

@@ -1,10 +1,10 @@
 //! What restoring would do: which values, from what to what, in which order, and what is left out and why.
 
 use profile::catalogue::{Parameter, Phase, Role, Scaling};
-use profile::notation::Shown;
 
-use super::{Backup, Header, Pattern, Task, TaskCoverage, rule, selection, task};
+use super::{Change, ChangeSet, Condition, Step, TaskChange};
 use crate::Refusal;
+use crate::backup::{Backup, Pattern, Task, TaskCoverage, rule, selection, task};
 use profile::value::take_scale;
 use profile::value::{Content, Interpretation, Parameters, Reading, Selection};
 
@@ -19,29 +19,6 @@ pub struct Choice {
     pub saved_only: bool,
     /// Also values outside the limits of the tables: the drive then decides.
     pub beyond_limits: bool,
-}
-
-/// One value that is to be written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Change {
-    /// The value of the drive now.
-    pub old: Reading,
-    /// The value it shall have.
-    pub new: Reading,
-    /// Lowest and highest value in the unit of the new one, where there are tables.
-    pub limits: Option<(f64, f64)>,
-    /// Whether the drive keeps it when it is switched off, where known.
-    pub saved: Option<bool>,
-    /// When it is written.
-    pub phase: Phase,
-}
-
-impl Change {
-    /// Name and number: `DRV.ACC (p2108)`.
-    #[must_use]
-    pub fn label(&self) -> String {
-        label(&self.new)
-    }
 }
 
 /// Why a value of the file is not written.
@@ -144,17 +121,6 @@ pub struct Skipped {
     pub why: Skip,
 }
 
-/// One motion task that is to be written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TaskChange {
-    /// Its number.
-    pub number: u16,
-    /// As it is now.
-    pub old: Task,
-    /// As it shall be.
-    pub new: Task,
-}
-
 /// A motion task of the file that is not written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskSkipped {
@@ -164,25 +130,17 @@ pub struct TaskSkipped {
     pub why: Skip,
 }
 
-/// What restoring will do, in this order.
+/// What restoring a backup writes, and what it leaves out.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// What is written, in the order of writing.
-    pub changes: Vec<Change>,
+    /// What is written.
+    pub set: ChangeSet,
     /// What is not, by number.
     pub skipped: Vec<Skipped>,
-    /// Motion tasks that are written after everything else.
-    pub tasks: Vec<TaskChange>,
     /// Motion tasks that are not.
     pub tasks_skipped: Vec<TaskSkipped>,
     /// Why the motion tasks of the file are left out all together, where they are.
     pub tasks_left_out: Option<String>,
-    /// Tables and scaling of the drive as they are now.
-    pub(crate) parameters: Parameters,
-    /// Its scaling once the plan is done.
-    after: Scaling,
-    /// The drive now.
-    pub(crate) header: Header,
 }
 
 impl Plan {
@@ -190,63 +148,55 @@ impl Plan {
     /// value of `wanted`.
     #[must_use]
     pub fn new(wanted: &Backup, present: &Backup, choice: &Choice) -> Self {
-        let mut plan = Self {
-            changes: Vec::new(),
-            skipped: Vec::new(),
-            tasks: Vec::new(),
-            tasks_skipped: Vec::new(),
-            tasks_left_out: None,
-            parameters: *present.parameters(),
-            after: present.parameters().scaling,
-            header: present.header.clone(),
-        };
+        let mut set = ChangeSet::of(present.header.clone(), *present.parameters(), Condition::Off);
+        let mut skipped = Vec::new();
         let chosen: Vec<&Reading> = wanted
             .readings()
             .iter()
             .filter(|reading| choice.only.is_empty() || choice.only.iter().any(|one| one.means(reading)))
             .collect();
         // the scalings first: they decide what the other numbers of the file will be
-        let mut scaling = present.parameters().scaling;
         for first in [true, false] {
             for reading in &chosen {
-                let is_first = rule(&plan.parameters, reading.pnu, reading.index).phase == Phase::Scaling;
+                let is_first = rule(&set.parameters, reading.pnu, reading.index).phase == Phase::Scaling;
                 if is_first != first {
                     continue;
                 }
-                match decide(wanted, present, reading, choice, &scaling) {
+                match decide(wanted, present, reading, choice, &set.after) {
                     Ok(change) => {
                         if let Some(number) = change.new.number() {
                             let at = (change.new.pnu, change.new.index);
-                            let tables = plan.parameters.catalogue;
-                            tables.and_then(|tables| take_scale(tables, &mut scaling, at, number));
+                            let tables = set.parameters.catalogue;
+                            tables.and_then(|tables| take_scale(tables, &mut set.after, at, number));
                         }
-                        plan.changes.push(change);
+                        set.changes.push(change);
                     }
-                    Err(why) => plan.skipped.push(Skipped {
+                    Err(why) => skipped.push(Skipped {
                         reading: (*reading).clone(),
                         why,
                     }),
                 }
             }
         }
-        plan.changes
-            .sort_by_key(|change| (change.phase, change.new.pnu, change.new.index));
-        plan.skipped
-            .sort_by_key(|skipped| (skipped.reading.pnu, skipped.reading.index));
-        plan.after = scaling;
-        plan.plan_tasks(wanted, present, choice, scaling);
+        set.changes
+            .sort_by_key(|change| (change.phase(), change.new.pnu, change.new.index));
+        skipped.sort_by_key(|skipped| (skipped.reading.pnu, skipped.reading.index));
+        let mut plan = Self {
+            set,
+            skipped,
+            tasks_skipped: Vec::new(),
+            tasks_left_out: None,
+        };
+        plan.plan_tasks(wanted, present, choice);
         plan
     }
 
-    fn plan_tasks(&mut self, wanted: &Backup, present: &Backup, choice: &Choice, scaling: Scaling) {
+    fn plan_tasks(&mut self, wanted: &Backup, present: &Backup, choice: &Choice) {
         let numbers = wanted.task_numbers();
         let meant = numbers
             .into_iter()
             .filter(|&number| task::is_meant(&choice.only, number));
-        let here = Parameters {
-            scaling,
-            ..*present.parameters()
-        };
+        let here = self.set.parameters_after();
         for number in meant {
             let Some(new) = wanted.task(number) else { continue };
             let Some(old) = present.task(number) else {
@@ -259,58 +209,28 @@ impl Plan {
                 continue;
             }
             match decide_task(wanted, present, new, old, choice, &here) {
-                Ok(new) => self.tasks.push(TaskChange {
+                Ok(new) => self.set.tasks.push(TaskChange {
                     number,
                     old: old.clone(),
                     new,
+                    step: Step::NotWritten,
                 }),
                 Err(why) => self.tasks_skipped.push(TaskSkipped { number, why }),
             }
         }
     }
 
-    /// The values that the plan will change, as they are now: restoring this undoes it.
-    #[must_use]
-    pub fn way_back(&self) -> Backup {
-        let old = self.changes.iter().map(|change| Ok(change.old.clone()));
-        let header = Header {
-            tasks: TaskCoverage::Nothing,
-            ..self.header.clone()
-        };
-        let mut backup = Backup::new(header, self.parameters, old);
-        for change in &self.tasks {
-            backup.put_task(change.number, change.old.clone());
-        }
-        backup
-    }
-
     /// What a person should know about the drive before it gets the settings of another.
     #[must_use]
     pub fn remarks(&self, wanted: &Backup) -> Vec<String> {
-        wanted.header.remarks(&self.header)
-    }
-
-    /// Tables and scaling of the drive as they are now.
-    #[must_use]
-    pub const fn parameters(&self) -> &Parameters {
-        &self.parameters
-    }
-
-    /// Tables and scaling as they will be when the plan is done: what the new values are in.
-    #[must_use]
-    pub fn parameters_after(&self) -> Parameters {
-        Parameters {
-            scaling: self.after,
-            ..self.parameters
-        }
+        wanted.header.remarks(&self.set.header)
     }
 
     /// True when nothing of the file fits what was chosen.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
-        self.changes.is_empty()
+        self.set.total() == 0
             && self.skipped.is_empty()
-            && self.tasks.is_empty()
             && self.tasks_skipped.is_empty()
             && self.tasks_left_out.is_none()
     }
@@ -403,23 +323,15 @@ fn decide(
         // the drive says what kind of value it is
         _ => now.reading(&selection, 0, old.format, like(old), &reading.octets),
     };
-    let saved = selection.parameter.map(|parameter| parameter.saved);
-    if choice.saved_only && saved == Some(false) {
+    let change = Change {
+        old: Some(Ok(old.clone())),
+        rule: Some(rule),
+        ..Change::new(now, selection, new)
+    };
+    if choice.saved_only && change.storable == Some(false) {
         return Err(Skip::NotSaved);
     }
-    Ok(Change {
-        old: old.clone(),
-        new,
-        limits: selection.parameter.map(|parameter| {
-            let here = Parameters {
-                scaling: *scaling,
-                ..*now
-            };
-            here.limits(parameter)
-        }),
-        saved,
-        phase: rule.phase,
-    })
+    Ok(change)
 }
 
 /// The task as the drive shall have it, in its numbers.
@@ -500,13 +412,5 @@ const fn like(old: &Reading) -> Interpretation {
         Content::Float(_) => Interpretation::Float,
         Content::Text(_) => Interpretation::Text,
         Content::Octets => Interpretation::Octets,
-    }
-}
-
-fn label(reading: &Reading) -> String {
-    let shown: Shown = reading.shown();
-    match reading.name {
-        Some(name) => format!("{name} ({shown})"),
-        None => shown.to_string(),
     }
 }
